@@ -1,0 +1,248 @@
+//! The command line as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::finding::Code;
+
+/// Correlates a hammer test with a theoretical model of the same machine.
+#[derive(Debug, Parser)]
+#[command(
+    name = "modalign",
+    version,
+    propagate_version = true,
+    arg_required_else_help = true
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Option<Verb>,
+    /// What every verb takes.
+    #[command(flatten)]
+    pub global: Global,
+}
+
+/// Options of every verb.
+#[derive(Clone, Debug, Args)]
+pub struct Global {
+    /// Number of threads (default: one per core); results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<usize>,
+    /// No findings on standard error; errors stay.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// The result as JSON on standard output.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Read every input as this format instead of judging by content (uff, table).
+    #[arg(long, global = true, value_name = "NAME")]
+    pub format: Option<String>,
+    /// What a finding's code means.
+    #[arg(long, global = true, value_name = "CODE", value_parser = code)]
+    pub explain: Option<Code>,
+}
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Run a scene: recordings and model to the comparison table.
+    Run(RunArgs),
+    /// Say what is in files, from their headers.
+    Inspect(InspectArgs),
+    /// Estimate FRFs from recorded hits.
+    Frf(FrfArgs),
+    /// Identify modes from FRFs.
+    Identify(IdentifyArgs),
+    /// Natural frequencies and shapes of a model.
+    Theory(TheoryArgs),
+    /// Pair the modes of a test with those of a model.
+    Correlate(CorrelateArgs),
+    /// Make a synthetic hammer test with its truth.
+    Synth(SynthArgs),
+    /// Hold a result against limits or a baseline; the exit code says whether it is met.
+    Check(CheckArgs),
+}
+
+/// `run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// A scene's folder or its scene.toml.
+    pub scene: PathBuf,
+    /// Write tables, modes, FRFs and recordings into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Go on with the good part of a partly bad file.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+/// `inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// Files of any known format.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+}
+
+/// `frf`.
+#[derive(Debug, Args)]
+pub struct FrfArgs {
+    /// Recordings, or one scene whose tests describe them.
+    #[arg(required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Write the FRFs here (.uff).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// h1, h2 or hv.
+    #[arg(long, value_name = "NAME")]
+    pub estimator: Option<String>,
+    /// Force window: seconds kept after the pulse, the rest is set to zero.
+    #[arg(long, value_name = "SECONDS")]
+    pub force_window: Option<f64>,
+    /// Exponential window on force and response: its value at the record's end, e.g. 0.01.
+    #[arg(long, value_name = "END")]
+    pub response_window: Option<f64>,
+    /// Response over force noise variance for hv, in SI units.
+    #[arg(long, value_name = "RATIO")]
+    pub noise_ratio: Option<f64>,
+    /// Remove the mean before the hit from every channel.
+    #[arg(long)]
+    pub remove_offset: bool,
+    /// records: a further force record opens the next hit; files: each file is one hit.
+    #[arg(long, value_name = "records|files")]
+    pub hits: Option<String>,
+    /// Hit point of files that do not name it.
+    #[arg(long, value_name = "DOF")]
+    pub reference: Option<Dof>,
+    /// Go on with the good part of a partly bad file.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+/// `identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// FRF files.
+    #[arg(required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Write the modes here (.json).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// auto, peak or circle.
+    #[arg(long, value_name = "NAME")]
+    pub method: Option<String>,
+    /// Band in Hz, LO:HI; the whole axis when not given.
+    #[arg(long, value_name = "LO:HI", value_parser = band)]
+    pub band: Option<Band>,
+    /// Use these references alone.
+    #[arg(long, value_name = "DOF")]
+    pub reference: Vec<Dof>,
+    /// Go on with the good part of a partly bad file.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+/// `theory`.
+#[derive(Debug, Args)]
+pub struct TheoryArgs {
+    /// A model.toml, or a scene whose model and sensors are meant.
+    pub model: PathBuf,
+    /// Write the modes here (.json).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// Set a parameter; may be repeated.
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    pub settings: Vec<(String, f64)>,
+    /// Modes in this band alone, LO:HI in Hz.
+    #[arg(long, value_name = "LO:HI", value_parser = band)]
+    pub band: Option<Band>,
+}
+
+/// `correlate`.
+#[derive(Debug, Args)]
+pub struct CorrelateArgs {
+    /// Modes of the test (modes.json); may be repeated.
+    #[arg(long, required = true)]
+    pub test: Vec<PathBuf>,
+    /// Modes of the model (modes.json), or a model.toml.
+    #[arg(long)]
+    pub theory: PathBuf,
+    /// Write the table here (.md, .csv, .tex, .txt or .json).
+    #[arg(short, long, value_name = "TABLE")]
+    pub output: Option<PathBuf>,
+    /// Gate on the frequency error, a fraction.
+    #[arg(long, value_name = "FRACTION")]
+    pub max_frequency_error: Option<f64>,
+    /// Gate on MAC.
+    #[arg(long, value_name = "MAC")]
+    pub min_mac: Option<f64>,
+    /// theory: (test − theory)/theory; test: (theory − test)/test.
+    #[arg(long, value_name = "theory|test")]
+    pub error_reference: Option<String>,
+}
+
+/// `synth`.
+#[derive(Debug, Args)]
+pub struct SynthArgs {
+    /// Spec of the synthetic test (TOML).
+    pub spec: PathBuf,
+    /// Write the recording here (.uff); the truth goes beside it as .modes.json.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// comparison.json or modes.json.
+    pub result: PathBuf,
+    /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
+    #[arg(long, value_name = "BASELINE")]
+    pub against: PathBuf,
+    /// Largest change of a frequency against a baseline result, percent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.05)]
+    pub frequency_percent: f64,
+    /// Largest change of a damping ratio against a baseline result, percent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0)]
+    pub damping_percent: f64,
+    /// Largest change of MAC against a baseline comparison; largest 1 − MAC against baseline modes.
+    #[arg(long, value_name = "MAC", default_value_t = 0.01)]
+    pub mac: f64,
+    /// Write the verdicts as JUnit XML for a CI server.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+}
+
+fn band(text: &str) -> Result<Band, String> {
+    let expected = || format!("got band `{text}`, expected LO:HI in Hz");
+    let (lo, hi) = text.split_once(':').ok_or_else(expected)?;
+    let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());
+    Band::new(number(lo)?, number(hi)?).map_err(|error| error.to_string())
+}
+
+fn setting(text: &str) -> Result<(String, f64), String> {
+    let expected = || format!("got `{text}`, expected NAME=VALUE");
+    let (name, value) = text.split_once('=').ok_or_else(expected)?;
+    Ok((
+        name.trim().to_owned(),
+        value.trim().parse().map_err(|_| expected())?,
+    ))
+}
+
+fn code(text: &str) -> Result<Code, String> {
+    let known = || {
+        Code::ALL
+            .iter()
+            .map(|code| code.name())
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    Code::ALL
+        .iter()
+        .copied()
+        .find(|code| code.name() == text)
+        .ok_or_else(|| format!("got code `{text}`, expected one of {}", known()))
+}

@@ -1,0 +1,106 @@
+//! The command line: arguments as typed, one file per verb, standard output and exit codes.
+
+mod args;
+mod check;
+mod correlate;
+mod frf;
+mod identify;
+mod inspect;
+mod output;
+mod run;
+mod synth;
+mod theory;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use crate::error::Error;
+
+use args::{Cli, Global, Verb};
+use output::Output;
+
+/// How a verb that did not fail ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Done: exit code 0.
+    Done,
+    /// Done, but a stated limit is missed or part of the input was bad: exit code 1.
+    Missed,
+}
+
+impl Outcome {
+    /// `Missed` when something was.
+    fn missed_if(missed: bool) -> Self {
+        if missed {
+            Outcome::Missed
+        } else {
+            Outcome::Done
+        }
+    }
+}
+
+/// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input partly bad, 2 error.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let mut output = Output::new(&cli.global);
+    let result = in_pool(&cli.global, || dispatch(&cli, &mut output));
+    match result.and_then(|outcome| output.finish().map(|()| outcome)) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Missed) => ExitCode::from(1),
+        Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs `work` in a pool of the wanted number of threads.
+fn in_pool<T: Send>(
+    global: &Global,
+    work: impl FnOnce() -> Result<T, Error> + Send,
+) -> Result<T, Error> {
+    let Some(threads) = global.threads else {
+        return work();
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .ok()
+        .filter(|_| threads > 0);
+    let pool = pool.ok_or_else(|| Error::Argument {
+        argument: "--threads",
+        got: threads.to_string(),
+        expected: "a positive number of threads that the system can start".to_owned(),
+    })?;
+    pool.install(work)
+}
+
+fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
+    if let Some(code) = cli.global.explain {
+        output.text(&format!(
+            "{}: {}\n\n{}",
+            code.name(),
+            code.sentence(),
+            code.explanation()
+        ));
+        return Ok(Outcome::Done);
+    }
+    let format = cli.global.format.as_deref();
+    match &cli.verb {
+        Some(Verb::Run(args)) => run::run(args, format, output),
+        Some(Verb::Inspect(args)) => inspect::inspect(args, format, output),
+        Some(Verb::Frf(args)) => frf::frf(args, format, output),
+        Some(Verb::Identify(args)) => identify::identify(args, format, output),
+        Some(Verb::Theory(args)) => theory::theory(args, output),
+        Some(Verb::Correlate(args)) => correlate::correlate(args, output),
+        Some(Verb::Synth(args)) => synth::synth(args, output),
+        Some(Verb::Check(args)) => check::check(args, output),
+        None => {
+            output.text(&Cli::command().render_help().to_string());
+            Ok(Outcome::Done)
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Standard output carries the result alone, standard error the findings.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::finding::{Code, Finding};
+use crate::report::{Block, Renderer, Terminal};
+
+use super::args::Global;
+
+/// More findings of one code than this are counted instead of listed.
+const LISTED_PER_CODE: usize = 5;
+
+/// Extensions of universal files.
+pub const UNIVERSAL: &[&str] = &["uff", "unv"];
+
+/// An output file's extension must be that of what will be written.
+pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or("");
+    if expected.contains(&extension.to_lowercase().as_str()) {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "-o",
+        got: path.display().to_string(),
+        expected: format!("a file name ending in .{}", expected.join(" or .")),
+    })
+}
+
+/// Collects what a verb prints, so that nothing is printed before it has succeeded.
+pub struct Output {
+    quiet: bool,
+    json: bool,
+    result: String,
+    findings: Vec<Finding>,
+}
+
+impl Output {
+    /// Nothing printed yet.
+    pub fn new(global: &Global) -> Self {
+        Self {
+            quiet: global.quiet,
+            json: global.json,
+            result: String::new(),
+            findings: Vec::new(),
+        }
+    }
+
+    /// Adds blocks to the result, unless JSON is wanted.
+    pub fn blocks(&mut self, blocks: &[Block]) {
+        if !self.json {
+            self.text(&Terminal.render(blocks));
+        }
+    }
+
+    /// Adds JSON to the result, when it is wanted.
+    pub fn json(&mut self, text: &str) {
+        if self.json {
+            self.text(text);
+        }
+    }
+
+    /// Adds text to the result.
+    pub fn text(&mut self, text: &str) {
+        if !self.result.is_empty() {
+            self.result.push('\n');
+        }
+        self.result.push_str(text);
+        if !text.ends_with('\n') {
+            self.result.push('\n');
+        }
+    }
+
+    /// Adds findings for standard error.
+    pub fn findings(&mut self, findings: &[Finding]) {
+        self.findings.extend_from_slice(findings);
+    }
+
+    /// Prints the result, then the findings.
+    ///
+    /// # Errors
+    /// [`Error::Output`] when standard output cannot be written.
+    pub fn finish(self) -> Result<(), Error> {
+        let mut stdout = std::io::stdout().lock();
+        stdout
+            .write_all(self.result.as_bytes())
+            .and_then(|()| stdout.flush())
+            .map_err(Error::Output)?;
+        if !self.quiet {
+            for line in finding_lines(&self.findings) {
+                // Nobody may be listening on standard error, which is no failure.
+                let _ = writeln!(std::io::stderr(), "{line}");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Findings as lines, each once; of a code with many the first are listed and the rest counted.
+fn finding_lines(findings: &[Finding]) -> Vec<String> {
+    let mut by_code: BTreeMap<(std::cmp::Reverse<crate::finding::Severity>, Code), Vec<String>> =
+        BTreeMap::new();
+    for finding in findings {
+        let lines = by_code
+            .entry((std::cmp::Reverse(finding.severity), finding.code))
+            .or_default();
+        let line = format!("{}: {finding} [{}]", finding.severity, finding.code.name());
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    let mut lines = Vec::new();
+    for ((severity, code), all) in by_code {
+        let listed = if all.len() > LISTED_PER_CODE + 1 {
+            LISTED_PER_CODE
+        } else {
+            all.len()
+        };
+        lines.extend_from_slice(&all[..listed]);
+        if listed < all.len() {
+            lines.push(format!(
+                "{}: {} more like these [{}]",
+                severity.0,
+                all.len() - listed,
+                code.name()
+            ));
+        }
+    }
+    lines
+}

@@ -1,0 +1,139 @@
+//! `modalign run`: a scene to its tables, and with `-o` to files.
+
+use crate::error::Error;
+use crate::io::{Encoding, FileLabel, write_frfs, write_whole};
+use crate::report::{Block, RENDERERS, comparison_blocks, json, limits_block, modes_block};
+use crate::scene::{Scene, SceneResult, TestResult, run as run_scene};
+
+use super::Outcome;
+use super::args::RunArgs;
+use super::output::Output;
+
+/// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
+pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
+    let mut scene = Scene::load(&args.scene)?;
+    scene.format = format.map(str::to_owned);
+    for test in &mut scene.tests {
+        test.partial |= args.partial;
+    }
+    let result = run_scene(&scene)?;
+    let blocks = blocks(&scene, &result);
+    if let Some(folder) = &args.output {
+        for (name, bytes) in files(&result, &blocks)? {
+            write_whole(&folder.join(name), bytes)?;
+        }
+    }
+    output.blocks(&blocks);
+    match &result.table {
+        Some(table) => output.json(&json::comparison_to_json(table)),
+        None => output.json(&modes_of_tests(&result)),
+    }
+    output.findings(&result.findings());
+    let missed = result.limits.iter().any(|check| !check.met());
+    Ok(Outcome::missed_if(missed || result.partly_bad()))
+}
+
+/// The modes of one test as they are, those of several as an array.
+fn modes_of_tests(result: &SceneResult) -> String {
+    let all: Vec<String> = result.tests.iter().map(TestResult::modes_json).collect();
+    if let [only] = all.as_slice() {
+        only.clone()
+    } else {
+        format!("[{}]", all.join(", "))
+    }
+}
+
+fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
+    let mut blocks = vec![Block::Heading(scene.title.clone())];
+    blocks.extend(
+        result
+            .tests
+            .iter()
+            .map(|test| modes_block(&test.name, &test.modes)),
+    );
+    if let Some(table) = &result.table {
+        blocks.extend(comparison_blocks(
+            table,
+            scene.caption.as_deref(),
+            &result.theory,
+        ));
+    }
+    blocks.extend(limits_block(&result.limits));
+    blocks
+}
+
+/// A file name made of a test's name.
+fn file_stem(name: &str) -> String {
+    let legal = |c: char| {
+        if c.is_alphanumeric() {
+            c.to_lowercase().collect()
+        } else {
+            "-".to_owned()
+        }
+    };
+    name.chars().map(legal).collect()
+}
+
+/// Everything that goes into the folder, made before the first file is written.
+fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for (index, test) in result.tests.iter().enumerate() {
+        let stem = file_stem(&test.name);
+        let taken = result.tests[..index]
+            .iter()
+            .any(|other| file_stem(&other.name) == stem);
+        let stem = if taken {
+            format!("{stem}-{}", index + 1)
+        } else {
+            stem
+        };
+        files.push((format!("{stem}.modes.json"), test.modes_json().into_bytes()));
+        for set in &test.frfs {
+            let name = format!("{stem}.frf.uff");
+            let mut bytes = Vec::new();
+            write_frfs(
+                &mut bytes,
+                &FileLabel {
+                    path: &name,
+                    title: &test.name,
+                },
+                set,
+                Encoding::Binary,
+            )?;
+            files.push((name, bytes));
+        }
+        if let Some(recording) = &test.recording {
+            files.push((format!("{stem}.recording.uff"), recording.uff.clone()));
+            files.push((
+                format!("{stem}.truth.modes.json"),
+                recording.truth_json.clone().into_bytes(),
+            ));
+        }
+    }
+    let Some(table) = &result.table else {
+        return Ok(files);
+    };
+    files.push((
+        "comparison.json".to_owned(),
+        json::comparison_to_json(table).into_bytes(),
+    ));
+    let told: Vec<Block> = blocks
+        .iter()
+        .cloned()
+        .chain([Block::Findings(result.findings())])
+        .collect();
+    for renderer in RENDERERS {
+        // A reader of CSV expects one table.
+        let comparison = comparison_blocks(table, None, &result.theory);
+        let part = if renderer.name() == "csv" {
+            &comparison[..1]
+        } else {
+            told.as_slice()
+        };
+        files.push((
+            format!("comparison.{}", renderer.extension()),
+            renderer.render(part).into_bytes(),
+        ));
+    }
+    Ok(files)
+}

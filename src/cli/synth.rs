@@ -1,0 +1,36 @@
+//! `modalign synth`: a synthetic hammer test, its truth beside it.
+
+use crate::error::Error;
+use crate::io::write_whole;
+use crate::report::{Block, theory_block};
+use crate::scene::{hammer_test, load_synth, record};
+
+use super::Outcome;
+use super::args::SynthArgs;
+
+use super::output::{Output, UNIVERSAL, check_extension};
+
+/// Writes `FILE` and, beside it, `FILE` with the extension `.modes.json`.
+pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
+    check_extension(Some(&args.output), UNIVERSAL)?;
+    let spec = load_synth(&args.spec)?;
+    let test = hammer_test(&spec, &args.spec)?;
+    let recording = record(&spec, &test, &args.spec)?;
+    let truth = args.output.with_extension("modes.json");
+    write_whole(&truth, &recording.truth_json)?;
+    write_whole(&args.output, &recording.uff)?;
+    let summary = format!(
+        "{} synthetic hits of {} samples at {} Hz: {}; truth: {}",
+        test.hit_count(),
+        test.samples,
+        test.sampling_rate_hz,
+        args.output.display(),
+        truth.display()
+    );
+    output.blocks(&[
+        Block::Text(summary),
+        theory_block("Truth of the synthetic test", &recording.truth),
+    ]);
+    output.json(&recording.truth_json);
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,54 @@
+//! `modalign theory`: natural frequencies and shapes of a model.
+
+use std::collections::BTreeMap;
+
+use crate::error::Error;
+use crate::io::{modes_to_json, write_whole};
+use crate::report::{Block, parameters_block, theory_block};
+use crate::scene::{Scene, SceneError, Theory, load_model, theory as scene_theory};
+use crate::theory::ModeOptions;
+
+use super::Outcome;
+use super::args::TheoryArgs;
+use super::output::{Output, check_extension};
+
+/// Prints the modes; writes them with `-o`.
+pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> {
+    check_extension(args.output.as_deref(), &["json"])?;
+    let result = solve(args)?;
+    let json = modes_to_json(&result.modes, None);
+    if let Some(path) = &args.output {
+        write_whole(path, &json)?;
+    }
+    let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
+    blocks.push(theory_block(
+        &format!("Modes of {}", args.model.display()),
+        &result.modes,
+    ));
+    output.blocks(&blocks);
+    output.json(&json);
+    output.findings(&result.modes.findings);
+    Ok(Outcome::Done)
+}
+
+/// The model file itself, or the model of a scene at the scene's sensors.
+fn solve(args: &TheoryArgs) -> Result<Theory, SceneError> {
+    let settings: BTreeMap<String, f64> = args.settings.iter().cloned().collect();
+    let options = ModeOptions {
+        band: args.band,
+        ..ModeOptions::default()
+    };
+    let is_scene = args.model.is_dir()
+        || args
+            .model
+            .file_name()
+            .is_some_and(|name| name == "scene.toml");
+    if !is_scene {
+        let model = load_model(&args.model, &settings)?;
+        return model.solve(&model.sensors, &options);
+    }
+    let scene = Scene::load(&args.model)?;
+    let mut table = scene.model.clone().unwrap_or_default();
+    table.parameters.extend(settings);
+    scene_theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)
+}

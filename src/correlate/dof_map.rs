@@ -1,0 +1,220 @@
+//! Which degree of freedom of the test is which of the theory: by label, never by index.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use num_complex::Complex64;
+
+use crate::dof::{Axis, Dof};
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::{ModalModel, ModeShape};
+
+use super::{CorrelateError, PairOptions};
+
+/// Up to this many degrees of freedom without a partner are named one by one, more are counted.
+const NAMED_ALONE: usize = 4;
+
+/// One degree of freedom that both have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DofPair {
+    /// As the test names it, with its sign.
+    pub test: Dof,
+    /// As the theory names it, with its sign.
+    pub theory: Dof,
+    /// Factor that turns the test's value to the theory's direction: the product of both signs.
+    pub sign: f64,
+}
+
+/// The degrees of freedom that test and theory have in common, in order.
+///
+/// Two are the same when point (with its component) and axis are equal. Of several that name the same point and axis in one
+/// set (repeated measurements, a second sensor the other way round) the first in order is taken.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct DofMap {
+    /// The common ones.
+    pub pairs: Vec<DofPair>,
+    /// Those of the test that the theory does not have.
+    pub test_alone: Vec<Dof>,
+}
+
+type Label = (String, Axis);
+
+fn first_of_each<'a>(dofs: impl Iterator<Item = &'a Dof>) -> BTreeMap<Label, Dof> {
+    let sorted: BTreeSet<&Dof> = dofs.collect();
+    let mut first = BTreeMap::new();
+    for dof in sorted {
+        first
+            .entry((dof.point().to_owned(), dof.axis()))
+            .or_insert_with(|| dof.clone());
+    }
+    first
+}
+
+impl DofMap {
+    /// The map between two lists of degrees of freedom, in any order.
+    pub fn new<'a>(
+        test: impl Iterator<Item = &'a Dof>,
+        theory: impl Iterator<Item = &'a Dof>,
+    ) -> Self {
+        let theory = first_of_each(theory);
+        let mut map = Self::default();
+        for (label, dof) in first_of_each(test) {
+            match theory.get(&label) {
+                Some(partner) => map.pairs.push(DofPair {
+                    sign: dof.sign() * partner.sign(),
+                    theory: partner.clone(),
+                    test: dof,
+                }),
+                None => map.test_alone.push(dof),
+            }
+        }
+        map.pairs.sort_by(|a, b| a.test.cmp(&b.test));
+        map.test_alone.sort();
+        map
+    }
+
+    /// The map between all degrees of freedom at which any mode of either model has a value.
+    pub fn of_models(test: &ModalModel, theory: &ModalModel) -> Self {
+        fn dofs(model: &ModalModel) -> impl Iterator<Item = &Dof> {
+            let shapes = model.modes.iter().map(|mode| &mode.shape);
+            shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof))
+        }
+        Self::new(dofs(test), dofs(theory))
+    }
+
+    /// How many degrees of freedom both have.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether they have none in common.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// What each common degree of freedom is multiplied by in a MAC: 1, or the stated length for a rotation that meets
+    /// translations.
+    pub(super) fn weights(&self, options: &PairOptions) -> Result<Vec<f64>, CorrelateError> {
+        let turns = |pair: &&DofPair| pair.test.axis().is_rotation();
+        let rotations = self.pairs.iter().filter(turns).count();
+        let translations = self.len() - rotations;
+        if rotations == 0 || translations == 0 {
+            return Ok(vec![1.0; self.len()]);
+        }
+        let length = options
+            .rotation_length_m
+            .ok_or(CorrelateError::MixedUnits {
+                translations,
+                rotations,
+            })?;
+        let weight = |pair: &DofPair| if turns(&pair) { length } else { 1.0 };
+        Ok(self.pairs.iter().map(weight).collect())
+    }
+
+    /// The test shape along the theory's directions; `None` where it has no value.
+    pub(super) fn test_values(&self, shape: &ModeShape, weights: &[f64]) -> Vec<Option<Complex64>> {
+        let value = |(pair, weight): (&DofPair, &f64)| {
+            shape.get(&pair.test).map(|v| v * pair.sign * *weight)
+        };
+        self.pairs.iter().zip(weights).map(value).collect()
+    }
+
+    /// The theory shape in its own directions; `None` where it has no value.
+    pub(super) fn theory_values(
+        &self,
+        shape: &ModeShape,
+        weights: &[f64],
+    ) -> Vec<Option<Complex64>> {
+        let value = |(pair, weight): (&DofPair, &f64)| shape.get(&pair.theory).map(|v| v * *weight);
+        self.pairs.iter().zip(weights).map(value).collect()
+    }
+
+    /// What is to be said of the map: degrees of freedom without a partner (each, or their number where they are many)
+    /// and a common number below the limit. Nothing for a test without shapes.
+    pub fn findings(&self, min_dofs: usize) -> Vec<Finding> {
+        let alone = &self.test_alone;
+        if self.is_empty() && alone.is_empty() {
+            return Vec::new();
+        }
+        let warn = |code, place| Finding::new(Severity::Warning, code, place);
+        let mut findings = Vec::new();
+        if alone.len() <= NAMED_ALONE {
+            findings.extend(alone.iter().map(|dof| {
+                let place = Place::Function {
+                    response: Some(dof.clone()),
+                    reference: None,
+                };
+                warn(Code::DofWithoutPartner, place)
+            }));
+        } else {
+            let count = alone.len() as f64;
+            findings.push(warn(Code::DofWithoutPartner, Place::Whole).value(count, ""));
+        }
+        if self.len() < min_dofs {
+            let few = warn(Code::FewDofs, Place::Whole);
+            findings.push(few.value(self.len() as f64, "").limit(min_dofs as f64));
+        }
+        findings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dofs(text: &[&str]) -> Vec<Dof> {
+        text.iter().map(|t| t.parse().unwrap()).collect()
+    }
+
+    fn map(test: &[&str], theory: &[&str]) -> DofMap {
+        DofMap::new(dofs(test).iter(), dofs(theory).iter())
+    }
+
+    #[test]
+    fn labels_meet_with_the_product_of_their_signs() {
+        let map = map(
+            &["10:-Z", "2:+X", "3:-Y", "2:+Z", "a.2:+X"],
+            &["2:+X", "3:-Y", "10:+Z", "2:+Y"],
+        );
+        let text: Vec<String> = map
+            .pairs
+            .iter()
+            .map(|p| format!("{} {} {}", p.test, p.theory, p.sign))
+            .collect();
+        assert_eq!(text, ["2:+X 2:+X 1", "3:-Y 3:-Y 1", "10:-Z 10:+Z -1"]);
+        assert_eq!(map.test_alone, dofs(&["2:+Z", "a.2:+X"]));
+    }
+
+    #[test]
+    fn a_repeated_or_reversed_measurement_counts_once() {
+        let map = map(&["1:+Z#2", "1:+Z", "1:-Z"], &["1:+Z"]);
+        assert_eq!((map.len(), map.test_alone.len()), (1, 0));
+        assert_eq!(map.pairs[0].test.to_string(), "1:+Z");
+    }
+
+    #[test]
+    fn few_missing_ones_are_named_and_many_are_counted() {
+        let named = map(&["1:+Z", "2:+Z"], &["1:+Z"]).findings(4);
+        let places: Vec<String> = named.iter().map(|f| f.place.to_string()).collect();
+        assert_eq!(places, ["channel 2:+Z", "whole test"]);
+        assert_eq!((named[1].value, named[1].limit), (Some(1.0), Some(4.0)));
+        let counted = map(&["1:+Z", "2:+Z", "3:+Z", "4:+Z", "5:+Z"], &[]).findings(0);
+        assert_eq!((counted.len(), counted[0].value), (1, Some(5.0)));
+        assert!(map(&[], &["1:+Z"]).findings(4).is_empty());
+    }
+
+    #[test]
+    fn rotations_among_translations_need_a_length() {
+        let mixed = map(&["1:+X", "1:+RY"], &["1:+X", "1:+RY"]);
+        let mut options = PairOptions::default();
+        assert_eq!(
+            mixed.weights(&options),
+            Err(CorrelateError::MixedUnits {
+                translations: 1,
+                rotations: 1
+            })
+        );
+        options.rotation_length_m = Some(0.25);
+        assert_eq!(mixed.weights(&options), Ok(vec![1.0, 0.25]));
+        assert_eq!(map(&["1:+RX"], &["1:+RX"]).weights(&options), Ok(vec![1.0]));
+    }
+}

@@ -1,0 +1,74 @@
+//! What can be wrong with a request to correlate.
+
+use crate::linalg::LinalgError;
+
+/// Why modes cannot be paired or compared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CorrelateError {
+    /// An option outside its range.
+    #[error("pairing option {name}: got {got}, expected {expected}")]
+    Option {
+        /// The option.
+        name: &'static str,
+        /// As given.
+        got: f64,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
+    /// A mode whose frequency is not one.
+    #[error("{model} mode {number}: got {got_hz} Hz, expected a finite frequency of 0 or more")]
+    Frequency {
+        /// Test or theory.
+        model: &'static str,
+        /// Number of the mode, from 1.
+        number: usize,
+        /// Its frequency, Hz.
+        got_hz: f64,
+    },
+    /// Translations and rotations in one MAC without a length.
+    #[error(
+        "got {translations} translations and {rotations} rotations in common, expected one kind or a rotation_length_m to weigh them"
+    )]
+    MixedUnits {
+        /// Common degrees of freedom that are translations.
+        translations: usize,
+        /// Common degrees of freedom that are rotations.
+        rotations: usize,
+    },
+    /// A shape value that is not a number.
+    #[error(
+        "{model} mode {number}: got a shape value that is not finite, expected a number at every degree of freedom"
+    )]
+    ShapeValue {
+        /// Test or theory.
+        model: &'static str,
+        /// Number of the mode, from 1.
+        number: usize,
+    },
+    /// Two tests of one name.
+    #[error("got test `{name}` twice, expected every test to have its own name")]
+    DuplicateTest {
+        /// The name.
+        name: String,
+    },
+    /// A pairing that was made from other models.
+    #[error(
+        "test `{test}`: got a pairing of {got_test} test and {got_theory} theory modes, expected {expected_test} and {expected_theory}"
+    )]
+    OtherPairing {
+        /// The test.
+        test: String,
+        /// Test modes in the pairing.
+        got_test: usize,
+        /// Theory modes in the pairing.
+        got_theory: usize,
+        /// Modes of the test.
+        expected_test: usize,
+        /// Modes of the theory.
+        expected_theory: usize,
+    },
+    /// A matrix problem without an answer.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+}

@@ -1,0 +1,417 @@
+//! Pairing of test modes with the roots of a theory.
+//!
+//! All pairs are decided together: an assignment of smallest total cost, in which a mode may stay alone. Complex test
+//! shapes are used as they are; they are not made real first.
+
+use num_complex::Complex64;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::ModalModel;
+
+use super::roots::{Root, check_model, elastic_modes, elastic_roots};
+use super::subspace::{principal_angles_deg, subspace_mac};
+use super::{CorrelateError, DofMap, PairOptions, assign};
+
+/// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
+const ALONE: f64 = 1.0;
+
+/// Who else fits as well.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rival {
+    /// Another root of the theory, by the indices of its modes.
+    Theory(Vec<usize>),
+    /// Another mode of the test, by its index.
+    Test(usize),
+}
+
+/// How sure a pair is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// No other partner of either side is as good.
+    Paired,
+    /// A rival costs less than the margin more.
+    Ambiguous {
+        /// The cheapest rival.
+        rival: Rival,
+        /// Its cost minus the pair's; negative when the rival is better by itself and the whole decided against it.
+        cost_difference: f64,
+    },
+}
+
+/// A test mode as the partner of a root.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Partner {
+    /// Index of the test mode.
+    pub test: usize,
+    /// Signed frequency error, a fraction, by the options' reference.
+    pub frequency_error: f64,
+    /// MAC, for a repeated root that with its subspace; `None` when paired by frequency alone.
+    pub mac: Option<f64>,
+    /// Cost of the pair, from 0 to 1.
+    pub cost: f64,
+    /// How sure it is.
+    pub verdict: Verdict,
+}
+
+/// A root of the theory with its partners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Indices of the theory modes; several for a repeated root.
+    pub theory: Vec<usize>,
+    /// Its test modes in ascending index, from one to the multiplicity of the root.
+    pub partners: Vec<Partner>,
+    /// Principal angles between the test modes and the subspace of a repeated root, ascending, degrees; `None` for a simple
+    /// root or without shapes.
+    pub angles_deg: Option<Vec<f64>>,
+}
+
+/// A mode within the frequency gate that was refused for its shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearMiss {
+    /// Index of the test mode.
+    pub test: usize,
+    /// Its MAC, below the gate.
+    pub mac: f64,
+}
+
+/// A root of the theory without a partner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnpairedRoot {
+    /// Indices of the theory modes.
+    pub theory: Vec<usize>,
+    /// The test mode nearest in frequency, when it was refused for its MAC.
+    pub near_miss: Option<NearMiss>,
+}
+
+/// Who belongs to whom between one test and one theory. Indices are those of the two models' mode lists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pairing {
+    /// The common degrees of freedom.
+    pub map: DofMap,
+    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has no shape there.
+    pub mac: Vec<Vec<Option<f64>>>,
+    /// Roots with partners, in ascending theory frequency.
+    pub pairs: Vec<Pair>,
+    /// Roots without, in ascending frequency.
+    pub unpaired_theory: Vec<UnpairedRoot>,
+    /// Test modes without a partner, ascending.
+    pub unpaired_test: Vec<usize>,
+    /// Theory modes at 0 Hz, which are never paired.
+    pub rigid_theory: usize,
+    /// Number of theory modes.
+    pub theory_modes: usize,
+    /// What the shapes and frequencies said on the way.
+    pub findings: Vec<Finding>,
+}
+
+/// Pairs the modes of a test with those of a theory.
+///
+/// With `u = |frequency error| / max_frequency_error` and `v = (1 - MAC) / (1 - min_mac)`, a pair is allowed when both are
+/// at most 1 and costs `(u + v)/2`; without shapes on both sides it costs `u`. Leaving a test mode and a theory mode over
+/// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
+/// as moving costs more than that. The sum is made smallest over all pairs at once. A pair is ambiguous when, for either
+/// side, another allowed partner costs less than `ambiguous_margin` more.
+///
+/// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
+/// modes, by [`subspace_mac`]. Modes at 0 Hz, of either side, are left out.
+///
+/// # Errors
+/// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
+/// [`CorrelateError::MixedUnits`], [`CorrelateError::Linalg`].
+///
+/// # Reference
+/// Allemang and Brown (1982), A correlation coefficient for modal vector analysis, IMAC 1 (MAC); Kuhn (1955) (assignment).
+pub fn pair(
+    test: &ModalModel,
+    theory: &ModalModel,
+    options: &PairOptions,
+) -> Result<Pairing, CorrelateError> {
+    options.validate()?;
+    check_model("test", test)?;
+    check_model("theory", theory)?;
+    let map = DofMap::of_models(test, theory);
+    let shapes = Shapes::new(test, theory, &map, options)?;
+    let table = CandidateTable::new(test, theory, &shapes, options);
+    let root_of = table.assign();
+    let mut findings = map.findings(options.min_dofs);
+    findings.extend(table.findings(test, &root_of, options));
+    let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
+    Ok(Pairing {
+        mac: shapes.mac_matrix(),
+        pairs: table.pairs(&root_of, &shapes, options)?,
+        unpaired_theory: table.unpaired_theory(&root_of),
+        unpaired_test: table.unpaired_test(&root_of),
+        rigid_theory: theory.modes.len() - elastic_count,
+        theory_modes: theory.modes.len(),
+        map,
+        findings,
+    })
+}
+
+/// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
+struct Shapes {
+    test: Vec<Vec<Option<Complex64>>>,
+    theory: Vec<Vec<Option<Complex64>>>,
+}
+
+impl Shapes {
+    fn new(
+        test: &ModalModel,
+        theory: &ModalModel,
+        map: &DofMap,
+        options: &PairOptions,
+    ) -> Result<Self, CorrelateError> {
+        let weights = map.weights(options)?;
+        let of_test = test.modes.iter();
+        let of_theory = theory.modes.iter();
+        Ok(Self {
+            test: of_test
+                .map(|m| map.test_values(&m.shape, &weights))
+                .collect(),
+            theory: of_theory
+                .map(|m| map.theory_values(&m.shape, &weights))
+                .collect(),
+        })
+    }
+
+    /// The test and theory vectors on the degrees of freedom at which all of these modes have a value.
+    fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
+        let all = || {
+            let test = test.iter().map(|&i| &self.test[i]);
+            test.chain(theory.iter().map(|&j| &self.theory[j]))
+        };
+        let count = all().next().map_or(0, Vec::len);
+        let kept: Vec<usize> = (0..count)
+            .filter(|&d| all().all(|values| values[d].is_some()))
+            .collect();
+        let vector =
+            |values: &Vec<Option<Complex64>>| kept.iter().filter_map(|&d| values[d]).collect();
+        [
+            test.iter().map(|&i| vector(&self.test[i])).collect(),
+            theory.iter().map(|&j| vector(&self.theory[j])).collect(),
+        ]
+    }
+
+    /// Whether a test mode and a root have any degree of freedom in common, and the MAC there (`None` for a zero vector).
+    fn compare(&self, test: usize, theory: &[usize]) -> (bool, Option<f64>) {
+        let [vector, span] = self.common(&[test], theory);
+        (!vector[0].is_empty(), subspace_mac(&vector[0], &span))
+    }
+
+    fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
+        let row = |i| {
+            (0..self.theory.len())
+                .map(|j| self.compare(i, &[j]).1)
+                .collect()
+        };
+        (0..self.test.len()).map(row).collect()
+    }
+}
+
+/// What a test mode and a root are to each other.
+#[derive(Clone, Copy)]
+struct Candidate {
+    frequency_error: f64,
+    mac: Option<f64>,
+    /// `None` when a gate forbids the pair.
+    cost: Option<f64>,
+    /// Inside the frequency gate, with a MAC under its gate.
+    low_mac: bool,
+}
+
+/// Every elastic test mode against every elastic root.
+struct CandidateTable {
+    modes: Vec<usize>,
+    roots: Vec<Root>,
+    candidates: Vec<Vec<Candidate>>,
+}
+
+impl CandidateTable {
+    fn new(test: &ModalModel, theory: &ModalModel, shapes: &Shapes, options: &PairOptions) -> Self {
+        let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
+        let candidate = |i: usize, root: &Root| {
+            let hz = test.modes[i].frequency_hz;
+            let error = options.error_reference.error(hz, root.hz);
+            candidate(error, shapes.compare(i, &root.modes), options)
+        };
+        let row = |&i: &usize| roots.iter().map(|root| candidate(i, root)).collect();
+        Self {
+            candidates: modes.iter().map(row).collect(),
+            modes,
+            roots,
+        }
+    }
+
+    /// The root of every row; a repeated root stands in as many columns as it has modes.
+    fn assign(&self) -> Vec<Option<usize>> {
+        let repeated = |r: usize| std::iter::repeat_n(r, self.roots[r].modes.len());
+        let columns: Vec<usize> = (0..self.roots.len()).flat_map(repeated).collect();
+        let row =
+            |candidates: &Vec<Candidate>| columns.iter().map(|&r| candidates[r].cost).collect();
+        let costs: Vec<Vec<Option<f64>>> = self.candidates.iter().map(row).collect();
+        let chosen = assign(&costs, ALONE);
+        chosen
+            .into_iter()
+            .map(|column| column.map(|c| columns[c]))
+            .collect()
+    }
+
+    fn pairs(
+        &self,
+        root_of: &[Option<usize>],
+        shapes: &Shapes,
+        options: &PairOptions,
+    ) -> Result<Vec<Pair>, CorrelateError> {
+        let mut pairs = Vec::new();
+        for (r, root) in self.roots.iter().enumerate() {
+            let rows: Vec<usize> = (0..root_of.len())
+                .filter(|&i| root_of[i] == Some(r))
+                .collect();
+            if rows.is_empty() {
+                continue;
+            }
+            let modes: Vec<usize> = rows.iter().map(|&i| self.modes[i]).collect();
+            let angles = match root.modes.len() {
+                1 => Vec::new(),
+                _ => {
+                    let [test, theory] = shapes.common(&modes, &root.modes);
+                    principal_angles_deg(&test, &theory)?
+                }
+            };
+            let partner = |&i: &usize| self.partner(i, r, root_of, options);
+            pairs.push(Pair {
+                theory: root.modes.clone(),
+                partners: rows.iter().map(partner).collect(),
+                angles_deg: (!angles.is_empty()).then_some(angles),
+            });
+        }
+        Ok(pairs)
+    }
+
+    fn partner(
+        &self,
+        i: usize,
+        r: usize,
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Partner {
+        let chosen = self.candidates[i][r];
+        let cost = chosen.cost.expect("only allowed pairs are assigned");
+        let verdict = match self.rival(i, r, root_of) {
+            Some((rival_cost, rival)) if rival_cost - cost < options.ambiguous_margin => {
+                Verdict::Ambiguous {
+                    rival,
+                    cost_difference: rival_cost - cost,
+                }
+            }
+            _ => Verdict::Paired,
+        };
+        Partner {
+            test: self.modes[i],
+            frequency_error: chosen.frequency_error,
+            mac: chosen.mac,
+            cost,
+            verdict,
+        }
+    }
+
+    /// The cheapest other partner of either side of the pair of row `i` and root `r`.
+    fn rival(&self, i: usize, r: usize, root_of: &[Option<usize>]) -> Option<(f64, Rival)> {
+        let roots = (0..self.roots.len()).filter(|&other| other != r);
+        let of_test = roots.filter_map(|other| {
+            let rival = || Rival::Theory(self.roots[other].modes.clone());
+            self.candidates[i][other].cost.map(|cost| (cost, rival()))
+        });
+        let rows = (0..self.modes.len()).filter(|&other| root_of[other] != Some(r));
+        let of_theory = rows.filter_map(|other| {
+            let rival = Rival::Test(self.modes[other]);
+            self.candidates[other][r].cost.map(|cost| (cost, rival))
+        });
+        of_test.chain(of_theory).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    fn unpaired_theory(&self, root_of: &[Option<usize>]) -> Vec<UnpairedRoot> {
+        let alone = (0..self.roots.len()).filter(|&r| !root_of.contains(&Some(r)));
+        alone
+            .map(|r| {
+                let rows = (0..self.modes.len()).map(|i| (i, self.candidates[i][r]));
+                let nearest = nearest_in_frequency(rows).filter(|(_, c)| c.low_mac);
+                UnpairedRoot {
+                    theory: self.roots[r].modes.clone(),
+                    near_miss: nearest.and_then(|(i, c)| {
+                        let test = self.modes[i];
+                        c.mac.map(|mac| NearMiss { test, mac })
+                    }),
+                }
+            })
+            .collect()
+    }
+
+    fn unpaired_test(&self, root_of: &[Option<usize>]) -> Vec<usize> {
+        let rows = self.modes.iter().zip(root_of);
+        rows.filter(|(_, root)| root.is_none())
+            .map(|(&i, _)| i)
+            .collect()
+    }
+
+    /// Ambiguous pairs, and test modes left over whose nearest root in frequency was refused for its MAC.
+    fn findings(
+        &self,
+        test: &ModalModel,
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for (i, root) in root_of.iter().enumerate() {
+            let place = Place::Mode(test.modes[self.modes[i]].frequency_hz);
+            let warn = |code| Finding::new(Severity::Warning, code, place);
+            if let Some(r) = root {
+                let partner = self.partner(i, *r, root_of, options);
+                if let Verdict::Ambiguous {
+                    cost_difference, ..
+                } = partner.verdict
+                {
+                    let finding = warn(Code::Ambiguous).value(cost_difference, "");
+                    findings.push(finding.limit(options.ambiguous_margin));
+                }
+                continue;
+            }
+            let candidates = self.candidates[i].iter().copied().enumerate();
+            let nearest = nearest_in_frequency(candidates).filter(|(_, c)| c.low_mac);
+            if let Some(mac) = nearest.and_then(|(_, c)| c.mac) {
+                findings.push(warn(Code::LowMac).value(mac, "").limit(options.min_mac));
+            }
+        }
+        findings
+    }
+}
+
+fn candidate(
+    frequency_error: f64,
+    (comparable, mac): (bool, Option<f64>),
+    options: &PairOptions,
+) -> Candidate {
+    let u = frequency_error.abs() / options.max_frequency_error;
+    let near = u <= 1.0;
+    let v = mac.map(|mac| (1.0 - mac) / (1.0 - options.min_mac));
+    let cost = match v {
+        Some(v) => (v <= 1.0).then_some(0.5 * (u + v)),
+        None if comparable => None,
+        None => Some(u),
+    };
+    Candidate {
+        frequency_error,
+        mac,
+        cost: cost.filter(|_| near),
+        low_mac: near && v.is_some_and(|v| v > 1.0),
+    }
+}
+
+fn nearest_in_frequency(
+    candidates: impl Iterator<Item = (usize, Candidate)>,
+) -> Option<(usize, Candidate)> {
+    candidates.min_by(|a, b| {
+        let error = |c: &Candidate| c.frequency_error.abs();
+        error(&a.1).total_cmp(&error(&b.1))
+    })
+}

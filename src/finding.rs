@@ -1,0 +1,327 @@
+//! What the data says that is not a failure: a code, where, the value that was found and the limit it met.
+//!
+//! A finding never stops the chain. Its sentence is made here from its parts, so that every report says the same.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::dof::Dof;
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing; nothing is wrong.
+    Info,
+    /// A number may be worse than it looks.
+    Warning,
+    /// Part of the input is bad or missing.
+    Error,
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        })
+    }
+}
+
+/// Where a finding belongs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// The whole test or result.
+    Whole,
+    /// A place in a file.
+    File {
+        /// Path as given.
+        path: String,
+        /// Line (from 1), for text.
+        line: Option<u64>,
+        /// Byte offset (from 0), for binary data.
+        byte: Option<u64>,
+    },
+    /// A hit, by its number from 1.
+    Hit(usize),
+    /// A channel or a function by its response and, for FRFs, its reference.
+    Function {
+        /// Response degree of freedom.
+        response: Option<Dof>,
+        /// Reference (hit) degree of freedom.
+        reference: Option<Dof>,
+    },
+    /// A mode, by its frequency in Hz.
+    Mode(f64),
+    /// A model or option parameter, by name.
+    Parameter(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Whole => f.write_str("whole test"),
+            Place::File { path, line, byte } => {
+                f.write_str(path)?;
+                line.map_or(Ok(()), |n| write!(f, ":{n}"))?;
+                byte.map_or(Ok(()), |n| write!(f, " at byte {n}"))
+            }
+            Place::Hit(n) => write!(f, "hit {n}"),
+            Place::Function {
+                response,
+                reference,
+            } => {
+                let name = |dof: &Option<Dof>| {
+                    dof.as_ref()
+                        .map_or_else(|| "?".to_owned(), ToString::to_string)
+                };
+                match reference {
+                    Some(_) => write!(f, "{}|{}", name(response), name(reference)),
+                    None => write!(f, "channel {}", name(response)),
+                }
+            }
+            Place::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
+            Place::Parameter(name) => write!(f, "parameter {name}"),
+        }
+    }
+}
+
+/// Declares the codes with their sentence and their longer explanation in one table.
+macro_rules! codes {
+    ($($(#[$doc:meta])* $name:ident: $sentence:literal, $explanation:literal;)*) => {
+        /// What a finding is about.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Code { $($(#[$doc])* $name,)* }
+
+        impl Code {
+            /// Every code, in the order of its declaration.
+            pub const ALL: &[Code] = &[$(Code::$name,)*];
+
+            /// The sentence without place, value and limit.
+            pub fn sentence(self) -> &'static str {
+                match self { $(Code::$name => $sentence,)* }
+            }
+
+            /// What it means, why it matters and what to do about it.
+            pub fn explanation(self) -> &'static str {
+                match self { $(Code::$name => $explanation,)* }
+            }
+        }
+    };
+}
+
+codes! {
+    /// Records carry no usable version number, load case or identification.
+    GroupedByOrder: "records were grouped into hits by order, length and sampling, because their headers do not say which belong together",
+        "A universal file names the hit of a record by version number, load case and ID lines. Where these are empty or differ from record to record, the order in the file decides: a second force record, or a response that is already there, opens the next hit. Check the number of hits in the output.";
+    /// The hit point comes from the responses or the scene, not from the force record.
+    HitPointAssumed: "the hit point is not in the force record; the responses' common reference or the scene's word was taken",
+        "The force record's response degree of freedom is the hit point. Where it is empty, the common reference of the responses is used, then the reference that the scene states.";
+    /// A dataset of a number that is not read.
+    UnknownDataset: "a dataset of this number is not read and was skipped",
+        "Universal files hold many dataset numbers. One that modalign does not read is passed over; the value is its number.";
+    /// A part of a file could not be read.
+    BadDataset: "a dataset is damaged and was left out; the good part of the file was read",
+        "The place says where. `inspect` delivers the good part and exits 1; `run`, `frf` and `identify` stop with exit 2 unless --partial is given.";
+    /// The binary byte count is wrong.
+    ByteCountWrong: "the byte count of a binary dataset does not agree with its number of points; the number of points was used",
+        "Dataset 58b states the length of its binary block. Some writers state zero, half of it or another number. The value is the count as stated, the limit the count that the number of points needs.";
+    /// A header text is not UTF-8.
+    HeaderNotUtf8: "a header text is not valid UTF-8; the offending bytes were replaced",
+        "Old systems write units such as m/s² in Latin-1. Numbers are not affected.";
+    /// FRFs beside recorded hits.
+    FunctionsPassedOver: "FRFs stand beside recorded hits and were passed over; they were estimated anew from the hits",
+        "A test is made from its recorded hits where there are any. To use the FRFs of the file instead, give a file that holds them alone.";
+    /// The sampling rate was restored from a rounded spacing.
+    SpacingRounded: "the sampling rate was restored from a spacing printed with few digits",
+        "Universal files print the spacing with six digits. Where exactly one whole number of samples per second lies within the rounding, that rate is taken.";
+    /// One average gives no coherence.
+    CoherenceAbsent: "coherence and variance are absent, because there is only one average",
+        "With a single hit the coherence is identically one and says nothing. Record three hits or more at each point.";
+    /// The record ends before the response has decayed.
+    Truncated: "the response has not decayed when the record ends; H is wrong near resonance by up to this fraction",
+        "A record that captures n time constants of the slowest mode makes H wrong by about exp(-n) of its peak: 2.5e-3 at 6, 7.5e-5 at 9.5. Record longer, or use an exponential window.";
+    /// The decay cannot be measured because noise fills the tail.
+    TruncationNotDecidable: "the truncation error cannot be told from the record, because its tail is noise",
+        "The bound is taken from the fall of the response's energy over the last quarters of the record. Where those are noise, the response has decayed into it, and the noise limits H, not the truncation.";
+    /// The force window is too short.
+    ForceWindowCuts: "the force window cuts off part of the force: of the pulse itself, or of the anti-alias filter's ringing after it",
+        "What follows the pulse is not noise alone. An anti-alias filter rings for some tens of samples, the same in force and response; cutting that off the force alone makes H wrong, most near the filter's edge. The value is the rms of what was cut off, beyond the noise, over the rms of the force. Hold the window longer.";
+    /// The noise ratio of Hv was taken from the channels.
+    NoiseRatioFromRecord: "Hv is scaled by the noise variances found before the hit",
+        "Hv weighs the noise of force and response. Without a stated ratio the variances of both channels before the pulse are used, averaged over hits; the value is response over force in SI units.";
+    /// Usable band ends.
+    BandLimited: "the band was limited to where the force excites and the anti-alias filter is open",
+        "Lines above 0.4 of the sampling rate, or where the force spectrum is more than 20 dB below its maximum, are not used for identification. The value is the upper edge.";
+    /// Too few lines across a half-power band.
+    FewLines: "the half-power band holds too few frequency lines for a damping value",
+        "Peak-picking needs about five lines across the half-power band; with fewer, damping is quantised by the line spacing. Record longer or fit a curve.";
+    /// A circle fit whose damping surface is not flat.
+    DampingSpread: "the damping surface is not flat: damping depends on which points are taken",
+        "Each pair of points below and above resonance gives one damping value. For a single mode they agree. A spread beyond the limit means a neighbouring mode, leakage, noise or nonlinearity.";
+    /// A peak that no single mode fits.
+    NotFitted: "no single mode could be fitted under this peak; its values are those of the first look",
+        "The fit found no circle or no half-power points, or left its peak. Frequency and damping of this row are read off the top of the peak, its neighbours not taken out. Use a multi-mode method, or a narrower band.";
+    /// A second mode inside a resonance.
+    CloseModes: "more than one mode lies under this peak, or its frequency moved between the functions; a single-mode method cannot tell them apart",
+        "What single-mode fits leave over across the functions is far above the noise and has a shape of its own, or the functions disagree on the frequency by more than their bounds. Either two modes lie under the peak, and frequency, damping and shape of this row belong to a mixture, or the frequency moved from run to run (a roving sensor or hammer, temperature, amplitude). Use a multi-mode method, or look at the runs one by one.";
+    /// Damping vanished with the window.
+    DampingNotPositive: "no damping is left after that of the exponential window was taken out",
+        "The window's decay rate is subtracted from every pole. Where the structure damps far less than the window, the difference is smaller than its error; the frequency stands, the damping is not known. Use a longer record and a weaker window.";
+    /// A half-power point is missing.
+    HalfPowerMissing: "the response does not fall to half power on one side of the peak before it rises again",
+        "The half-power point on that side is hidden by a neighbouring mode or the band edge, so that damping comes from the other side alone.";
+    /// A peak was not followed.
+    PeakDropped: "a local maximum was not taken as a mode",
+        "A peak must stand above the noise, be the highest point within its own half-power band, and give a positive damping. The value and the limit say which of these failed.";
+    /// No mode in the band.
+    NoModeFound: "no mode was found in the band",
+        "No peak stands above the noise in the band that was searched. Look at the coherence, at the band, and at whether the hammer excites it.";
+    /// Low coherence.
+    LowCoherence: "the coherence is low over the band: noise biases H",
+        "The value is the median coherence of the worst function over its valid band. Noise on the force makes H1 too small by about that factor, noise on the response H2 too large. Use a force window, hit harder, average more, or use hv.";
+    /// The record holds too few time constants of this mode.
+    FewTimeConstants: "the record captures few time constants of this mode; its damping and its modal mass may be too high",
+        "With n time constants in the record the relative error of H at the resonance is about exp(-n); below 6 it exceeds 0.25 %.";
+    /// A band of a mode that is not measured well.
+    NearBandEdge: "the mode lies within its half-power width of the band's edge",
+        "Part of its resonance is outside the band, so that the fit leans on one flank.";
+    /// Two partners are as good.
+    Ambiguous: "two partners are as good as each other; the pairing cannot be decided",
+        "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
+    /// A pairing with low MAC.
+    LowMac: "the best partner by frequency has a low MAC and was not accepted",
+        "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";
+    /// Degrees of freedom without a partner.
+    DofWithoutPartner: "a degree of freedom of the test has no counterpart in the model and was left out of the comparison",
+        "MAC is computed on the degrees of freedom that both have. State the missing ones as [[sensor]] in the scene.";
+    /// Few DOFs in a MAC.
+    FewDofs: "MAC rests on few degrees of freedom",
+        "With few degrees of freedom different modes look alike. The value is their number.";
+    /// A synthetic recording.
+    Synthetic: "this recording is synthetic: it was computed from a model, nobody measured it",
+        "Its truth is known exactly and stands beside it. It shows that the tool works, not that a machine behaves so.";
+    /// An assumption of a model.
+    Assumption: "a value was assumed, not measured or published",
+        "The parameter's status in the model says so: printed, inferred or assumed.";
+    /// A test limit missed.
+    LimitMissed: "a stated limit is missed",
+        "The limit stands in the scene's [limits] or in the file given to `check --against`.";
+}
+
+impl Code {
+    /// The code as written in JSON and on the command line.
+    pub fn name(self) -> String {
+        serde_json::to_value(self)
+            .ok()
+            .and_then(|v| v.as_str().map(str::to_owned))
+            .unwrap_or_default()
+    }
+}
+
+/// One thing the data says, with the numbers behind it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// How much it matters.
+    pub severity: Severity,
+    /// What it is about.
+    pub code: Code,
+    /// Where it belongs.
+    pub place: Place,
+    /// What was found.
+    pub value: Option<f64>,
+    /// What it was held against.
+    pub limit: Option<f64>,
+    /// Unit of value and limit.
+    pub unit: Option<String>,
+}
+
+impl Finding {
+    /// A finding without numbers.
+    pub fn new(severity: Severity, code: Code, place: Place) -> Self {
+        Self {
+            severity,
+            code,
+            place,
+            value: None,
+            limit: None,
+            unit: None,
+        }
+    }
+
+    /// With the value that was found and its unit (empty for a plain number).
+    pub fn value(mut self, value: f64, unit: &str) -> Self {
+        self.value = Some(value);
+        self.unit = (!unit.is_empty()).then(|| unit.to_owned());
+        self
+    }
+
+    /// With the limit it was held against.
+    pub fn limit(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
+        self
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.code.sentence())?;
+        let unit = self
+            .unit
+            .as_deref()
+            .map_or_else(String::new, |u| format!(" {u}"));
+        match (self.value, self.limit) {
+            (Some(value), Some(limit)) => {
+                write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))
+            }
+            (Some(value), None) => write!(f, " ({}{unit})", short(value)),
+            (None, Some(limit)) => write!(f, " (limit {}{unit})", short(limit)),
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+/// Four significant digits, whole numbers as they are.
+fn short(value: f64) -> String {
+    let magnitude = value.abs();
+    if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {
+        format!("{value:.0}")
+    } else if (1e-3..1e5).contains(&magnitude) {
+        let decimals = (3 - magnitude.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_has_place_value_and_limit() {
+        let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(123.456))
+            .value(2.5, "")
+            .limit(5.0);
+        let text = finding.to_string();
+        assert!(
+            text.starts_with("mode at 123.46 Hz: the half-power band holds too few"),
+            "{text}"
+        );
+        assert!(text.ends_with("(2.500, limit 5)"), "{text}");
+    }
+
+    #[test]
+    fn every_code_has_a_name_and_an_explanation() {
+        for code in Code::ALL {
+            assert!(
+                !code.name().is_empty() && code.explanation().len() > 40,
+                "{code:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! The FRF set: functions on one frequency axis.
+
+use num_complex::Complex64;
+
+use crate::axis::{Band, FrequencyAxis};
+use crate::dof::Dof;
+use crate::finding::Finding;
+use crate::quantity::FrfKind;
+
+/// Which FRF estimator made a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// Noise on the response alone.
+    H1,
+    /// Noise on the force alone.
+    H2,
+    /// Noise on both, in a stated ratio.
+    Hv,
+}
+
+impl Estimator {
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Estimator::H1 => "h1",
+            Estimator::H2 => "h2",
+            Estimator::Hv => "hv",
+        }
+    }
+
+    /// The estimator of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Estimator::H1, Estimator::H2, Estimator::Hv]
+            .into_iter()
+            .find(|e| e.name() == name)
+    }
+}
+
+/// What one function is; its values are in the set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Function {
+    /// Response degree of freedom, with the sensor's sign.
+    pub response: Dof,
+    /// Reference (hit) degree of freedom, with its sign.
+    pub reference: Dof,
+    /// Receptance, mobility or accelerance; values are in its SI unit.
+    pub kind: FrfKind,
+    /// Number of averages; `None` when the file does not say.
+    pub averages: Option<u32>,
+    /// Estimator; `None` when the file does not say.
+    pub estimator: Option<Estimator>,
+}
+
+/// Values of one function with what is known of their quality, each of the axis's length.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct FunctionData {
+    /// Complex values in the SI unit of the kind.
+    pub values: Vec<Complex64>,
+    /// Ordinary coherence; `None` for one average or when the file does not hold it.
+    pub coherence: Option<Vec<f64>>,
+    /// Variance of the complex value, E|H − E H|², SI unit squared.
+    pub variance: Option<Vec<f64>>,
+}
+
+/// A set that cannot take a function.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SetError {
+    /// A length that is not the axis's.
+    #[error("{response}|{reference}: got {got} {what}, expected {expected} (the lines of the set)")]
+    Length {
+        /// Response.
+        response: Dof,
+        /// Reference.
+        reference: Dof,
+        /// Values, coherence or variance.
+        what: &'static str,
+        /// Got.
+        got: usize,
+        /// Expected.
+        expected: usize,
+    },
+    /// A pair that is already there.
+    #[error("{response}|{reference} is in the set twice; name repeated measurements #2, #3, ...")]
+    Duplicate {
+        /// Response.
+        response: Dof,
+        /// Reference.
+        reference: Dof,
+    },
+}
+
+/// FRFs on one frequency axis, values function-major with the lines of a function contiguous.
+///
+/// A missing (response, reference) pair is absent, never zero. Values may carry the decay of an exponential window:
+/// then `H` was sampled at `s = iω + a`, `a` = [`FrfSet::added_damping_rad_s`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrfSet {
+    axis: FrequencyAxis,
+    functions: Vec<Function>,
+    values: Vec<Complex64>,
+    coherence: Vec<Option<Vec<f64>>>,
+    variance: Vec<Option<Vec<f64>>>,
+    /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
+    pub added_damping_rad_s: f64,
+    /// Length of the records that the functions came from, s; `None` when the file does not say.
+    pub record_duration_s: Option<f64>,
+    /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
+    pub valid_band: Option<Band>,
+    /// What the data said on the way.
+    pub findings: Vec<Finding>,
+}
+
+impl FrfSet {
+    /// An empty set.
+    pub fn new(axis: FrequencyAxis) -> Self {
+        Self {
+            axis,
+            functions: Vec::new(),
+            values: Vec::new(),
+            coherence: Vec::new(),
+            variance: Vec::new(),
+            added_damping_rad_s: 0.0,
+            record_duration_s: None,
+            valid_band: None,
+            findings: Vec::new(),
+        }
+    }
+
+    /// Adds one function.
+    ///
+    /// # Errors
+    /// [`SetError::Length`] when a vector has not the axis's length; [`SetError::Duplicate`] for a pair already there.
+    pub fn push(&mut self, function: Function, data: FunctionData) -> Result<(), SetError> {
+        let lengths = [
+            ("values", Some(data.values.len())),
+            ("coherence values", data.coherence.as_ref().map(Vec::len)),
+            ("variances", data.variance.as_ref().map(Vec::len)),
+        ];
+        let (response, reference) = (function.response.clone(), function.reference.clone());
+        for (what, got) in lengths
+            .into_iter()
+            .filter_map(|(what, got)| Some((what, got?)))
+        {
+            if got != self.axis.len {
+                return Err(SetError::Length {
+                    response,
+                    reference,
+                    what,
+                    got,
+                    expected: self.axis.len,
+                });
+            }
+        }
+        if self
+            .functions
+            .iter()
+            .any(|f| f.response == response && f.reference == reference)
+        {
+            return Err(SetError::Duplicate {
+                response,
+                reference,
+            });
+        }
+        self.functions.push(function);
+        self.values.extend(data.values);
+        self.coherence.push(data.coherence);
+        self.variance.push(data.variance);
+        Ok(())
+    }
+
+    /// The common axis.
+    pub fn axis(&self) -> &FrequencyAxis {
+        &self.axis
+    }
+
+    /// The functions in the order they were added.
+    pub fn functions(&self) -> &[Function] {
+        &self.functions
+    }
+
+    /// Values of function `i`, one per line.
+    pub fn values(&self, i: usize) -> &[Complex64] {
+        &self.values[i * self.axis.len..(i + 1) * self.axis.len]
+    }
+
+    /// Coherence of function `i`.
+    pub fn coherence(&self, i: usize) -> Option<&[f64]> {
+        self.coherence[i].as_deref()
+    }
+
+    /// Variance of function `i`.
+    pub fn variance(&self, i: usize) -> Option<&[f64]> {
+        self.variance[i].as_deref()
+    }
+
+    /// Number of functions.
+    pub fn len(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Whether there is no function.
+    pub fn is_empty(&self) -> bool {
+        self.functions.is_empty()
+    }
+
+    /// Different reference degrees of freedom, in order.
+    pub fn references(&self) -> Vec<Dof> {
+        self.functions
+            .iter()
+            .map(|f| f.reference.clone())
+            .collect::<std::collections::BTreeSet<_>>()
+            .into_iter()
+            .collect()
+    }
+
+    /// Different response degrees of freedom, in order.
+    pub fn responses(&self) -> Vec<Dof> {
+        self.functions
+            .iter()
+            .map(|f| f.response.clone())
+            .collect::<std::collections::BTreeSet<_>>()
+            .into_iter()
+            .collect()
+    }
+}

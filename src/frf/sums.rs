@@ -1,0 +1,164 @@
+//! The averaged power and cross spectra of one line, and the three estimators made from them.
+//!
+//! `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X` over the hits of a pair, unscaled: every result is a ratio.
+
+use num_complex::Complex64;
+
+use super::Estimator;
+
+/// Sums over hits at one line.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(super) struct LineSums {
+    /// `Σ|F|²`.
+    pub gff: f64,
+    /// `Σ|X|²`.
+    pub gxx: f64,
+    /// `ΣF* X`.
+    pub gfx: Complex64,
+}
+
+/// Why a line has no value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LineError {
+    /// `Gff = 0`.
+    NoForce,
+    /// `Gfx = 0` where the estimator divides by it.
+    NotCorrelated,
+}
+
+impl LineSums {
+    /// Adds one hit.
+    pub fn add(&mut self, force: Complex64, response: Complex64) {
+        self.gff += force.norm_sqr();
+        self.gxx += response.norm_sqr();
+        self.gfx += force.conj() * response;
+    }
+
+    /// The estimate; `kappa` is used by Hv alone.
+    ///
+    /// A response of exactly 0 in every hit gives 0 with each estimator. Otherwise a line without force has no
+    /// value, and neither have H2 and Hv where force and response are not correlated at all.
+    pub fn estimate(&self, estimator: Estimator, kappa: f64) -> Result<Complex64, LineError> {
+        if self.gff <= 0.0 {
+            return Err(LineError::NoForce);
+        }
+        let uncorrelated = self.gfx.norm_sqr() <= 0.0;
+        match estimator {
+            Estimator::H1 => Ok(self.gfx / self.gff),
+            _ if self.gxx <= 0.0 => Ok(Complex64::ZERO),
+            Estimator::H2 if uncorrelated => Err(LineError::NotCorrelated),
+            Estimator::H2 => Ok(self.gxx / self.gfx.conj()),
+            Estimator::Hv => self.hv(kappa),
+        }
+    }
+
+    /// Total least squares, `[b + sqrt(b² + 4κ|Gfx|²)] / (2 Gfx*)` with `b = Gxx - κ Gff`; where `b < 0` in the form
+    /// `2κ Gfx / [sqrt(...) - b]`, which is the same number without the difference of two close ones.
+    fn hv(&self, kappa: f64) -> Result<Complex64, LineError> {
+        let b = self.gxx - kappa * self.gff;
+        let root = b.hypot(2.0 * kappa.sqrt() * self.gfx.norm());
+        if b < 0.0 {
+            Ok(2.0 * kappa * self.gfx / (root - b))
+        } else if self.gfx.norm_sqr() <= 0.0 {
+            Err(LineError::NotCorrelated)
+        } else {
+            Ok((b + root) / (2.0 * self.gfx.conj()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// F = (1, 2i, -3), X = (2i, 1, -7): Gff 14, Gxx 54, Gfx = 2i - 2i + 21.
+    fn hand_made() -> LineSums {
+        let i = Complex64::I;
+        let mut sums = LineSums::default();
+        sums.add(Complex64::ONE, 2.0 * i);
+        sums.add(2.0 * i, Complex64::ONE);
+        sums.add(Complex64::new(-3.0, 0.0), Complex64::new(-7.0, 0.0));
+        sums
+    }
+
+    #[test]
+    fn the_estimators_have_their_closed_forms() {
+        let sums = hand_made();
+        let value = |estimator, kappa| sums.estimate(estimator, kappa).unwrap();
+        assert!((value(Estimator::H1, 0.0) - 1.5).norm() < 1e-15);
+        assert!((value(Estimator::H2, 0.0) - 54.0 / 21.0).norm() < 1e-15);
+        // kappa 2: b = 26; kappa 5: b = -16, the other branch.
+        for (kappa, b) in [(2.0, 26.0), (5.0, -16.0)] {
+            let expected = (b + f64::sqrt(b * b + 4.0 * kappa * 441.0)) / 42.0;
+            assert!((value(Estimator::Hv, kappa) - expected).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_phase_is_that_of_response_over_force() {
+        let mut sums = LineSums::default();
+        sums.add(Complex64::cis(0.7), Complex64::from_polar(3.0, 0.2));
+        let expected = Complex64::from_polar(3.0, -0.5);
+        for estimator in [Estimator::H1, Estimator::H2, Estimator::Hv] {
+            assert!((sums.estimate(estimator, 9.5).unwrap() - expected).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn hv_goes_to_h1_and_h2_at_its_ends() {
+        let sums = hand_made();
+        let hv = |kappa| sums.estimate(Estimator::Hv, kappa).unwrap();
+        let (h1, h2) = (Complex64::new(1.5, 0.0), Complex64::new(54.0 / 21.0, 0.0));
+        // The distances fall in proportion to 1/kappa and to kappa.
+        for kappa in [1e6, 1e9, 1e12, 1e200] {
+            assert!((hv(kappa) - h1).norm() < 10.0 / kappa + 1e-15);
+            assert!((hv(1.0 / kappa) - h2).norm() < 10.0 / kappa + 1e-15);
+        }
+        assert!((hv(1e6) - h1).norm() > 0.1 / 1e6);
+    }
+
+    #[test]
+    fn degenerate_lines_are_decided() {
+        let sums = |gff, gxx, gfx: f64| LineSums {
+            gff,
+            gxx,
+            gfx: gfx.into(),
+        };
+        for estimator in [Estimator::H1, Estimator::H2, Estimator::Hv] {
+            assert_eq!(
+                sums(0.0, 1.0, 0.0).estimate(estimator, 1.0),
+                Err(LineError::NoForce)
+            );
+            assert_eq!(
+                sums(1.0, 0.0, 0.0).estimate(estimator, 1.0),
+                Ok(Complex64::ZERO)
+            );
+        }
+        let noise = sums(1.0, 4.0, 0.0);
+        assert_eq!(noise.estimate(Estimator::H1, 1.0), Ok(Complex64::ZERO));
+        for estimator in [Estimator::H2, Estimator::Hv] {
+            assert_eq!(
+                noise.estimate(estimator, 1.0),
+                Err(LineError::NotCorrelated)
+            );
+        }
+    }
+
+    proptest! {
+        /// Hv lies between H1 and H2, with their phase.
+        #[test]
+        fn hv_lies_between(parts in proptest::collection::vec(-5.0..5.0f64, 12), log_kappa in -6.0..6.0f64) {
+            let mut sums = LineSums::default();
+            for p in parts.chunks(4) {
+                sums.add(Complex64::new(p[0], p[1]), Complex64::new(p[2], p[3]));
+            }
+            prop_assume!(sums.gfx.norm() > 1e-3);
+            let [h1, hv, h2] = [Estimator::H1, Estimator::Hv, Estimator::H2]
+                .map(|e| sums.estimate(e, 10f64.powf(log_kappa)).unwrap());
+            prop_assert!(h1.norm() <= hv.norm() * (1.0 + 1e-12));
+            prop_assert!(hv.norm() <= h2.norm() * (1.0 + 1e-12));
+            prop_assert!((hv / h1).im.abs() < 1e-12 * (hv / h1).norm());
+        }
+    }
+}

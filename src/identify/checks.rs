@@ -1,0 +1,244 @@
+//! What a single-mode result must say about itself: one finding per weakness, with the value and the limit it met.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::FrfSet;
+use crate::modal::Pole;
+
+use super::close::{self, Excess};
+use super::receptance::Receptances;
+use super::search::{self, Drop, Found};
+use super::single::Resonance;
+use super::{IdentifyError, residues};
+
+/// Lines across a half-power band that damping needs.
+const FEWEST_LINES: f64 = 5.0;
+/// Time constants that a record should hold.
+const FEWEST_TIME_CONSTANTS: f64 = 6.0;
+/// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).
+const MOST_SPREAD: f64 = 0.05;
+/// Half-power widths between two visible peaks below which both are contaminated.
+const NEAREST: f64 = 3.0;
+
+/// All that the findings are made from.
+pub(super) struct Context<'a> {
+    /// The set as it came.
+    pub set: &'a FrfSet,
+    /// Its receptances in the band.
+    pub data: &'a Receptances,
+    /// Result of the search.
+    pub found: &'a Found,
+    /// Fitted modes in ascending frequency.
+    pub resonances: &'a [Resonance],
+    /// What the close-mode tests say of each.
+    pub verdicts: &'a [Verdict],
+}
+
+/// Whether one mode is enough under a peak, and the residues that go with the answer.
+pub(super) struct Verdict {
+    /// The first test that failed.
+    pub excess: Option<Excess>,
+    /// Residues by function, m/(N s).
+    pub residues: Vec<Complex64>,
+}
+
+/// Tests every mode for a second one under its peak: a visible neighbour, a second shape, a second pole.
+///
+/// # Errors
+/// [`IdentifyError::Linalg`] when singular values do not converge.
+pub(super) fn verdicts(
+    data: &Receptances,
+    found: &Found,
+    resonances: &[Resonance],
+    residues: &[Vec<Complex64>],
+) -> Result<Vec<Verdict>, IdentifyError> {
+    let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
+    let verdict = |mode: usize| {
+        let own = &residues[mode];
+        let neighbour = nearest(data, found, resonances, mode);
+        if neighbour.is_some() {
+            return Ok(Verdict {
+                excess: neighbour,
+                residues: own.clone(),
+            });
+        }
+        let lines = resonances[mode].lines.clone();
+        let rest = residues::remainder(data, &poles, residues, (&[mode], lines.clone()));
+        let functions = 0..data.functions();
+        let variance: Vec<f64> = functions
+            .map(|f| data.mean_variance(f, lines.clone()))
+            .collect();
+        let shape = close::second_shape(&rest, &variance)?;
+        let pole = close::second_pole(data, &resonances[mode], own, (&rest, &variance));
+        let residues = match shape {
+            Some(_) => residues::with_own_frequencies(data, poles[mode], (&rest, lines)),
+            None => own.clone(),
+        };
+        Ok(Verdict {
+            excess: shape.or(pole),
+            residues,
+        })
+    };
+    (0..resonances.len()).into_par_iter().map(verdict).collect()
+}
+
+/// Findings of some modes, by number, in order of frequency, then the dropped peaks.
+pub(super) fn findings(context: &Context, modes: &[usize]) -> Vec<Finding> {
+    let modes = modes.iter().flat_map(|mode| of_one_mode(context, *mode));
+    let mut findings: Vec<Finding> = modes.collect();
+    let dropped = context.found.dropped.iter();
+    findings.extend(dropped.map(|(peak, drop)| {
+        let finding = |value: f64, limit: f64| {
+            let place = Place::Mode(search::hz(context.data, peak.line));
+            Finding::new(Severity::Info, Code::PeakDropped, place)
+                .value(value, "")
+                .limit(limit)
+        };
+        match drop {
+            Drop::NotHighest(ratio) => finding(*ratio, 2.0),
+            Drop::Unstable(turn) => finding(*turn, 0.0),
+        }
+    }));
+    findings
+}
+
+/// The row that a finding belongs to: the mode's frequency without the window's damping.
+fn place(context: &Context, resonance: &Resonance) -> Place {
+    let pole = Pole {
+        lambda: resonance.lambda,
+    };
+    let pole = pole.without_added_damping(context.set.added_damping_rad_s);
+    Place::Mode(pole.natural_frequency_hz())
+}
+
+fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
+    let resonance = &context.resonances[mode];
+    let decay = -resonance.lambda.re;
+    let (data, place) = (context.data, place(context, resonance));
+    let warning = |code, value: f64, unit: &str, limit: f64| {
+        Finding::new(Severity::Warning, code, place.clone())
+            .value(value, unit)
+            .limit(limit)
+    };
+    let mut findings = Vec::new();
+    if let Some(excess) = context.verdicts[mode].excess {
+        findings.push(warning(Code::CloseModes, excess.value, "", excess.limit));
+    }
+    if resonance.fit.is_none() {
+        findings.push(Finding::new(
+            Severity::Warning,
+            Code::NotFitted,
+            place.clone(),
+        ));
+    }
+    let lines = 2.0 * decay / data.step;
+    if lines < FEWEST_LINES {
+        findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
+    }
+    if resonance.fit.is_some_and(|fit| fit.one_sided) {
+        findings.push(Finding::new(
+            Severity::Warning,
+            Code::HalfPowerMissing,
+            place.clone(),
+        ));
+    }
+    if let Some(spread) = resonance
+        .fit
+        .and_then(|fit| fit.spread)
+        .filter(|s| *s > MOST_SPREAD)
+    {
+        findings.push(warning(Code::DampingSpread, spread, "", MOST_SPREAD));
+    }
+    let constants = context
+        .set
+        .record_duration_s
+        .map(|duration| decay * duration);
+    if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
+        findings.push(warning(
+            Code::FewTimeConstants,
+            constants,
+            "",
+            FEWEST_TIME_CONSTANTS,
+        ));
+    }
+    let last = data.omega[data.lines() - 1];
+    let margin = (resonance.lambda.im - data.omega[0]).min(last - resonance.lambda.im);
+    if margin < 2.0 * decay {
+        findings.push(warning(
+            Code::NearBandEdge,
+            margin / TAU,
+            "Hz",
+            2.0 * decay / TAU,
+        ));
+    }
+    findings
+}
+
+/// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the mode, when it is
+/// too small.
+fn nearest(
+    data: &Receptances,
+    found: &Found,
+    resonances: &[Resonance],
+    mode: usize,
+) -> Option<Excess> {
+    let own = resonances[mode].lambda;
+    let others = resonances.iter().enumerate().filter(|(j, _)| *j != mode);
+    let dropped = found.dropped.iter();
+    others
+        .map(|(_, other)| other.lambda.im)
+        .chain(dropped.map(|(peak, _)| data.omega[peak.line]))
+        .map(|omega| (omega - own.im).abs() / (2.0 * own.re.abs()))
+        .min_by(f64::total_cmp)
+        .filter(|widths| *widths < NEAREST)
+        .map(|widths| Excess {
+            value: widths,
+            limit: NEAREST,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::synthetic::{Measurement, Structure};
+
+    #[test]
+    fn a_peak_without_a_fit_is_told() {
+        let axis = crate::axis::FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.1,
+            len: 1001,
+        };
+        let structure = Structure {
+            modes: vec![(60.0, 0.01, vec![1.0])],
+        };
+        let set = structure.measured(&Measurement::of_sensors(1, axis));
+        let band = crate::axis::Band::new(1.0, 100.0).unwrap();
+        let lambda = Pole::from_frequency(60.0, 0.01).lambda;
+        let context = Context {
+            set: &set,
+            data: &Receptances::new(&set, band).unwrap(),
+            found: &Found::default(),
+            resonances: &[Resonance {
+                first: lambda,
+                lambda,
+                fit: None,
+                lines: 500..700,
+            }],
+            verdicts: &[Verdict {
+                excess: None,
+                residues: vec![Complex64::ONE],
+            }],
+        };
+        let codes: Vec<Code> = findings(&context, &[0])
+            .iter()
+            .map(|finding| finding.code)
+            .collect();
+        assert_eq!(codes, [Code::NotFitted]);
+        assert!(findings(&context, &[]).is_empty());
+    }
+}

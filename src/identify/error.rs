@@ -1,0 +1,86 @@
+//! Why an identification cannot start or finish. What the data merely says on the way is a finding, not an error.
+
+use crate::dof::Dof;
+use crate::linalg::LinalgError;
+
+/// An identification that has no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// A method that does not exist.
+    #[error("got identification method `{got}`, expected one of {}", known.join(" "))]
+    UnknownMethod {
+        /// As given.
+        got: String,
+        /// The names that exist.
+        known: Vec<&'static str>,
+    },
+    /// A number outside its range.
+    #[error("got {name} = {got}, expected {expected}")]
+    OptionOutOfRange {
+        /// Name of the option.
+        name: &'static str,
+        /// As given.
+        got: f64,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
+    /// A band that is not inside the data.
+    #[error(
+        "got band {got_lo_hz} to {got_hi_hz} Hz, expected a band inside the data, {lo_hz} to {hi_hz} Hz"
+    )]
+    BandOutside {
+        /// Lower edge as given, Hz.
+        got_lo_hz: f64,
+        /// Upper edge as given, Hz.
+        got_hi_hz: f64,
+        /// Lowest frequency of the data above zero, Hz.
+        lo_hz: f64,
+        /// Highest frequency of the data, Hz.
+        hi_hz: f64,
+    },
+    /// A set without functions.
+    #[error("got a set of 0 functions, expected at least 1")]
+    NoFunctions,
+    /// A reference that no function has.
+    #[error(
+        "got reference {got}, expected one of the set's references: {}",
+        join(known)
+    )]
+    UnknownReference {
+        /// As given.
+        got: Dof,
+        /// What the set has.
+        known: Vec<Dof>,
+    },
+    /// A band with too few lines to see a resonance in.
+    #[error("got {got} frequency lines in the band, expected at least {expected}")]
+    TooFewLines {
+        /// Lines in the band.
+        got: usize,
+        /// Fewest that are accepted.
+        expected: usize,
+    },
+    /// A value that is not a number.
+    #[error("{response}|{reference} at {hz} Hz: got {got}, expected a finite {what}")]
+    NotFinite {
+        /// Response.
+        response: Dof,
+        /// Reference.
+        reference: Dof,
+        /// Frequency of the line, Hz.
+        hz: f64,
+        /// Value or variance.
+        what: &'static str,
+        /// As found.
+        got: String,
+    },
+    /// A matrix problem without an answer.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+}
+
+fn join(dofs: &[Dof]) -> String {
+    let names: Vec<String> = dofs.iter().map(ToString::to_string).collect();
+    names.join(" ")
+}

@@ -1,0 +1,258 @@
+//! Modes from FRFs: poles by an estimator, residues, shapes, and the modal model that correlation works on.
+//!
+//! ```text
+//! FrfSet, band ── PoleEstimator ──▶ PoleTable (candidates as in the data, findings) ── selection ──▶ ModalModel
+//! ```
+//!
+//! | name | method |
+//! |---|---|
+//! | `peak` | peak-picking with half-power damping (Ewins 2000) |
+//! | `circle` | circle fit with damping surface (Kennedy and Pancu 1947) |
+//!
+//! An estimator sees poles as they are in the data, the damping of an exponential window included; the window is taken
+//! out once, when candidates become modes. This stage reads no file and knows no model.
+
+#[cfg(test)]
+mod accuracy_tests;
+#[cfg(test)]
+mod beam_tests;
+mod checks;
+mod circle;
+mod close;
+#[cfg(test)]
+mod close_tests;
+mod error;
+mod indicator;
+mod noise;
+#[cfg(test)]
+mod options_tests;
+mod peak;
+mod receptance;
+mod residues;
+mod search;
+mod selection;
+mod shape;
+#[cfg(test)]
+mod shape_tests;
+mod single;
+mod spread;
+#[cfg(test)]
+mod synthetic;
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::finding::Finding;
+use crate::frf::FrfSet;
+use crate::modal::{ModalModel, Pole};
+
+pub use error::IdentifyError;
+
+/// Options that an estimator is built with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodOptions {
+    /// Probability of taking noise for a peak anywhere in the band, between 0 and 1.
+    pub false_alarm_probability: f64,
+    /// Keep at most this many modes, the strongest; all without it.
+    pub max_modes: Option<usize>,
+}
+
+impl Default for MethodOptions {
+    fn default() -> Self {
+        Self {
+            false_alarm_probability: 1e-3,
+            max_modes: None,
+        }
+    }
+}
+
+/// A pole that an estimator proposes. What a method does not give is `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Model order at which it was found.
+    pub order: Option<usize>,
+    /// Pole as in the data: the damping of an exponential window is still in.
+    pub pole: Pole,
+    /// Participation of each of [`FrfSet::references`].
+    pub participation: Option<Vec<Complex64>>,
+    /// Receptance residue of each function of the set, in its order, m/(N s).
+    pub residues: Option<Vec<Complex64>>,
+    /// Standard deviation of the frequency, Hz.
+    pub frequency_std_hz: Option<f64>,
+    /// Standard deviation of the damping ratio.
+    pub damping_std: Option<f64>,
+    /// Figure of merit of the method; for the circle fit the relative standard deviation of the damping surface.
+    pub quality: Option<f64>,
+}
+
+/// What an estimator found.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PoleTable {
+    /// Poles in ascending order, then frequency.
+    pub candidates: Vec<Candidate>,
+    /// What the data said on the way.
+    pub findings: Vec<Finding>,
+}
+
+/// A method that finds poles in a set of FRFs.
+pub trait PoleEstimator {
+    /// Its name in [`ESTIMATORS`].
+    fn name(&self) -> &'static str;
+
+    /// Poles in a band.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] when set, band and options do not go together or a matrix problem has no answer.
+    fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError>;
+}
+
+/// An estimator by name.
+pub struct Entry {
+    /// Name on the command line, in scenes and in `modes.json`.
+    pub name: &'static str,
+    /// Builds it.
+    pub build: fn(&MethodOptions) -> Box<dyn PoleEstimator>,
+}
+
+/// Every estimator.
+pub const ESTIMATORS: &[Entry] = &[
+    Entry {
+        name: "peak",
+        build: |options| {
+            Box::new(single::SingleModeEstimator {
+                method: peak::PeakPicking,
+                options: *options,
+            })
+        },
+    },
+    Entry {
+        name: "circle",
+        build: |options| {
+            Box::new(single::SingleModeEstimator {
+                method: circle::CircleFit,
+                options: *options,
+            })
+        },
+    },
+];
+
+/// What `auto` stands for.
+const AUTO: &str = "circle";
+
+/// Options of an identification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifyOptions {
+    /// Name of an estimator, or `auto` (the circle fit).
+    pub method: String,
+    /// Band to search; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
+    pub band: Option<Band>,
+    /// References to use; all without it.
+    pub references: Option<Vec<Dof>>,
+    /// Options of the estimator.
+    pub estimator: MethodOptions,
+}
+
+impl Default for IdentifyOptions {
+    fn default() -> Self {
+        Self {
+            method: "auto".to_owned(),
+            band: None,
+            references: None,
+            estimator: MethodOptions::default(),
+        }
+    }
+}
+
+impl IdentifyOptions {
+    /// The estimator that these options name, their numbers checked.
+    ///
+    /// # Errors
+    /// [`IdentifyError::UnknownMethod`] with the known names; [`IdentifyError::OptionOutOfRange`].
+    pub fn validate(&self) -> Result<&'static Entry, IdentifyError> {
+        let probability = self.estimator.false_alarm_probability;
+        if !(probability > 0.0 && probability < 1.0) {
+            return Err(IdentifyError::OptionOutOfRange {
+                name: "false_alarm_probability",
+                got: probability,
+                expected: "a number between 0 and 1",
+            });
+        }
+        if self.estimator.max_modes == Some(0) {
+            return Err(IdentifyError::OptionOutOfRange {
+                name: "max_modes",
+                got: 0.0,
+                expected: "1 or more",
+            });
+        }
+        let name = if self.method == "auto" {
+            AUTO
+        } else {
+            &self.method
+        };
+        let entry = ESTIMATORS.iter().find(|entry| entry.name == name);
+        entry.ok_or_else(|| IdentifyError::UnknownMethod {
+            got: self.method.clone(),
+            known: std::iter::once("auto")
+                .chain(ESTIMATORS.iter().map(|entry| entry.name))
+                .collect(),
+        })
+    }
+}
+
+/// The modes of a set of FRFs.
+///
+/// Poles are those of the structure: the decay rate of an exponential window that the set still carries is taken out.
+/// Residues are those of receptances, m/(N s), whatever kind the functions are. The findings are those of this stage;
+/// the set keeps its own.
+///
+/// ```
+/// use modalign::axis::FrequencyAxis;
+/// use modalign::frf::{FrfSet, Function, FunctionData};
+/// use modalign::identify::{IdentifyOptions, identify};
+/// use modalign::quantity::FrfKind;
+/// use num_complex::Complex64;
+///
+/// // One mode of 2 kg at 50 Hz with 1 % damping, as a driving-point receptance.
+/// let axis = FrequencyAxis { start_hz: 0.0, step_hz: 0.1, len: 1001 };
+/// let natural = std::f64::consts::TAU * 50.0;
+/// let receptance = |k: usize| {
+///     let omega = axis.rad_s(k);
+///     let stiffness = Complex64::new(natural * natural - omega * omega, 0.02 * natural * omega);
+///     (2.0 * stiffness).inv()
+/// };
+/// let dof: modalign::dof::Dof = "1:+Z".parse().unwrap();
+/// let function = Function {
+///     response: dof.clone(),
+///     reference: dof.clone(),
+///     kind: FrfKind::Receptance,
+///     averages: None,
+///     estimator: None,
+/// };
+/// let values = (0..axis.len).map(receptance).collect();
+/// let mut set = FrfSet::new(axis);
+/// set.push(function, FunctionData { values, ..FunctionData::default() }).unwrap();
+///
+/// let model = identify(&set, &IdentifyOptions::default()).unwrap();
+/// let mode = &model.modes[0];
+/// assert!((mode.frequency_hz - 50.0).abs() < 1e-6);
+/// assert!((mode.damping_ratio.unwrap() - 0.01).abs() < 1e-8);
+/// // Unit modal mass: the shape at the hit is one over the root of the mass.
+/// assert!((mode.shape.get(&dof).unwrap().re - 0.5f64.sqrt()).abs() < 1e-6);
+/// ```
+///
+/// # Errors
+/// [`IdentifyError`] when options and set do not go together, or a matrix problem has no answer.
+pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, IdentifyError> {
+    let entry = options.validate()?;
+    let chosen = selection::with_references(set, options.references.as_deref())?;
+    let set = chosen.as_ref().unwrap_or(set);
+    let band = options.band.or(set.valid_band);
+    let band = match band.or_else(|| receptance::whole_band(set)) {
+        Some(band) => band,
+        None => return Err(receptance::no_band(set)),
+    };
+    let estimator = (entry.build)(&options.estimator);
+    let table = estimator.estimate(set, band)?;
+    Ok(selection::modal_model(set, band, estimator.name(), table))
+}

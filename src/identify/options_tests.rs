@@ -1,0 +1,298 @@
+//! Options, errors and the findings of one mode.
+
+use super::synthetic::{Measurement, Structure};
+use super::{ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, identify};
+use crate::axis::{Band, FrequencyAxis};
+use crate::dof::Dof;
+use crate::finding::Code;
+use crate::frf::{FrfSet, Function, FunctionData};
+use crate::modal::ModalModel;
+use crate::quantity::FrfKind;
+
+const AXIS: FrequencyAxis = FrequencyAxis {
+    start_hz: 0.0,
+    step_hz: 0.1,
+    len: 2001,
+};
+
+fn structure(damping: f64) -> Structure {
+    Structure {
+        modes: vec![
+            (60.0, damping, vec![1.0, 0.5, -0.7]),
+            (130.0, damping, vec![0.8, -0.9, 0.6]),
+        ],
+    }
+}
+
+fn set(damping: f64) -> FrfSet {
+    structure(damping).measured(&Measurement {
+        snr_db: Some(60.0),
+        ..Measurement::of_sensors(3, AXIS)
+    })
+}
+
+fn with_band(lo_hz: f64, hi_hz: f64) -> IdentifyOptions {
+    IdentifyOptions {
+        band: Some(Band { lo_hz, hi_hz }),
+        ..IdentifyOptions::default()
+    }
+}
+
+fn has(model: &ModalModel, code: Code) -> bool {
+    model.findings.iter().any(|finding| finding.code == code)
+}
+
+#[test]
+fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
+    assert_eq!(ESTIMATORS.len(), 2);
+    for name in ESTIMATORS.iter().map(|entry| entry.name).chain(["auto"]) {
+        let options = IdentifyOptions {
+            method: name.to_owned(),
+            ..IdentifyOptions::default()
+        };
+        let model = identify(&set(0.01), &options).unwrap();
+        let method = model.modes[0].method.as_deref();
+        assert_eq!(method, Some(if name == "auto" { "circle" } else { name }));
+        assert_eq!((model.modes.len(), model.references.len()), (2, 1));
+        assert_eq!(model.band, Band::new(0.1, 200.0).ok());
+        assert!(model.added_damping_rad_s.is_none() && model.findings.is_empty());
+        assert!(model.modes.iter().all(|mode| mode.mpc.unwrap() > 0.9999));
+    }
+}
+
+#[test]
+fn an_unknown_method_is_told_the_known_ones() {
+    let options = IdentifyOptions {
+        method: "prony".to_owned(),
+        ..IdentifyOptions::default()
+    };
+    let text = identify(&set(0.01), &options).unwrap_err().to_string();
+    assert!(
+        text.contains("`prony`") && text.ends_with("auto peak circle"),
+        "{text}"
+    );
+}
+
+#[test]
+fn bands_and_numbers_outside_their_range_are_errors() {
+    let set = set(0.01);
+    for (lo, hi) in [
+        (10.0, 201.0),
+        (300.0, 400.0),
+        (f64::NAN, 100.0),
+        (50.0, 40.0),
+        (-5.0, 100.0),
+    ] {
+        let error = identify(&set, &with_band(lo, hi)).unwrap_err();
+        assert!(
+            matches!(error, IdentifyError::BandOutside { .. }),
+            "{error}"
+        );
+    }
+    let error = identify(&set, &with_band(60.0, 60.3)).unwrap_err();
+    assert_eq!(
+        error,
+        IdentifyError::TooFewLines {
+            got: 4,
+            expected: 8
+        }
+    );
+    for estimator in [
+        MethodOptions {
+            false_alarm_probability: 0.0,
+            ..MethodOptions::default()
+        },
+        MethodOptions {
+            max_modes: Some(0),
+            ..MethodOptions::default()
+        },
+    ] {
+        let options = IdentifyOptions {
+            estimator,
+            ..IdentifyOptions::default()
+        };
+        let error = identify(&set, &options).unwrap_err();
+        assert!(
+            matches!(error, IdentifyError::OptionOutOfRange { .. }),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn bad_sets_are_errors() {
+    let empty = FrfSet::new(AXIS);
+    let options = IdentifyOptions::default();
+    assert_eq!(identify(&empty, &options), Err(IdentifyError::NoFunctions));
+    let dof: Dof = "1:+Z".parse().unwrap();
+    let function = Function {
+        response: dof.clone(),
+        reference: dof,
+        kind: FrfKind::Mobility,
+        averages: None,
+        estimator: None,
+    };
+    let mut values = set(0.01).values(0).to_vec();
+    values[700].im = f64::NAN;
+    let mut broken = FrfSet::new(AXIS);
+    let data = FunctionData {
+        values,
+        ..FunctionData::default()
+    };
+    broken.push(function, data).unwrap();
+    let text = identify(&broken, &options).unwrap_err().to_string();
+    assert!(
+        text.starts_with("1:+Z|1:+Z at 70 Hz") && text.contains("NaN"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_dead_channel_is_no_obstacle() {
+    let live = set(0.01);
+    let mut with_dead = FrfSet::new(AXIS);
+    for i in 0..3 {
+        let values = live
+            .values(i)
+            .iter()
+            .map(|v| if i == 1 { 0.0 * v } else { *v });
+        let data = FunctionData {
+            values: values.collect(),
+            ..FunctionData::default()
+        };
+        with_dead.push(live.functions()[i].clone(), data).unwrap();
+    }
+    for method in ["peak", "circle"] {
+        let options = IdentifyOptions {
+            method: method.to_owned(),
+            ..IdentifyOptions::default()
+        };
+        let model = identify(&with_dead, &options).unwrap();
+        assert_eq!(model.modes.len(), 2, "{method}");
+        assert!((model.modes[0].frequency_hz - 60.0).abs() < 1e-3);
+        let dead = model.modes[0]
+            .shape
+            .get(&live.functions()[1].response)
+            .unwrap();
+        assert!(dead.norm() < 1e-12);
+    }
+}
+
+#[test]
+fn references_choose_functions_and_must_exist() {
+    let mut how = Measurement::of_sensors(3, AXIS);
+    let second = how
+        .pairs
+        .iter()
+        .map(|(r, _)| (r.clone(), "2:+Z".parse().unwrap()));
+    how.pairs.extend(second.collect::<Vec<_>>());
+    let set = structure(0.01).measured(&how);
+    let chosen: Vec<Dof> = vec!["2:+Z".parse().unwrap()];
+    let options = |references| IdentifyOptions {
+        references: Some(references),
+        ..IdentifyOptions::default()
+    };
+    let model = identify(&set, &options(chosen.clone())).unwrap();
+    assert_eq!(model.references, chosen);
+    assert_eq!(model.modes[0].residues.len(), 3);
+    let unknown = identify(&set, &options(vec!["9:+X".parse().unwrap()])).unwrap_err();
+    assert!(unknown.to_string().ends_with("1:+Z 2:+Z"), "{unknown}");
+}
+
+#[test]
+fn the_strongest_modes_are_kept() {
+    let estimator = MethodOptions {
+        max_modes: Some(1),
+        ..MethodOptions::default()
+    };
+    let options = IdentifyOptions {
+        estimator,
+        ..IdentifyOptions::default()
+    };
+    let model = identify(&set(0.01), &options).unwrap();
+    assert_eq!(model.modes.len(), 1);
+}
+
+#[test]
+fn a_short_record_is_told() {
+    // Time constants: 2π f ζ T = 2π · 60 · 0.01 · T = 3.77 T, and 8.17 T for the second mode.
+    let mut set = set(0.01);
+    for (duration, expected) in [(0.7, 2), (1.0, 1), (1.7, 0)] {
+        set.record_duration_s = Some(duration);
+        let model = identify(&set, &IdentifyOptions::default()).unwrap();
+        let told = model
+            .findings
+            .iter()
+            .filter(|f| f.code == Code::FewTimeConstants);
+        assert_eq!(told.count(), expected, "{duration}");
+    }
+}
+
+#[test]
+fn a_mode_at_the_edge_of_the_band_is_told() {
+    let set = set(0.01);
+    // Half-power width 1.2 Hz.
+    for (lo, near) in [(58.0, false), (59.0, true), (59.7, true)] {
+        for method in ["peak", "circle"] {
+            let options = IdentifyOptions {
+                method: method.to_owned(),
+                ..with_band(lo, 100.0)
+            };
+            let model = identify(&set, &options).unwrap();
+            assert_eq!(
+                has(&model, Code::NearBandEdge),
+                near,
+                "{method} {lo} {:?}",
+                model.findings
+            );
+            let hidden = method == "peak" && lo > 59.5;
+            assert_eq!(has(&model, Code::HalfPowerMissing), hidden, "{method} {lo}");
+            assert!((model.modes[0].frequency_hz - 60.0).abs() < 0.06);
+        }
+    }
+}
+
+#[test]
+fn negative_damping_is_dropped_with_a_word() {
+    let model = identify(&set(-0.01), &IdentifyOptions::default()).unwrap();
+    assert!(model.modes.is_empty() && has(&model, Code::PeakDropped));
+}
+
+#[test]
+fn damping_that_vanishes_with_the_window_is_not_known() {
+    let mut set = set(0.01);
+    // The window is said to have added more than there is.
+    set.added_damping_rad_s = 6.0;
+    let model = identify(&set, &IdentifyOptions::default()).unwrap();
+    assert_eq!(model.modes[0].damping_ratio, None);
+    assert!(has(&model, Code::DampingNotPositive));
+    assert!(model.modes[1].damping_ratio.is_some());
+}
+
+#[test]
+fn a_hidden_second_mode_spreads_the_damping() {
+    let spread = |second: f64| {
+        let shape = vec![second, 0.8 * second, -second];
+        let pair = Structure {
+            modes: vec![(60.0, 0.01, vec![1.0, 0.5, -0.7]), (61.0, 0.01, shape)],
+        };
+        let set = pair.measured(&Measurement::of_sensors(3, AXIS));
+        identify(&set, &IdentifyOptions::default()).unwrap()
+    };
+    let model = spread(0.7);
+    assert!(has(&model, Code::DampingSpread) && has(&model, Code::CloseModes));
+    assert!(!has(&spread(0.0), Code::DampingSpread));
+}
+
+#[test]
+fn the_result_is_the_same_for_any_number_of_threads() {
+    let set = set(0.02);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| identify(&set, &IdentifyOptions::default()).unwrap())
+    };
+    assert_eq!(run(1), run(4));
+}

@@ -1,0 +1,165 @@
+//! The functions of a set inside a band, as receptances with the variance of every value.
+//!
+//! All functions are brought to one kind once, here, and the arguments of every estimator are checked here. A set may
+//! carry the decay rate `a` of an exponential window: its values were sampled at `s = iω + a`, so that mobility is
+//! `s X/F` and accelerance `s² X/F`. Dividing by the power of `s` leaves `X/F = Σ A/(iω − λ) + conj.` with
+//! `λ = λ_true − a`: an ordinary receptance whose poles carry the window's damping. Everything behind this file works
+//! on that and never meets `a` again.
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+
+use super::IdentifyError;
+use super::noise::{self, Noise};
+
+/// Fewest lines in a band that are worth a search.
+const FEWEST_LINES: usize = 8;
+
+/// Receptances on the lines of a band.
+pub(super) struct Receptances {
+    /// Angular frequency of every line, rad/s.
+    pub omega: Vec<f64>,
+    /// Spacing of the lines, rad/s.
+    pub step: f64,
+    /// Values, m/N, one vector per function.
+    pub values: Vec<Vec<Complex64>>,
+    /// Variance E|H − E H|² of every value, (m/N)², positive.
+    pub variance: Vec<Vec<f64>>,
+    /// Whether the variances of all functions came with the data.
+    pub variance_measured: bool,
+}
+
+impl Receptances {
+    /// The functions of a set on the lines of a band, the line at 0 Hz left out.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoFunctions`], [`IdentifyError::BandOutside`], [`IdentifyError::TooFewLines`],
+    /// [`IdentifyError::OptionOutOfRange`] for an impossible added damping, [`IdentifyError::NotFinite`].
+    pub fn new(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
+        let lines = checked_lines(set, band)?;
+        let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
+        let mut data = Self {
+            step: std::f64::consts::TAU * set.axis().step_hz,
+            values: Vec::with_capacity(set.len()),
+            variance: Vec::with_capacity(set.len()),
+            variance_measured: true,
+            omega,
+        };
+        for i in 0..set.len() {
+            check_finite(set, i, lines.clone())?;
+            let noise = noise::of_function(set, i, lines.clone());
+            data.push(set, i, &set.values(i)[lines.clone()], noise);
+        }
+        Ok(data)
+    }
+
+    fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {
+        let order = set.functions()[i].kind.derivative_order();
+        let factor = |omega: &f64| {
+            Complex64::new(set.added_damping_rad_s, *omega)
+                .powi(order)
+                .inv()
+        };
+        let scaled = self.omega.iter().zip(values).map(|(w, h)| factor(w) * h);
+        self.values.push(scaled.collect());
+        let variance = self.omega.iter().zip(&noise.variance);
+        let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
+        self.variance.push(variance.collect());
+        self.variance_measured &= noise.measured;
+    }
+
+    /// Number of functions.
+    pub fn functions(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Number of lines.
+    pub fn lines(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// Mean variance of a function over some lines, (m/N)².
+    pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
+        let count = lines.len().max(1) as f64;
+        self.variance[function][lines].iter().sum::<f64>() / count
+    }
+}
+
+/// The whole usable band of a set: from its first line above 0 Hz to its last.
+pub(super) fn whole_band(set: &FrfSet) -> Option<Band> {
+    let axis = set.axis();
+    let first = (0..axis.len).find(|k| axis.hz(*k) > 0.0)?;
+    Band::new(axis.hz(first), axis.hz(axis.len - 1)).ok()
+}
+
+/// The error of a set whose axis holds no band.
+pub(super) fn no_band(set: &FrfSet) -> IdentifyError {
+    IdentifyError::TooFewLines {
+        got: set.axis().len,
+        expected: FEWEST_LINES,
+    }
+}
+
+fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, IdentifyError> {
+    if set.is_empty() {
+        return Err(IdentifyError::NoFunctions);
+    }
+    let added = set.added_damping_rad_s;
+    if !(added >= 0.0 && added.is_finite()) {
+        return Err(IdentifyError::OptionOutOfRange {
+            name: "added damping of the set in rad/s",
+            got: added,
+            expected: "a finite number, 0 or more",
+        });
+    }
+    let whole = whole_band(set).ok_or_else(|| no_band(set))?;
+    let slack = 0.5 * set.axis().step_hz;
+    let lower_reaches =
+        band.lo_hz >= whole.lo_hz - slack || (band.lo_hz >= 0.0 && set.axis().start_hz <= 0.0);
+    if !(lower_reaches && band.lo_hz < band.hi_hz && band.hi_hz <= whole.hi_hz + slack) {
+        return Err(IdentifyError::BandOutside {
+            got_lo_hz: band.lo_hz,
+            got_hi_hz: band.hi_hz,
+            lo_hz: whole.lo_hz,
+            hi_hz: whole.hi_hz,
+        });
+    }
+    let lines = set.axis().lines(&band);
+    let first = lines.clone().find(|k| set.axis().hz(*k) > 0.0);
+    let lines = first.unwrap_or(lines.end)..lines.end;
+    if lines.len() < FEWEST_LINES {
+        return Err(IdentifyError::TooFewLines {
+            got: lines.len(),
+            expected: FEWEST_LINES,
+        });
+    }
+    Ok(lines)
+}
+
+fn check_finite(
+    set: &FrfSet,
+    i: usize,
+    lines: std::ops::Range<usize>,
+) -> Result<(), IdentifyError> {
+    let values = set.values(i);
+    let error = |k: usize, what, got| IdentifyError::NotFinite {
+        response: set.functions()[i].response.clone(),
+        reference: set.functions()[i].reference.clone(),
+        hz: set.axis().hz(k),
+        what,
+        got,
+    };
+    if let Some(k) = lines.clone().find(|k| !values[*k].is_finite()) {
+        return Err(error(k, "value", values[k].to_string()));
+    }
+    let Some(variance) = set.variance(i) else {
+        return Ok(());
+    };
+    let legal = |v: f64| v.is_finite() && v >= 0.0;
+    match lines.clone().find(|k| !legal(variance[*k])) {
+        Some(k) => Err(error(k, "variance of 0 or more", variance[k].to_string())),
+        None => Ok(()),
+    }
+}

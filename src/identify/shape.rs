@@ -1,0 +1,191 @@
+//! Shapes from residues: `A_rk = ψ_r L_k`, as a vector over responses or over references, scaled where possible.
+//!
+//! By reciprocity `A_rk = φ_r φ_k/(2iω_d m)` for a mode with a nearly real shape, so that the residues of one mode are
+//! a matrix of rank one over responses × references. The side with more degrees of freedom carries the shape: the
+//! responses of a fixed hammer with many sensors, the references of a roving hammer with one sensor (ties go to the
+//! responses). The column with most functions begins; every other one that shares a degree of freedom with it is
+//! brought to it by its modal scale factor and the shape is their least-squares mean; missing pairs are no obstacle.
+//! A column that shares nothing is left out.
+//!
+//! Values stay at the degree of freedom *as labelled*: `3:-Z` keeps its key and its sign, whether it labels a sensor or
+//! a hit.
+//!
+//! *Scale.* Where a function's response and reference are the same point and axis (a driving point, signs `s_r s_k`
+//! free), `φ_r² = 2iω_d m s_r s_k A_rk` gives unit modal mass with `m = 1 kg`, provided that this square has a phase
+//! within 20° of zero, so that the mode is as real as the formula assumes. Without such a function, or with another
+//! phase, nothing is known of the mass and the largest component is made 1.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use num_complex::Complex64;
+
+use crate::dof::Dof;
+use crate::modal::{ModeShape, Scaling, modal_scale_factor};
+
+/// Largest phase of a driving-point residue away from that of a real mode, rad.
+const MOST_PHASE: f64 = 20.0 * std::f64::consts::PI / 180.0;
+/// Alternations between shape and factors; the misfit falls by the square of the noise each time.
+const ROUNDS: usize = 4;
+
+/// Residues by (response, reference).
+type Residues = BTreeMap<(Dof, Dof), Complex64>;
+
+/// A shape with its scale.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ScaledShape {
+    /// The shape.
+    pub shape: ModeShape,
+    /// How it is scaled.
+    pub scaling: Scaling,
+    /// Modal mass for that scale, kg.
+    pub modal_mass_kg: Option<f64>,
+    /// Residues that one shape does not explain over all residues, where several columns meet.
+    pub misfit: Option<f64>,
+}
+
+/// The shape of a mode from its residues and its damped frequency, rad/s.
+pub(super) fn shape_of(residues: &Residues, damped_rad_s: f64) -> ScaledShape {
+    let columns = Columns::new(residues);
+    let (shape, misfit) = columns.merged();
+    match driving_point(residues, &shape, damped_rad_s) {
+        Some(scale) => ScaledShape {
+            shape: ModeShape::new(shape.into_iter().map(|(dof, v)| (dof, scale * v))),
+            scaling: Scaling::UnitModalMass,
+            modal_mass_kg: Some(1.0),
+            misfit,
+        },
+        None => ScaledShape {
+            shape: ModeShape::new(shape).unit_max(),
+            scaling: Scaling::UnitMax,
+            modal_mass_kg: None,
+            misfit,
+        },
+    }
+}
+
+/// The residue matrix as columns along the longer side.
+struct Columns {
+    by_other: BTreeMap<Dof, BTreeMap<Dof, Complex64>>,
+}
+
+impl Columns {
+    fn new(residues: &Residues) -> Self {
+        let responses: BTreeSet<&Dof> = residues.keys().map(|(response, _)| response).collect();
+        let references: BTreeSet<&Dof> = residues.keys().map(|(_, reference)| reference).collect();
+        let turned = references.len() > responses.len();
+        let mut by_other: BTreeMap<Dof, BTreeMap<Dof, Complex64>> = BTreeMap::new();
+        for ((response, reference), value) in residues {
+            let (row, column) = if turned {
+                (reference, response)
+            } else {
+                (response, reference)
+            };
+            by_other
+                .entry(column.clone())
+                .or_default()
+                .insert(row.clone(), *value);
+        }
+        Self { by_other }
+    }
+
+    /// Least-squares shape of all columns that hang together, and what it does not explain.
+    fn merged(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
+        let mut order: Vec<&BTreeMap<Dof, Complex64>> = self.by_other.values().collect();
+        order.sort_by_key(|column| std::cmp::Reverse(column.len()));
+        let mut shape = order
+            .first()
+            .map_or_else(BTreeMap::new, |column| (*column).clone());
+        let mut factors = vec![None; order.len()];
+        for _ in 0..ROUNDS.max(order.len()) {
+            for (factor, column) in factors.iter_mut().zip(&order) {
+                *factor = factor_of(&shape, column).or(*factor);
+            }
+            shape = mean_shape(&order, &factors);
+        }
+        let misfit = misfit(&order, &factors, &shape);
+        (shape, misfit)
+    }
+}
+
+/// Factor that brings the shape to a column, from the degrees of freedom that both have.
+fn factor_of(
+    shape: &BTreeMap<Dof, Complex64>,
+    column: &BTreeMap<Dof, Complex64>,
+) -> Option<Complex64> {
+    let common: Vec<(Complex64, Complex64)> = column
+        .iter()
+        .filter_map(|(dof, value)| Some((*shape.get(dof)?, *value)))
+        .collect();
+    let (own, other): (Vec<Complex64>, Vec<Complex64>) = common.into_iter().unzip();
+    modal_scale_factor(&own, &other)
+}
+
+/// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the columns that have the row.
+fn mean_shape(
+    columns: &[&BTreeMap<Dof, Complex64>],
+    factors: &[Option<Complex64>],
+) -> BTreeMap<Dof, Complex64> {
+    let mut sums: BTreeMap<Dof, (Complex64, f64)> = BTreeMap::new();
+    for (column, factor) in columns.iter().zip(factors) {
+        let Some(factor) = factor else { continue };
+        for (dof, value) in *column {
+            let sum = sums.entry(dof.clone()).or_default();
+            sum.0 += factor.conj() * value;
+            sum.1 += factor.norm_sqr();
+        }
+    }
+    let known = sums.into_iter().filter(|(_, (_, weight))| *weight > 0.0);
+    known
+        .map(|(dof, (sum, weight))| (dof, sum / weight))
+        .collect()
+}
+
+fn misfit(
+    columns: &[&BTreeMap<Dof, Complex64>],
+    factors: &[Option<Complex64>],
+    shape: &BTreeMap<Dof, Complex64>,
+) -> Option<f64> {
+    let (mut left, mut all) = (0.0, 0.0);
+    for (column, factor) in columns.iter().zip(factors) {
+        let Some(factor) = factor else { continue };
+        for (dof, value) in *column {
+            left += (value - factor * shape.get(dof)?).norm_sqr();
+            all += value.norm_sqr();
+        }
+    }
+    (columns.len() >= 2 && all > 0.0).then(|| (left / all).sqrt())
+}
+
+/// Factor from the shape to unit modal mass: the least-squares `κ` of `κ² ψ_r² = 2iω_d s_r s_k A_rk` over all driving
+/// points, the largest component turned to a positive real part. `None` without one or with a phase that is not that
+/// of a real mode.
+fn driving_point(
+    residues: &Residues,
+    shape: &BTreeMap<Dof, Complex64>,
+    damped_rad_s: f64,
+) -> Option<Complex64> {
+    let (mut product, mut square, mut total) = (Complex64::ZERO, 0.0, Complex64::ZERO);
+    for ((response, reference), residue) in residues {
+        let same = response.point() == reference.point() && response.axis() == reference.axis();
+        let Some(own) = shape
+            .get(response)
+            .or_else(|| shape.get(reference))
+            .filter(|_| same)
+        else {
+            continue;
+        };
+        let sign = response.sign() * reference.sign();
+        let phi_squared = Complex64::new(0.0, 2.0 * damped_rad_s * sign) * residue;
+        product += (own * own).conj() * phi_squared;
+        square += own.norm_sqr().powi(2);
+        total += phi_squared;
+    }
+    if square <= 0.0 || total.norm() <= 0.0 || total.arg().abs() > MOST_PHASE {
+        return None;
+    }
+    let scale = (product / square).sqrt();
+    let largest = ModeShape::new(shape.clone())
+        .largest()
+        .map(|(_, v)| scale * v)?;
+    Some(if largest.re < 0.0 { -scale } else { scale })
+}

@@ -1,0 +1,162 @@
+//! Why a file cannot be read or written.
+
+use crate::dof::DofError;
+use crate::quantity::UnitError;
+
+/// A failure of reading or writing, with its place.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IoError {
+    /// The operating system refused.
+    #[error("{path}: cannot {action}: {source}")]
+    System {
+        /// Path as given.
+        path: String,
+        /// What was tried (`open`, `read`, `write`, `rename`).
+        action: &'static str,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A format that no reader takes.
+    #[error(
+        "{path}: got a file of unknown format (it starts with {head:?}), expected one of {known}"
+    )]
+    UnknownFormat {
+        /// Path as given.
+        path: String,
+        /// Its first bytes.
+        head: String,
+        /// Names of the formats.
+        known: String,
+    },
+    /// Several formats that are as sure of a file.
+    #[error(
+        "{path}: got a file that could be {candidates}, expected one format: state it with --format"
+    )]
+    Tie {
+        /// Path as given.
+        path: String,
+        /// Names of the candidates.
+        candidates: String,
+    },
+    /// Text that is not what the format puts there.
+    #[error("{path}:{line}: {what}: got {got:?}, expected {expected}")]
+    Text {
+        /// Path as given.
+        path: String,
+        /// Line from 1.
+        line: u64,
+        /// Which field.
+        what: &'static str,
+        /// Text as found.
+        got: String,
+        /// What the format puts there.
+        expected: String,
+    },
+    /// Bytes that are not what the format puts there.
+    #[error("{path} at byte {byte}: {what}: got {got}, expected {expected}")]
+    Binary {
+        /// Path as given.
+        path: String,
+        /// Offset from 0.
+        byte: u64,
+        /// Which part.
+        what: &'static str,
+        /// What was found.
+        got: String,
+        /// What the format puts there.
+        expected: String,
+    },
+    /// The file ends inside an entry.
+    #[error("{path} at byte {byte}: the file ends inside {what}: got {got}, expected {expected}")]
+    Truncated {
+        /// Path as given.
+        path: String,
+        /// Where the file ends.
+        byte: u64,
+        /// Inside what.
+        what: &'static str,
+        /// How much was found.
+        got: String,
+        /// How much was expected.
+        expected: String,
+    },
+    /// A column that a table does not have.
+    #[error(
+        "{path}:{line}: got columns {got}, expected a column {expected:?} ([[test.channel]] column)"
+    )]
+    MissingColumn {
+        /// Path as given.
+        path: String,
+        /// Header line from 1.
+        line: u64,
+        /// The columns that are there.
+        got: String,
+        /// The column that the scene names.
+        expected: String,
+    },
+    /// Something that a file does not say and nobody stated.
+    #[error("{path}: {what} is not stated: expected {expected}")]
+    NotStated {
+        /// Path as given.
+        path: String,
+        /// What is missing (unit, sampling rate, hit point, ...).
+        what: String,
+        /// Where it could be stated.
+        expected: String,
+    },
+    /// Records that cannot make a hit.
+    #[error("{path}: {what}: got {got}, expected {expected}")]
+    Grouping {
+        /// Path as given.
+        path: String,
+        /// What was tried.
+        what: &'static str,
+        /// What was found.
+        got: String,
+        /// What makes a hit.
+        expected: String,
+    },
+    /// A JSON file that does not follow its schema.
+    #[error("{path}:{line}:{column}: got {got}, expected {expected}")]
+    Json {
+        /// Path as given.
+        path: String,
+        /// Line from 1.
+        line: usize,
+        /// Column from 1.
+        column: usize,
+        /// The reader's complaint.
+        got: String,
+        /// The schema.
+        expected: &'static str,
+    },
+    /// A unit that is not known.
+    #[error("{path}: {source}")]
+    Unit {
+        /// Path as given.
+        path: String,
+        /// Which unit.
+        source: UnitError,
+    },
+    /// A degree of freedom that cannot be named or written.
+    #[error("{path}: {source}")]
+    Dof {
+        /// Path as given.
+        path: String,
+        /// Which one.
+        source: DofError,
+    },
+    /// A value that the format cannot hold.
+    #[error("{path}: cannot write {what}: got {got}, expected {expected}")]
+    Unwritable {
+        /// Path as given.
+        path: String,
+        /// What was to be written.
+        what: &'static str,
+        /// What was given.
+        got: String,
+        /// What the format holds.
+        expected: String,
+    },
+}

@@ -1,0 +1,88 @@
+//! How a scene describes a table of numbers whose file does not say what its columns are.
+
+use crate::dof::Dof;
+use crate::quantity::{FrfUnit, Unit};
+
+/// What separates the fields of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Delimiter {
+    /// `,`
+    #[default]
+    Comma,
+    /// `;`
+    Semicolon,
+    /// Tabulator.
+    Tab,
+    /// Any run of blanks and tabulators.
+    Blank,
+}
+
+/// Which column of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ColumnName {
+    /// By its heading.
+    Heading(String),
+    /// By its number from 1.
+    Number(usize),
+}
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ColumnRole {
+    /// Time, s.
+    Time,
+    /// Frequency, Hz.
+    Frequency,
+    /// Force of the hammer at this hit point (`None`: the file's reference says).
+    Force {
+        /// Hit point.
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: Unit,
+    },
+    /// A response (`None`: the file's response says).
+    Response {
+        /// Where it measures.
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: Unit,
+    },
+    /// Real part of an FRF.
+    Real {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: FrfUnit,
+    },
+    /// Imaginary part of the FRF whose real part has the same response.
+    Imaginary {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: FrfUnit,
+    },
+}
+
+/// One column that is to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableColumn {
+    /// Which one.
+    pub column: ColumnName,
+    /// What it holds.
+    pub role: ColumnRole,
+    /// Calibration: value in the stated unit = `scale` × number in the file.
+    pub scale: f64,
+}
+
+/// How to read a table. Columns that are not named are passed over.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct TableSpec {
+    /// Field separator.
+    pub delimiter: Delimiter,
+    /// Lines before the heading (or before the numbers, where columns are named by number alone).
+    pub skip_lines: usize,
+    /// Samples per second, where no time column says.
+    pub sampling_rate_hz: Option<f64>,
+    /// Columns.
+    pub columns: Vec<TableColumn>,
+}

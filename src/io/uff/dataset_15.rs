@@ -1,0 +1,41 @@
+//! Dataset 15, nodes, one line each.
+//!
+//! | columns | field |
+//! |---|---|
+//! | I10 | label |
+//! | I10 | definition coordinate system, 0 or 1 for the global one |
+//! | I10 | displacement coordinate system, not used |
+//! | I10 | colour, not used |
+//! | 3 E13.5 | coordinates in file units of length |
+
+use super::fields::{FieldError, Line, finite, integer, integer_or_zero, numeric_record};
+use super::nodes::RawNode;
+
+/// Reads the nodes.
+pub(super) fn nodes(lines: &[Line]) -> Result<Vec<RawNode>, FieldError> {
+    lines
+        .iter()
+        .filter(|line| !line.bytes.trim_ascii().is_empty())
+        .map(node)
+        .collect()
+}
+
+fn node(line: &Line) -> Result<RawNode, FieldError> {
+    let parse = |fields: &[&[u8]]| {
+        let coordinates = [finite(fields[4])?, finite(fields[5])?, finite(fields[6])?];
+        Some((
+            integer(fields[0])?,
+            integer_or_zero(fields[1])?,
+            coordinates,
+        ))
+    };
+    let (label, system, coordinates) =
+        numeric_record(&line.bytes, &[10, 10, 10, 10, 13, 13, 13], parse).ok_or_else(|| {
+            FieldError::line(
+                line,
+                "node of dataset 15",
+                "label, two coordinate systems, colour, x, y, z",
+            )
+        })?;
+    RawNode::new(line, label, system, coordinates)
+}

@@ -1,0 +1,88 @@
+//! Random damage never panics, never hangs and never asks for more memory than the file could fill.
+
+use proptest::prelude::*;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::file_builder::{Form, all, binary_58, dataset, doubles, header, open, singles, text_58};
+
+/// Small files of every dataset.
+fn seeds() -> Vec<Vec<u8>> {
+    let nodes = dataset(
+        &["    15", "7 1 0 1 -1.5 2.5 3.5", "8 1 0 1 1. 2. 3."],
+        "\n",
+    );
+    let double = dataset(&["  2411", "7 1 0 1", "-1.5D+00 2.5 3.5"], "\n");
+    let units = dataset(&["   164", "5", "1.0D+03 1.0D+00 1.0D+00", "0.0"], "\n");
+    let trace = dataset(&["    82", "1 3 8", "Frame", "7 8 0"], "\n");
+    let title = dataset(&["   151", "Machine"], "\n");
+    let text = text_58(&header(2, 8), &["1.0 2.0 3.0 4.0-5.0E+00", "6 7 8"], "\n");
+    let complex = text_58(&header(6, 2), &["1.0 2.0 3.0", "4.0"], "\r\n");
+    let form = |little_endian| Form {
+        little_endian,
+        ..Form::default()
+    };
+    let single = binary_58(&header(2, 8), &singles(&[1.0; 8], true), form(true));
+    let wide = binary_58(&header(4, 8), &doubles(&[1.0; 8], false), form(false));
+    vec![
+        [title, units, nodes, trace].concat(),
+        [double, text.clone()].concat(),
+        [single.clone(), text, wide.clone()].concat(),
+        [complex, wide, single].concat(),
+    ]
+}
+
+/// Opens and reads whatever is there.
+fn survive(bytes: Vec<u8>) {
+    let size = bytes.len();
+    let Ok(mut source) = open(bytes) else {
+        return;
+    };
+    for entry in 0..source.catalog().entries.len() {
+        assert!(source.catalog().entries[entry].len() <= size);
+        let _ = all(source.as_mut(), entry);
+    }
+}
+
+fn mutate(bytes: &mut Vec<u8>, rng: &mut ChaCha8Rng) {
+    let at = rng.random_range(0..bytes.len());
+    let end = (at + rng.random_range(1..60)).min(bytes.len());
+    match rng.random_range(0..7) {
+        0 => bytes[at] = rng.random(),
+        1 => bytes[at] = b"0123456789-+.ED \n\r"[rng.random_range(0..18)],
+        2 => drop(bytes.drain(at..end)),
+        3 => {
+            let copy = bytes[at..end].to_vec();
+            let to = rng.random_range(0..bytes.len());
+            drop(bytes.splice(to..to, copy));
+        }
+        4 => bytes.truncate(at.max(1)),
+        5 => drop(bytes.splice(at..at, *b"\n    -1\n")),
+        _ => bytes[at..end].fill(b'9'),
+    }
+    if bytes.is_empty() {
+        bytes.push(b'\n');
+    }
+}
+
+#[test]
+fn two_thousand_mutations_are_survived() {
+    let seeds = seeds();
+    let mut rng = ChaCha8Rng::seed_from_u64(58);
+    for i in 0..2_000 {
+        let mut bytes = seeds[i % seeds.len()].clone();
+        for _ in 0..rng.random_range(1..6) {
+            mutate(&mut bytes, &mut rng);
+        }
+        survive(bytes);
+    }
+}
+
+proptest! {
+    #[test]
+    fn random_bytes_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        survive(bytes.clone());
+        survive([b"    -1\n    58\n".to_vec(), bytes.clone()].concat());
+        survive([b"    -1\n    58b     1     2          11          16\n".to_vec(), bytes].concat());
+    }
+}

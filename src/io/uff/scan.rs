@@ -1,0 +1,339 @@
+//! One pass over the headers of a file: delimiters and the datasets between them (functions: `scan_functions`).
+//!
+//! Binary blocks are jumped over by their length, never searched. A dataset that cannot be read becomes damage with its
+//! place, and the pass goes on behind it. Knows the layout of no dataset.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+
+use super::dataset_58::Header;
+use super::dataset_58_meaning::set_units;
+use super::dataset_58_samples::Samples;
+use super::dataset_164::Units;
+use super::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
+use super::lines::LineReader;
+use super::nodes::RawNode;
+use super::{dataset_15, dataset_82, dataset_151, dataset_164, dataset_2411};
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::geometry::Node;
+use crate::io::{Catalog, IoError, ReadSeek};
+
+/// What a pass over a file found.
+pub(super) struct Scan {
+    pub catalog: Catalog,
+    /// Where the samples of each entry are.
+    pub samples: Vec<Samples>,
+    pub input: Box<dyn ReadSeek>,
+}
+
+/// Scans a file.
+///
+/// # Errors
+/// [`IoError::System`] when it cannot be read, [`IoError::Text`] when it holds no dataset.
+pub(super) fn scan(input: Box<dyn ReadSeek>, path: &str) -> Result<Scan, IoError> {
+    let system = |source| IoError::System {
+        path: path.to_owned(),
+        action: "read",
+        source,
+    };
+    let lines = LineReader::new(input).map_err(system)?;
+    let mut scanner = Scanner::new(lines, path);
+    scanner.datasets().map_err(system)?;
+    scanner.finish()
+}
+
+pub(super) struct Scanner {
+    pub lines: LineReader<Box<dyn ReadSeek>>,
+    pub path: String,
+    pub catalog: Catalog,
+    pub headers: Vec<Header>,
+    pub samples: Vec<Samples>,
+    units: Vec<(Position, Units)>,
+    nodes: Vec<RawNode>,
+    unknown: BTreeSet<u32>,
+    pub told: BTreeSet<Code>,
+    datasets: usize,
+}
+
+impl Scanner {
+    fn new(lines: LineReader<Box<dyn ReadSeek>>, path: &str) -> Self {
+        let catalog = Catalog {
+            format: super::NAME,
+            path: path.to_owned(),
+            ..Catalog::default()
+        };
+        Self {
+            lines,
+            path: path.to_owned(),
+            catalog,
+            headers: Vec::new(),
+            samples: Vec::new(),
+            units: Vec::new(),
+            nodes: Vec::new(),
+            unknown: BTreeSet::new(),
+            told: BTreeSet::new(),
+            datasets: 0,
+        }
+    }
+
+    /// Finds the datasets: a delimiter, a line with their number, their lines, a delimiter.
+    fn datasets(&mut self) -> io::Result<()> {
+        let (mut opened, mut stray) = (false, false);
+        while let Some(line) = self.line()? {
+            if is_delimiter(&line.bytes) {
+                opened = true;
+            } else if line.bytes.trim_ascii().is_empty() {
+                continue;
+            } else if let (true, Some((number, binary))) = (opened, dataset_number(&line.bytes)) {
+                (opened, stray) = (false, false);
+                self.datasets += 1;
+                self.dataset(&line, number, binary)?;
+            } else {
+                if !stray {
+                    let expected = if opened {
+                        "a dataset number"
+                    } else {
+                        "`    -1`"
+                    };
+                    self.damaged(FieldError::line(&line, "text between datasets", expected));
+                }
+                (opened, stray) = (false, true);
+            }
+        }
+        Ok(())
+    }
+
+    fn dataset(&mut self, first: &Line, number: u32, binary: bool) -> io::Result<()> {
+        match (number, binary) {
+            (58, false) => self.text_function(first),
+            (58, true) => self.binary_function(first),
+            (15 | 82 | 151 | 164 | 2411, false) => {
+                if let Some(lines) = self.collect()? {
+                    let read = self.text_dataset(number, &lines, first);
+                    read.unwrap_or_else(|error| self.damaged(error));
+                }
+                Ok(())
+            }
+            _ => {
+                if self.unknown.insert(number) {
+                    let finding =
+                        Finding::new(Severity::Info, Code::UnknownDataset, self.place(first.at));
+                    self.catalog
+                        .findings
+                        .push(finding.value(f64::from(number), ""));
+                }
+                self.skip_text().map(|_| ())
+            }
+        }
+    }
+
+    fn text_dataset(
+        &mut self,
+        number: u32,
+        lines: &[Line],
+        first: &Line,
+    ) -> Result<(), FieldError> {
+        match number {
+            15 => self.nodes.extend(dataset_15::nodes(lines)?),
+            2411 => self.nodes.extend(dataset_2411::nodes(lines)?),
+            82 => {
+                let trace = dataset_82::trace_line(lines, first)?;
+                self.catalog.geometry.lines.push(trace);
+            }
+            164 => self
+                .units
+                .push((first.at, dataset_164::units(lines, first)?)),
+            _ if self.catalog.title.is_empty() => self.catalog.title = dataset_151::title(lines),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// One line, of which nothing is known yet.
+    pub fn line(&mut self) -> io::Result<Option<Line>> {
+        let mut bytes = Vec::new();
+        let at = self.lines.read_line(&mut bytes)?;
+        Ok(at.map(|at| Line { at, bytes }))
+    }
+
+    /// One line of a header: text that is not UTF-8 is told once.
+    fn header_line(&mut self) -> io::Result<Option<Line>> {
+        let line = self.line()?;
+        if let Some(line) = &line
+            && std::str::from_utf8(&line.bytes).is_err()
+            && self.told.insert(Code::HeaderNotUtf8)
+        {
+            let place = self.place(line.at);
+            let finding = Finding::new(Severity::Info, Code::HeaderNotUtf8, place);
+            self.catalog.findings.push(finding);
+        }
+        Ok(line)
+    }
+
+    /// The next `count` lines, which may look like delimiters; `None` when the file ends before.
+    pub fn header_lines(&mut self, count: usize) -> io::Result<Option<Vec<Line>>> {
+        let mut lines = Vec::with_capacity(count);
+        while lines.len() < count {
+            let Some(line) = self.header_line()? else {
+                let got = format!("{} lines", lines.len());
+                self.truncated("the header of dataset 58", got, format!("{count} lines"));
+                return Ok(None);
+            };
+            lines.push(line);
+        }
+        Ok(Some(lines))
+    }
+
+    /// The lines up to the delimiter; damage when the file ends before.
+    fn collect(&mut self) -> io::Result<Option<Vec<Line>>> {
+        let mut lines = Vec::new();
+        while let Some(line) = self.header_line()? {
+            if is_delimiter(&line.bytes) {
+                return Ok(Some(lines));
+            }
+            lines.push(line);
+        }
+        self.no_end();
+        Ok(None)
+    }
+
+    /// Passes over lines up to and with the delimiter, and says where it starts; damage when the file ends before.
+    pub fn skip_text(&mut self) -> io::Result<Option<u64>> {
+        let found = self.find_delimiter()?;
+        if found.is_none() {
+            self.no_end();
+        }
+        Ok(found)
+    }
+
+    /// As [`Scanner::skip_text`] for a dataset whose damage is already known.
+    pub fn find_delimiter(&mut self) -> io::Result<Option<u64>> {
+        let mut line = Vec::new();
+        while let Some(at) = self.lines.read_line(&mut line)? {
+            if is_delimiter(&line) {
+                return Ok(Some(at.byte));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Passes over the delimiter that stands here, or over nothing at the end of the file.
+    pub fn close(&mut self) -> io::Result<()> {
+        self.line().map(|_| ())
+    }
+
+    /// Searches the start of the next dataset: a delimiter with a dataset's number on the line behind it.
+    pub fn resynchronise(&mut self) -> io::Result<()> {
+        let mut before: Option<Position> = None;
+        let mut line = Vec::new();
+        while let Some(at) = self.lines.read_line(&mut line)? {
+            if let (Some(delimiter), Some(_)) = (before, dataset_number(&line)) {
+                return self.lines.go_to(delimiter);
+            }
+            before = is_delimiter(&line).then_some(at);
+        }
+        Ok(())
+    }
+
+    pub fn place(&self, at: Position) -> Place {
+        Place::File {
+            path: self.path.clone(),
+            line: at.line,
+            byte: at.line.is_none().then_some(at.byte),
+        }
+    }
+
+    pub fn damaged(&mut self, error: FieldError) {
+        let at = error.at;
+        self.push_damage(error.in_file(&self.path), at);
+    }
+
+    fn no_end(&mut self) {
+        let got = "the end of the file".to_owned();
+        let expected = "the delimiter `    -1`".to_owned();
+        self.truncated("a dataset", got, expected);
+    }
+
+    fn truncated(&mut self, what: &'static str, got: String, expected: String) {
+        let byte = self.lines.end();
+        let error = IoError::Truncated {
+            path: self.path.clone(),
+            byte,
+            what,
+            got,
+            expected,
+        };
+        self.push_damage(error, Position { line: None, byte });
+    }
+
+    pub fn push_damage(&mut self, error: IoError, at: Position) {
+        let finding = Finding::new(Severity::Error, Code::BadDataset, self.place(at));
+        self.catalog.findings.push(finding);
+        self.catalog.damage.push(error);
+    }
+
+    /// Puts units, nodes and entries together, for dataset 164 may stand behind what it applies to.
+    fn finish(mut self) -> Result<Scan, IoError> {
+        if self.datasets == 0 {
+            let nothing = FieldError {
+                at: Position {
+                    line: Some(1),
+                    byte: 0,
+                },
+                what: "first line of a universal file",
+                got: "no dataset".to_owned(),
+                expected: "the delimiter `    -1`".to_owned(),
+            };
+            let first = self.catalog.damage.into_iter().next();
+            return Err(first.unwrap_or_else(|| nothing.in_file(&self.path)));
+        }
+        for (entry, header) in self.catalog.entries.iter_mut().zip(&self.headers) {
+            set_units(entry, header, units_at(&self.units, header.at.byte));
+        }
+        self.place_nodes();
+        Ok(Scan {
+            catalog: self.catalog,
+            samples: self.samples,
+            input: self.lines.into_input(),
+        })
+    }
+
+    /// Nodes in metres. A node that is given twice at one place is one; at two places it is damage.
+    fn place_nodes(&mut self) {
+        let nodes = std::mem::take(&mut self.nodes);
+        if let (Some(first), true) = (nodes.first(), self.units.is_empty()) {
+            let place = self.place(first.at);
+            let finding = Finding::new(Severity::Warning, Code::Assumption, place);
+            self.catalog.findings.push(finding.value(1.0, "m"));
+        }
+        let mut known: BTreeMap<i64, [f64; 3]> = BTreeMap::new();
+        for node in nodes {
+            match known.insert(node.label, node.coordinates) {
+                None => {
+                    let units = units_at(&self.units, node.at.byte);
+                    let length = units.map_or(1.0, |units| units.length);
+                    self.catalog.geometry.nodes.push(Node {
+                        point: node.label.to_string(),
+                        at_m: node.at_m(length),
+                    });
+                }
+                Some(before) if before.map(f64::to_bits) == node.coordinates.map(f64::to_bits) => {}
+                Some(before) => {
+                    known.insert(node.label, before);
+                    self.damaged(FieldError {
+                        at: node.at,
+                        what: "second position of a node",
+                        got: format!("{} at {:?}", node.label, node.coordinates),
+                        expected: format!("{before:?} as before"),
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// The units that stand last before a byte, else the first of the file.
+fn units_at(units: &[(Position, Units)], byte: u64) -> Option<&Units> {
+    let before = units.iter().rev().find(|(at, _)| at.byte < byte);
+    before.or(units.first()).map(|(_, units)| units)
+}

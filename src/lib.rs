@@ -1,0 +1,95 @@
+//! modalign takes a hammer test and a theoretical model of the same machine and says, in numbers, how far apart they
+//! are and why.
+//!
+//! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance (`signal`, `frf`);
+//! FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters become matrices and a
+//! [`modal::ModalModel`] of the theory (`theory`); the two are paired and compared (`correlate`); results are written
+//! (`report`). Test and theory end in the same type, and nothing after it knows where a mode came from.
+//!
+//! # Where things are
+//!
+//! | type | what it is | module |
+//! |---|---|---|
+//! | [`Dof`] | point, axis and sign of a sensor or hit | `dof` |
+//! | [`Finding`] | what the data says that is not a failure | `finding` |
+//! | [`io::Format`], [`io::Source`] | a file format; an opened file read in blocks | `io` |
+//! | [`record::Hit`] | one hit: a force and its responses | `record` |
+//! | [`FrfSet`] | FRFs on one axis, with coherence and variance | `frf` |
+//! | [`identify::PoleEstimator`] | a method that finds poles | `identify` |
+//! | [`ModalModel`] | modes of a test or of a model | `modal` |
+//! | [`theory::TheoreticalModel`] | a machine as matrices of its parameters | `theory` |
+//! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
+//! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
+//! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
+//! | [`report::Renderer`] | blocks to text | `report` |
+//!
+//! # Who may use whom
+//!
+//! A test holds the code to this table.
+//!
+//! | stage | may use |
+//! |---|---|
+//! | `dof` | — |
+//! | `quantity` | — |
+//! | `axis` | — |
+//! | `linalg` | — |
+//! | `fourier` | — |
+//! | `geometry` | dof linalg |
+//! | `finding` | dof quantity |
+//! | `record` | axis dof quantity |
+//! | `modal` | axis dof finding linalg quantity |
+//! | `signal` | axis dof finding fourier linalg quantity record |
+//! | `frf` | axis dof finding fourier linalg modal quantity record signal |
+//! | `io` | axis dof finding frf geometry linalg modal quantity record |
+//! | `identify` | axis dof finding fourier frf linalg modal quantity |
+//! | `theory` | axis dof finding frf geometry linalg modal quantity |
+//! | `correlate` | axis dof finding frf geometry linalg modal quantity theory |
+//! | `synth` | axis dof finding fourier frf geometry linalg modal quantity record theory |
+//! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory |
+//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal synth theory |
+//! | `error` | correlate frf identify io scene signal synth theory |
+//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal synth theory |
+//!
+//! `report` sees result types of every stage, never a computation.
+//!
+//! # Invariants
+//!
+//! - Only `io`, `scene` and `cli` touch files; only `cli` prints, parses arguments or exits.
+//! - Nothing in the library reads the clock or the environment or draws an unseeded random number.
+//! - No global state; parallel work runs in the caller's rayon pool; the same input gives the same bytes for any
+//!   number of threads. Matrix kernels run on the calling thread.
+//! - SI units, `f64` and `Complex64`. Sampling rate, unit, FRF kind and calibration have no defaults.
+//! - e^{+iωt}; λ = −ζω_n + iω_n√(1−ζ²); H = Σ A/(iω−λ) + conj., residues of a receptance in m/(N s).
+//! - Missing is `Option` to the end: an empty field or `null`, never 0.
+//! - Two arrays meet through a degree of freedom, never by index.
+//! - Bad input is an error with got and expected, never a panic.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
+
+pub mod axis;
+pub mod correlate;
+pub mod dof;
+pub mod error;
+pub mod finding;
+pub mod fourier;
+pub mod frf;
+pub mod geometry;
+pub mod identify;
+pub mod io;
+pub mod linalg;
+pub mod modal;
+pub mod quantity;
+pub mod record;
+pub mod report;
+pub mod scene;
+pub mod signal;
+pub mod synth;
+pub mod theory;
+
+#[cfg(feature = "cli")]
+pub mod cli;
+
+pub use dof::Dof;
+pub use finding::Finding;
+pub use frf::FrfSet;
+pub use modal::ModalModel;

@@ -1,0 +1,173 @@
+//! The only place that names a matrix crate. Everything runs on the calling thread: callers parallelise over problems.
+
+use faer::linalg::solvers::SolveLstsq;
+use faer::{Mat, Side, c64};
+use num_complex::Complex64;
+
+/// Vector of three, for positions and directions.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// Dense real matrix.
+pub type RealMatrix = Mat<f64>;
+/// Dense complex matrix.
+pub type ComplexMatrix = Mat<c64>;
+
+/// Why a matrix problem has no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinalgError {
+    /// A mass matrix that is not positive definite.
+    #[error(
+        "mass matrix of {size} coordinates is not positive definite, expected every coordinate to carry mass"
+    )]
+    MassNotPositiveDefinite {
+        /// Its size.
+        size: usize,
+    },
+    /// An iteration that did not converge.
+    #[error("{what} of a {rows} x {columns} matrix did not converge")]
+    NotConverged {
+        /// Which decomposition.
+        what: &'static str,
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+    },
+}
+
+/// Eigenvalues and vectors of `K phi = omega^2 M phi`.
+#[derive(Clone, Debug)]
+pub struct SymmetricModes {
+    /// Eigenvalues omega², ascending, (rad/s)².
+    pub omega_squared: Vec<f64>,
+    /// Mass-normalised vectors, one per column, `phi^T M phi = I`.
+    pub vectors: RealMatrix,
+}
+
+/// All modes of the symmetric pair (K, M), M positive definite: Cholesky of M, reduction to standard form.
+///
+/// `M = L L^T`, `A = L^-1 K L^-T = Q Lambda Q^T`, `phi = L^-T Q`.
+///
+/// # Errors
+/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotConverged`].
+///
+/// # Reference
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 8.7.1.
+pub fn symmetric_modes(
+    stiffness: &RealMatrix,
+    mass: &RealMatrix,
+) -> Result<SymmetricModes, LinalgError> {
+    let n = mass.nrows();
+    let cholesky = mass
+        .llt(Side::Lower)
+        .map_err(|_| LinalgError::MassNotPositiveDefinite { size: n })?;
+    let lower = cholesky.L();
+    let solve = |rhs: &mut RealMatrix| {
+        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+            lower,
+            rhs.as_mut(),
+            faer::Par::Seq,
+        );
+    };
+    let mut half = stiffness.clone();
+    solve(&mut half);
+    let mut reduced = half.transpose().to_owned();
+    solve(&mut reduced);
+    let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (reduced[(i, j)] + reduced[(j, i)]));
+    let decomposition =
+        symmetric
+            .self_adjoint_eigen(Side::Lower)
+            .map_err(|_| LinalgError::NotConverged {
+                what: "symmetric eigenvalue iteration",
+                rows: n,
+                columns: n,
+            })?;
+    let mut vectors = decomposition.U().to_owned();
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+        lower.transpose(),
+        vectors.as_mut(),
+        faer::Par::Seq,
+    );
+    let omega_squared = decomposition.S().column_vector().iter().copied().collect();
+    Ok(SymmetricModes {
+        omega_squared,
+        vectors,
+    })
+}
+
+/// Complex least squares `min |A x - b|` by QR; `A` is tall with full column rank, `b` has one column per right-hand side.
+pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
+    a.qr().solve_lstsq(b)
+}
+
+/// Real least squares `min |A x - b|` by QR; `A` is tall with full column rank.
+pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Vec<f64> {
+    let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
+    a.qr().solve_lstsq(&rhs).col(0).iter().copied().collect()
+}
+
+/// Singular values of a complex matrix, descending.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub fn singular_values(a: &ComplexMatrix) -> Result<Vec<f64>, LinalgError> {
+    a.singular_values().map_err(|_| LinalgError::NotConverged {
+        what: "singular value iteration",
+        rows: a.nrows(),
+        columns: a.ncols(),
+    })
+}
+
+/// Complex matrix from a function of row and column.
+pub fn complex_matrix(
+    rows: usize,
+    columns: usize,
+    f: impl FnMut(usize, usize) -> Complex64,
+) -> ComplexMatrix {
+    Mat::from_fn(rows, columns, f)
+}
+
+/// Real matrix from a function of row and column.
+pub fn real_matrix(rows: usize, columns: usize, f: impl FnMut(usize, usize) -> f64) -> RealMatrix {
+    Mat::from_fn(rows, columns, f)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_masses_on_three_springs_have_their_textbook_roots() {
+        let k = real_matrix(2, 2, |i, j| if i == j { 2.0 } else { -1.0 });
+        let m = real_matrix(2, 2, |i, j| if i == j { 0.5 } else { 0.0 });
+        let modes = symmetric_modes(&k, &m).unwrap();
+        assert!(
+            (modes.omega_squared[0] - 2.0).abs() < 1e-13
+                && (modes.omega_squared[1] - 6.0).abs() < 1e-13
+        );
+        let modal_mass: f64 = (0..2).map(|i| 0.5 * modes.vectors[(i, 0)].powi(2)).sum();
+        assert!((modal_mass - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_massless_coordinate_is_an_error() {
+        let k = real_matrix(1, 1, |_, _| 1.0);
+        let m = real_matrix(1, 1, |_, _| 0.0);
+        assert!(matches!(
+            symmetric_modes(&k, &m),
+            Err(LinalgError::MassNotPositiveDefinite { size: 1 })
+        ));
+    }
+
+    #[test]
+    fn least_squares_recovers_an_exact_solution() {
+        let i = Complex64::I;
+        let a = complex_matrix(
+            5,
+            2,
+            |r, c| if c == 0 { Complex64::ONE } else { i * r as f64 },
+        );
+        let b = complex_matrix(5, 1, |r, _| 2.0 + i + (3.0 - i) * i * r as f64);
+        let x = least_squares(&a, &b);
+        assert!((x[(0, 0)] - (2.0 + i)).norm() < 1e-13 && (x[(1, 0)] - (3.0 - i)).norm() < 1e-13);
+    }
+}

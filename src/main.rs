@@ -1,0 +1,7 @@
+//! The command line program; everything is in [`modalign::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    modalign::cli::main()
+}

@@ -1,0 +1,13 @@
+//! Modes: poles, shapes, the modal model that test and theory share, and measures on shapes alone.
+
+mod complexity;
+mod mac;
+mod model;
+mod pole;
+mod shape;
+
+pub use complexity::modal_phase_collinearity;
+pub use mac::{mac, modal_scale_factor};
+pub use model::{InputFile, ModalModel, Mode, Scaling};
+pub use pole::Pole;
+pub use shape::ModeShape;

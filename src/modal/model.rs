@@ -1,0 +1,127 @@
+//! The modal model: the one type in which test and theory end.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::finding::Finding;
+
+use super::{ModeShape, Pole};
+
+/// How a shape is scaled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scaling {
+    /// φᵀMφ = 1 (kg), for theory and for tests with a driving point.
+    UnitModalMass,
+    /// Largest component 1.
+    UnitMax,
+    /// As the file gave it; nothing is known.
+    Unknown,
+}
+
+impl Scaling {
+    /// The name in `modes.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scaling::UnitModalMass => "unit-modal-mass",
+            Scaling::UnitMax => "unit-max",
+            Scaling::Unknown => "unknown",
+        }
+    }
+}
+
+/// One mode, measured or predicted. What is not known is `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Natural frequency |λ|/2π, Hz; 0 for a rigid-body mode.
+    pub frequency_hz: f64,
+    /// Damping ratio, a fraction; `None` for an undamped model.
+    pub damping_ratio: Option<f64>,
+    /// Standard deviation of the frequency, Hz.
+    pub frequency_std_hz: Option<f64>,
+    /// Standard deviation of the damping ratio.
+    pub damping_std: Option<f64>,
+    /// Correlation of the errors of frequency and damping.
+    pub frequency_damping_correlation: Option<f64>,
+    /// Modes of one repeated root share this number.
+    pub group: Option<u32>,
+    /// Shape at the sensors.
+    pub shape: ModeShape,
+    /// Standard deviation of each shape component.
+    pub shape_std: Option<BTreeMap<Dof, f64>>,
+    /// Receptance residues A of `A/(iω−λ) + conj.`, m/(N s), by (response, reference).
+    pub residues: BTreeMap<(Dof, Dof), Complex64>,
+    /// Modal mass for the shape as scaled, kg.
+    pub modal_mass_kg: Option<f64>,
+    /// How the shape is scaled.
+    pub scaling: Scaling,
+    /// Modal phase collinearity of the shape.
+    pub mpc: Option<f64>,
+    /// Method that found it (`circle`, `peak`, `theory`).
+    pub method: Option<String>,
+    /// Model order at which it was found.
+    pub order: Option<usize>,
+}
+
+impl Mode {
+    /// A mode with nothing known but its frequency, damping and shape.
+    pub fn new(
+        frequency_hz: f64,
+        damping_ratio: Option<f64>,
+        shape: ModeShape,
+        scaling: Scaling,
+    ) -> Self {
+        Self {
+            frequency_hz,
+            damping_ratio,
+            frequency_std_hz: None,
+            damping_std: None,
+            frequency_damping_correlation: None,
+            group: None,
+            shape,
+            shape_std: None,
+            residues: BTreeMap::new(),
+            modal_mass_kg: None,
+            scaling,
+            mpc: None,
+            method: None,
+            order: None,
+        }
+    }
+
+    /// The pole, when the damping is known.
+    pub fn pole(&self) -> Option<Pole> {
+        self.damping_ratio
+            .map(|zeta| Pole::from_frequency(self.frequency_hz, zeta))
+    }
+}
+
+/// An input of a result, with its fingerprint.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// Path as given.
+    pub path: String,
+    /// SHA-256 of its bytes, lower-case hexadecimal.
+    pub sha256: String,
+}
+
+/// The modes of a test or of a model, ordered by frequency.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ModalModel {
+    /// Program and version that made it.
+    pub producer: String,
+    /// Files it was made from.
+    pub inputs: Vec<InputFile>,
+    /// Band that was searched.
+    pub band: Option<Band>,
+    /// Reference (hit) degrees of freedom.
+    pub references: Vec<Dof>,
+    /// Decay rate of an exponential window that has been taken out of every pole, rad/s.
+    pub added_damping_rad_s: Option<f64>,
+    /// Modes in ascending frequency.
+    pub modes: Vec<Mode>,
+    /// What the data said on the way.
+    pub findings: Vec<Finding>,
+}

@@ -1,0 +1,135 @@
+//! The pieces a report is made of.
+
+use crate::finding::Finding;
+
+/// Where a column's text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// At the left, for text.
+    Left,
+    /// At the right, for numbers.
+    Right,
+}
+
+/// Head of a column.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Heading, with the unit.
+    pub head: String,
+    /// Alignment.
+    pub align: Align,
+}
+
+impl Column {
+    /// A column of numbers.
+    pub fn number(head: impl Into<String>) -> Self {
+        Self {
+            head: head.into(),
+            align: Align::Right,
+        }
+    }
+
+    /// A column of text.
+    pub fn text(head: impl Into<String>) -> Self {
+        Self {
+            head: head.into(),
+            align: Align::Left,
+        }
+    }
+}
+
+/// One field of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Text as it is.
+    Text(String),
+    /// A number with fixed decimals.
+    Number {
+        /// The value.
+        value: f64,
+        /// Digits after the point in rendered text; CSV keeps them all.
+        decimals: usize,
+        /// Whether a positive value carries its sign.
+        signed: bool,
+    },
+    /// Not known: a dash for people, an empty field for programs.
+    Missing,
+}
+
+impl Cell {
+    /// Text.
+    pub fn text(text: impl Into<String>) -> Self {
+        Cell::Text(text.into())
+    }
+
+    /// A number, or missing.
+    pub fn number(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Cell::Missing, |value| Cell::Number {
+            value,
+            decimals,
+            signed: false,
+        })
+    }
+
+    /// A number that always carries its sign, or missing.
+    pub fn signed(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Cell::Missing, |value| Cell::Number {
+            value,
+            decimals,
+            signed: true,
+        })
+    }
+
+    /// The text for people, with a dash for what is missing.
+    pub fn display(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number {
+                value,
+                decimals,
+                signed: false,
+            } => format!("{value:.decimals$}"),
+            Cell::Number {
+                value,
+                decimals,
+                signed: true,
+            } => format!("{value:+.decimals$}"),
+            Cell::Missing => "—".to_owned(),
+        }
+    }
+
+    /// The text for programs: full precision, empty for what is missing.
+    pub fn exact(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number { value, .. } => value.to_string(),
+            Cell::Missing => String::new(),
+        }
+    }
+}
+
+/// A table with its caption and footnotes.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Table {
+    /// Caption.
+    pub caption: String,
+    /// Heads.
+    pub columns: Vec<Column>,
+    /// Fields, each row as long as `columns`.
+    pub rows: Vec<Vec<Cell>>,
+    /// Lines under the table.
+    pub footnotes: Vec<String>,
+}
+
+/// One piece of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A heading.
+    Heading(String),
+    /// A paragraph.
+    Text(String),
+    /// A table.
+    Table(Table),
+    /// What the data said.
+    Findings(Vec<Finding>),
+}

@@ -1,0 +1,195 @@
+//! `comparison.json`, schema `modalign-comparison/1`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell};
+
+/// The schema text.
+pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
+
+/// Why a text is not a `comparison.json`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum JsonError {
+    /// It does not parse or misses a key.
+    #[error("line {line}, column {column}: {message}")]
+    Parse {
+        /// Line from 1.
+        line: usize,
+        /// Column from 1.
+        column: usize,
+        /// What was found and expected.
+        message: String,
+    },
+    /// Another schema.
+    #[error("got schema {got:?}, expected {COMPARISON_SCHEMA:?}")]
+    Schema {
+        /// The text found.
+        got: String,
+    },
+}
+
+/// The file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ComparisonFile {
+    /// [`COMPARISON_SCHEMA`].
+    pub schema: String,
+    /// `theory` or `test`.
+    pub error_reference: String,
+    /// Rows of the table.
+    pub rows: Vec<RowFile>,
+    /// Figures over all rows, one per test.
+    pub summary: SummaryFile,
+}
+
+/// One row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RowFile {
+    /// `f6`.
+    pub label: String,
+    /// The model's mode or cluster; `null` for an extra test mode.
+    pub theory: Option<TheoryFile>,
+    /// One field per test.
+    pub tests: Vec<TestFile>,
+}
+
+/// The model's side of a row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TheoryFile {
+    /// Mode numbers from 1; several for a repeated root.
+    pub modes: Vec<usize>,
+    /// Frequency.
+    pub hz: f64,
+}
+
+/// One test's side of a row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TestFile {
+    /// Name of the test.
+    pub test: String,
+    /// Mode numbers of the test from 1.
+    pub modes: Vec<usize>,
+    /// Frequency.
+    pub hz: Option<f64>,
+    /// Its standard deviation.
+    pub hz_std: Option<f64>,
+    /// Frequency error.
+    pub error_percent: Option<f64>,
+    /// Damping, a fraction.
+    pub damping_ratio: Option<f64>,
+    /// MAC.
+    pub mac: Option<f64>,
+    /// Principal angles of a cluster, degrees.
+    pub angles_deg: Option<Vec<f64>>,
+    /// What became of the mode.
+    pub status: Status,
+    /// Why.
+    pub reason: Option<String>,
+}
+
+/// Figures over all rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SummaryFile {
+    /// One entry per test.
+    pub tests: Vec<TestSummaryFile>,
+}
+
+/// Figures of one test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TestSummaryFile {
+    /// Name of the test.
+    pub test: String,
+    /// Paired modes, ambiguous ones included.
+    pub paired: usize,
+    /// Model modes in the band without partner.
+    pub missed: usize,
+    /// Model modes without partner outside the band.
+    pub outside_band: usize,
+    /// Test modes without partner.
+    pub extra: usize,
+    /// Ambiguous pairings.
+    pub ambiguous: usize,
+    /// Largest |error|.
+    pub max_error_percent: Option<f64>,
+    /// Mean |error|.
+    pub mean_error_percent: Option<f64>,
+    /// Root mean square error.
+    pub rms_error_percent: Option<f64>,
+    /// Smallest MAC of a pair.
+    pub min_mac: Option<f64>,
+    /// Degrees of freedom that MAC rests on.
+    pub dofs_used: usize,
+}
+
+/// The text of `comparison.json`, ending in a newline.
+pub fn comparison_to_json(table: &ComparisonTable) -> String {
+    let file = ComparisonFile {
+        schema: COMPARISON_SCHEMA.to_owned(),
+        error_reference: table.error_reference.name().to_owned(),
+        rows: table.rows.iter().map(row_file).collect(),
+        summary: SummaryFile {
+            tests: table.summary.iter().map(summary_file).collect(),
+        },
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
+    text + "\n"
+}
+
+/// Reads `comparison.json`.
+///
+/// # Errors
+/// [`JsonError`] with line and column, or the schema that was found.
+pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
+    let file: ComparisonFile = serde_json::from_str(text).map_err(|error| JsonError::Parse {
+        line: error.line(),
+        column: error.column(),
+        message: error.to_string(),
+    })?;
+    if file.schema == COMPARISON_SCHEMA {
+        Ok(file)
+    } else {
+        Err(JsonError::Schema { got: file.schema })
+    }
+}
+
+fn row_file(row: &Row) -> RowFile {
+    let theory = |cell: &TheoryCell| TheoryFile {
+        modes: cell.modes.clone(),
+        hz: cell.hz,
+    };
+    RowFile {
+        label: row.label.clone(),
+        theory: row.theory.as_ref().map(theory),
+        tests: row.tests.iter().map(test_file).collect(),
+    }
+}
+
+fn test_file(cell: &TestCell) -> TestFile {
+    TestFile {
+        test: cell.test.clone(),
+        modes: cell.modes.clone(),
+        hz: cell.hz,
+        hz_std: cell.hz_std,
+        error_percent: cell.error_percent,
+        damping_ratio: cell.damping_ratio,
+        mac: cell.mac,
+        angles_deg: cell.angles_deg.clone(),
+        status: cell.status,
+        reason: cell.reason.clone(),
+    }
+}
+
+fn summary_file(summary: &TestSummary) -> TestSummaryFile {
+    TestSummaryFile {
+        test: summary.test.clone(),
+        paired: summary.paired,
+        missed: summary.missed,
+        outside_band: summary.outside_band,
+        extra: summary.extra,
+        ambiguous: summary.ambiguous,
+        max_error_percent: summary.max_error_percent,
+        mean_error_percent: summary.mean_error_percent,
+        rms_error_percent: summary.rms_error_percent,
+        min_mac: summary.min_mac,
+        dofs_used: summary.dofs_used,
+    }
+}

@@ -1,0 +1,8 @@
+//! The JSON files that others may rely on; a change that breaks a reader raises the number in the schema's name.
+
+mod comparison;
+
+pub use comparison::{
+    COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TestSummaryFile,
+    TheoryFile, comparison_from_json, comparison_to_json,
+};

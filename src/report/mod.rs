@@ -1,0 +1,46 @@
+//! Results as people and programs read them: blocks, one renderer per output format, and the JSON schemas.
+//!
+//! A renderer renders blocks, so that a new result needs no new renderer and a new format no new result.
+//! Nothing here computes: numbers arrive finished and leave rounded.
+
+mod block;
+mod comparison;
+mod csv_text;
+mod frf;
+pub mod json;
+mod latex;
+mod markdown;
+mod modes;
+mod terminal;
+
+pub use block::{Align, Block, Cell, Column, Table};
+pub use comparison::{comparison_blocks, limits_block, parameters_block};
+pub use csv_text::CsvText;
+pub use frf::frf_block;
+pub use latex::Latex;
+pub use markdown::Markdown;
+pub use modes::{modes_block, theory_block};
+pub use terminal::Terminal;
+
+/// Turns blocks into the text of one output format.
+pub trait Renderer: Sync {
+    /// Name on the command line.
+    fn name(&self) -> &'static str;
+
+    /// File name extension, without the dot.
+    fn extension(&self) -> &'static str;
+
+    /// The text, ending in a newline.
+    fn render(&self, blocks: &[Block]) -> String;
+}
+
+/// Every renderer of blocks.
+pub const RENDERERS: &[&dyn Renderer] = &[&Terminal, &Markdown, &CsvText, &Latex];
+
+/// The renderer for a file name extension.
+pub fn renderer_for_extension(extension: &str) -> Option<&'static dyn Renderer> {
+    RENDERERS
+        .iter()
+        .copied()
+        .find(|renderer| renderer.extension() == extension)
+}

@@ -1,0 +1,403 @@
+//! The chain: files or a synthetic recording to hits, FRFs and modes; the model to modes; both to the comparison table.
+
+use std::path::Path;
+
+use crate::axis::Band;
+use crate::correlate::{
+    ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
+};
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::{EstimateOptions, FrfError, FrfSet, estimate, usable_band};
+use crate::identify::{IdentifyOptions, identify};
+use crate::io::{modes_from_json, modes_to_json, sha256_hex, sha256_of_bytes};
+use crate::modal::{InputFile, ModalModel};
+use crate::record::Hit;
+use crate::signal::ExponentialWindow;
+use crate::theory::ModeOptions;
+
+use super::SceneError;
+use super::hammer::{Recording, hammer_test, load_synth, record};
+use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
+use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
+use super::model::{Theory, theory, value_error};
+use super::plan::{Scene, TestPlan, TestSource};
+use super::toml_text::read_text;
+
+/// What one test came to.
+#[derive(Clone, Debug)]
+pub struct TestResult {
+    /// Name.
+    pub name: String,
+    /// Its FRFs, one set per axis; none for a test of finished modes.
+    pub frfs: Vec<FrfSet>,
+    /// Its modes.
+    pub modes: ModalModel,
+    /// The recording, when it is synthetic.
+    pub recording: Option<Recording>,
+    /// Whether part of the input was bad and left out.
+    pub partly_bad: bool,
+}
+
+impl TestResult {
+    /// The modes as `modes.json`.
+    pub fn modes_json(&self) -> String {
+        modes_to_json(&self.modes, None)
+    }
+}
+
+/// What a scene came to.
+#[derive(Clone, Debug)]
+pub struct SceneResult {
+    /// Tests in order.
+    pub tests: Vec<TestResult>,
+    /// The model's side.
+    pub theory: Theory,
+    /// The comparison; `None` for a scene without a model.
+    pub table: Option<ComparisonTable>,
+    /// Findings of the comparison.
+    pub comparison_findings: Vec<Finding>,
+    /// Limits held against the comparison.
+    pub limits: Vec<LimitCheck>,
+}
+
+impl SceneResult {
+    /// Whether part of the input was bad and left out.
+    pub fn partly_bad(&self) -> bool {
+        self.tests.iter().any(|test| test.partly_bad)
+    }
+
+    /// Findings of every stage, in the order of the chain.
+    pub fn findings(&self) -> Vec<Finding> {
+        let of_tests = self
+            .tests
+            .iter()
+            .flat_map(|test| test.modes.findings.iter());
+        of_tests
+            .chain(&self.theory.modes.findings)
+            .chain(&self.comparison_findings)
+            .cloned()
+            .collect()
+    }
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// [`SceneError`], with the test's name where one test is at fault.
+pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
+    let tests = scene
+        .tests
+        .iter()
+        .map(|test| run_test(scene, test))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut limits: Vec<LimitCheck> = tests
+        .iter()
+        .flat_map(|test| mode_limits(scene, test))
+        .collect();
+    let Some(table) = &scene.model else {
+        return without_model(scene, tests, limits);
+    };
+    let options = ModeOptions {
+        band: theory_band(scene, &tests),
+        ..ModeOptions::default()
+    };
+    let theory = theory(table, &scene.folder, &scene.path, &scene.sensors, &options)?;
+    let named: Vec<(&str, &ModalModel)> = tests
+        .iter()
+        .map(|test| (test.name.as_str(), &test.modes))
+        .collect();
+    let comparison = compare_tests(&theory.modes, &named, &scene.pair)?;
+    limits.extend(judge_comparison(&scene.limits, &comparison.table.summary));
+    Ok(SceneResult {
+        tests,
+        theory,
+        limits,
+        comparison_findings: comparison.findings,
+        table: Some(comparison.table),
+    })
+}
+
+/// `[[limits.mode]]` held against one test.
+fn mode_limits(scene: &Scene, test: &TestResult) -> Vec<LimitCheck> {
+    let found: Vec<_> = test
+        .modes
+        .modes
+        .iter()
+        .map(|mode| (mode.frequency_hz, mode.damping_ratio))
+        .collect();
+    let named = |check: LimitCheck| LimitCheck {
+        what: format!("{}: {}", test.name, check.what),
+        ..check
+    };
+    judge_modes(&scene.limits, &found)
+        .into_iter()
+        .map(named)
+        .collect()
+}
+
+/// A scene without a model ends with the modes of its tests.
+fn without_model(
+    scene: &Scene,
+    tests: Vec<TestResult>,
+    limits: Vec<LimitCheck>,
+) -> Result<SceneResult, SceneError> {
+    let stated = Limits {
+        mode: Vec::new(),
+        max_extra: None,
+        ..scene.limits.clone()
+    };
+    if stated != Limits::default() {
+        let got = "limits on a comparison in a scene without [model]";
+        return Err(value_error(
+            &scene.path,
+            "[limits]",
+            got,
+            "[[limits.mode]] alone, or a [model]",
+        ));
+    }
+    Ok(SceneResult {
+        tests,
+        limits,
+        theory: Theory::default(),
+        table: None,
+        comparison_findings: Vec::new(),
+    })
+}
+
+/// From 0 Hz to beyond the highest band searched, by the frequency gate of the pairing.
+fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
+    let highest = tests
+        .iter()
+        .map(|test| test.modes.band.map(|band| band.hi_hz))
+        .collect::<Option<Vec<_>>>()?;
+    let hi_hz =
+        highest.into_iter().fold(0.0, f64::max) / (1.0 - scene.pair.max_frequency_error.min(0.5));
+    Band::new(0.0, hi_hz).ok()
+}
+
+fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
+    match &test.source {
+        TestSource::Modes(path) => finished_modes(test, path),
+        TestSource::Synth(path) => {
+            let spec = load_synth(path)?;
+            let recording = record(&spec, &hammer_test(&spec, path)?, path)?;
+            let name = format!("{} (synthetic recording)", path.display());
+            let input = InputFile {
+                path: name.clone(),
+                sha256: sha256_of_bytes(&recording.uff),
+            };
+            let mut data = ingest_bytes(recording.uff.clone(), &name)?;
+            data.findings
+                .push(Finding::new(Severity::Info, Code::Synthetic, Place::Whole));
+            let result = identify_test(scene, test, data, vec![input])?;
+            Ok(TestResult {
+                recording: Some(recording),
+                ..result
+            })
+        }
+        TestSource::Files { files, hits, typed } => {
+            let inputs = files
+                .iter()
+                .map(|file| input_file(&file.path))
+                .collect::<Result<Vec<_>, _>>()?;
+            let (typed, partial) = (Some(typed.as_ref()), test.partial);
+            let options = IngestOptions {
+                hits: *hits,
+                typed,
+                partial,
+                format: scene.format.as_deref(),
+                scene: &scene.path,
+            };
+            identify_test(scene, test, ingest_files(files, &options)?, inputs)
+        }
+    }
+}
+
+fn input_file(path: &Path) -> Result<InputFile, SceneError> {
+    Ok(InputFile {
+        path: path.display().to_string(),
+        sha256: sha256_hex(path)?,
+    })
+}
+
+fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
+    let mut modes = modes_from_json(&read_text(path)?, &path.display().to_string())?;
+    modes.band = test.band.or(modes.band);
+    Ok(TestResult {
+        name: test.name.clone(),
+        frfs: Vec::new(),
+        modes,
+        recording: None,
+        partly_bad: false,
+    })
+}
+
+fn identify_test(
+    scene: &Scene,
+    test: &TestPlan,
+    data: Ingested,
+    inputs: Vec<InputFile>,
+) -> Result<TestResult, SceneError> {
+    let of_test = |source: FrfError| SceneError::Frf {
+        test: test.name.clone(),
+        source: Box::new(source),
+    };
+    let mut findings = data.findings;
+    let (frfs, band) = if data.hits.is_empty() {
+        (data.frfs, test.band)
+    } else {
+        let options = with_response_window(scene.estimate, scene.response_window_end, &data.hits)
+            .map_err(of_test)?;
+        let (set, usable) = estimate_hits(&data.hits, &options).map_err(of_test)?;
+        let band = test
+            .band
+            .map_or(Some(usable), |wanted| wanted.intersection(&usable));
+        (
+            vec![set],
+            Some(limited(band, test.band, usable, &mut findings).map_err(of_test)?),
+        )
+    };
+    let mut options = IdentifyOptions {
+        band,
+        ..IdentifyOptions::default()
+    };
+    options.method = scene.method.clone().unwrap_or(options.method);
+    let mut modes = identify_sets(&frfs, &options, &test.name)?;
+    findings.append(&mut modes.findings);
+    modes.findings = findings;
+    modes.inputs = inputs;
+    Ok(TestResult {
+        name: test.name.clone(),
+        frfs,
+        modes,
+        recording: None,
+        partly_bad: data.partly_bad,
+    })
+}
+
+/// The band to use, with a finding when it is narrower than the one wanted.
+fn limited(
+    band: Option<Band>,
+    wanted: Option<Band>,
+    usable: Band,
+    findings: &mut Vec<Finding>,
+) -> Result<Band, FrfError> {
+    let band = band.ok_or(FrfError::BandEmpty {
+        lo_hz: usable.lo_hz,
+        hi_hz: usable.hi_hz,
+    })?;
+    if wanted.is_none_or(|wanted| wanted.hi_hz > band.hi_hz) {
+        let finding =
+            Finding::new(Severity::Info, Code::BandLimited, Place::Whole).value(band.hi_hz, "Hz");
+        findings.push(finding);
+    }
+    Ok(band)
+}
+
+/// Options with the exponential window that falls to `end` within one record length of the hit.
+///
+/// # Errors
+/// [`FrfError`] for an end value outside 0 to 1.
+pub fn with_response_window(
+    options: EstimateOptions,
+    end: Option<f64>,
+    hits: &[Hit],
+) -> Result<EstimateOptions, FrfError> {
+    let record_s = hits.first().map_or(0.0, |hit| hit.axis.duration_s());
+    let window = |end| ExponentialWindow::from_end_value(end, record_s);
+    Ok(EstimateOptions {
+        exponential: end.map(window).transpose()?,
+        ..options
+    })
+}
+
+/// FRFs of recorded hits and the band in which the hammer excites.
+///
+/// # Errors
+/// [`FrfError`].
+pub fn estimate_hits(hits: &[Hit], options: &EstimateOptions) -> Result<(FrfSet, Band), FrfError> {
+    let set = estimate(hits, options)?;
+    let usable = set
+        .valid_band
+        .map_or_else(|| usable_band(hits, options), Ok)?;
+    Ok((set, usable))
+}
+
+/// Modes of the FRFs of one test.
+///
+/// # Errors
+/// [`SceneError::Axes`] unless all functions have one axis; [`SceneError::Identify`] with the test's name.
+pub fn identify_sets(
+    sets: &[FrfSet],
+    options: &IdentifyOptions,
+    test: &str,
+) -> Result<ModalModel, SceneError> {
+    let [set] = sets else {
+        return Err(SceneError::Axes {
+            test: test.to_owned(),
+            got: sets.len(),
+        });
+    };
+    let band = match (options.band, set.valid_band) {
+        (Some(wanted), Some(valid)) => wanted.intersection(&valid).or(Some(wanted)),
+        (wanted, valid) => wanted.or(valid),
+    };
+    let options = IdentifyOptions {
+        band,
+        ..options.clone()
+    };
+    let mut model = identify(set, &options).map_err(|source| SceneError::Identify {
+        test: test.to_owned(),
+        source: Box::new(source),
+    })?;
+    if model.modes.is_empty() {
+        model.findings.push(Finding::new(
+            Severity::Warning,
+            Code::NoModeFound,
+            Place::Whole,
+        ));
+    }
+    let mut findings = set.findings.clone();
+    findings.append(&mut model.findings);
+    model.findings = findings;
+    Ok(model)
+}
+
+/// The comparison table with the findings of the pairing.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The table.
+    pub table: ComparisonTable,
+    /// Findings of every pairing.
+    pub findings: Vec<Finding>,
+}
+
+/// Pairs each named test with the theory and makes the table.
+///
+/// # Errors
+/// [`CorrelateError`].
+pub fn compare_tests(
+    theory: &ModalModel,
+    tests: &[(&str, &ModalModel)],
+    options: &PairOptions,
+) -> Result<Comparison, CorrelateError> {
+    let pairings = tests
+        .iter()
+        .map(|(_, modes)| pair(modes, theory, options))
+        .collect::<Result<Vec<Pairing>, _>>()?;
+    let paired: Vec<PairedTest> = tests
+        .iter()
+        .zip(&pairings)
+        .map(|((name, model), pairing)| PairedTest {
+            name,
+            model,
+            pairing,
+        })
+        .collect();
+    let table = compare(theory, &paired, options)?;
+    let findings = pairings
+        .iter()
+        .flat_map(|pairing| pairing.findings.iter().cloned())
+        .collect();
+    Ok(Comparison { table, findings })
+}

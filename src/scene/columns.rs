@@ -1,0 +1,188 @@
+//! `[[test.channel]]` as meant: the columns of a table.
+
+use crate::io::{ColumnName, ColumnRole, Delimiter, TableColumn, TableSpec};
+use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
+
+use super::SceneError;
+use super::typed::{ChannelTable, ColumnKey, TestTable};
+
+/// Builds errors about one key of one channel.
+struct Place<'a> {
+    path: &'a str,
+    column: String,
+}
+
+impl Place<'_> {
+    fn error(&self, key: &str, got: impl Into<String>, expected: impl Into<String>) -> SceneError {
+        SceneError::Value {
+            path: self.path.to_owned(),
+            key: format!("[[test.channel]] {} {key}", self.column),
+            got: got.into(),
+            expected: expected.into(),
+        }
+    }
+}
+
+/// How to read the tables of a test.
+///
+/// # Errors
+/// [`SceneError::Value`] with the key, what was got and expected.
+pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
+    let columns = test.channel.iter().map(|channel| column(channel, path));
+    Ok(TableSpec {
+        delimiter: delimiter(test.delimiter.as_deref(), path)?,
+        skip_lines: test.skip_lines,
+        sampling_rate_hz: sampling_rate(test.sampling_rate_hz, path)?,
+        columns: columns.collect::<Result<_, _>>()?,
+    })
+}
+
+fn sampling_rate(rate: Option<f64>, path: &str) -> Result<Option<f64>, SceneError> {
+    match rate {
+        Some(hz) if !(hz.is_finite() && hz > 0.0) => Err(SceneError::Value {
+            path: path.to_owned(),
+            key: "[[test]] sampling_rate_hz".to_owned(),
+            got: hz.to_string(),
+            expected: "a positive number of samples per second".to_owned(),
+        }),
+        other => Ok(other),
+    }
+}
+
+fn delimiter(name: Option<&str>, path: &str) -> Result<Delimiter, SceneError> {
+    match name {
+        None | Some("comma") => Ok(Delimiter::Comma),
+        Some("semicolon") => Ok(Delimiter::Semicolon),
+        Some("tab") => Ok(Delimiter::Tab),
+        Some("blank") => Ok(Delimiter::Blank),
+        Some(other) => Err(SceneError::Value {
+            path: path.to_owned(),
+            key: "[[test]] delimiter".to_owned(),
+            got: format!("{other:?}"),
+            expected: "comma, semicolon, tab or blank".to_owned(),
+        }),
+    }
+}
+
+fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError> {
+    let name = match &channel.column {
+        ColumnKey::Number(number) => ColumnName::Number(*number),
+        ColumnKey::Heading(heading) => ColumnName::Heading(heading.clone()),
+    };
+    let place = Place {
+        path,
+        column: channel.column.to_string(),
+    };
+    let scale = channel.scale.unwrap_or(1.0) * axis_factor(channel, &place)?;
+    if !scale.is_finite() || scale == 0.0 {
+        return Err(place.error("scale", scale.to_string(), "a finite number other than 0"));
+    }
+    Ok(TableColumn {
+        column: name,
+        role: role(channel, &place)?,
+        scale,
+    })
+}
+
+/// Factor to s or Hz of an axis; 1 for every other column, whose unit is that of its values.
+fn axis_factor(channel: &ChannelTable, place: &Place) -> Result<f64, SceneError> {
+    let known: &[(&str, f64)] = match channel.role.as_deref() {
+        Some("time") => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
+        Some("frequency") => &[("Hz", 1.0), ("kHz", 1e3)],
+        _ => return Ok(1.0),
+    };
+    if channel.dof.is_some() || channel.quantity.is_some() {
+        return Err(place.error("dof or quantity", "one for an axis", "none"));
+    }
+    let Some(unit) = channel.unit.as_deref() else {
+        return Ok(1.0);
+    };
+    let found = known.iter().find(|(name, _)| *name == unit);
+    let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+    let found =
+        found.ok_or_else(|| place.error("unit", format!("{unit:?}"), names.join(" or ")))?;
+    Ok(found.1)
+}
+
+fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError> {
+    let dof = channel.dof.clone();
+    match channel.role.as_deref() {
+        Some("time") => Ok(ColumnRole::Time),
+        Some("frequency") => Ok(ColumnRole::Frequency),
+        Some("force") => Ok(ColumnRole::Force {
+            dof,
+            unit: unit(channel, place, |q| q == Quantity::Force, "a force unit")?,
+        }),
+        Some("response") => {
+            let is_response = |q| q != Quantity::Force;
+            let unit = unit(
+                channel,
+                place,
+                is_response,
+                "a unit of acceleration, velocity or displacement",
+            )?;
+            Ok(ColumnRole::Response { dof, unit })
+        }
+        Some("real") => Ok(ColumnRole::Real {
+            dof,
+            unit: frf_unit(channel, place)?,
+        }),
+        Some("imaginary") => Ok(ColumnRole::Imaginary {
+            dof,
+            unit: frf_unit(channel, place)?,
+        }),
+        other => Err(place.error(
+            "role",
+            other.map_or_else(|| "nothing".to_owned(), |text| format!("{text:?}")),
+            "time, frequency, force, response, real or imaginary",
+        )),
+    }
+}
+
+fn unit(
+    channel: &ChannelTable,
+    place: &Place,
+    fits: impl Fn(Quantity) -> bool,
+    expected: &str,
+) -> Result<Unit, SceneError> {
+    let text = channel.unit.as_deref().ok_or_else(|| {
+        place.error(
+            "unit",
+            "nothing",
+            format!("{expected}; there is no default"),
+        )
+    })?;
+    let unit: Unit = text
+        .parse()
+        .map_err(|error: UnitError| place.error("unit", format!("{text:?}"), error.to_string()))?;
+    if !fits(unit.quantity) {
+        return Err(place.error("unit", format!("{text:?}"), expected));
+    }
+    match channel.quantity.as_deref() {
+        Some(name) if name != unit.quantity.to_string() => Err(place.error(
+            "quantity",
+            format!("{name:?} with unit {text:?}"),
+            unit.quantity.to_string(),
+        )),
+        _ => Ok(unit),
+    }
+}
+
+fn frf_unit(channel: &ChannelTable, place: &Place) -> Result<FrfUnit, SceneError> {
+    let expected = "a unit of response over force such as (m/s2)/N; there is no default";
+    let text = channel
+        .unit
+        .as_deref()
+        .ok_or_else(|| place.error("unit", "nothing", expected))?;
+    let unit: FrfUnit = text
+        .parse()
+        .map_err(|_| place.error("unit", format!("{text:?}"), expected))?;
+    match channel.quantity.as_deref() {
+        Some(name) if name != unit.kind.to_string() => Err(place.error(
+            "quantity",
+            format!("{name:?} with unit {text:?}"),
+            unit.kind.to_string(),
+        )),
+        _ => Ok(unit),
+    }
+}

@@ -1,0 +1,76 @@
+//! Why a scene, a model file or a synthetic test's spec cannot be used.
+
+use crate::correlate::CorrelateError;
+use crate::frf::FrfError;
+use crate::identify::IdentifyError;
+use crate::io::IoError;
+use crate::synth::SynthError;
+use crate::theory::TheoryError;
+
+/// A failure of reading a scene or of a stage that it runs.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// TOML that does not parse or does not follow its schema.
+    #[error("{path}:{line}:{column}: {message}{hint}")]
+    Toml {
+        /// Path as given.
+        path: String,
+        /// Line from 1.
+        line: usize,
+        /// Column from 1.
+        column: usize,
+        /// What was found and what was expected.
+        message: String,
+        /// The nearest known key, where an unknown one was given; else empty.
+        hint: String,
+    },
+    /// A value that parses but cannot be meant.
+    #[error("{path}: {key}: got {got}, expected {expected}")]
+    Value {
+        /// Path as given.
+        path: String,
+        /// The key, with its table.
+        key: String,
+        /// What was given.
+        got: String,
+        /// What would be accepted.
+        expected: String,
+    },
+    /// A stage refused its input; the test is named.
+    #[error("test {test:?}: {source}")]
+    Frf {
+        /// Name of the test.
+        test: String,
+        /// The stage's reason.
+        source: Box<FrfError>,
+    },
+    /// Identification refused.
+    #[error("test {test:?}: {source}")]
+    Identify {
+        /// Name of the test.
+        test: String,
+        /// The stage's reason.
+        source: Box<IdentifyError>,
+    },
+    /// Functions on different axes, or none.
+    #[error("test {test:?}: got functions on {got} frequency axes, expected FRFs on one axis")]
+    Axes {
+        /// Name of the test.
+        test: String,
+        /// Number of axes.
+        got: usize,
+    },
+    /// A file could not be read or written.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// The model refused.
+    #[error(transparent)]
+    Theory(#[from] TheoryError),
+    /// The comparison refused.
+    #[error(transparent)]
+    Correlate(#[from] CorrelateError),
+    /// The synthetic test refused.
+    #[error(transparent)]
+    Synth(#[from] SynthError),
+}

@@ -1,0 +1,228 @@
+//! A synthetic test's spec as meant, and its recording as a measurement system would export it.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::geometry::Sensor;
+use crate::io::{FileLabel, Precision, modes_from_json, modes_to_json, write_time_records};
+use crate::modal::ModalModel;
+use crate::quantity::Quantity;
+use crate::synth::{
+    Faults, HammerTest, HitPlan, LowPassOptions, Noise, Pulse, Truth, roving_hammer,
+};
+use crate::theory::ModeOptions;
+
+use super::SceneError;
+use super::model::{check_schema, sensors, theory, value_error};
+use super::synth_spec::{SYNTH_SCHEMA, SynthFile, TruthTable, folder_of};
+use super::toml_text::{parse, read_text};
+
+/// A synthetic recording with its truth.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Title of the spec.
+    pub title: String,
+    /// The universal file, byte for byte.
+    pub uff: Vec<u8>,
+    /// The truth as `modes.json`.
+    pub truth_json: String,
+    /// The truth.
+    pub truth: ModalModel,
+}
+
+/// Reads a spec.
+///
+/// # Errors
+/// [`SceneError`] with file, line and column.
+pub fn load_synth(path: &Path) -> Result<SynthFile, SceneError> {
+    let name = path.display().to_string();
+    let spec: SynthFile = parse(&read_text(path)?, &name)?;
+    check_schema(&spec.schema, SYNTH_SCHEMA, &name)?;
+    Ok(spec)
+}
+
+/// The test that a spec means; relative paths are taken from the spec's folder.
+///
+/// # Errors
+/// [`SceneError`] for a value that cannot be meant, or the model's or the synthetic test's own reason.
+pub fn hammer_test(spec: &SynthFile, path: &Path) -> Result<HammerTest, SceneError> {
+    let name = path.display().to_string();
+    let sensors = sensors(&spec.sensor, &name)?;
+    let plans: Vec<HitPlan> = spec
+        .hit
+        .iter()
+        .flat_map(|hit| roving_hammer(&hit.dofs, &hit.responses))
+        .collect();
+    let test = HammerTest {
+        truth: truth(spec, path, &plans, &sensors)?,
+        hits: plans,
+        averages_per_point: spec.averages,
+        sampling_rate_hz: spec.record.sampling_rate_hz,
+        samples: spec.record.samples,
+        pretrigger_s: spec.record.pretrigger_s,
+        quantity: response_quantity(&spec.record.response, &name)?,
+        pulse: Pulse {
+            peak_n: spec.pulse.peak_n,
+            peak_spread: spec.pulse.peak_spread,
+            duration_s: spec.pulse.duration_s,
+            duration_spread: spec.pulse.duration_spread,
+        },
+        filter: filter(spec),
+        noise: Noise {
+            force_snr_db: spec.noise.force_snr_db,
+            response_snr_db: spec.noise.response_snr_db,
+        },
+        faults: Faults::default(),
+        seed: spec.seed,
+    };
+    test.validate()?;
+    Ok(test)
+}
+
+fn filter(spec: &SynthFile) -> LowPassOptions {
+    let mut options = LowPassOptions::default();
+    options.order = spec.filter.order.unwrap_or(options.order);
+    options.ripple_db = spec.filter.ripple_db.unwrap_or(options.ripple_db);
+    options.edge_over_sampling_rate = spec.filter.edge.unwrap_or(options.edge_over_sampling_rate);
+    options
+}
+
+fn response_quantity(name: &str, path: &str) -> Result<Quantity, SceneError> {
+    [
+        Quantity::Acceleration,
+        Quantity::Velocity,
+        Quantity::Displacement,
+    ]
+    .into_iter()
+    .find(|quantity| quantity.to_string() == name)
+    .ok_or_else(|| {
+        value_error(
+            path,
+            "[record] response",
+            &format!("{name:?}"),
+            "acceleration, velocity or displacement",
+        )
+    })
+}
+
+fn truth(
+    spec: &SynthFile,
+    path: &Path,
+    plans: &[HitPlan],
+    sensors: &[Sensor],
+) -> Result<Truth, SceneError> {
+    let name = path.display().to_string();
+    let table = &spec.truth;
+    let hits: BTreeSet<Dof> = plans.iter().map(|plan| plan.hit.clone()).collect();
+    let responses: BTreeSet<Dof> = plans
+        .iter()
+        .flat_map(|plan| plan.responses.iter().cloned())
+        .collect();
+    let (hits, responses): (Vec<_>, Vec<_>) =
+        (hits.into_iter().collect(), responses.into_iter().collect());
+    let folder = folder_of(path);
+    if let Some(file) = &table.modes {
+        let full = folder.join(file);
+        let model = modes_from_json(&read_text(&full)?, &full.display().to_string())?;
+        return modes_truth(model, &responses, &hits);
+    }
+    let damping = table.damping_ratio;
+    if damping.is_none() {
+        return Err(value_error(
+            &name,
+            "[truth] damping_ratio",
+            "nothing",
+            "a fraction; damping has no default",
+        ));
+    }
+    let options = ModeOptions {
+        band: truth_band(table, &name)?,
+        count: None,
+        damping_ratio: damping,
+    };
+    let model = theory(&table.model(), folder, &name, sensors, &options)?.modes;
+    Ok(Truth::from_real_shapes(&model, &responses, &hits)?)
+}
+
+/// Modes with residues are taken as they are; real shapes of known modal mass make residues.
+fn modes_truth(model: ModalModel, responses: &[Dof], hits: &[Dof]) -> Result<Truth, SceneError> {
+    if model.modes.iter().all(|mode| !mode.residues.is_empty()) {
+        return Ok(Truth {
+            model,
+            ..Truth::default()
+        });
+    }
+    Ok(Truth::from_real_shapes(&model, responses, hits)?)
+}
+
+fn truth_band(table: &TruthTable, path: &str) -> Result<Option<Band>, SceneError> {
+    let band = table.highest_hz.map(|hi| Band::new(0.0, hi)).transpose();
+    band.map_err(|error| {
+        value_error(
+            path,
+            "[truth] highest_hz",
+            &format!("{:?}", table.highest_hz),
+            &error.to_string(),
+        )
+    })
+}
+
+/// Generates the recording and writes it as a universal file, the truth as `modes.json` with the filter beside.
+///
+/// # Errors
+/// The synthetic test's own reasons, or a degree of freedom that a universal file cannot name.
+pub fn record(spec: &SynthFile, test: &HammerTest, path: &Path) -> Result<Recording, SceneError> {
+    let hits = test.generate()?;
+    let precision = match spec.record.precision.as_deref() {
+        None | Some("single") => Precision::Single,
+        Some("double") => Precision::Double,
+        Some(other) => {
+            let name = path.display().to_string();
+            return Err(value_error(
+                &name,
+                "[record] precision",
+                &format!("{other:?}"),
+                "\"single\" or \"double\"",
+            ));
+        }
+    };
+    let mut uff = Vec::new();
+    let name = path.display().to_string();
+    write_time_records(
+        &mut uff,
+        &FileLabel {
+            path: &name,
+            title: &spec.title,
+        },
+        &hits,
+        precision,
+    )?;
+    let truth = test.truth_model();
+    let low_pass = test.low_pass()?;
+    let poles: Vec<[f64; 2]> = low_pass
+        .poles_rad_s
+        .iter()
+        .map(|pole| [pole.re, pole.im])
+        .collect();
+    let synthetic = json!({
+        "seed": spec.seed,
+        "sampling_rate_hz": test.sampling_rate_hz,
+        "filter": {
+            "kind": "chebyshev-1 low-pass on every channel",
+            "order": test.filter.order,
+            "ripple_db": test.filter.ripple_db,
+            "edge_hz": test.filter.edge_over_sampling_rate * test.sampling_rate_hz,
+            "poles_rad_s": poles,
+        },
+    });
+    Ok(Recording {
+        title: spec.title.clone(),
+        uff,
+        truth_json: modes_to_json(&truth, Some(synthetic)),
+        truth,
+    })
+}

@@ -1,0 +1,258 @@
+//! Stated limits on results, and which of them a result misses.
+
+use serde::{Deserialize, Serialize};
+
+use crate::correlate::TestSummary;
+
+/// Absolute limits; one that is not stated is not checked.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// Largest |frequency error| of a paired mode, percent.
+    pub max_frequency_error_percent: Option<f64>,
+    /// Smallest MAC of a paired mode.
+    pub min_mac: Option<f64>,
+    /// Smallest number of paired modes, per test.
+    pub min_paired: Option<usize>,
+    /// Largest number of theory modes in the band without partner, per test.
+    pub max_missed: Option<usize>,
+    /// Largest number of test modes without partner, per test.
+    pub max_extra: Option<usize>,
+    /// Largest number of ambiguous pairings, per test.
+    pub max_ambiguous: Option<usize>,
+    /// Modes that must be there, for `modes.json`.
+    pub mode: Vec<ModeLimit>,
+}
+
+/// A mode that a test must find.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModeLimit {
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// Largest |frequency error|, percent.
+    pub max_frequency_error_percent: f64,
+    /// Its damping ratio.
+    pub damping_ratio: Option<f64>,
+    /// Largest |damping error|, percent of `damping_ratio`.
+    pub max_damping_error_percent: Option<f64>,
+}
+
+/// One limit held against one value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitCheck {
+    /// What was checked, with the test or the row.
+    pub what: String,
+    /// The value; `None` when the result does not have it, which misses the limit.
+    pub value: Option<f64>,
+    /// The limit.
+    pub limit: f64,
+    /// Whether the value may not exceed the limit (else it may not fall below).
+    pub upper: bool,
+}
+
+impl LimitCheck {
+    /// Whether the limit is met.
+    pub fn met(&self) -> bool {
+        self.value.is_some_and(|value| {
+            if self.upper {
+                value <= self.limit
+            } else {
+                value >= self.limit
+            }
+        })
+    }
+}
+
+/// A file with `[limits]`: a scene will do, its other tables are passed over.
+#[derive(Clone, Debug, Deserialize)]
+pub struct LimitsFile {
+    /// The limits.
+    pub limits: Limits,
+}
+
+/// Every stated absolute limit on a comparison, held against every test.
+pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitCheck> {
+    let mut checks = Vec::new();
+    for test in tests {
+        let count = |n: usize| Some(n as f64);
+        let rows = [
+            (
+                "largest |frequency error| (%)",
+                test.max_error_percent,
+                limits.max_frequency_error_percent,
+                true,
+            ),
+            ("smallest MAC", test.min_mac, limits.min_mac, false),
+            (
+                "paired modes",
+                count(test.paired),
+                limits.min_paired.map(|n| n as f64),
+                false,
+            ),
+            (
+                "missed modes",
+                count(test.missed),
+                limits.max_missed.map(|n| n as f64),
+                true,
+            ),
+            (
+                "extra modes",
+                count(test.extra),
+                limits.max_extra.map(|n| n as f64),
+                true,
+            ),
+            (
+                "ambiguous pairs",
+                count(test.ambiguous),
+                limits.max_ambiguous.map(|n| n as f64),
+                true,
+            ),
+        ];
+        for (what, value, limit, upper) in rows {
+            checks.extend(limit.map(|limit| LimitCheck {
+                what: format!("{}: {what}", test.test),
+                value,
+                limit,
+                upper,
+            }));
+        }
+    }
+    checks
+}
+
+/// Every stated mode held against the modes that were found: the nearest one in frequency counts, each once.
+pub fn judge_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCheck> {
+    let mut free: Vec<&(f64, Option<f64>)> = found.iter().collect();
+    let mut checks = Vec::new();
+    for mode in &limits.mode {
+        let distance = |hz: f64| (hz - mode.frequency_hz).abs();
+        let nearest =
+            (0..free.len()).min_by(|a, b| distance(free[*a].0).total_cmp(&distance(free[*b].0)));
+        let within = |index: &usize| {
+            percent(free[*index].0, mode.frequency_hz) <= mode.max_frequency_error_percent
+        };
+        let matched = nearest.filter(within).map(|index| free.remove(index));
+        let name = format!("mode at {} Hz", mode.frequency_hz);
+        let value = matched.map(|found| percent(found.0, mode.frequency_hz));
+        let frequency = format!("{name}: |frequency error| (%)");
+        checks.push(LimitCheck {
+            what: frequency,
+            value,
+            limit: mode.max_frequency_error_percent,
+            upper: true,
+        });
+        if let (Some(zeta), Some(limit)) = (mode.damping_ratio, mode.max_damping_error_percent) {
+            let value = matched
+                .and_then(|found| found.1)
+                .map(|found| percent(found, zeta));
+            checks.push(LimitCheck {
+                what: format!("{name}: |damping error| (%)"),
+                value,
+                limit,
+                upper: true,
+            });
+        }
+    }
+    let extra = limits.max_extra.filter(|_| !limits.mode.is_empty());
+    let left = free.len() as f64;
+    checks.extend(extra.map(|limit| LimitCheck {
+        what: "extra modes".to_owned(),
+        value: Some(left),
+        limit: limit as f64,
+        upper: true,
+    }));
+    checks
+}
+
+/// |difference| of a value to a reference, percent of the reference; 0 for equal values.
+pub fn percent(value: f64, reference: f64) -> f64 {
+    let difference = (value - reference).abs();
+    if difference == 0.0 {
+        0.0
+    } else {
+        100.0 * difference / reference.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures() -> TestSummary {
+        TestSummary {
+            test: "hammer".to_owned(),
+            paired: 4,
+            missed: 1,
+            outside_band: 0,
+            extra: 0,
+            ambiguous: 0,
+            max_error_percent: Some(2.0),
+            mean_error_percent: Some(1.0),
+            rms_error_percent: Some(1.5),
+            min_mac: Some(0.96),
+            dofs_used: 11,
+        }
+    }
+
+    #[test]
+    fn each_stated_limit_is_met_at_its_value_and_missed_beyond() {
+        let limits = |percent, mac, missed| Limits {
+            max_frequency_error_percent: Some(percent),
+            min_mac: Some(mac),
+            max_missed: Some(missed),
+            ..Limits::default()
+        };
+        let met = |limits: &Limits| {
+            judge_comparison(limits, &[figures()])
+                .iter()
+                .map(LimitCheck::met)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(met(&limits(2.0, 0.96, 1)), [true, true, true]);
+        assert_eq!(met(&limits(1.999, 0.961, 0)), [false, false, false]);
+        assert!(met(&Limits::default()).is_empty());
+    }
+
+    #[test]
+    fn a_figure_that_is_missing_misses_its_limit() {
+        let none = TestSummary {
+            max_error_percent: None,
+            ..figures()
+        };
+        let limits = Limits {
+            max_frequency_error_percent: Some(100.0),
+            ..Limits::default()
+        };
+        assert!(!judge_comparison(&limits, &[none])[0].met());
+    }
+
+    #[test]
+    fn a_stated_mode_is_found_within_its_tolerance_or_missed() {
+        let mode = |hz, tolerance| ModeLimit {
+            frequency_hz: hz,
+            max_frequency_error_percent: tolerance,
+            damping_ratio: Some(0.01),
+            max_damping_error_percent: Some(10.0),
+        };
+        let limits = Limits {
+            mode: vec![mode(100.0, 0.5), mode(200.0, 0.5)],
+            max_extra: Some(0),
+            ..Limits::default()
+        };
+        let met = |found: &[(f64, Option<f64>)]| {
+            judge_modes(&limits, found)
+                .iter()
+                .map(LimitCheck::met)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            met(&[(100.4, Some(0.0105)), (199.2, Some(0.0085))]),
+            [true, true, true, false, true]
+        );
+        assert_eq!(
+            met(&[(100.6, Some(0.01)), (200.0, None), (300.0, None)]),
+            [false, false, true, false, false]
+        );
+    }
+}

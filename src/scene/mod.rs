@@ -1,0 +1,31 @@
+//! Scenes: a test, a model, the options of every stage, and the chain that runs them.
+//!
+//! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene computes nothing itself.
+
+mod chain;
+mod columns;
+mod error;
+mod hammer;
+mod ingest;
+mod limits;
+mod model;
+mod plan;
+mod synth_spec;
+mod toml_text;
+mod typed;
+
+pub use chain::{
+    Comparison, SceneResult, TestResult, compare_tests, estimate_hits, identify_sets, run,
+    with_response_window,
+};
+pub use error::SceneError;
+pub use hammer::{Recording, hammer_test, load_synth, record};
+pub use ingest::{IngestOptions, Ingested, ingest_files};
+pub use limits::{
+    LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
+};
+pub use model::{LoadedModel, Theory, load_model, sensors, theory};
+pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window};
+pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
+pub use toml_text::{parse, read_text};
+pub use typed::{ModelTable, SCENE_SCHEMA, SceneFile, SensorTable};

@@ -1,0 +1,335 @@
+//! A scene as meant: paths resolved, names turned into options, everything checked that can be before data is read.
+
+use std::path::{Path, PathBuf};
+
+use crate::axis::Band;
+use crate::correlate::{ErrorReference, PairOptions};
+use crate::dof::Dof;
+use crate::frf::{EstimateOptions, Estimator};
+use crate::geometry::Sensor;
+use crate::io::{HitGrouping, IoError};
+use crate::signal::ForceWindow;
+
+use super::SceneError;
+use super::limits::Limits;
+use super::model::{check_schema, sensors, value_error};
+use super::toml_text::{parse, read_text};
+use super::typed::{FrfTable, ModelTable, PairTable, SCENE_SCHEMA, SceneFile, TestTable};
+
+/// The flank of a force window as a fraction of its hold.
+const FLANK_OF_HOLD: f64 = 0.5;
+
+/// A scene, ready to run.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Path of the `scene.toml`.
+    pub path: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Title of the report.
+    pub title: String,
+    /// Caption of the comparison table, when stated.
+    pub caption: Option<String>,
+    /// Tests in order.
+    pub tests: Vec<TestPlan>,
+    /// Sensors and hits on the model.
+    pub sensors: Vec<Sensor>,
+    /// The model; a scene without one compares nothing.
+    pub model: Option<ModelTable>,
+    /// FRF estimation, except the exponential window, which depends on the record's length.
+    pub estimate: EstimateOptions,
+    /// Value of the exponential window at the record's end.
+    pub response_window_end: Option<f64>,
+    /// Identification method.
+    pub method: Option<String>,
+    /// Pairing.
+    pub pair: PairOptions,
+    /// Limits.
+    pub limits: Limits,
+    /// Format of every file, instead of judging by content; the command line's word.
+    pub format: Option<String>,
+}
+
+/// One test, ready to run.
+#[derive(Clone, Debug)]
+pub struct TestPlan {
+    /// Name.
+    pub name: String,
+    /// Where its data come from.
+    pub source: TestSource,
+    /// Band of identification.
+    pub band: Option<Band>,
+    /// Whether the good part of a partly bad file will do.
+    pub partial: bool,
+}
+
+/// Where a test's data come from.
+#[derive(Clone, Debug)]
+pub enum TestSource {
+    /// Recordings or FRFs.
+    Files {
+        /// Each file with what the scene says of it.
+        files: Vec<FilePlan>,
+        /// How hits are told apart.
+        hits: HitGrouping,
+        /// The test as typed: what its channels are, where the files do not say.
+        typed: Box<TestTable>,
+    },
+    /// A synthetic test's spec.
+    Synth(PathBuf),
+    /// Finished modes.
+    Modes(PathBuf),
+}
+
+/// One file with what the scene says of it.
+#[derive(Clone, Debug)]
+pub struct FilePlan {
+    /// Path.
+    pub path: PathBuf,
+    /// The scene's word for its response.
+    pub response: Option<Dof>,
+    /// The scene's word for its reference (hit point).
+    pub reference: Option<Dof>,
+}
+
+impl Scene {
+    /// Reads a scene from its folder or its `scene.toml`.
+    ///
+    /// # Errors
+    /// [`SceneError`] with file, line and column, or the key that cannot be meant.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let file = if path.is_dir() {
+            path.join("scene.toml")
+        } else {
+            path.to_path_buf()
+        };
+        let name = file.display().to_string();
+        let typed: SceneFile = parse(&read_text(&file)?, &name)?;
+        check_schema(&typed.schema, SCENE_SCHEMA, &name)?;
+        let folder = file.parent().unwrap_or(Path::new(".")).to_path_buf();
+        let tests = typed
+            .test
+            .iter()
+            .map(|test| test_plan(test, &folder, &name))
+            .collect::<Result<Vec<_>, _>>()?;
+        check_tests(&tests, &name)?;
+        Ok(Self {
+            tests,
+            sensors: sensors(&typed.sensor, &name)?,
+            estimate: estimate_options(&typed.frf, &name)?,
+            response_window_end: typed.frf.response_window_end,
+            pair: pair_options(&typed.pair, &name)?,
+            title: typed.title,
+            caption: typed.report.caption,
+            model: typed.model,
+            method: typed.identify.method,
+            limits: typed.limits,
+            format: None,
+            path: name,
+            folder,
+        })
+    }
+}
+
+fn check_tests(tests: &[TestPlan], path: &str) -> Result<(), SceneError> {
+    if tests.is_empty() {
+        return Err(value_error(path, "[[test]]", "no test", "at least one"));
+    }
+    for (index, test) in tests.iter().enumerate() {
+        if tests[..index].iter().any(|other| other.name == test.name) {
+            return Err(value_error(
+                path,
+                "[[test]] name",
+                &format!("{:?} twice", test.name),
+                "a name of its own for each test",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, SceneError> {
+    let key = |name: &str| format!("[[test]] {:?} {name}", test.name);
+    let band = test.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
+    let band = band.map_err(|error| {
+        value_error(
+            path,
+            &key("band_hz"),
+            &format!("{:?}", test.band_hz.unwrap_or_default()),
+            &error.to_string(),
+        )
+    })?;
+    let source = match (test.files.is_empty(), &test.synth, &test.modes) {
+        (false, None, None) => files_source(test, folder, path)?,
+        (true, Some(_), None) | (true, None, Some(_)) if describes_files(test) => {
+            let got = "hits, partial, sampling_rate_hz, delimiter, skip_lines, channel or file";
+            return Err(value_error(path, &key(""), got, "these with `files` alone"));
+        }
+        (true, Some(spec), None) => TestSource::Synth(folder.join(spec)),
+        (true, None, Some(modes)) => TestSource::Modes(folder.join(modes)),
+        _ => {
+            return Err(value_error(
+                path,
+                &key(""),
+                "none or several of files, synth, modes",
+                "exactly one of them",
+            ));
+        }
+    };
+    Ok(TestPlan {
+        name: test.name.clone(),
+        source,
+        band,
+        partial: test.partial,
+    })
+}
+
+/// Whether a test states what only files need.
+fn describes_files(test: &TestTable) -> bool {
+    let table = test.sampling_rate_hz.is_some() || test.delimiter.is_some() || test.skip_lines > 0;
+    table
+        || test.hits.is_some()
+        || test.partial
+        || !test.channel.is_empty()
+        || !test.file.is_empty()
+}
+
+fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSource, SceneError> {
+    let mut files = Vec::new();
+    for pattern in &test.files {
+        for found in expand(folder, pattern, path)? {
+            let word = test
+                .file
+                .iter()
+                .find(|word| folder.join(&word.path) == found)
+                .cloned();
+            let response = word.as_ref().and_then(|word| word.response.clone());
+            let reference = word.as_ref().and_then(|word| word.reference.clone());
+            files.push(FilePlan {
+                path: found,
+                response,
+                reference,
+            });
+        }
+    }
+    if let Some(twice) =
+        (1..files.len()).find(|i| files[..*i].iter().any(|file| file.path == files[*i].path))
+    {
+        let got = format!("{} twice", files[twice].path.display());
+        return Err(value_error(path, "[[test]] files", &got, "each file once"));
+    }
+    if let Some(word) = test.file.iter().find(|word| {
+        !files
+            .iter()
+            .any(|file| file.path == folder.join(&word.path))
+    }) {
+        return Err(value_error(
+            path,
+            "[[test.file]] path",
+            &format!("{:?}", word.path),
+            "one of the test's files",
+        ));
+    }
+    let hits = match test.hits.as_deref() {
+        None => HitGrouping::Records,
+        Some(name) => HitGrouping::from_name(name).ok_or_else(|| {
+            value_error(
+                path,
+                "[[test]] hits",
+                &format!("{name:?}"),
+                "\"records\" or \"files\"",
+            )
+        })?,
+    };
+    Ok(TestSource::Files {
+        files,
+        hits,
+        typed: Box::new(test.clone()),
+    })
+}
+
+/// The files of one entry of `files`: itself, or what its wildcards match, in order of name.
+fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, SceneError> {
+    if !pattern.contains(['*', '?', '[']) || folder.join(pattern).exists() {
+        return Ok(vec![folder.join(pattern)]);
+    }
+    let full = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
+    let found = glob::glob(&full.display().to_string()).map_err(|error| {
+        value_error(
+            path,
+            "[[test]] files",
+            &format!("{pattern:?}"),
+            &format!("a wildcard pattern ({error})"),
+        )
+    })?;
+    let unreadable = |error: glob::GlobError| {
+        let action = "read";
+        let path = error.path().display().to_string();
+        SceneError::Io(IoError::System {
+            path,
+            action,
+            source: error.into(),
+        })
+    };
+    let mut files = found
+        .collect::<Result<Vec<PathBuf>, _>>()
+        .map_err(unreadable)?;
+    files.sort();
+    if files.is_empty() {
+        return Err(value_error(
+            path,
+            "[[test]] files",
+            &format!("{pattern:?}, which matches no file"),
+            "at least one file",
+        ));
+    }
+    Ok(files)
+}
+
+fn estimate_options(table: &FrfTable, path: &str) -> Result<EstimateOptions, SceneError> {
+    let estimator = match table.estimator.as_deref() {
+        None => Estimator::H1,
+        Some(name) => Estimator::from_name(name).ok_or_else(|| {
+            value_error(
+                path,
+                "[frf] estimator",
+                &format!("{name:?}"),
+                "\"h1\", \"h2\" or \"hv\"",
+            )
+        })?,
+    };
+    Ok(EstimateOptions {
+        estimator,
+        force_window: table.force_window_s.map(force_window),
+        exponential: None,
+        noise_ratio: table.noise_ratio,
+        remove_offset: table.remove_offset,
+    })
+}
+
+/// A force window that holds for this long after the pulse.
+pub fn force_window(hold_s: f64) -> ForceWindow {
+    ForceWindow {
+        hold_s,
+        flank_s: FLANK_OF_HOLD * hold_s,
+    }
+}
+
+fn pair_options(table: &PairTable, path: &str) -> Result<PairOptions, SceneError> {
+    let mut options = PairOptions::default();
+    if let Some(name) = table.error_reference.as_deref() {
+        options.error_reference = ErrorReference::from_name(name).ok_or_else(|| {
+            value_error(
+                path,
+                "[pair] error_reference",
+                &format!("{name:?}"),
+                "\"theory\" or \"test\"",
+            )
+        })?;
+    }
+    options.max_frequency_error = table
+        .max_frequency_error
+        .unwrap_or(options.max_frequency_error);
+    options.min_mac = table.min_mac.unwrap_or(options.min_mac);
+    Ok(options)
+}

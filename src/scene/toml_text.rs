@@ -1,0 +1,114 @@
+//! Reads TOML into a typed value; errors carry file, line and column, and an unknown key names the nearest known one.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use crate::io::IoError;
+
+use super::SceneError;
+
+/// Reads a file as UTF-8 text.
+///
+/// # Errors
+/// [`IoError::System`] when it cannot be read; [`IoError::Binary`] with the byte where it is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, IoError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|source| IoError::System {
+        path: name.clone(),
+        action: "read",
+        source,
+    })?;
+    String::from_utf8(bytes).map_err(|error| IoError::Binary {
+        path: name,
+        byte: error.utf8_error().valid_up_to() as u64,
+        what: "text",
+        got: "a byte that is not UTF-8".to_owned(),
+        expected: "UTF-8 text".to_owned(),
+    })
+}
+
+/// Parses TOML text.
+///
+/// # Errors
+/// [`SceneError::Toml`] with line, column, what was got and expected.
+pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneError> {
+    toml::from_str(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        let before = text.get(..offset).unwrap_or(text);
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        let message = error.message().replace('\n', " ");
+        let hint = nearest_key(&message)
+            .map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
+        SceneError::Toml {
+            path: path.to_owned(),
+            line,
+            column,
+            message: got_and_expected(&message),
+            hint,
+        }
+    })
+}
+
+/// Says `got`/`expected` for an unknown key, as every other message does.
+fn got_and_expected(message: &str) -> String {
+    match message.strip_prefix("unknown field ") {
+        Some(rest) => format!("got unknown key {rest}"),
+        None => message.to_owned(),
+    }
+}
+
+/// The known key closest to the unknown one that the message is about.
+fn nearest_key(message: &str) -> Option<String> {
+    let quoted: Vec<&str> = message
+        .strip_prefix("unknown field ")?
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .collect();
+    let (got, known) = quoted.split_first()?;
+    let distance = |key: &&&str| strsim::damerau_levenshtein(got, key);
+    known
+        .iter()
+        .min_by_key(distance)
+        .map(|key| (*key).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Sample {
+        #[serde(rename = "sampling_rate_hz")]
+        _rate: f64,
+        #[serde(rename = "title")]
+        _title: Option<String>,
+    }
+
+    #[test]
+    fn a_misspelt_key_names_its_place_and_the_nearest_key() {
+        let error = parse::<Sample>("title = \"a\"\nsamplng_rate_hz = 1.0\n", "scene.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("scene.toml:2:1: got unknown key `samplng_rate_hz`, expected"),
+            "{error}"
+        );
+        assert!(
+            error.ends_with("did you mean `sampling_rate_hz`?"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_wrong_type_names_its_place() {
+        let error = parse::<Sample>("sampling_rate_hz = \"fast\"\n", "s.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(error.starts_with("s.toml:1:20: invalid type"), "{error}");
+    }
+}

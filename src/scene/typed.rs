@@ -1,0 +1,226 @@
+//! `scene.toml` as typed: its tables and keys, with nothing decided yet.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::dof::Dof;
+use crate::geometry::{Sensor, Target};
+
+use super::limits::Limits;
+
+/// The schema text of a scene.
+pub const SCENE_SCHEMA: &str = "modalign-scene/1";
+
+/// A whole scene.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// `modalign-scene/1`.
+    pub schema: String,
+    /// Title of the report.
+    pub title: String,
+    /// Tests, in the order of the table's columns.
+    #[serde(default)]
+    pub test: Vec<TestTable>,
+    /// Sensors and hits on the model's bodies.
+    #[serde(default)]
+    pub sensor: Vec<SensorTable>,
+    /// The theoretical model.
+    pub model: Option<ModelTable>,
+    /// Options of FRF estimation.
+    #[serde(default)]
+    pub frf: FrfTable,
+    /// Options of identification.
+    #[serde(default)]
+    pub identify: IdentifyTable,
+    /// Options of pairing.
+    #[serde(default)]
+    pub pair: PairTable,
+    /// Options of the report.
+    #[serde(default)]
+    pub report: ReportTable,
+    /// Limits that decide the exit code.
+    #[serde(default)]
+    pub limits: Limits,
+}
+
+/// One test.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestTable {
+    /// Name, as in the table's head.
+    pub name: String,
+    /// Recordings or FRFs, relative to the scene.
+    #[serde(default)]
+    pub files: Vec<String>,
+    /// A synthetic test's spec, relative to the scene.
+    pub synth: Option<String>,
+    /// Finished modes (`modes.json`), relative to the scene.
+    pub modes: Option<String>,
+    /// How hits are told apart: `records` (default) or `files`.
+    pub hits: Option<String>,
+    /// Band of identification, `[lo, hi]` in Hz.
+    pub band_hz: Option<[f64; 2]>,
+    /// Whether the good part of a partly bad file will do.
+    #[serde(default)]
+    pub partial: bool,
+    /// Samples per second, for tables without a time column.
+    pub sampling_rate_hz: Option<f64>,
+    /// `comma` (default), `semicolon`, `tab` or `blank`, for tables.
+    pub delimiter: Option<String>,
+    /// Lines before the heading, for tables.
+    #[serde(default)]
+    pub skip_lines: usize,
+    /// What the columns or records are, where the file does not say.
+    #[serde(default)]
+    pub channel: Vec<ChannelTable>,
+    /// What single files are, where they do not say.
+    #[serde(default)]
+    pub file: Vec<FileTable>,
+}
+
+/// A column by heading or number.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum ColumnKey {
+    /// Number from 1.
+    Number(usize),
+    /// Heading.
+    Heading(String),
+}
+
+impl std::fmt::Display for ColumnKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            ColumnKey::Number(number) => write!(f, "{number}"),
+            ColumnKey::Heading(heading) => write!(f, "{heading:?}"),
+        }
+    }
+}
+
+/// What one column of a table, or one record of a file, is.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelTable {
+    /// Heading or number from 1 (for a universal file, the record's number within its hit).
+    pub column: ColumnKey,
+    /// `time`, `frequency`, `force`, `response`, `real` or `imaginary`.
+    pub role: Option<String>,
+    /// Where it measures.
+    pub dof: Option<Dof>,
+    /// Quantity, checked against the unit.
+    pub quantity: Option<String>,
+    /// Unit of the numbers.
+    pub unit: Option<String>,
+    /// Calibration factor, 1 when not stated.
+    pub scale: Option<f64>,
+}
+
+/// The scene's word for the degrees of freedom of one file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileTable {
+    /// Path as in `files`.
+    pub path: String,
+    /// Response.
+    pub response: Option<Dof>,
+    /// Reference (hit point).
+    pub reference: Option<Dof>,
+}
+
+/// A sensor or hit on a body of the model.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorTable {
+    /// Degree of freedom as the test names it, on its positive axis.
+    pub dof: Dof,
+    /// Body of the model.
+    pub body: Option<String>,
+    /// Position in the model's frame.
+    pub at_m: Option<[f64; 3]>,
+    /// Direction of the axis in the model's frame; the axis itself when not stated.
+    pub direction: Option<[f64; 3]>,
+    /// A coordinate of the model, instead of body and position.
+    pub coordinate: Option<String>,
+}
+
+impl SensorTable {
+    /// The sensor that is meant; `None` when it names both a coordinate and a body, or neither in full.
+    pub fn sensor(&self) -> Option<Sensor> {
+        let target = match (&self.coordinate, &self.body, self.at_m) {
+            (Some(name), None, None) => Target::Coordinate(name.clone()),
+            (None, Some(body), Some(at_m)) => {
+                let direction = self.direction.or_else(|| self.dof.axis().unit_vector())?;
+                Target::BodyPoint {
+                    body: body.clone(),
+                    at_m,
+                    direction,
+                }
+            }
+            _ => return None,
+        };
+        Some(Sensor {
+            dof: self.dof.positive(),
+            target,
+        })
+    }
+}
+
+/// Which model, and values of its parameters.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelTable {
+    /// A built-in model.
+    pub name: Option<String>,
+    /// A `model.toml` relative to the scene, or a `modes.json` of a model.
+    pub file: Option<String>,
+    /// Values by parameter name; nominal where not stated.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// `[frf]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrfTable {
+    /// `h1` (default), `h2` or `hv`.
+    pub estimator: Option<String>,
+    /// Length of the force window after the pulse, s.
+    pub force_window_s: Option<f64>,
+    /// Value of the exponential window at the record's end (a fraction, e.g. 0.01).
+    pub response_window_end: Option<f64>,
+    /// Response over force noise variance for `hv`, SI units.
+    pub noise_ratio: Option<f64>,
+    /// Whether the mean before the hit is removed from every channel.
+    #[serde(default)]
+    pub remove_offset: bool,
+}
+
+/// `[identify]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IdentifyTable {
+    /// `auto` (default), `peak` or `circle`.
+    pub method: Option<String>,
+}
+
+/// `[pair]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairTable {
+    /// Gate on the frequency error, a fraction.
+    pub max_frequency_error: Option<f64>,
+    /// Gate on MAC.
+    pub min_mac: Option<f64>,
+    /// `theory` (default) or `test`.
+    pub error_reference: Option<String>,
+}
+
+/// `[report]`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReportTable {
+    /// Caption of the comparison table.
+    pub caption: Option<String>,
+}

@@ -1,0 +1,332 @@
+//! Euler-Bernoulli beams with point masses and springs to ground, by cubic Hermite elements with consistent mass.
+//!
+//! Several beams may stand in one model; they do not touch one another. A mass, a spring, a sensor or a hit may be
+//! anywhere on a beam: the element's own interpolation carries it, so that nothing is snapped to a node.
+//!
+//! # Reference
+//! Przemieniecki (1968), Theory of Matrix Structural Analysis, chapters 5 and 11.
+
+use crate::geometry::Target;
+use crate::linalg::{RealMatrix, real_matrix};
+
+use super::beam_line::{BeamLine, BeamPoint, find_line, find_point};
+use super::description::{BeamDescription, BeamFile, SCHEMA, Value};
+use super::error::nearest_name;
+use super::parameter::{check_values, nominal_values};
+use super::{
+    Assumption, Coordinate, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError, hermite,
+};
+
+/// A model of beams, made from a [`BeamFile`].
+#[derive(Clone, Debug)]
+pub struct BeamModel {
+    file: BeamFile,
+    lines: Vec<BeamLine>,
+    masses: Vec<BeamPoint>,
+    springs: Vec<BeamPoint>,
+    coordinates: Vec<Coordinate>,
+}
+
+impl BeamModel {
+    /// The model of a file. All its numbers are checked here with the nominal values.
+    ///
+    /// # Errors
+    /// [`TheoryError::Schema`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`],
+    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`], [`TheoryError::ZeroDirection`],
+    /// [`TheoryError::DeflectionNotAcross`], [`TheoryError::UnknownBody`], [`TheoryError::PointOutside`],
+    /// [`TheoryError::NoStiffness`].
+    pub fn new(file: BeamFile) -> Result<Self, TheoryError> {
+        check_file(&file)?;
+        let mut coordinates = Vec::new();
+        let mut lines = Vec::new();
+        for beam in &file.beams {
+            lines.push(BeamLine::new(beam, &mut coordinates)?);
+        }
+        let find = |part: String, beam: &str, at_m| find_point(&lines, &part, beam, at_m);
+        let masses = file.point_masses.iter();
+        let masses = masses.map(|m| find(m.label(), &m.beam, m.at_m));
+        let springs = file.springs.iter();
+        let springs = springs.map(|s| find(s.label(), &s.beam, s.at_m));
+        let model = Self {
+            masses: masses.collect::<Result<_, _>>()?,
+            springs: springs.collect::<Result<_, _>>()?,
+            file,
+            lines,
+            coordinates,
+        };
+        model.assemble(&nominal_values(model.parameters()))?;
+        Ok(model)
+    }
+
+    fn property(&self, request: Property<'_>, values: &[f64]) -> Result<f64, TheoryError> {
+        let got = request
+            .value
+            .resolve(request.part, &self.file.parameters, values)?;
+        let expected = match request.sign {
+            Sign::Positive => "a finite number above 0",
+            Sign::NotNegative => "a finite number of 0 or more",
+        };
+        let zero_allowed = request.sign == Sign::NotNegative;
+        if got.is_finite() && (got > 0.0 || zero_allowed && got >= 0.0) {
+            return Ok(got);
+        }
+        Err(TheoryError::PropertyOutOfRange {
+            part: request.part.to_owned(),
+            property: request.name,
+            got,
+            expected,
+        })
+    }
+
+    fn add_beams(&self, matrices: &mut SystemMatrices, values: &[f64]) -> Result<(), TheoryError> {
+        for (line, beam) in self.lines.iter().zip(&self.file.beams) {
+            let part = beam.label();
+            let get = |name, value| {
+                let sign = Sign::Positive;
+                let part = &part;
+                self.property(
+                    Property {
+                        part,
+                        name,
+                        value,
+                        sign,
+                    },
+                    values,
+                )
+            };
+            let bending = get("youngs_modulus_pa", &beam.youngs_modulus_pa)?
+                * get("second_moment_m4", &beam.second_moment_m4)?;
+            let mass_per_length =
+                get("density_kg_per_m3", &beam.density_kg_per_m3)? * get("area_m2", &beam.area_m2)?;
+            let h = line.length_m / line.elements as f64;
+            let stiffness = hermite::stiffness(bending, h);
+            let mass = hermite::mass(mass_per_length, h);
+            for element in 0..line.elements {
+                let columns = line.element_columns(element);
+                add_element(&mut matrices.stiffness, columns, &stiffness);
+                add_element(&mut matrices.mass, columns, &mass);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_masses(&self, matrices: &mut SystemMatrices, values: &[f64]) -> Result<(), TheoryError> {
+        let sign = Sign::NotNegative;
+        for (point, mass) in self.masses.iter().zip(&self.file.point_masses) {
+            let part = &mass.label();
+            let (name, value) = ("mass_kg", &mass.mass_kg);
+            let kg = self.property(
+                Property {
+                    part,
+                    name,
+                    value,
+                    sign,
+                },
+                values,
+            )?;
+            add_outer(&mut matrices.mass, point.columns, point.deflection, kg);
+            if let Some(value) = &mass.rotary_inertia_kg_m2 {
+                let name = "rotary_inertia_kg_m2";
+                let inertia = self.property(
+                    Property {
+                        part,
+                        name,
+                        value,
+                        sign,
+                    },
+                    values,
+                )?;
+                add_outer(&mut matrices.mass, point.columns, point.rotation, inertia);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_springs(
+        &self,
+        matrices: &mut SystemMatrices,
+        values: &[f64],
+    ) -> Result<(), TheoryError> {
+        let sign = Sign::NotNegative;
+        for (point, spring) in self.springs.iter().zip(&self.file.springs) {
+            let part = &spring.label();
+            let directions = [
+                (
+                    "stiffness_n_per_m",
+                    &spring.stiffness_n_per_m,
+                    point.deflection,
+                ),
+                (
+                    "stiffness_nm_per_rad",
+                    &spring.stiffness_nm_per_rad,
+                    point.rotation,
+                ),
+            ];
+            for (name, value, row) in directions {
+                let Some(value) = value else { continue };
+                let k = self.property(
+                    Property {
+                        part,
+                        name,
+                        value,
+                        sign,
+                    },
+                    values,
+                )?;
+                add_outer(&mut matrices.stiffness, point.columns, row, k);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl TheoreticalModel for BeamModel {
+    fn name(&self) -> &str {
+        &self.file.title
+    }
+
+    fn parameters(&self) -> &[ParameterSpec] {
+        &self.file.parameters
+    }
+
+    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
+        check_values(self.name(), self.parameters(), values)?;
+        let n = self.coordinates.len();
+        let mut matrices = SystemMatrices {
+            mass: real_matrix(n, n, |_, _| 0.0),
+            damping: None,
+            stiffness: real_matrix(n, n, |_, _| 0.0),
+            coordinates: self.coordinates.clone(),
+        };
+        self.add_beams(&mut matrices, values)?;
+        self.add_masses(&mut matrices, values)?;
+        self.add_springs(&mut matrices, values)?;
+        Ok(matrices)
+    }
+
+    /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the cosine to the
+    /// deflection: a sensor across the plane of bending reads 0.
+    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+        let mut row = vec![0.0; self.coordinates.len()];
+        match target {
+            Target::Coordinate(name) => row[coordinate_index(&self.coordinates, name)?] = 1.0,
+            Target::BodyPoint {
+                body,
+                at_m,
+                direction,
+            } => {
+                let line = find_line(&self.lines, "sensor", body)?;
+                let cosine = line.cosine("sensor", *direction)?;
+                let point = line.point("sensor", *at_m)?;
+                for (column, weight) in point.columns.iter().zip(point.deflection) {
+                    if let Some(column) = column {
+                        row[*column] += cosine * weight;
+                    }
+                }
+            }
+        }
+        Ok(row)
+    }
+
+    fn assumptions(&self) -> Vec<Assumption> {
+        let statements = [
+            "bending in one plane by the Euler-Bernoulli theory: no shear deformation and no rotary inertia of the section",
+            "masses, springs and sensors act on the axis of the beam",
+            "the material does not damp; damping is given by mode",
+        ];
+        let of_beam = |beam: &BeamDescription| {
+            let about = beam.label();
+            statements.map(|statement| Assumption {
+                about: about.clone(),
+                statement,
+            })
+        };
+        self.file.beams.iter().flat_map(of_beam).collect()
+    }
+}
+
+/// A number that a part needs, and which values it may have.
+struct Property<'a> {
+    part: &'a str,
+    name: &'static str,
+    value: &'a Value,
+    sign: Sign,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Sign {
+    Positive,
+    NotNegative,
+}
+
+/// Everything that can be checked before geometry is made of it.
+fn check_file(file: &BeamFile) -> Result<(), TheoryError> {
+    if file.schema != SCHEMA {
+        return Err(TheoryError::Schema {
+            got: file.schema.clone(),
+            expected: SCHEMA,
+        });
+    }
+    distinct("parameter", file.parameters.iter().map(|p| &p.name))?;
+    distinct("beam", file.beams.iter().map(|b| &b.name))?;
+    distinct("point mass", file.point_masses.iter().map(|m| &m.name))?;
+    distinct("spring", file.springs.iter().map(|s| &s.name))?;
+    for spring in &file.springs {
+        if spring.stiffness_n_per_m.is_none() && spring.stiffness_nm_per_rad.is_none() {
+            return Err(TheoryError::NoStiffness {
+                part: spring.label(),
+                expected: "stiffness_n_per_m, stiffness_nm_per_rad or both",
+            });
+        }
+    }
+    check_values(
+        &file.title,
+        &file.parameters,
+        &nominal_values(&file.parameters),
+    )
+}
+
+fn distinct<'a>(
+    what: &'static str,
+    names: impl Iterator<Item = &'a String>,
+) -> Result<(), TheoryError> {
+    let mut seen = std::collections::BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            let name = name.clone();
+            return Err(TheoryError::Duplicate { what, name });
+        }
+    }
+    Ok(())
+}
+
+fn coordinate_index(coordinates: &[Coordinate], name: &str) -> Result<usize, TheoryError> {
+    coordinates
+        .iter()
+        .position(|c| c.name == name)
+        .ok_or_else(|| TheoryError::UnknownCoordinate {
+            got: name.to_owned(),
+            nearest: nearest_name(name, coordinates.iter().map(|c| c.name.as_str())),
+            count: coordinates.len(),
+        })
+}
+
+fn add_element(
+    matrix: &mut RealMatrix,
+    columns: [Option<usize>; 4],
+    element: &hermite::ElementMatrix,
+) {
+    for (i, row) in columns.iter().enumerate() {
+        for (j, column) in columns.iter().enumerate() {
+            if let (Some(row), Some(column)) = (row, column) {
+                matrix[(*row, *column)] += element[i][j];
+            }
+        }
+    }
+}
+
+/// Adds `factor * row row^T`.
+fn add_outer(matrix: &mut RealMatrix, columns: [Option<usize>; 4], row: [f64; 4], factor: f64) {
+    let element = std::array::from_fn(|i| std::array::from_fn(|j| factor * row[i] * row[j]));
+    add_element(matrix, columns, &element);
+}

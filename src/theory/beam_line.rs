@@ -1,0 +1,191 @@
+//! The geometry of one beam: where its nodes are, which of them move, and points between them.
+//!
+//! Nothing here has mass or stiffness.
+
+use crate::geometry;
+use crate::linalg::Vector3;
+
+use super::description::{BeamDescription, End};
+use super::error::nearest_name;
+use super::{Coordinate, Motion, TheoryError, hermite};
+
+/// Dense matrices of the coordinates of more would not fit a desk.
+const MOST_ELEMENTS: usize = 2000;
+
+/// How far beyond an end a point may lie and still be at the end, as a share of the length: rounding of coordinates.
+const END_TOLERANCE: f64 = 1e-9;
+/// Largest cosine between deflection and axis that still counts as a right angle: three written decimals of a direction.
+const ACROSS_TOLERANCE: f64 = 1e-3;
+
+/// The geometry of one beam and the model columns of its nodes' (w, theta); `None` where it is held.
+#[derive(Clone, Debug)]
+pub(super) struct BeamLine {
+    name: String,
+    origin: Vector3,
+    tangent: Vector3,
+    deflection: Vector3,
+    pub length_m: f64,
+    pub elements: usize,
+    columns: Vec<Option<usize>>,
+}
+
+/// A point on a beam: the columns of its element, and its deflection and rotation by them.
+#[derive(Clone, Debug)]
+pub(super) struct BeamPoint {
+    pub columns: [Option<usize>; 4],
+    pub deflection: [f64; 4],
+    pub rotation: [f64; 4],
+}
+
+fn unit_direction(used_by: &str, got: [f64; 3]) -> Result<Vector3, TheoryError> {
+    let unit = geometry::unit(got).filter(|unit| unit.iter().all(|c| c.is_finite()));
+    unit.ok_or_else(|| TheoryError::ZeroDirection {
+        used_by: used_by.to_owned(),
+        got,
+    })
+}
+
+impl BeamLine {
+    /// Checks the geometry of a beam and appends its free coordinates to the model's.
+    pub fn new(beam: &BeamDescription, all: &mut Vec<Coordinate>) -> Result<Self, TheoryError> {
+        let label = beam.label();
+        let out_of_range = |property, got, expected| TheoryError::PropertyOutOfRange {
+            part: label.clone(),
+            property,
+            got,
+            expected,
+        };
+        let (origin, end) = (Vector3::from(beam.from_m), Vector3::from(beam.to_m));
+        let length_m = (end - origin).norm();
+        if !(length_m.is_finite() && length_m > 0.0) {
+            return Err(out_of_range(
+                "length in m",
+                length_m,
+                "a finite number above 0",
+            ));
+        }
+        if beam.elements == 0 {
+            return Err(out_of_range("elements", 0.0, "1 or more"));
+        }
+        if beam.elements > MOST_ELEMENTS {
+            let expected =
+                "at most 2000: matrices are dense, and 40 elements give four modes to 1e-5";
+            return Err(out_of_range("elements", beam.elements as f64, expected));
+        }
+        let tangent = (end - origin) / length_m;
+        let given = unit_direction(&label, beam.deflection)?;
+        let cosine = given.dot(&tangent);
+        if cosine.abs() > ACROSS_TOLERANCE {
+            return Err(TheoryError::DeflectionNotAcross {
+                beam: beam.name.clone(),
+                got_deg: cosine.acos().to_degrees(),
+            });
+        }
+        let mut line = Self {
+            name: beam.name.clone(),
+            origin,
+            tangent,
+            deflection: (given - tangent * cosine).normalize(),
+            length_m,
+            elements: beam.elements,
+            columns: Vec::new(),
+        };
+        for node in 0..=beam.elements {
+            line.add_node(node, line.end_at(node, beam), all);
+        }
+        Ok(line)
+    }
+
+    /// Cosine between a direction and the deflection.
+    pub fn cosine(&self, used_by: &str, direction: [f64; 3]) -> Result<f64, TheoryError> {
+        Ok(unit_direction(used_by, direction)?.dot(&self.deflection))
+    }
+
+    fn end_at(&self, node: usize, beam: &BeamDescription) -> End {
+        if node == 0 {
+            beam.start
+        } else if node == self.elements {
+            beam.end
+        } else {
+            End::Free
+        }
+    }
+
+    /// Coordinates `NAME.wN` and `NAME.thetaN` of a node, nodes numbered from 0, as far as its end lets them move.
+    fn add_node(&mut self, node: usize, end: End, all: &mut Vec<Coordinate>) {
+        let x_m = self.length_m * node as f64 / self.elements as f64;
+        let at_m = (self.origin + self.tangent * x_m).into();
+        let motions = [
+            ("w", Motion::Translation, self.deflection, end == End::Free),
+            (
+                "theta",
+                Motion::Rotation,
+                self.tangent.cross(&self.deflection),
+                end != End::Clamped,
+            ),
+        ];
+        for (letter, motion, axis, moves) in motions {
+            self.columns.push(moves.then_some(all.len()));
+            if moves {
+                all.push(Coordinate {
+                    name: format!("{}.{letter}{node}", self.name),
+                    body: self.name.clone(),
+                    motion,
+                    axis: axis.into(),
+                    at_m,
+                });
+            }
+        }
+    }
+
+    pub fn element_columns(&self, element: usize) -> [Option<usize>; 4] {
+        std::array::from_fn(|i| self.columns[2 * element + i])
+    }
+
+    pub fn point(&self, used_by: &str, at_m: [f64; 3]) -> Result<BeamPoint, TheoryError> {
+        let got_m = (Vector3::from(at_m) - self.origin).dot(&self.tangent);
+        let slack_m = END_TOLERANCE * self.length_m;
+        if !(got_m >= -slack_m && got_m <= self.length_m + slack_m) {
+            return Err(TheoryError::PointOutside {
+                used_by: used_by.to_owned(),
+                body: self.name.clone(),
+                got_m,
+                length_m: self.length_m,
+            });
+        }
+        let h = self.length_m / self.elements as f64;
+        let position = (got_m / h).clamp(0.0, self.elements as f64);
+        let element = (position as usize).min(self.elements - 1);
+        let xi = position - element as f64;
+        Ok(BeamPoint {
+            columns: self.element_columns(element),
+            deflection: hermite::deflection(xi, h),
+            rotation: hermite::slope(xi, h),
+        })
+    }
+}
+
+pub(super) fn find_line<'a>(
+    lines: &'a [BeamLine],
+    used_by: &str,
+    name: &str,
+) -> Result<&'a BeamLine, TheoryError> {
+    lines
+        .iter()
+        .find(|line| line.name == name)
+        .ok_or_else(|| TheoryError::UnknownBody {
+            got: name.to_owned(),
+            used_by: used_by.to_owned(),
+            nearest: nearest_name(name, lines.iter().map(|line| line.name.as_str())),
+            known: lines.iter().map(|line| line.name.clone()).collect(),
+        })
+}
+
+pub(super) fn find_point(
+    lines: &[BeamLine],
+    used_by: &str,
+    beam: &str,
+    at_m: [f64; 3],
+) -> Result<BeamPoint, TheoryError> {
+    find_line(lines, used_by, beam)?.point(used_by, at_m)
+}

@@ -1,0 +1,325 @@
+//! Undamped modes of a model, observed at the sensors of a test.
+//!
+//! Rigid-body modes are exactly 0 Hz; repeated roots share a group number; bases and signs are made canonical, so that the
+//! same matrices give the same modes on any machine. Nothing here knows what kind of model it solves.
+
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::geometry::{Sensor, Target};
+use crate::linalg::{self, RealMatrix};
+use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearity};
+
+use super::basis::{canonicalise, fix_sign};
+use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
+
+/// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
+/// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
+const REPEATED_SPACING: f64 = 1e-6;
+
+/// Which modes to keep, and their damping.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ModeOptions {
+    /// Keep the modes inside this band; `None` keeps all. Rigid-body modes are at 0 Hz.
+    pub band: Option<Band>,
+    /// Keep at most this many of them, from the lowest, rigid-body modes counted.
+    pub count: Option<usize>,
+    /// Damping ratio of every elastic mode. `None`: from the model's damping matrix, or unknown where it has none.
+    pub damping_ratio: Option<f64>,
+}
+
+/// Modes of a model: at the sensors as a [`ModalModel`], and over all coordinates.
+#[derive(Clone, Debug)]
+pub struct TheoryModes {
+    /// The modes at the sensors, shapes real and of unit modal mass, on the positive axes of the sensors.
+    pub model: ModalModel,
+    /// The same modes over the coordinates, one per column, `phi^T M phi = I`.
+    pub vectors: RealMatrix,
+    /// Angular frequency of each, rad/s; exactly 0 for rigid-body modes.
+    pub omega_rad_s: Vec<f64>,
+    /// How many of them are rigid-body modes; these come first.
+    pub rigid: usize,
+    /// The coordinates, in the order of the rows of `vectors`.
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// Modes of a model with these parameter values at these sensors.
+///
+/// Parameters whose status is assumed come back as findings of the modal model.
+///
+/// # Errors
+/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and [`modes_of_matrices`];
+/// [`TheoryError::RotationAtPoint`], [`TheoryError::Duplicate`] for a sensor given twice.
+pub fn modes(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    sensors: &[Sensor],
+    options: &ModeOptions,
+) -> Result<TheoryModes, TheoryError> {
+    check_sensors(sensors)?;
+    let matrices = model.assemble(values)?;
+    let rows = sensors
+        .iter()
+        .map(|sensor| model.observation_row(&sensor.target))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut result = modes_of_matrices(&matrices, options)?;
+    for (j, mode) in result.model.modes.iter_mut().enumerate() {
+        mode.shape = observe(&result.vectors, j, sensors, &rows);
+        let values: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+        mode.mpc = modal_phase_collinearity(&values);
+    }
+    let assumed = model.parameters().iter();
+    let assumed = assumed.filter(|spec| spec.status == ParameterStatus::Assumed);
+    result.model.findings.extend(assumed.map(|spec| {
+        let place = Place::Parameter(spec.name.clone());
+        Finding::new(Severity::Info, Code::Assumption, place).value(spec.nominal, &spec.unit)
+    }));
+    Ok(result)
+}
+
+/// Modes of given matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
+///
+/// `K phi = omega^2 M phi`. Each `omega^2` is the Rayleigh quotient of its vector, which is more exact than the solver's
+/// eigenvalue for the lowest modes. Rounding leaves it uncertain by `n eps |phi|^T |K| |phi|` (entries without their
+/// signs): a quotient within that bound of 0 is a rigid-body mode at exactly 0. A spring so soft that its mode falls under
+/// the bound (a few hundred-thousandths of the first bending frequency of a free beam of 40 elements) counts as none.
+///
+/// Neighbours within a millionth of their frequency share a group number and their mean `omega^2`. Damping from a damping
+/// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
+///
+/// # Errors
+/// [`TheoryError::DampingRatio`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
+/// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
+///
+/// # Reference
+/// Parlett (1998), The Symmetric Eigenvalue Problem, chapters 4 and 15.
+pub fn modes_of_matrices(
+    matrices: &SystemMatrices,
+    options: &ModeOptions,
+) -> Result<TheoryModes, TheoryError> {
+    check_arguments(matrices, options)?;
+    let solution = solve(matrices)?;
+    let damping = |j: usize| match (&matrices.damping, options.damping_ratio) {
+        _ if j < solution.rigid => None,
+        (_, Some(ratio)) => Some(ratio),
+        (Some(c), None) => {
+            let (energy, _) = quadratic_form(c, &solution.vectors, j);
+            Some(energy / (2.0 * solution.omega_rad_s[j]))
+        }
+        (None, None) => None,
+    };
+    let frequencies_hz: Vec<f64> = solution.omega_rad_s.iter().map(|w| w / TAU).collect();
+    let inside = |j: &usize| {
+        options
+            .band
+            .is_none_or(|band| band.contains(frequencies_hz[*j]))
+    };
+    let kept: Vec<usize> = (0..frequencies_hz.len())
+        .filter(inside)
+        .take(options.count.unwrap_or(usize::MAX))
+        .collect();
+    let mode = |&j: &usize| Mode {
+        group: solution.groups[j],
+        modal_mass_kg: Some(1.0),
+        method: Some("theory".to_owned()),
+        ..Mode::new(
+            frequencies_hz[j],
+            damping(j),
+            ModeShape::default(),
+            Scaling::UnitModalMass,
+        )
+    };
+    Ok(TheoryModes {
+        model: ModalModel {
+            producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
+            band: options.band,
+            modes: kept.iter().map(mode).collect(),
+            ..ModalModel::default()
+        },
+        vectors: columns(&solution.vectors, &kept),
+        omega_rad_s: kept.iter().map(|&j| solution.omega_rad_s[j]).collect(),
+        rigid: kept.iter().filter(|&&j| j < solution.rigid).count(),
+        coordinates: matrices.coordinates.clone(),
+    })
+}
+
+struct Solution {
+    omega_rad_s: Vec<f64>,
+    vectors: RealMatrix,
+    rigid: usize,
+    groups: Vec<Option<u32>>,
+}
+
+fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
+    let raw = linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?;
+    let n = raw.omega_squared.len();
+    let mut quotients = Vec::with_capacity(n);
+    for j in 0..n {
+        quotients.push(rayleigh_quotient(&matrices.stiffness, &raw.vectors, j)?);
+    }
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| quotients[a].total_cmp(&quotients[b]));
+    let mut vectors = columns(&raw.vectors, &order);
+    let mut omega_squared: Vec<f64> = order.iter().map(|&j| quotients[j]).collect();
+    let total = row_squares(&vectors);
+    let roots = repeated_roots(&omega_squared);
+    let mut groups = vec![None; n];
+    for (number, range) in (1..).zip(roots) {
+        let mean = omega_squared[range.clone()].iter().sum::<f64>() / range.len() as f64;
+        omega_squared[range.clone()].fill(mean);
+        groups[range.clone()].fill(Some(number));
+        canonicalise(&mut vectors, range.start, range.len(), &total);
+    }
+    (0..n).for_each(|j| fix_sign(&mut vectors, j));
+    Ok(Solution {
+        rigid: omega_squared.partition_point(|&value| value <= 0.0),
+        omega_rad_s: omega_squared.iter().map(|value| value.sqrt()).collect(),
+        vectors,
+        groups,
+    })
+}
+
+/// `phi^T K phi` of a mass-normalised column, exactly 0 within its rounding bound.
+fn rayleigh_quotient(
+    stiffness: &RealMatrix,
+    vectors: &RealMatrix,
+    j: usize,
+) -> Result<f64, TheoryError> {
+    let (value, magnitude) = quadratic_form(stiffness, vectors, j);
+    let limit = vectors.nrows() as f64 * f64::EPSILON * magnitude;
+    if value < -limit {
+        return Err(TheoryError::NegativeStiffness {
+            got_rad2_s2: value,
+            limit_rad2_s2: limit,
+        });
+    }
+    Ok(if value <= limit { 0.0 } else { value })
+}
+
+/// `phi^T A phi` and `|phi|^T |A| |phi|` of column `j`.
+fn quadratic_form(matrix: &RealMatrix, vectors: &RealMatrix, j: usize) -> (f64, f64) {
+    let n = matrix.nrows();
+    let (mut value, mut magnitude) = (0.0, 0.0);
+    for c in 0..n {
+        let (mut column, mut column_magnitude) = (0.0, 0.0);
+        for r in 0..n {
+            let term = matrix[(r, c)] * vectors[(r, j)];
+            column += term;
+            column_magnitude += term.abs();
+        }
+        value += column * vectors[(c, j)];
+        magnitude += column_magnitude * vectors[(c, j)].abs();
+    }
+    (value, magnitude)
+}
+
+/// Runs of two or more neighbours, each within [`REPEATED_SPACING`] of the one before, in ascending order.
+fn repeated_roots(omega_squared: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for end in 1..=omega_squared.len() {
+        let joined = end < omega_squared.len()
+            && omega_squared[end].sqrt() - omega_squared[end - 1].sqrt()
+                <= REPEATED_SPACING * omega_squared[end - 1].sqrt();
+        if !joined {
+            if end - start > 1 {
+                runs.push(start..end);
+            }
+            start = end;
+        }
+    }
+    runs
+}
+
+fn row_squares(vectors: &RealMatrix) -> Vec<f64> {
+    let square = |i: usize| (0..vectors.ncols()).map(|j| vectors[(i, j)].powi(2)).sum();
+    (0..vectors.nrows()).map(square).collect()
+}
+
+fn columns(matrix: &RealMatrix, chosen: &[usize]) -> RealMatrix {
+    linalg::real_matrix(matrix.nrows(), chosen.len(), |i, j| matrix[(i, chosen[j])])
+}
+
+fn observe(vectors: &RealMatrix, j: usize, sensors: &[Sensor], rows: &[Vec<f64>]) -> ModeShape {
+    let reading = |row: &Vec<f64>| -> f64 {
+        let products = row.iter().enumerate().map(|(i, b)| b * vectors[(i, j)]);
+        products.sum()
+    };
+    let pairs = sensors.iter().zip(rows);
+    ModeShape::new(pairs.map(|(sensor, row)| (sensor.dof.positive(), reading(row).into())))
+}
+
+fn check_sensors(sensors: &[Sensor]) -> Result<(), TheoryError> {
+    let mut seen = BTreeSet::new();
+    for sensor in sensors {
+        let at_point = matches!(sensor.target, Target::BodyPoint { .. });
+        if at_point && sensor.dof.axis().is_rotation() {
+            let dof = sensor.dof.clone();
+            return Err(TheoryError::RotationAtPoint { dof });
+        }
+        if !seen.insert(sensor.dof.positive()) {
+            return Err(TheoryError::Duplicate {
+                what: "sensor",
+                name: sensor.dof.positive().to_string(),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn check_arguments(matrices: &SystemMatrices, options: &ModeOptions) -> Result<(), TheoryError> {
+    if let Some(got) = options.damping_ratio {
+        check_damping_ratio(got)?;
+    }
+    let expected = matrices.coordinates.len();
+    check_matrix("mass", &matrices.mass, expected)?;
+    check_matrix("stiffness", &matrices.stiffness, expected)?;
+    matrices
+        .damping
+        .as_ref()
+        .map_or(Ok(()), |c| check_matrix("damping", c, expected))
+}
+
+/// A damping ratio is a fraction from 0 to below 1.
+pub(super) fn check_damping_ratio(got: f64) -> Result<(), TheoryError> {
+    if (0.0..1.0).contains(&got) {
+        Ok(())
+    } else {
+        Err(TheoryError::DampingRatio { got })
+    }
+}
+
+fn check_matrix(
+    name: &'static str,
+    matrix: &RealMatrix,
+    expected: usize,
+) -> Result<(), TheoryError> {
+    let (got_rows, got_columns) = (matrix.nrows(), matrix.ncols());
+    if expected == 0 || got_rows != expected || got_columns != expected {
+        return Err(TheoryError::MatrixSize {
+            matrix: name,
+            got_rows,
+            got_columns,
+            expected,
+        });
+    }
+    for (row, column) in (0..expected).flat_map(|r| (0..=r).map(move |c| (r, c))) {
+        let (got, mirror) = (matrix[(row, column)], matrix[(column, row)]);
+        // Sums of the same terms in another order differ by a few units in the last place of the largest term.
+        let scale = (matrix[(row, row)] * matrix[(column, column)]).abs().sqrt();
+        let symmetric = (got - mirror).abs() <= 1e-12 * scale.max(got.abs());
+        if !(got.is_finite() && mirror.is_finite() && symmetric) {
+            return Err(TheoryError::MatrixEntry {
+                matrix: name,
+                row,
+                column,
+                got,
+            });
+        }
+    }
+    Ok(())
+}

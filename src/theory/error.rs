@@ -1,0 +1,275 @@
+//! What can be wrong with a model, its values or a request to it.
+
+use crate::dof::Dof;
+use crate::linalg::LinalgError;
+
+/// Why a model cannot be built, assembled, observed or solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TheoryError {
+    /// A model file of another schema.
+    #[error("model file: got schema `{got}`, expected `{expected}`")]
+    Schema {
+        /// As written.
+        got: String,
+        /// What this version reads.
+        expected: &'static str,
+    },
+    /// A parameter name that the model does not declare.
+    #[error("{used_by}: got parameter `{got}`, expected {}", expected_name(.nearest.as_deref(), .known))]
+    UnknownParameter {
+        /// The name as given.
+        got: String,
+        /// Who asked for it.
+        used_by: String,
+        /// The declared name most like it.
+        nearest: Option<String>,
+        /// Every declared name.
+        known: Vec<String>,
+    },
+    /// A vector of values of the wrong length.
+    #[error("model `{model}`: got {got} parameter values, expected {expected}")]
+    ValueCount {
+        /// The model, or the list of parameters.
+        model: String,
+        /// Got.
+        got: usize,
+        /// Expected.
+        expected: usize,
+    },
+    /// A value outside its parameter's bounds, or not finite.
+    #[error("parameter `{name}`: got {got} {unit}, expected a finite value{}", expected_bounds(*.lower, *.upper, .unit))]
+    OutOfBounds {
+        /// Parameter.
+        name: String,
+        /// Value.
+        got: f64,
+        /// Lower bound, included.
+        lower: Option<f64>,
+        /// Upper bound, included.
+        upper: Option<f64>,
+        /// Unit of all three.
+        unit: String,
+    },
+    /// Two things of one kind with one name.
+    #[error("got {what} `{name}` twice, expected every {what} to have its own name")]
+    Duplicate {
+        /// What kind of thing.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A property of a part that cannot be.
+    #[error("{part}: got {property} {got}, expected {expected}")]
+    PropertyOutOfRange {
+        /// Part of the model.
+        part: String,
+        /// The property, with its unit in its name.
+        property: &'static str,
+        /// Value.
+        got: f64,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
+    /// A part that needs one of several properties and has none.
+    #[error("{part}: got no stiffness, expected {expected}")]
+    NoStiffness {
+        /// Part of the model.
+        part: String,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
+    /// A body that the model does not have.
+    #[error("{used_by}: got body `{got}`, expected {}", expected_name(.nearest.as_deref(), .known))]
+    UnknownBody {
+        /// The name as given.
+        got: String,
+        /// Who asked for it.
+        used_by: String,
+        /// The body most like it.
+        nearest: Option<String>,
+        /// Every body.
+        known: Vec<String>,
+    },
+    /// A coordinate that the model does not have (held ones are not coordinates).
+    #[error("got coordinate `{got}`, expected one of the model's {count}{}", expected_nearest(.nearest.as_deref()))]
+    UnknownCoordinate {
+        /// The name as given.
+        got: String,
+        /// The coordinate most like it.
+        nearest: Option<String>,
+        /// How many there are.
+        count: usize,
+    },
+    /// A point beyond the ends of a body.
+    #[error("{used_by}: got a point {got_m} m along `{body}`, expected 0 to {length_m} m")]
+    PointOutside {
+        /// Who asked for it.
+        used_by: String,
+        /// The body.
+        body: String,
+        /// Position along its axis, m.
+        got_m: f64,
+        /// Its length, m.
+        length_m: f64,
+    },
+    /// A direction that is zero or not finite.
+    #[error(
+        "{used_by}: got direction {got:?}, expected three finite numbers that are not all zero"
+    )]
+    ZeroDirection {
+        /// Who gave it.
+        used_by: String,
+        /// As given.
+        got: [f64; 3],
+    },
+    /// A beam that should deflect along itself.
+    #[error("beam `{beam}`: got a deflection {got_deg:.4} degrees from its axis, expected 90")]
+    DeflectionNotAcross {
+        /// The beam.
+        beam: String,
+        /// Angle between deflection and axis, degrees.
+        got_deg: f64,
+    },
+    /// A sensor of a rotation given as a point and a direction.
+    #[error(
+        "sensor {dof}: got a point and a direction for a rotation, expected the name of a coordinate"
+    )]
+    RotationAtPoint {
+        /// The degree of freedom.
+        dof: Dof,
+    },
+    /// Matrices whose sizes disagree.
+    #[error(
+        "{matrix} matrix: got {got_rows} x {got_columns}, expected {expected} x {expected} (the coordinates, at least 1)"
+    )]
+    MatrixSize {
+        /// Mass, damping or stiffness.
+        matrix: &'static str,
+        /// Rows.
+        got_rows: usize,
+        /// Columns.
+        got_columns: usize,
+        /// Number of coordinates.
+        expected: usize,
+    },
+    /// A matrix entry that is not a number, or not that of its mirror image.
+    #[error(
+        "{matrix} matrix at {row}, {column} (from 0): got {got}, expected a finite value equal to its mirror image"
+    )]
+    MatrixEntry {
+        /// Mass, damping or stiffness.
+        matrix: &'static str,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        column: usize,
+        /// The entry.
+        got: f64,
+    },
+    /// A stiffness matrix that lets the model fall away.
+    #[error(
+        "got an eigenvalue {got_rad2_s2:.6e} (rad/s)^2, expected none below -{limit_rad2_s2:.3e}: the stiffness is not positive semidefinite"
+    )]
+    NegativeStiffness {
+        /// Rayleigh quotient of the mode, (rad/s)².
+        got_rad2_s2: f64,
+        /// Its rounding bound, (rad/s)².
+        limit_rad2_s2: f64,
+    },
+    /// A damping ratio outside `[0, 1)`.
+    #[error("got damping ratio {got}, expected a fraction from 0 to below 1")]
+    DampingRatio {
+        /// As given.
+        got: f64,
+    },
+    /// Damping ratios that are not one for each elastic mode.
+    #[error("got {got} damping ratios, expected {expected} (one for each elastic mode)")]
+    DampingCount {
+        /// Got.
+        got: usize,
+        /// Expected.
+        expected: usize,
+    },
+    /// A degree of freedom at which the modes were not observed.
+    #[error("got degree of freedom {got}, expected one at which the modes were computed: {}", .known.join(", "))]
+    NotObserved {
+        /// As asked.
+        got: Dof,
+        /// Those there are.
+        known: Vec<String>,
+    },
+    /// A matrix problem without an answer.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+}
+
+/// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or more).
+pub(super) fn nearest_name<'a>(
+    got: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    known
+        .into_iter()
+        .map(|name| (strsim::jaro_winkler(got, name), name))
+        .filter(|(similarity, _)| *similarity >= 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
+        .map(|(_, name)| name.to_owned())
+}
+
+fn expected_nearest(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+fn expected_name(nearest: Option<&str>, known: &[String]) -> String {
+    let list = match known {
+        [] => "none, since none is declared".to_owned(),
+        _ => format!("one of {}", known.join(", ")),
+    };
+    list + &expected_nearest(nearest)
+}
+
+fn expected_bounds(lower: Option<f64>, upper: Option<f64>, unit: &str) -> String {
+    match (lower, upper) {
+        (None, None) => String::new(),
+        (Some(lower), None) => format!(" from {lower} {unit}"),
+        (None, Some(upper)) => format!(" up to {upper} {unit}"),
+        (Some(lower), Some(upper)) => format!(" from {lower} to {upper} {unit}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_names_what_was_given_what_was_expected_and_the_nearest() {
+        let known = vec!["youngs_modulus".to_owned(), "density".to_owned()];
+        let error = TheoryError::UnknownParameter {
+            got: "youngs_modulos".to_owned(),
+            used_by: "beam `shaft`".to_owned(),
+            nearest: nearest_name("youngs_modulos", known.iter().map(String::as_str)),
+            known,
+        };
+        assert_eq!(
+            error.to_string(),
+            "beam `shaft`: got parameter `youngs_modulos`, expected one of youngs_modulus, density; did you mean `youngs_modulus`?"
+        );
+        assert_eq!(nearest_name("zzz", ["density"]), None);
+    }
+
+    #[test]
+    fn bounds_are_said_as_far_as_they_are_known() {
+        let error = TheoryError::OutOfBounds {
+            name: "k".to_owned(),
+            got: 5.0,
+            lower: Some(1.0),
+            upper: Some(2.5),
+            unit: "N/m".to_owned(),
+        };
+        assert_eq!(
+            error.to_string(),
+            "parameter `k`: got 5 N/m, expected a finite value from 1 to 2.5 N/m"
+        );
+    }
+}

@@ -1,0 +1,134 @@
+//! Theory: a parameterised model, its matrices, its modes at the sensors of a test, and its residues.
+//!
+//! A [`TheoreticalModel`] turns parameter values into [`SystemMatrices`]; [`modes`] turns those into the same
+//! [`ModalModel`](crate::modal::ModalModel) in which a test ends. This module must not know what a test measured, read a
+//! file or compare anything.
+
+mod basis;
+mod beam;
+mod beam_line;
+mod description;
+mod eigen;
+mod error;
+mod hermite;
+mod parameter;
+mod residues;
+
+#[cfg(test)]
+mod beam_modes_tests;
+#[cfg(test)]
+mod beam_parts_tests;
+#[cfg(test)]
+mod eigen_tests;
+
+use crate::geometry::Target;
+use crate::linalg::RealMatrix;
+
+pub use beam::BeamModel;
+pub use description::{
+    BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
+};
+pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
+pub use error::TheoryError;
+pub use parameter::{
+    ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
+};
+pub use residues::{PairResidues, residues};
+
+/// What kind of motion a coordinate is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// A displacement, m.
+    Translation,
+    /// A rotation, rad.
+    Rotation,
+}
+
+/// One generalised coordinate of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Unique name, by which [`Target::Coordinate`] reads it.
+    pub name: String,
+    /// The body it belongs to.
+    pub body: String,
+    /// Displacement or rotation.
+    pub motion: Motion,
+    /// Unit vector of the displacement, or of the rotation by the right-hand rule, in the model's frame.
+    pub axis: [f64; 3],
+    /// Where on the body it is, m, in the model's frame.
+    pub at_m: [f64; 3],
+}
+
+/// Matrices of `M x'' + C x' + K x = f` over the model's coordinates, all `n` by `n` and symmetric.
+#[derive(Clone, Debug)]
+pub struct SystemMatrices {
+    /// Mass, kg (kg m, kg m² where rotations are involved); positive definite.
+    pub mass: RealMatrix,
+    /// Viscous damping, N s/m; `None` for an undamped model.
+    pub damping: Option<RealMatrix>,
+    /// Stiffness, N/m; positive semidefinite.
+    pub stiffness: RealMatrix,
+    /// The coordinates, in the order of rows and columns.
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// Derivative of the matrices by one parameter, in their units per unit of the parameter.
+#[derive(Clone, Debug)]
+pub struct SystemDerivative {
+    /// dM/dp.
+    pub mass: RealMatrix,
+    /// dC/dp; `None` where the model has no damping matrix.
+    pub damping: Option<RealMatrix>,
+    /// dK/dp.
+    pub stiffness: RealMatrix,
+}
+
+/// Something that a model takes for granted, to be printed beside its results.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assumption {
+    /// The part of the model it is about.
+    pub about: String,
+    /// What is taken for granted, as a clause without a full stop.
+    pub statement: &'static str,
+}
+
+/// A parameterised linear model of a machine.
+///
+/// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation of a sensor depends on
+/// the geometry alone, not on the values.
+pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
+    /// What the model calls itself.
+    fn name(&self) -> &str;
+
+    /// The parameters, in the order of their values.
+    fn parameters(&self) -> &[ParameterSpec];
+
+    /// The matrices for these values.
+    ///
+    /// # Errors
+    /// [`TheoryError::ValueCount`], [`TheoryError::OutOfBounds`], or [`TheoryError::PropertyOutOfRange`] when a value
+    /// gives a part an impossible property.
+    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError>;
+
+    /// The row `b` that turns coordinates into the reading of a sensor, `y = b^T x`; equally the distribution of a unit
+    /// force at a hit, `f = b`.
+    ///
+    /// # Errors
+    /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownCoordinate`], [`TheoryError::PointOutside`],
+    /// [`TheoryError::ZeroDirection`].
+    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError>;
+
+    /// Derivative of the matrices by parameter `j`, for a model that knows it in closed form.
+    ///
+    /// `None` when it does not; a caller then takes differences.
+    fn derivative(
+        &self,
+        _values: &[f64],
+        _j: usize,
+    ) -> Option<Result<SystemDerivative, TheoryError>> {
+        None
+    }
+
+    /// What the model takes for granted.
+    fn assumptions(&self) -> Vec<Assumption>;
+}

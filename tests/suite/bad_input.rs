@@ -1,0 +1,241 @@
+//! Bad input: exit 2 with file, line or byte, got and expected, and no output left behind.
+
+use std::path::Path;
+
+use crate::command::{fail, json, modalign, root, succeed, write};
+
+/// A copy of the main scene with its recording made beforehand, so that the file can be damaged.
+fn recorded_scene(folder: &Path) {
+    let source = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
+    write(
+        folder,
+        &[("model.toml", &text("model.toml")), ("synth.toml", &spec)],
+    );
+    let scene = text("scene.toml").replace("synth = \"synth.toml\"", "files = [\"hits.uff\"]");
+    write(folder, &[("scene.toml", &scene)]);
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    succeed(["synth", &path("synth.toml"), "-o", &path("hits.uff")]);
+}
+
+/// Runs the scene, which must fail, and sees that the output folder does not come to be.
+fn fails_without_output(folder: &Path) -> String {
+    let out = folder.join("out");
+    let error = fail(["run", folder.to_str().unwrap(), "-o", out.to_str().unwrap()]);
+    assert!(!out.exists(), "nothing is left behind");
+    error
+}
+
+#[test]
+fn a_truncated_recording_is_placed_by_its_byte_and_its_good_part_can_be_had() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded_scene(folder.path());
+    let file = folder.path().join("hits.uff");
+    let bytes = std::fs::read(&file).unwrap();
+    let cut = bytes.len() - 5000;
+    std::fs::write(&file, &bytes[..cut]).unwrap();
+    let error = fails_without_output(folder.path());
+    assert!(
+        error.contains("hits.uff at byte ")
+            && error.contains("got ")
+            && error.contains("expected "),
+        "{error}"
+    );
+    let inspected = modalign(["inspect", file.to_str().unwrap(), "--json"]);
+    assert_eq!(inspected.status.code(), Some(1));
+    let catalog: serde_json::Value = serde_json::from_slice(&inspected.stdout).unwrap();
+    assert_eq!(
+        catalog["files"][0]["entries"].as_array().unwrap().len(),
+        65,
+        "11 points x 3 hits x 2 records, less one"
+    );
+}
+
+#[test]
+fn a_partly_bad_recording_runs_on_its_good_part_when_told_so() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded_scene(folder.path());
+    let file = folder.path().join("hits.uff");
+    let bytes = std::fs::read(&file).unwrap();
+    // The last hit is lost whole: its force and its response.
+    let last = bytes
+        .windows(14)
+        .rposition(|window| window == b"    -1\n    58b")
+        .unwrap();
+    let force = bytes[..last]
+        .windows(14)
+        .rposition(|window| window == b"    -1\n    58b")
+        .unwrap();
+    std::fs::write(&file, &bytes[..force + 900]).unwrap();
+    let out = folder.path().join("out");
+    let output = modalign([
+        "run",
+        folder.path().to_str().unwrap(),
+        "--partial",
+        "-o",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(
+        output.status.code(),
+        Some(1),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(String::from_utf8_lossy(&output.stderr).contains("bad-dataset"));
+    assert_eq!(
+        json(&out.join("comparison.json"))["summary"]["tests"][0]["paired"],
+        6
+    );
+}
+
+const TABLE_SCENE: &str = r#"schema = "modalign-scene/1"
+title = "a table"
+[[test]]
+name = "table"
+files = ["hits.csv"]
+sampling_rate_hz = 1000
+[[test.channel]]
+column = "force"
+role = "force"
+dof = "1:+Z"
+unit = "N"
+[[test.channel]]
+column = "acceleration"
+role = "response"
+dof = "2:+Z"
+unit = "m/s2"
+"#;
+
+#[test]
+fn what_a_scene_or_table_gets_wrong_is_said_with_its_place() {
+    let cases = [
+        (
+            "force,accel\n1,2\n",
+            "",
+            "",
+            "hits.csv:1: got columns force, accel, expected a column \"acceleration\"",
+        ),
+        (
+            "force,acceleration\n1,2\n3,oops\n",
+            "",
+            "",
+            "hits.csv:3: number: got \"oops\", expected a finite number in column 2",
+        ),
+        (
+            "force,acceleration\n1,2\n3\n",
+            "",
+            "",
+            "hits.csv:3: number: got \"1 columns\", expected",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "unit = \"m/s2\"\n",
+            "",
+            "unit: got nothing, expected a unit of acceleration",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "sampling_rate_hz",
+            "samplng_rate_hz",
+            "scene.toml:6:1: got unknown key `samplng_rate_hz`",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "sampling_rate_hz = 1000\n",
+            "",
+            "the sampling rate is not stated: expected",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "unit = \"N\"",
+            "unit = \"furlong\"",
+            "unit: got \"furlong\", expected",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "dof = \"1:+Z\"",
+            "dof = \"1:+Q\"",
+            "got degree of freedom `1:+Q`, expected POINT",
+        ),
+        (
+            "force,acceleration\n1,2\n",
+            "hits.csv",
+            "none.csv",
+            "none.csv: cannot open",
+        ),
+    ];
+    for (table, from, to, expected) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = if from.is_empty() {
+            TABLE_SCENE.to_owned()
+        } else {
+            TABLE_SCENE.replace(from, to)
+        };
+        write(
+            folder.path(),
+            &[("scene.toml", &scene), ("hits.csv", table)],
+        );
+        let error = fails_without_output(folder.path());
+        assert!(
+            error.contains(expected),
+            "expected {expected:?} in\n{error}"
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        folder.path(),
+        &[(
+            "scene.toml",
+            &TABLE_SCENE.replace("sampling_rate_hz", "samplng_rate_hz"),
+        )],
+    );
+    assert!(fails_without_output(folder.path()).contains("did you mean `sampling_rate_hz`?"));
+}
+
+#[test]
+fn a_model_with_a_misspelt_key_or_unknown_parameter_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        std::fs::read_to_string(root().join("measurements/free-free-beam/model.toml")).unwrap();
+    write(
+        folder.path(),
+        &[("model.toml", &text.replace("area_m2", "aera_m2"))],
+    );
+    let path = folder.path().join("model.toml");
+    let line = text
+        .lines()
+        .position(|line| line.starts_with("area_m2"))
+        .unwrap()
+        + 1;
+    let error = fail(["theory", path.to_str().unwrap()]);
+    assert!(
+        error.contains(&format!("model.toml:{line}:1: got unknown key `aera_m2`")),
+        "{error}"
+    );
+    assert!(error.contains("did you mean `area_m2`?"), "{error}");
+    let error = fail([
+        "theory",
+        "measurements/free-free-beam/model.toml",
+        "--set",
+        "youngs_modulos=2e11",
+    ]);
+    assert!(
+        error.contains("youngs_modulos") && error.contains("youngs_modulus"),
+        "{error}"
+    );
+}
+
+#[test]
+fn files_of_unknown_content_and_formats_of_unknown_name_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("noise.bin");
+    std::fs::write(&path, [0u8, 1, 2, 250, 3]).unwrap();
+    let error = fail(["inspect", path.to_str().unwrap()]);
+    assert!(
+        error.contains("unknown format") && error.contains("uff"),
+        "{error}"
+    );
+    let error = fail(["inspect", path.to_str().unwrap(), "--format", "lvm"]);
+    assert!(error.contains("--format lvm"), "{error}");
+}

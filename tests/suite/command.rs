@@ -1,0 +1,64 @@
+//! Runs the program as a user does.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+
+/// The program with these arguments, in the project's folder.
+pub fn modalign<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
+    let mut command = Command::cargo_bin("modalign").unwrap();
+    command
+        .current_dir(root())
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Standard output of a run that must end with exit code 0.
+pub fn succeed<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let output = modalign(arguments);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Standard error of a run that must end with exit code 2 and print no result.
+pub fn fail<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let output = modalign(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(output.stdout.is_empty(), "an error prints no result");
+    error
+}
+
+/// The project's folder.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// JSON of a file.
+pub fn json(path: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The private recordings; a line on standard error and `None` where they are absent.
+pub fn shared_data() -> Option<PathBuf> {
+    let places = ["../shared/data", "../../shared/data"];
+    let found = places
+        .iter()
+        .map(|place| root().join(place))
+        .find(|place| place.is_dir());
+    if found.is_none() {
+        let _ = std::io::stderr().write_all(b"skipped: no reference data\n");
+    }
+    found
+}
+
+/// Writes files into a folder.
+pub fn write(folder: &Path, files: &[(&str, &str)]) {
+    for (name, text) in files {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+}

@@ -1,0 +1,162 @@
+//! `check` and the scene's limits: exit 0 when met, 1 when missed, 2 on an error.
+
+use crate::command::{fail, modalign, root, succeed, write};
+
+fn code(arguments: &[&str]) -> i32 {
+    modalign(arguments).status.code().unwrap()
+}
+
+#[test]
+fn a_scene_whose_limit_is_missed_ends_with_exit_code_1_and_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = root().join("measurements/free-free-beam");
+    for name in ["scene.toml", "model.toml", "synth.toml"] {
+        let text = std::fs::read_to_string(source.join(name)).unwrap();
+        write(
+            folder.path(),
+            &[(
+                name,
+                &text.replace(
+                    "max_frequency_error_percent = 5.0",
+                    "max_frequency_error_percent = 2.0",
+                ),
+            )],
+        );
+    }
+    let output = modalign(["run", folder.path().to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("MISSED"));
+}
+
+#[test]
+fn results_are_held_against_limits_and_baselines() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    succeed([
+        "run",
+        "measurements/free-free-beam",
+        "-o",
+        folder.path().to_str().unwrap(),
+    ]);
+    let (comparison, modes) = (path("comparison.json"), path("roving-hammer.modes.json"));
+    write(
+        folder.path(),
+        &[
+            (
+                "met.toml",
+                "[limits]\nmax_frequency_error_percent = 3.1\nmin_mac = 0.98\nmax_missed = 0\n",
+            ),
+            (
+                "missed.toml",
+                "[limits]\nmax_frequency_error_percent = 3.0\n",
+            ),
+            ("typo.toml", "[limits]\nmin_mca = 0.9\n"),
+            (
+                "mode.toml",
+                "[limits]\n[[limits.mode]]\nfrequency_hz = 143.209\nmax_frequency_error_percent = 0.01\ndamping_ratio = 0.004\nmax_damping_error_percent = 3\n",
+            ),
+            (
+                "other-mode.toml",
+                "[limits]\n[[limits.mode]]\nfrequency_hz = 150\nmax_frequency_error_percent = 0.01\n",
+            ),
+        ],
+    );
+    assert_eq!(
+        code(&["check", &comparison, "--against", &path("met.toml")]),
+        0
+    );
+    assert_eq!(
+        code(&["check", &comparison, "--against", &path("missed.toml")]),
+        1
+    );
+    assert_eq!(code(&["check", &modes, "--against", &path("mode.toml")]), 0);
+    assert_eq!(
+        code(&["check", &modes, "--against", &path("other-mode.toml")]),
+        1
+    );
+    assert!(
+        fail(["check", &comparison, "--against", &path("typo.toml")])
+            .contains("did you mean `min_mac`?")
+    );
+    assert_eq!(
+        code(&[
+            "check",
+            &comparison,
+            "--against",
+            "measurements/free-free-beam/scene.toml"
+        ]),
+        0
+    );
+    assert_eq!(code(&["check", &comparison, "--against", &comparison]), 0);
+    assert_eq!(code(&["check", &modes, "--against", &modes]), 0);
+    assert!(
+        fail(["check", &modes, "--against", &comparison]).contains("two results of the same kind")
+    );
+    let changed = std::fs::read_to_string(&modes).unwrap().replacen(
+        "\"frequency_hz\": 143.2",
+        "\"frequency_hz\": 143.4",
+        1,
+    );
+    let changed = changed.replacen("\"pole_rad_s\": [", "\"was\": [", 1);
+    write(folder.path(), &[("changed.json", &changed)]);
+    let junit = path("junit.xml");
+    assert_eq!(
+        code(&[
+            "check",
+            &path("changed.json"),
+            "--against",
+            &modes,
+            "--junit",
+            &junit
+        ]),
+        1
+    );
+    let report = std::fs::read_to_string(&junit).unwrap();
+    assert!(
+        report.contains("<failure") && report.contains("mode at 143.2"),
+        "{report}"
+    );
+}
+
+#[test]
+fn theory_and_test_modes_are_compared_without_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    succeed([
+        "run",
+        "measurements/free-free-beam",
+        "-o",
+        folder.path().to_str().unwrap(),
+    ]);
+    succeed([
+        "theory",
+        "measurements/free-free-beam",
+        "--band",
+        "0:3200",
+        "-o",
+        &path("theory.json"),
+    ]);
+    let arguments = [
+        "correlate",
+        "--test",
+        &path("roving-hammer.modes.json"),
+        "--theory",
+        &path("theory.json"),
+    ];
+    let text = succeed(arguments);
+    assert_eq!(
+        text.matches("paired").count(),
+        7,
+        "six rows and the head of the summary:\n{text}"
+    );
+    succeed(arguments.iter().copied().chain(["-o", &path("table.tex")]));
+    assert!(
+        std::fs::read_to_string(path("table.tex"))
+            .unwrap()
+            .contains("\\toprule")
+    );
+    assert!(
+        fail(arguments.iter().copied().chain(["-o", &path("table.doc")]))
+            .contains(".md or .csv or .tex or .txt or .json")
+    );
+}
