@@ -169,6 +169,9 @@ codes! {
     /// A second mode inside a resonance.
     CloseModes: "more than one mode lies under this peak, or its frequency moved between the functions; a single-mode method cannot tell them apart",
         "What single-mode fits leave over across the functions is far above the noise and has a shape of its own, or the functions disagree on the frequency by more than their bounds. Either two modes lie under the peak, and frequency, damping and shape of this row belong to a mixture, or the frequency moved from run to run (a roving sensor or hammer, temperature, amplitude). Use a multi-mode method, or look at the runs one by one.";
+    /// Several modes with one pole.
+    RepeatedRoot: "several modes share one natural frequency and damping; they are listed as one group",
+        "The residues at this peak, as a matrix over responses and references, have more than one independent shape, and all of them have the same pole. The value is their number; there may be more, because no more than the lesser of responses and references can be seen. Any combination of the listed shapes is as good a set of modes: compare the space they span, not one shape with another.";
     /// Damping vanished with the window.
     DampingNotPositive: "no damping is left after that of the exponential window was taken out",
         "The window's decay rate is subtracted from every pole. Where the structure damps far less than the window, the difference is smaller than its error; the frequency stands, the damping is not known. Use a longer record and a weaker window.";
@@ -187,6 +190,9 @@ codes! {
     /// The record holds too few time constants of this mode.
     FewTimeConstants: "the record captures few time constants of this mode; its damping and its modal mass may be too high",
         "With n time constants in the record the relative error of H at the resonance is about exp(-n); below 6 it exceeds 0.25 %.";
+    /// A mode above the valid band.
+    AboveValidBand: "the mode lies above the valid band: beyond 0.4 of the sampling rate, where the anti-alias filter falls off and aliases cannot be excluded, or where the force excites little",
+        "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";
     /// A band of a mode that is not measured well.
     NearBandEdge: "the mode lies within its half-power width of the band's edge",
         "Part of its resonance is outside the band, so that the fit leans on one flank.";

@@ -18,8 +18,12 @@
 //! | [`identify::PoleEstimator`] | a method that finds poles | `identify` |
 //! | [`ModalModel`] | modes of a test or of a model | `modal` |
 //! | [`theory::TheoreticalModel`] | a machine as matrices of its parameters | `theory` |
+//! | [`theory::ModelRoot`] | a distinct root with its modes, kinetic energy and class | `theory` |
+//! | [`correlate::Observability`] | what a test could see of a root | `correlate` |
+//! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
+//! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
 //! | [`report::Renderer`] | blocks to text | `report` |
 //!

@@ -117,6 +117,75 @@ pub fn singular_values(a: &ComplexMatrix) -> Result<Vec<f64>, LinalgError> {
     })
 }
 
+/// A complex matrix as `U S V^H`.
+#[derive(Clone, Debug)]
+pub struct SingularVectors {
+    /// Left vectors `U`, one per column.
+    pub left: ComplexMatrix,
+    /// Singular values, descending.
+    pub values: Vec<f64>,
+    /// Right vectors `V`, one per column.
+    pub right: ComplexMatrix,
+}
+
+impl SingularVectors {
+    /// The nearest matrix of a rank: `Σ_{j < rank} u_j s_j v_j^H`.
+    pub fn truncated(&self, rank: usize) -> ComplexMatrix {
+        let (rows, columns) = (self.left.nrows(), self.right.nrows());
+        let rank = rank.min(self.values.len());
+        let scaled = Mat::from_fn(rows, rank, |i, j| self.left[(i, j)] * self.values[j]);
+        let right = Mat::from_fn(columns, rank, |i, j| self.right[(i, j)]);
+        scaled * right.adjoint()
+    }
+}
+
+/// Singular values of a complex matrix with as many vectors as it has values.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgError> {
+    let svd = a.thin_svd().map_err(|_| LinalgError::NotConverged {
+        what: "singular value iteration",
+        rows: a.nrows(),
+        columns: a.ncols(),
+    })?;
+    Ok(SingularVectors {
+        left: svd.U().to_owned(),
+        values: svd.S().column_vector().iter().map(|s| s.re).collect(),
+        right: svd.V().to_owned(),
+    })
+}
+
+/// Eigenvalues and right eigenvectors of a general real matrix.
+#[derive(Clone, Debug)]
+pub struct GeneralModes {
+    /// Eigenvalues, in no stated order; complex ones in conjugate pairs.
+    pub values: Vec<Complex64>,
+    /// Vectors, one per column in the order of the values, of any scale.
+    pub vectors: ComplexMatrix,
+}
+
+/// All eigenvalues and right eigenvectors of `A x = lambda x` for a general real square matrix.
+///
+/// The vectors of a repeated eigenvalue span its eigenspace, but are no particular basis of it.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+///
+/// # Reference
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 7.5.2 (QR iteration with two implicit shifts).
+pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
+    let decomposition = a.eigen().map_err(|_| LinalgError::NotConverged {
+        what: "general eigenvalue iteration",
+        rows: a.nrows(),
+        columns: a.ncols(),
+    })?;
+    Ok(GeneralModes {
+        values: decomposition.S().column_vector().iter().copied().collect(),
+        vectors: decomposition.U().to_owned(),
+    })
+}
+
 /// Complex matrix from a function of row and column.
 pub fn complex_matrix(
     rows: usize,
@@ -149,6 +218,23 @@ mod tests {
     }
 
     #[test]
+    fn a_general_matrix_times_its_vectors_is_its_vectors_times_its_values() {
+        // The companion matrix of (x^2 + 2 x + 10)(x + 3).
+        let rows = [[-5.0, -16.0, -30.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let modes = general_modes(&real_matrix(3, 3, |i, j| rows[i][j])).unwrap();
+        for (j, lambda) in modes.values.iter().enumerate() {
+            for (i, row) in rows.iter().enumerate() {
+                let product: Complex64 = (0..3).map(|k| row[k] * modes.vectors[(k, j)]).sum();
+                assert!((product - lambda * modes.vectors[(i, j)]).norm() < 1e-12);
+            }
+        }
+        for root in [(-1.0, 3.0), (-1.0, -3.0), (-3.0, 0.0)] {
+            let root = Complex64::new(root.0, root.1);
+            assert!(modes.values.iter().any(|v| (v - root).norm() < 1e-12));
+        }
+    }
+
+    #[test]
     fn a_massless_coordinate_is_an_error() {
         let k = real_matrix(1, 1, |_, _| 1.0);
         let m = real_matrix(1, 1, |_, _| 0.0);
@@ -156,6 +242,24 @@ mod tests {
             symmetric_modes(&k, &m),
             Err(LinalgError::MassNotPositiveDefinite { size: 1 })
         ));
+    }
+
+    #[test]
+    fn singular_vectors_give_the_matrix_back_and_cut_to_its_rank() {
+        let value = |r: usize, c: usize| Complex64::new(r as f64 - 1.5, (c * c) as f64);
+        let a = complex_matrix(4, 3, value);
+        let svd = singular_vectors(&a).unwrap();
+        let plain = singular_values(&a).unwrap();
+        let difference = |b: &ComplexMatrix| {
+            let places = (0..4).flat_map(|r| (0..3).map(move |c| (r, c)));
+            let square = |p: (usize, usize)| (a[p] - b[p]).norm_sqr();
+            places.map(square).sum::<f64>().sqrt()
+        };
+        // What a cut leaves out is the root of the sum of the squared values beyond it.
+        assert!(difference(&svd.truncated(3)) < 1e-13);
+        let beyond = plain[1].hypot(plain[2]);
+        assert!((difference(&svd.truncated(1)) - beyond).abs() < 1e-13);
+        assert!((svd.values[0] - plain[0]).abs() < 1e-13);
     }
 
     #[test]

@@ -148,7 +148,7 @@ pub struct IdentifyArgs {
 /// `theory`.
 #[derive(Debug, Args)]
 pub struct TheoryArgs {
-    /// A model.toml, or a scene whose model and sensors are meant.
+    /// A built-in model (cycloid-ball, cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
     pub model: PathBuf,
     /// Write the modes here (.json).
     #[arg(short, long, value_name = "OUT")]
@@ -167,7 +167,7 @@ pub struct CorrelateArgs {
     /// Modes of the test (modes.json); may be repeated.
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
-    /// Modes of the model (modes.json), or a model.toml.
+    /// Modes of the model (modes.json), a model.toml, or a built-in model.
     #[arg(long)]
     pub theory: PathBuf,
     /// Write the table here (.md, .csv, .tex, .txt or .json).

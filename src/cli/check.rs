@@ -4,13 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::correlate::TestSummary;
 use crate::error::Error;
 use crate::io::{MODES_SCHEMA, modes_from_json, write_whole};
 use crate::modal::{ModalModel, Mode, mac};
-use crate::report::json::{
-    COMPARISON_SCHEMA, ComparisonFile, TestFile, TestSummaryFile, comparison_from_json,
-};
+use crate::report::json::{COMPARISON_SCHEMA, ComparisonFile, TestFile, comparison_from_json};
 use crate::report::limits_block;
 use crate::scene::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, parse, percent,
@@ -85,7 +82,7 @@ fn argument_error(got: &str, expected: &str) -> Error {
 fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<LimitCheck>, Error> {
     let limits = parse::<LimitsFile>(&read_text(path)?, &path.display().to_string())?.limits;
     Ok(match result {
-        ResultFile::Comparison(file) => judge_comparison(&limits, &figures(file)),
+        ResultFile::Comparison(file) => judge_comparison(&limits, &file.summary.tests),
         ResultFile::Modes(model) => {
             let found: Vec<_> = model
                 .modes
@@ -95,23 +92,6 @@ fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<LimitCheck>, E
             judge_modes(&limits, &found)
         }
     })
-}
-
-fn figures(file: &ComparisonFile) -> Vec<TestSummary> {
-    let of_test = |test: &TestSummaryFile| TestSummary {
-        test: test.test.clone(),
-        paired: test.paired,
-        missed: test.missed,
-        outside_band: test.outside_band,
-        extra: test.extra,
-        ambiguous: test.ambiguous,
-        max_error_percent: test.max_error_percent,
-        mean_error_percent: test.mean_error_percent,
-        rms_error_percent: test.rms_error_percent,
-        min_mac: test.min_mac,
-        dofs_used: test.dofs_used,
-    };
-    file.summary.tests.iter().map(of_test).collect()
 }
 
 fn against_baseline(

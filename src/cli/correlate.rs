@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::correlate::{ErrorReference, PairOptions};
 use crate::error::Error;
 use crate::io::{modes_from_json, write_whole};
-use crate::report::{Block, comparison_blocks, json, renderer_for_extension};
-use crate::scene::{SceneError, Theory, compare_tests, load_model, read_text};
+use crate::report::{Block, json, renderer_for_extension, whole_comparison};
+use crate::scene::{NamedTest, SceneError, Theory, compare_tests, load_model, read_text};
 use crate::theory::ModeOptions;
 
 use super::Outcome;
@@ -25,10 +25,14 @@ pub fn correlate(args: &CorrelateArgs, output: &mut Output) -> Result<Outcome, E
     let theory = load(&args.theory)?;
     let named: Vec<_> = tests
         .iter()
-        .map(|(name, modes)| (name.as_str(), modes))
+        .map(|(name, modes)| NamedTest {
+            name,
+            modes,
+            frfs: &[],
+        })
         .collect();
     let comparison = compare_tests(&theory.modes, &named, &options)?;
-    let blocks = comparison_blocks(&comparison.table, None, &theory);
+    let blocks = whole_comparison(&comparison.table, &theory);
     let json = json::comparison_to_json(&comparison.table);
     if let Some(path) = &args.output {
         let text = rendered(path, &blocks, &json);
@@ -39,7 +43,9 @@ pub fn correlate(args: &CorrelateArgs, output: &mut Output) -> Result<Outcome, E
     for model in tests.iter().map(|(_, modes)| modes).chain([&theory.modes]) {
         output.findings(&model.findings);
     }
-    output.findings(&comparison.findings);
+    for (test, findings) in &comparison.findings {
+        output.findings_of(test, findings);
+    }
     Ok(Outcome::Done)
 }
 
@@ -60,12 +66,9 @@ fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
     Ok(options)
 }
 
-/// Modes from a `modes.json`, or a model solved at the sensors that its own file names.
+/// Modes from a `modes.json`, or a model solved at the sensors that its own file names, else at its coordinates.
 fn load(path: &Path) -> Result<Theory, SceneError> {
-    if path
-        .extension()
-        .is_some_and(|extension| extension == "toml")
-    {
+    if path.extension().is_none_or(|extension| extension != "json") {
         let model = load_model(path, &Default::default())?;
         return model.solve(&model.sensors, &ModeOptions::default());
     }

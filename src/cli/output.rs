@@ -38,7 +38,7 @@ pub struct Output {
     quiet: bool,
     json: bool,
     result: String,
-    findings: Vec<Finding>,
+    findings: Vec<(String, Finding)>,
 }
 
 impl Output {
@@ -79,7 +79,15 @@ impl Output {
 
     /// Adds findings for standard error.
     pub fn findings(&mut self, findings: &[Finding]) {
-        self.findings.extend_from_slice(findings);
+        self.findings_of("", findings);
+    }
+
+    /// Adds findings that belong to one of several tests, by name.
+    pub fn findings_of(&mut self, test: &str, findings: &[Finding]) {
+        let named = findings
+            .iter()
+            .map(|finding| (test.to_owned(), finding.clone()));
+        self.findings.extend(named);
     }
 
     /// Prints the result, then the findings.
@@ -103,14 +111,20 @@ impl Output {
 }
 
 /// Findings as lines, each once; of a code with many the first are listed and the rest counted.
-fn finding_lines(findings: &[Finding]) -> Vec<String> {
+fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
     let mut by_code: BTreeMap<(std::cmp::Reverse<crate::finding::Severity>, Code), Vec<String>> =
         BTreeMap::new();
-    for finding in findings {
+    for (test, finding) in findings {
         let lines = by_code
             .entry((std::cmp::Reverse(finding.severity), finding.code))
             .or_default();
-        let line = format!("{}: {finding} [{}]", finding.severity, finding.code.name());
+        let name = if test.is_empty() {
+            String::new()
+        } else {
+            format!("{test}: ")
+        };
+        let (severity, code) = (finding.severity, finding.code.name());
+        let line = format!("{severity}: {name}{finding} [{code}]");
         if !lines.contains(&line) {
             lines.push(line);
         }

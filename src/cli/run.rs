@@ -1,9 +1,13 @@
 //! `modalign run`: a scene to its tables, and with `-o` to files.
 
 use crate::error::Error;
+use crate::finding::Finding;
 use crate::io::{Encoding, FileLabel, write_frfs, write_whole};
-use crate::report::{Block, RENDERERS, comparison_blocks, json, limits_block, modes_block};
-use crate::scene::{Scene, SceneResult, TestResult, run as run_scene};
+use crate::report::{
+    Block, CsvText, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks, json,
+    limits_block, modes_block, published_comparison_block, published_roots_block, whole_comparison,
+};
+use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run as run_scene};
 
 use super::Outcome;
 use super::args::RunArgs;
@@ -28,7 +32,9 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         Some(table) => output.json(&json::comparison_to_json(table)),
         None => output.json(&modes_of_tests(&result)),
     }
-    output.findings(&result.findings());
+    for (test, findings) in result.findings_by_test() {
+        output.findings_of(&test, &findings);
+    }
     let missed = result.limits.iter().any(|check| !check.met());
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
@@ -45,6 +51,8 @@ fn modes_of_tests(result: &SceneResult) -> String {
 
 fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(scene.title.clone())];
+    let expected = result.expected.as_ref();
+    blocks.extend(expected.and_then(|e| published_roots_block(e, &result.theory)));
     blocks.extend(
         result
             .tests
@@ -52,14 +60,38 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
             .map(|test| modes_block(&test.name, &test.modes)),
     );
     if let Some(table) = &result.table {
-        blocks.extend(comparison_blocks(
-            table,
-            scene.caption.as_deref(),
-            &result.theory,
-        ));
+        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
+        blocks.extend(comparison_blocks(table, &groups, &result.theory));
     }
+    blocks.extend(expected.and_then(published_comparison_block));
+    blocks.extend(expected.and_then(claims_block));
     blocks.extend(limits_block(&result.limits));
     blocks
+}
+
+/// The findings, under the name of their test where there are several.
+fn findings_blocks(result: &SceneResult) -> Vec<Block> {
+    let named = |(test, findings): (String, Vec<Finding>)| {
+        let head = (!test.is_empty()).then(|| Block::Text(format!("{test}:")));
+        let blocks: Vec<Block> = head
+            .into_iter()
+            .chain([Block::Findings(findings)])
+            .collect();
+        blocks
+    };
+    let by_test = result.findings_by_test().into_iter();
+    by_test
+        .filter(|(_, findings)| !findings.is_empty())
+        .flat_map(named)
+        .collect()
+}
+
+fn group(table: &ReportTableTable) -> TableGroup<'_> {
+    TableGroup {
+        caption: &table.caption,
+        tests: &table.tests,
+        notes: &table.notes,
+    }
 }
 
 /// A file name made of a test's name.
@@ -68,10 +100,11 @@ fn file_stem(name: &str) -> String {
         if c.is_alphanumeric() {
             c.to_lowercase().collect()
         } else {
-            "-".to_owned()
+            " ".to_owned()
         }
     };
-    name.chars().map(legal).collect()
+    let legal: String = name.chars().map(legal).collect();
+    legal.split_whitespace().collect::<Vec<_>>().join("-")
 }
 
 /// Everything that goes into the folder, made before the first file is written.
@@ -110,6 +143,7 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
             ));
         }
     }
+    files.extend(published_tables(result));
     let Some(table) = &result.table else {
         return Ok(files);
     };
@@ -120,11 +154,11 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
     let told: Vec<Block> = blocks
         .iter()
         .cloned()
-        .chain([Block::Findings(result.findings())])
+        .chain(findings_blocks(result))
         .collect();
     for renderer in RENDERERS {
         // A reader of CSV expects one table.
-        let comparison = comparison_blocks(table, None, &result.theory);
+        let comparison = whole_comparison(table, &result.theory);
         let part = if renderer.name() == "csv" {
             &comparison[..1]
         } else {
@@ -136,4 +170,27 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
         ));
     }
     Ok(files)
+}
+
+/// A CSV file for each table of published results: a reader of CSV expects one table.
+fn published_tables(result: &SceneResult) -> Vec<(String, Vec<u8>)> {
+    let Some(expected) = &result.expected else {
+        return Vec::new();
+    };
+    let tables = [
+        (
+            "published-roots.csv",
+            published_roots_block(expected, &result.theory),
+        ),
+        (
+            "published-comparison.csv",
+            published_comparison_block(expected),
+        ),
+        ("published-claims.csv", claims_block(expected)),
+    ];
+    let file = |(name, block): (&str, Option<Block>)| {
+        let text = CsvText.render(&[block?]);
+        Some((name.to_owned(), text.into_bytes()))
+    };
+    tables.into_iter().filter_map(file).collect()
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::io::{modes_to_json, write_whole};
-use crate::report::{Block, parameters_block, theory_block};
+use crate::report::{Block, parameters_block, roots_block, theory_block};
 use crate::scene::{Scene, SceneError, Theory, load_model, theory as scene_theory};
 use crate::theory::ModeOptions;
 
@@ -21,10 +21,12 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         write_whole(path, &json)?;
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
-    blocks.push(theory_block(
-        &format!("Modes of {}", args.model.display()),
-        &result.modes,
-    ));
+    let name = args.model.display();
+    blocks.push(if result.roots.is_empty() {
+        theory_block(&format!("Modes of {name}"), &result.modes)
+    } else {
+        roots_block(&format!("Roots of {name}"), &result.roots, args.band)
+    });
     output.blocks(&blocks);
     output.json(&json);
     output.findings(&result.modes.findings);

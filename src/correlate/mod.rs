@@ -1,17 +1,25 @@
 //! Correlation: which test mode is which theory mode, and the comparison table.
 //!
-//! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes, [`compare`] makes rows of one theory and several tests.
+//! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes, [`observability`](fn@observability) says what a test
+//! could see, [`compare`] makes rows of one theory and several tests.
+//! [`published`] holds what a paper printed against a model, and its claims against its own tables.
 //! This module must not compute modes, and must not print or write what it finds.
 
 mod assignment;
+mod cell;
 mod dof_map;
 mod error;
+mod footnote;
+mod observability;
 mod options;
 mod pairing;
+pub mod published;
 mod roots;
 mod subspace;
 mod table;
 
+#[cfg(test)]
+mod observability_tests;
 #[cfg(test)]
 mod pairing_tests;
 #[cfg(test)]
@@ -20,9 +28,14 @@ mod table_tests;
 pub use assignment::assign;
 pub use dof_map::{DofMap, DofPair};
 pub use error::CorrelateError;
+pub use footnote::Footnote;
+pub use observability::{
+    AgainstNoise, LARGEST_STD_OF_SPACING, NotJudged, Observability, PEAK_OVER_NOISE_DB,
+    RootDamping, observability,
+};
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{
-    ComparisonTable, Footnote, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,
+    ComparisonTable, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,
 };

@@ -15,6 +15,9 @@ use super::{CorrelateError, DofMap, PairOptions, assign};
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
 const ALONE: f64 = 1.0;
 
+/// Fewest common degrees of freedom on which a MAC says anything.
+const FEWEST_DOFS: usize = 2;
+
 /// Who else fits as well.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rival {
@@ -88,7 +91,8 @@ pub struct UnpairedRoot {
 pub struct Pairing {
     /// The common degrees of freedom.
     pub map: DofMap,
-    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has no shape there.
+    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has no shape
+    /// there or fewer than two degrees of freedom are common.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Roots with partners, in ascending theory frequency.
     pub pairs: Vec<Pair>,
@@ -107,7 +111,8 @@ pub struct Pairing {
 /// Pairs the modes of a test with those of a theory.
 ///
 /// With `u = |frequency error| / max_frequency_error` and `v = (1 - MAC) / (1 - min_mac)`, a pair is allowed when both are
-/// at most 1 and costs `(u + v)/2`; without shapes on both sides it costs `u`. Leaving a test mode and a theory mode over
+/// at most 1 and costs `(u + v)/2`; with fewer than two degrees of freedom in common it costs `u`: a MAC over one component
+/// is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over
 /// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
 /// as moving costs more than that. The sum is made smallest over all pairs at once. A pair is ambiguous when, for either
 /// side, another allowed partner costs less than `ambiguous_margin` more.
@@ -164,13 +169,12 @@ impl Shapes {
         let weights = map.weights(options)?;
         let of_test = test.modes.iter();
         let of_theory = theory.modes.iter();
+        let theory = of_theory.map(|m| map.theory_values(&m.shape, &weights));
         Ok(Self {
             test: of_test
                 .map(|m| map.test_values(&m.shape, &weights))
                 .collect(),
-            theory: of_theory
-                .map(|m| map.theory_values(&m.shape, &weights))
-                .collect(),
+            theory: without_rounding(theory.collect()),
         })
     }
 
@@ -192,10 +196,22 @@ impl Shapes {
         ]
     }
 
-    /// Whether a test mode and a root have any degree of freedom in common, and the MAC there (`None` for a zero vector).
+    /// Whether a test mode and a root have the degrees of freedom in common that a MAC needs, and the MAC there (`None`
+    /// for a zero vector).
     fn compare(&self, test: usize, theory: &[usize]) -> (bool, Option<f64>) {
         let [vector, span] = self.common(&[test], theory);
-        (!vector[0].is_empty(), subspace_mac(&vector[0], &span))
+        let comparable = vector[0].len() >= FEWEST_DOFS;
+        let mac = comparable.then(|| subspace_mac(&vector[0], &span));
+        (comparable, mac.flatten())
+    }
+
+    /// Principal angles between test modes and a root; none where there are too few degrees of freedom for a MAC.
+    fn angles_deg(&self, test: &[usize], theory: &[usize]) -> Result<Vec<f64>, CorrelateError> {
+        let [test, theory] = self.common(test, theory);
+        match test[0].len() {
+            0..FEWEST_DOFS => Ok(Vec::new()),
+            _ => principal_angles_deg(&test, &theory),
+        }
     }
 
     fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
@@ -206,6 +222,24 @@ impl Shapes {
         };
         (0..self.test.len()).map(row).collect()
     }
+}
+
+/// A theory's values with exact zeros where a mode stands still: below a part of the largest value that any mode has there,
+/// only rounding is left, and rounding has every shape.
+fn without_rounding(mut modes: Vec<Vec<Option<Complex64>>>) -> Vec<Vec<Option<Complex64>>> {
+    /// An eigenvector is known to about 1e-14 of its largest component.
+    const ROUNDING: f64 = 1e-10;
+    let count = modes.first().map_or(0, Vec::len);
+    for d in 0..count {
+        let values = modes.iter().filter_map(|values| values[d]);
+        let limit = ROUNDING * values.map(Complex64::norm).fold(0.0, f64::max);
+        for value in modes.iter_mut().filter_map(|values| values[d].as_mut()) {
+            if value.norm() < limit {
+                *value = Complex64::ZERO;
+            }
+        }
+    }
+    modes
 }
 
 /// What a test mode and a root are to each other.
@@ -273,10 +307,7 @@ impl CandidateTable {
             let modes: Vec<usize> = rows.iter().map(|&i| self.modes[i]).collect();
             let angles = match root.modes.len() {
                 1 => Vec::new(),
-                _ => {
-                    let [test, theory] = shapes.common(&modes, &root.modes);
-                    principal_angles_deg(&test, &theory)?
-                }
+                _ => shapes.angles_deg(&modes, &root.modes)?,
             };
             let partner = |&i: &usize| self.partner(i, r, root_of, options);
             pairs.push(Pair {

@@ -337,6 +337,33 @@ fn modes_at_zero_and_modes_that_sensors_cannot_see_do_not_pair() {
 }
 
 #[test]
+fn one_common_degree_of_freedom_pairs_by_frequency_alone() {
+    let theory = model(vec![mode(100.0, &shape(1)), mode(200.0, &[0.0; 6])]);
+    let test = model([101.0, 199.0].map(|hz| mode(hz, &[-3.0])).to_vec());
+    let pairing = paired(&test, &theory);
+    assert_eq!(numbers(&pairing), [(1, 1), (2, 2)]);
+    let partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
+    assert!(partners.into_iter().all(|partner| partner.mac.is_none()));
+    assert_eq!(pairing.mac, vec![vec![None; 2]; 2]);
+    assert_eq!(codes(&pairing), [Code::FewDofs]);
+}
+
+#[test]
+fn two_common_degrees_of_freedom_are_compared_and_a_repeated_root_at_one_has_no_angles() {
+    let theory = model(vec![mode(100.0, &[1.0, -1.0])]);
+    let test = model(vec![mode(100.0, &[1.0, 1.0])]);
+    assert!(paired(&test, &theory).pairs.is_empty());
+    let one = model(vec![mode(100.0, &[1.0]), mode(100.5, &[2.0])]);
+    let pairing = paired(&one, &repeated());
+    let root = pairing
+        .pairs
+        .iter()
+        .find(|pair| pair.theory.len() == 2)
+        .unwrap();
+    assert_eq!((root.partners.len(), &root.angles_deg), (2, &None));
+}
+
+#[test]
 fn a_frequency_that_is_none_and_a_shape_that_is_none_are_errors() {
     let good = model(vec![mode(1.0, &[1.0])]);
     for hz in [-1.0, f64::NAN] {
@@ -391,4 +418,21 @@ proptest! {
             prop_assert!((x.unwrap() - y.unwrap()).abs() < 1e-12);
         }
     }
+}
+
+#[test]
+fn what_rounding_leaves_of_a_still_root_has_no_shape() {
+    // At 1010 Hz a five-fold root that the sensors do not see but for rounding, which spans nearly every shape.
+    let tiny = |number: usize| {
+        shape(number)
+            .into_iter()
+            .map(|v| 1e-15 * v)
+            .collect::<Vec<_>>()
+    };
+    let mut modes = vec![mode(1000.0, &shape(1))];
+    modes.extend((1..=5).map(|number| mode(1010.0, &tiny(number))));
+    modes[1..].iter_mut().for_each(|mode| mode.group = Some(1));
+    let found = paired(&model(vec![mode(1002.0, &shape(1))]), &model(modes));
+    assert_eq!(numbers(&found), [(1, 1)]);
+    assert_eq!(found.pairs[0].partners[0].verdict, Verdict::Paired);
 }

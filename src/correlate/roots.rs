@@ -1,7 +1,5 @@
 //! Modes of a theory gathered by root: what one row of a table, and one partner of a test mode, is.
 
-use std::collections::BTreeMap;
-
 use crate::modal::ModalModel;
 
 use super::CorrelateError;
@@ -17,13 +15,6 @@ pub(super) struct Root {
 
 /// The elastic roots in ascending frequency; modes of one group number are one root, modes at 0 Hz are left out.
 pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
-    let elastic = elastic_modes(theory);
-    let mut members: BTreeMap<(usize, u32), Vec<usize>> = BTreeMap::new();
-    for &j in &elastic {
-        // Modes without a group number are told apart by their own index, which a group number never meets.
-        let key = theory.modes[j].group.map_or((j + 1, 0), |g| (0, g));
-        members.entry(key).or_default().push(j);
-    }
     let root = |modes: Vec<usize>| {
         let sum: f64 = modes.iter().map(|&j| theory.modes[j].frequency_hz).sum();
         Root {
@@ -31,7 +22,13 @@ pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
             modes,
         }
     };
-    let mut roots: Vec<Root> = members.into_values().map(root).collect();
+    let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > 0.0;
+    let mut roots: Vec<Root> = theory
+        .roots()
+        .into_iter()
+        .filter(elastic)
+        .map(root)
+        .collect();
     roots.sort_by(|a, b| a.hz.total_cmp(&b.hz).then_with(|| a.modes.cmp(&b.modes)));
     roots
 }

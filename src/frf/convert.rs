@@ -29,6 +29,7 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
     out.added_damping_rad_s = set.added_damping_rad_s;
     out.record_duration_s = set.record_duration_s;
     out.valid_band = set.valid_band;
+    out.excited_band = set.excited_band;
     out.findings.clone_from(&set.findings);
     let lines = first..set.axis().len;
     for (i, function) in set.functions().iter().enumerate() {

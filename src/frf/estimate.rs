@@ -21,7 +21,7 @@ use crate::signal::{
 use super::coherence::coherence;
 use super::sums::{LineError, LineSums};
 use super::truncation::{QuarterEnergies, truncation_finding};
-use super::usable::band_of;
+use super::usable::{band_of, excited_band_of};
 use super::variance::variance;
 use super::{Estimator, FrfError, FrfSet, Function, FunctionData, Truncation};
 
@@ -119,6 +119,7 @@ pub fn estimate(hits: &[Hit], options: &EstimateOptions) -> Result<FrfSet, FrfEr
     set.added_damping_rad_s = options.exponential.map_or(0.0, |w| w.decay_rad_s);
     set.record_duration_s = Some(hits[0].axis.duration_s());
     set.valid_band = band_of(&analyses, &hits[0].axis).ok();
+    set.excited_band = excited_band_of(&analyses, &hits[0].axis).ok();
     for function in functions {
         let (function, data, finding) = function?;
         set.push(function, data)?;

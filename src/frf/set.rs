@@ -106,6 +106,8 @@ pub struct FrfSet {
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
     pub valid_band: Option<Band>,
+    /// Where the force excites at all, up to half the sampling rate; above the valid band at the reader's own risk.
+    pub excited_band: Option<Band>,
     /// What the data said on the way.
     pub findings: Vec<Finding>,
 }
@@ -122,6 +124,7 @@ impl FrfSet {
             added_damping_rad_s: 0.0,
             record_duration_s: None,
             valid_band: None,
+            excited_band: None,
             findings: Vec::new(),
         }
     }

@@ -26,13 +26,25 @@ pub fn usable_band(hits: &[Hit], options: &EstimateOptions) -> Result<Band, FrfE
 
 /// The band from spectra that are already there.
 pub(super) fn band_of(analyses: &[HitAnalysis], record: &TimeAxis) -> Result<Band, FrfError> {
+    let end = FILTER_FRACTION * record.sampling_rate_hz() / record.spectrum_axis().step_hz;
+    excited(analyses, record, (end + 1e-6).floor() as usize + 1)
+}
+
+/// The same up to half the sampling rate: how far the force itself excites, whatever the filter does there.
+pub(super) fn excited_band_of(
+    analyses: &[HitAnalysis],
+    record: &TimeAxis,
+) -> Result<Band, FrfError> {
+    excited(analyses, record, record.spectrum_axis().len)
+}
+
+/// The lines below `end` that the force excites.
+fn excited(analyses: &[HitAnalysis], record: &TimeAxis, end: usize) -> Result<Band, FrfError> {
     let axis = record.spectrum_axis();
     let power = |k: usize| -> f64 {
         let lines = analyses.iter().map(|hit| hit.spectra.force[k].norm_sqr());
         lines.sum()
     };
-    let filter_hz = FILTER_FRACTION * record.sampling_rate_hz();
-    let end = (filter_hz / axis.step_hz + 1e-6).floor() as usize + 1;
     let power: Vec<f64> = (0..end.min(axis.len)).map(power).collect();
     let maximum = (1..power.len())
         .rev()

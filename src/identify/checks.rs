@@ -11,6 +11,7 @@ use crate::modal::Pole;
 
 use super::close::{self, Excess};
 use super::receptance::Receptances;
+use super::repeated::{self, Judgement, PairTable, Surroundings};
 use super::search::{self, Drop, Found};
 use super::single::Resonance;
 use super::{IdentifyError, residues};
@@ -38,23 +39,27 @@ pub(super) struct Context<'a> {
     pub verdicts: &'a [Verdict],
 }
 
-/// Whether one mode is enough under a peak, and the residues that go with the answer.
+/// Whether one pole is enough under a peak, and the residues that go with the answer.
 pub(super) struct Verdict {
     /// The first test that failed.
     pub excess: Option<Excess>,
+    /// Modes that share the pole.
+    pub multiplicity: usize,
     /// Residues by function, m/(N s).
     pub residues: Vec<Complex64>,
 }
 
-/// Tests every mode for a second one under its peak: a visible neighbour, a second shape, a second pole.
+/// Tests every mode for a second pole under its peak (a visible neighbour, functions that disagree on the frequency, a
+/// frequency dependence of more than one pole), then for several shapes with one pole. Above a highest frequency, where the
+/// anti-alias filter falls off, shapes are not counted: what is cut off its ringing has many.
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
 pub(super) fn verdicts(
     data: &Receptances,
     found: &Found,
-    resonances: &[Resonance],
-    residues: &[Vec<Complex64>],
+    (resonances, residues): (&[Resonance], &[Vec<Complex64>]),
+    (table, highest_rad_s): (Option<&PairTable>, f64),
 ) -> Result<Vec<Verdict>, IdentifyError> {
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
     let verdict = |mode: usize| {
@@ -63,6 +68,7 @@ pub(super) fn verdicts(
         if neighbour.is_some() {
             return Ok(Verdict {
                 excess: neighbour,
+                multiplicity: 1,
                 residues: own.clone(),
             });
         }
@@ -78,8 +84,27 @@ pub(super) fn verdicts(
             Some(_) => residues::with_own_frequencies(data, poles[mode], (&rest, lines)),
             None => own.clone(),
         };
+        let table = table.filter(|_| poles[mode].im <= highest_rad_s);
+        let judgement = match (table, shape.or(pole)) {
+            (_, Some(excess)) => Judgement::Apart(excess),
+            (None, None) => Judgement::OnePole(1),
+            (Some(table), None) => {
+                let around = Surroundings {
+                    omega: &data.omega[resonances[mode].lines.clone()],
+                    lambda: poles[mode],
+                    rest: &rest,
+                    variance: data.variance_measured.then_some(&variance),
+                };
+                repeated::judge(table, &around)?
+            }
+        };
+        let (excess, multiplicity) = match judgement {
+            Judgement::Apart(excess) => (Some(excess), 1),
+            Judgement::OnePole(multiplicity) => (None, multiplicity),
+        };
         Ok(Verdict {
-            excess: shape.or(pole),
+            excess,
+            multiplicity,
             residues,
         })
     };
@@ -101,6 +126,7 @@ pub(super) fn findings(context: &Context, modes: &[usize]) -> Vec<Finding> {
         match drop {
             Drop::NotHighest(ratio) => finding(*ratio, 2.0),
             Drop::Unstable(turn) => finding(*turn, 0.0),
+            Drop::NotTurning(turn) => finding(*turn, search::LEAST_TURN),
         }
     }));
     findings
@@ -127,6 +153,11 @@ fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
     let mut findings = Vec::new();
     if let Some(excess) = context.verdicts[mode].excess {
         findings.push(warning(Code::CloseModes, excess.value, "", excess.limit));
+    }
+    let multiplicity = context.verdicts[mode].multiplicity;
+    if multiplicity > 1 {
+        let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
+        findings.push(finding.value(multiplicity as f64, ""));
     }
     if resonance.fit.is_none() {
         findings.push(Finding::new(
@@ -231,6 +262,7 @@ mod tests {
             }],
             verdicts: &[Verdict {
                 excess: None,
+                multiplicity: 1,
                 residues: vec![Complex64::ONE],
             }],
         };

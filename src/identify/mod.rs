@@ -11,6 +11,9 @@
 //!
 //! An estimator sees poles as they are in the data, the damping of an exponential window included; the window is taken
 //! out once, when candidates become modes. This stage reads no file and knows no model.
+//!
+//! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
+//! one group (`parts`). A single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
 mod accuracy_tests;
@@ -22,12 +25,22 @@ mod close;
 #[cfg(test)]
 mod close_tests;
 mod error;
+#[cfg(test)]
+mod hump_tests;
 mod indicator;
 mod noise;
 #[cfg(test)]
 mod options_tests;
+mod parts;
+#[cfg(test)]
+mod parts_tests;
 mod peak;
+#[cfg(test)]
+mod rank_tests;
 mod receptance;
+mod repeated;
+#[cfg(test)]
+mod repeated_tests;
 mod residues;
 mod search;
 mod selection;
@@ -54,7 +67,7 @@ pub use error::IdentifyError;
 pub struct MethodOptions {
     /// Probability of taking noise for a peak anywhere in the band, between 0 and 1.
     pub false_alarm_probability: f64,
-    /// Keep at most this many modes, the strongest; all without it.
+    /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
     pub max_modes: Option<usize>,
 }
 
@@ -78,6 +91,8 @@ pub struct Candidate {
     pub participation: Option<Vec<Complex64>>,
     /// Receptance residue of each function of the set, in its order, m/(N s).
     pub residues: Option<Vec<Complex64>>,
+    /// Modes that share this pole, as far as the residues show: 1 for a single one.
+    pub multiplicity: usize,
     /// Standard deviation of the frequency, Hz.
     pub frequency_std_hz: Option<f64>,
     /// Standard deviation of the damping ratio.
@@ -254,5 +269,5 @@ pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, I
     };
     let estimator = (entry.build)(&options.estimator);
     let table = estimator.estimate(set, band)?;
-    Ok(selection::modal_model(set, band, estimator.name(), table))
+    selection::modal_model(set, band, estimator.name(), table)
 }

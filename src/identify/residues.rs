@@ -96,8 +96,15 @@ pub(super) fn one_pole(
     lambda: Complex64,
     count: usize,
 ) -> ComplexMatrix {
+    let columns = pole_columns(omega, lambda, count);
+    let right = linalg::complex_matrix(omega.len(), values.len(), |i, f| values[f][i]);
+    linalg::least_squares(&columns, &right)
+}
+
+/// The columns of [`one_pole`].
+pub(super) fn pole_columns(omega: &[f64], lambda: Complex64, count: usize) -> ComplexMatrix {
     let reach = omega[omega.len() - 1] - omega[0];
-    let columns = linalg::complex_matrix(omega.len(), count, |i, c| {
+    linalg::complex_matrix(omega.len(), count, |i, c| {
         let pole = lambda.re.abs() / (Complex64::new(0.0, omega[i]) - lambda);
         match c {
             0 => pole,
@@ -105,9 +112,7 @@ pub(super) fn one_pole(
             2 => Complex64::from((omega[i] - lambda.im) / reach),
             _ => pole * pole,
         }
-    });
-    let right = linalg::complex_matrix(omega.len(), values.len(), |i, f| values[f][i]);
-    linalg::least_squares(&columns, &right)
+    })
 }
 
 /// The mode itself, then the modes near it, nearest first, as many as the lines can carry.

@@ -8,11 +8,15 @@
 //!    functions at the maximum from the straight line between its two flank lines has, where there is only noise on a
 //!    smooth background, a power that is chi-squared with `2n` degrees of freedom. The limit is its quantile at
 //!    `1 − p/N` for the stated false-alarm probability `p` in the whole band of `N` lines (Bonferroni). This holds on
-//!    any background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not pass;
+//!    any straight background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not pass. Where a
+//!    higher line ends one flank, the dip before it must be deeper than noise makes it as well: on a background that
+//!    bends, as at an antiresonance, a wiggle's flank lines are far from it and off any straight line;
 //! 3. it is stable: the values run clockwise with frequency, which is what a pole with positive damping does.
 //!
-//! A maximum that stands above the noise and fails one of the others is dropped with a finding, on the flank of a
-//! higher one only if the dip between them is deeper than noise makes it; noise is dropped without a word.
+//! A peak must also be fitted later by the method, or turn as a resonance does between its half-power points ([`drop_humps`]).
+//!
+//! A maximum that stands above the noise and fails one of the others is dropped with a finding; noise is dropped without a
+//! word.
 
 use std::f64::consts::TAU;
 
@@ -21,6 +25,10 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::indicator::Indicator;
 use super::receptance::Receptances;
+
+/// Least part of a resonance's turn between its half-power points: noise or a neighbour may take most of it away. Before an
+/// antiresonance the values turn the other way.
+pub(super) const LEAST_TURN: f64 = 0.2;
 
 /// Where the search outwards from a maximum ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +83,8 @@ pub(super) struct Peak {
 pub(super) enum Drop {
     /// A higher line inside the half-power band: power at the maximum over power in the valley, at least 2 expected.
     NotHighest(f64),
+    /// Not fitted, and turning less than [`LEAST_TURN`] of what a resonance turns.
+    NotTurning(f64),
     /// Anticlockwise: relative area of the triangle of the three lines, more than 0 expected.
     Unstable(f64),
 }
@@ -98,12 +108,48 @@ pub(super) fn search(data: &Receptances, indicator: &Indicator, false_alarm: f64
         };
         match defect(data, indicator, &peak) {
             _ if deviation(data, &peak) <= limit => {}
+            None | Some(Drop::NotHighest(_))
+                if !above_its_valley(data, indicator, &peak, limit) => {}
             None => found.peaks.push(peak),
-            Some(Drop::NotHighest(_)) if dip(data, indicator, &peak) <= limit => {}
             Some(drop) => found.dropped.push((peak, drop)),
         }
     }
     found
+}
+
+/// Drops the peaks in which no resonance could be fitted and whose values do not turn as around one: humps of the background,
+/// such as that between a minimum and an antiresonance. Says whether there were any.
+pub(super) fn drop_humps(
+    found: &mut Found,
+    (data, indicator): (&Receptances, &Indicator),
+    fitted: impl Fn(usize) -> bool,
+) -> bool {
+    let peaks = std::mem::take(&mut found.peaks);
+    let before = peaks.len();
+    for (mode, peak) in peaks.into_iter().enumerate() {
+        let turn = turn_of_a_resonance(data, indicator, &peak);
+        if fitted(mode) || turn >= LEAST_TURN {
+            found.peaks.push(peak);
+        } else {
+            found.dropped.push((peak, Drop::NotTurning(turn)));
+        }
+    }
+    found.dropped.sort_by_key(|(peak, _)| peak.line);
+    found.peaks.len() < before
+}
+
+/// Clockwise angle between the half-power points that there are, or between one and the top, as a part of what it is for a
+/// resonance: 45 degrees on either side.
+fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+    let foot = |flank: Flank| match flank {
+        Flank::Half(line) => (line, 1.0),
+        _ => (peak.line, 0.0),
+    };
+    let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
+    let term = |(h, weight): (&Vec<Complex64>, &f64)| weight * h[low].conj() * h[high];
+    let sum: Complex64 = data.values.iter().zip(&indicator.weights).map(term).sum();
+    let sides: f64 = left + right;
+    -sum.arg() / (sides.max(1.0) * std::f64::consts::FRAC_PI_4)
 }
 
 /// Quantile of chi-squared with `2n` degrees of freedom at `1 − p/N`.
@@ -172,6 +218,11 @@ fn valley(peak: &Peak) -> Option<usize> {
             Flank::Higher { valley, .. } => Some(valley),
             _ => None,
         })
+}
+
+/// Whether the dip before a higher line is more than noise; without a higher line there is none to judge.
+fn above_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
+    valley(peak).is_none() || dip(data, indicator, peak) > limit
 }
 
 /// Squared difference of the root of the indicator at the maximum and in the valley before the higher line, in units of

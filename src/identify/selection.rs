@@ -1,16 +1,15 @@
 //! From candidates to modes: the references that were asked for, poles without the window's damping, shapes.
 
-use std::collections::BTreeMap;
-
 use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfSet, FunctionData};
-use crate::modal::{ModalModel, Mode, modal_phase_collinearity};
+use crate::modal::{ModalModel, Mode, Pole, modal_phase_collinearity};
 
-use super::shape::{self, ScaledShape};
+use super::parts;
+use super::shape::{self, Residues, ScaledShape};
 use super::{Candidate, IdentifyError, PoleTable};
 
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
@@ -38,6 +37,7 @@ pub(super) fn with_references(
     chosen.added_damping_rad_s = set.added_damping_rad_s;
     chosen.record_duration_s = set.record_duration_s;
     chosen.valid_band = set.valid_band;
+    chosen.excited_band = set.excited_band;
     for (i, function) in set.functions().iter().enumerate() {
         if references.contains(&function.reference) {
             let data = FunctionData {
@@ -54,22 +54,30 @@ pub(super) fn with_references(
 }
 
 /// The modal model of a table of candidates.
+///
+/// # Errors
+/// [`IdentifyError::Linalg`] when singular values do not converge.
 pub(super) fn modal_model(
     set: &FrfSet,
     band: Band,
     method: &'static str,
     table: PoleTable,
-) -> ModalModel {
+) -> Result<ModalModel, IdentifyError> {
     let added = set.added_damping_rad_s;
     let mut findings = table.findings;
-    let mut modes: Vec<Mode> = Vec::with_capacity(table.candidates.len());
+    let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
     for candidate in &table.candidates {
-        let (mode, finding) = mode(set, method, candidate);
-        modes.push(mode);
+        let (modes, finding) = modes_of_root(set, method, candidate)?;
+        roots.push(modes);
         findings.extend(finding);
     }
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    ModalModel {
+    roots.sort_by(|a, b| a[0].frequency_hz.total_cmp(&b[0].frequency_hz));
+    let repeated = roots.iter_mut().filter(|modes| modes.len() > 1);
+    for (group, modes) in (1..).zip(repeated) {
+        modes.iter_mut().for_each(|mode| mode.group = Some(group));
+    }
+    let modes = roots.into_iter().flatten().collect();
+    Ok(ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: Vec::new(),
         band: Some(band),
@@ -77,41 +85,65 @@ pub(super) fn modal_model(
         added_damping_rad_s: (added > 0.0).then_some(added),
         modes,
         findings,
-    }
+    })
 }
 
-fn mode(set: &FrfSet, method: &'static str, candidate: &Candidate) -> (Mode, Vec<Finding>) {
+/// The modes of one pole, with what is to be said of them.
+fn modes_of_root(
+    set: &FrfSet,
+    method: &'static str,
+    candidate: &Candidate,
+) -> Result<(Vec<Mode>, Vec<Finding>), IdentifyError> {
     let pole = candidate
         .pole
         .without_added_damping(set.added_damping_rad_s);
     let residues = by_pair(set, candidate.residues.as_deref().unwrap_or_default());
+    let frequency_hz = pole.natural_frequency_hz();
+    let warning = |code, value: f64, limit: f64| {
+        Finding::new(Severity::Warning, code, Place::Mode(frequency_hz))
+            .value(value, "")
+            .limit(limit)
+    };
+    let mut findings = Vec::new();
+    let modes = if candidate.multiplicity > 1 {
+        let parts = parts::parts(&residues, candidate.multiplicity, pole.lambda.im)?;
+        let shaped = parts.into_iter().map(|part| {
+            let scaled = match part.reciprocal {
+                true => shape::shape_of(&part.residues, pole.lambda.im),
+                false => shape::unit_max_shape_of(&part.residues),
+            };
+            mode(method, candidate, pole, (part.residues, scaled))
+        });
+        shaped.collect()
+    } else {
+        let scaled = shape::shape_of(&residues, pole.lambda.im);
+        if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MOST_MISFIT) {
+            findings.push(warning(Code::CloseModes, misfit, MOST_MISFIT));
+        }
+        vec![mode(method, candidate, pole, (residues, scaled))]
+    };
+    let damping = pole.damping_ratio();
+    if damping <= 0.0 {
+        findings.push(warning(Code::DampingNotPositive, damping, 0.0));
+    }
+    Ok((modes, findings))
+}
+
+fn mode(
+    method: &'static str,
+    candidate: &Candidate,
+    pole: Pole,
+    (residues, scaled): (Residues, ScaledShape),
+) -> Mode {
     let ScaledShape {
         shape,
         scaling,
         modal_mass_kg,
-        misfit,
-    } = shape::shape_of(&residues, pole.lambda.im);
-    let frequency_hz = pole.natural_frequency_hz();
-    let warning = |code| Finding::new(Severity::Warning, code, Place::Mode(frequency_hz));
-    let mut findings = Vec::new();
-    if let Some(misfit) = misfit.filter(|misfit| *misfit > MOST_MISFIT) {
-        findings.push(
-            warning(Code::CloseModes)
-                .value(misfit, "")
-                .limit(MOST_MISFIT),
-        );
-    }
-    let damping = pole.damping_ratio();
-    if damping <= 0.0 {
-        findings.push(
-            warning(Code::DampingNotPositive)
-                .value(damping, "")
-                .limit(0.0),
-        );
-    }
+        ..
+    } = scaled;
     let components: Vec<Complex64> = shape.iter().map(|(_, value)| value).collect();
-    let damping = (damping > 0.0).then_some(damping);
-    let mode = Mode {
+    let damping = Some(pole.damping_ratio()).filter(|damping| *damping > 0.0);
+    Mode {
         frequency_std_hz: candidate.frequency_std_hz,
         damping_std: damping.and(candidate.damping_std),
         residues,
@@ -119,12 +151,11 @@ fn mode(set: &FrfSet, method: &'static str, candidate: &Candidate) -> (Mode, Vec
         mpc: modal_phase_collinearity(&components),
         method: Some(method.to_owned()),
         order: candidate.order,
-        ..Mode::new(frequency_hz, damping, shape, scaling)
-    };
-    (mode, findings)
+        ..Mode::new(pole.natural_frequency_hz(), damping, shape, scaling)
+    }
 }
 
-fn by_pair(set: &FrfSet, residues: &[Complex64]) -> BTreeMap<(Dof, Dof), Complex64> {
+fn by_pair(set: &FrfSet, residues: &[Complex64]) -> Residues {
     let pair = set.functions().iter().zip(residues);
     pair.map(|(f, a)| ((f.response.clone(), f.reference.clone()), *a))
         .collect()

@@ -3,8 +3,9 @@
 //! By reciprocity `A_rk = φ_r φ_k/(2iω_d m)` for a mode with a nearly real shape, so that the residues of one mode are
 //! a matrix of rank one over responses × references. The side with more degrees of freedom carries the shape: the
 //! responses of a fixed hammer with many sensors, the references of a roving hammer with one sensor (ties go to the
-//! responses). The column with most functions begins; every other one that shares a degree of freedom with it is
-//! brought to it by its modal scale factor and the shape is their least-squares mean; missing pairs are no obstacle.
+//! responses). The column with most functions, the strongest of them, begins; every other one that shares a degree of
+//! freedom with it is brought to it by its modal scale factor and the shape is their least-squares mean; missing pairs
+//! are no obstacle.
 //! A column that shares nothing is left out.
 //!
 //! Values stay at the degree of freedom *as labelled*: `3:-Z` keeps its key and its sign, whether it labels a sensor or
@@ -28,7 +29,7 @@ const MOST_PHASE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 const ROUNDS: usize = 4;
 
 /// Residues by (response, reference).
-type Residues = BTreeMap<(Dof, Dof), Complex64>;
+pub(super) type Residues = BTreeMap<(Dof, Dof), Complex64>;
 
 /// A shape with its scale.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +46,7 @@ pub(super) struct ScaledShape {
 
 /// The shape of a mode from its residues and its damped frequency, rad/s.
 pub(super) fn shape_of(residues: &Residues, damped_rad_s: f64) -> ScaledShape {
-    let columns = Columns::new(residues);
-    let (shape, misfit) = columns.merged();
+    let (shape, misfit) = Columns::new(residues).merged();
     match driving_point(residues, &shape, damped_rad_s) {
         Some(scale) => ScaledShape {
             shape: ModeShape::new(shape.into_iter().map(|(dof, v)| (dof, scale * v))),
@@ -54,13 +54,34 @@ pub(super) fn shape_of(residues: &Residues, damped_rad_s: f64) -> ScaledShape {
             modal_mass_kg: Some(1.0),
             misfit,
         },
-        None => ScaledShape {
-            shape: ModeShape::new(shape).unit_max(),
-            scaling: Scaling::UnitMax,
-            modal_mass_kg: None,
-            misfit,
-        },
+        None => of_unit_max(shape, misfit),
     }
+}
+
+/// The shape of a mode from residues whose driving points say nothing of its modal mass.
+pub(super) fn unit_max_shape_of(residues: &Residues) -> ScaledShape {
+    let (shape, misfit) = Columns::new(residues).merged();
+    of_unit_max(shape, misfit)
+}
+
+fn of_unit_max(shape: BTreeMap<Dof, Complex64>, misfit: Option<f64>) -> ScaledShape {
+    ScaledShape {
+        shape: ModeShape::new(shape).unit_max(),
+        scaling: Scaling::UnitMax,
+        modal_mass_kg: None,
+        misfit,
+    }
+}
+
+/// Sign of `φ_r φ_k` where response and reference are the same point and axis; `None` where they are not.
+pub(super) fn driving_point_sign(response: &Dof, reference: &Dof) -> Option<f64> {
+    let same = response.point() == reference.point() && response.axis() == reference.axis();
+    same.then(|| response.sign() * reference.sign())
+}
+
+/// Whether a squared shape component has the phase of a real mode.
+pub(super) fn as_of_a_real_mode(square: Complex64) -> bool {
+    square.norm() > 0.0 && square.arg().abs() <= MOST_PHASE
 }
 
 /// The residue matrix as columns along the longer side.
@@ -91,7 +112,13 @@ impl Columns {
     /// Least-squares shape of all columns that hang together, and what it does not explain.
     fn merged(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
         let mut order: Vec<&BTreeMap<Dof, Complex64>> = self.by_other.values().collect();
-        order.sort_by_key(|column| std::cmp::Reverse(column.len()));
+        let power = |column: &BTreeMap<Dof, Complex64>| -> f64 {
+            column.values().map(Complex64::norm_sqr).sum()
+        };
+        order.sort_by(|a, b| {
+            let longer = b.len().cmp(&a.len());
+            longer.then(power(b).total_cmp(&power(a)))
+        });
         let mut shape = order
             .first()
             .map_or_else(BTreeMap::new, |column| (*column).clone());
@@ -166,21 +193,17 @@ fn driving_point(
 ) -> Option<Complex64> {
     let (mut product, mut square, mut total) = (Complex64::ZERO, 0.0, Complex64::ZERO);
     for ((response, reference), residue) in residues {
-        let same = response.point() == reference.point() && response.axis() == reference.axis();
-        let Some(own) = shape
-            .get(response)
-            .or_else(|| shape.get(reference))
-            .filter(|_| same)
-        else {
+        let sign = driving_point_sign(response, reference);
+        let own = shape.get(response).or_else(|| shape.get(reference));
+        let (Some(sign), Some(own)) = (sign, own) else {
             continue;
         };
-        let sign = response.sign() * reference.sign();
         let phi_squared = Complex64::new(0.0, 2.0 * damped_rad_s * sign) * residue;
         product += (own * own).conj() * phi_squared;
         square += own.norm_sqr().powi(2);
         total += phi_squared;
     }
-    if square <= 0.0 || total.norm() <= 0.0 || total.arg().abs() > MOST_PHASE {
+    if square <= 0.0 || !as_of_a_real_mode(total) {
         return None;
     }
     let scale = (product / square).sqrt();

@@ -6,6 +6,7 @@
 //! the mode's own, and fits again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4).
 //! A method brings no more than [`SingleModeMethod::fit`].
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use num_complex::Complex64;
@@ -17,6 +18,7 @@ use crate::modal::Pole;
 
 use super::indicator::Indicator;
 use super::receptance::Receptances;
+use super::repeated::PairTable;
 use super::search::{self, Found, Peak};
 use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable, checks, residues};
 
@@ -93,9 +95,20 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let data = Receptances::new(set, band)?;
         let indicator = Indicator::new(&data);
-        let found = search::search(&data, &indicator, self.options.false_alarm_probability);
-        let (resonances, residues) = self.passes(&data, first_look(&data, &indicator, &found));
-        let verdicts = checks::verdicts(&data, &found, &resonances, &residues)?;
+        let mut found = search::search(&data, &indicator, self.options.false_alarm_probability);
+        let (resonances, residues) = loop {
+            let (resonances, residues) = self.passes(&data, first_look(&data, &indicator, &found));
+            let fitted = |mode: usize| resonances[mode].fit.is_some();
+            if !search::drop_humps(&mut found, (&data, &indicator), fitted) {
+                break (resonances, residues);
+            }
+        };
+        let table = PairTable::complete(set.functions());
+        let fitted = (resonances.as_slice(), residues.as_slice());
+        let valid = set.valid_band;
+        let highest_rad_s = valid.map_or(f64::INFINITY, |band| TAU * band.hi_hz);
+        let table = (table.as_ref(), highest_rad_s);
+        let verdicts = checks::verdicts(&data, &found, fitted, table)?;
         let context = checks::Context {
             set,
             data: &data,
@@ -248,6 +261,7 @@ fn candidate(resonance: &Resonance, verdict: &checks::Verdict) -> Candidate {
         },
         participation: None,
         residues: Some(verdict.residues.clone()),
+        multiplicity: verdict.multiplicity,
         frequency_std_hz: fit.and_then(|fit| fit.omega_std_rad_s).map(hz),
         damping_std: fit
             .and_then(|fit| fit.decay_std_rad_s)

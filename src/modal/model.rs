@@ -125,3 +125,23 @@ pub struct ModalModel {
     /// What the data said on the way.
     pub findings: Vec<Finding>,
 }
+
+impl ModalModel {
+    /// The modes by root: indices of the modes that share a group number, alone those without one; roots in ascending
+    /// order of their first mode.
+    pub fn roots(&self) -> Vec<Vec<usize>> {
+        let mut roots: Vec<Vec<usize>> = Vec::new();
+        let mut of_group: BTreeMap<u32, usize> = BTreeMap::new();
+        for (index, mode) in self.modes.iter().enumerate() {
+            let known = mode.group.and_then(|group| of_group.get(&group));
+            match known {
+                Some(&root) => roots[root].push(index),
+                None => {
+                    of_group.extend(mode.group.map(|group| (group, roots.len())));
+                    roots.push(vec![index]);
+                }
+            }
+        }
+        roots
+    }
+}

@@ -1,27 +1,56 @@
 //! The comparison table as blocks.
 
-use crate::correlate::{ComparisonTable, ErrorReference, Row, Status, TestCell, TestSummary};
+use crate::correlate::{
+    ComparisonTable, ErrorReference, Footnote, Row, Status, TestCell, TestSummary,
+};
 use crate::scene::{LimitCheck, Theory};
 use crate::theory::{ParameterSpec, ParameterStatus};
 
 use super::{Block, Cell, Column, Table};
 
-/// The table of a validation section, its summary, and what the model assumes.
+/// A comparison table of some of the tests.
+#[derive(Clone, Copy, Debug)]
+pub struct TableGroup<'a> {
+    /// Caption.
+    pub caption: &'a str,
+    /// Names of its tests, in the order of their columns.
+    pub tests: &'a [String],
+    /// Further footnotes.
+    pub notes: &'a [String],
+}
+
+/// The tables of a validation section, their summary, and what the model assumes. One test has all its columns; several in
+/// one table have frequency, error and verdict each.
 pub fn comparison_blocks(
     table: &ComparisonTable,
-    caption: Option<&str>,
+    groups: &[TableGroup<'_>],
     theory: &Theory,
 ) -> Vec<Block> {
-    let mut blocks = vec![
-        Block::Table(comparison_table(table, caption, theory)),
-        Block::Table(summary_table(table)),
-    ];
+    let tables = groups.iter().map(|group| {
+        let part = Part {
+            table,
+            tests: group.tests.iter().map(String::as_str).collect(),
+        };
+        let mut table = part.table(group.caption, theory);
+        table.footnotes.extend_from_slice(group.notes);
+        Block::Table(table)
+    });
+    let mut blocks: Vec<Block> = tables.collect();
+    blocks.push(Block::Table(summary_table(table)));
     blocks.extend(parameters_block(&theory.parameters));
     blocks
 }
 
-/// Columns of one test.
-const TEST_COLUMNS: usize = 6;
+/// One table of all tests.
+pub fn whole_comparison(table: &ComparisonTable, theory: &Theory) -> Vec<Block> {
+    let tests: Vec<String> = table.summary.iter().map(|s| s.test.clone()).collect();
+    let group = TableGroup {
+        caption: "Theory and test compared",
+        tests: &tests,
+        notes: &[],
+    };
+    comparison_blocks(table, &[group], theory)
+}
 
 fn error_head(reference: ErrorReference) -> &'static str {
     match reference {
@@ -30,80 +59,202 @@ fn error_head(reference: ErrorReference) -> &'static str {
     }
 }
 
-fn comparison_table(table: &ComparisonTable, caption: Option<&str>, theory: &Theory) -> Table {
-    let tests: Vec<&str> = table
-        .summary
-        .iter()
-        .map(|summary| summary.test.as_str())
-        .collect();
-    let prefix = |test: &str| {
-        if tests.len() > 1 {
-            format!("{test}: ")
-        } else {
-            String::new()
+/// The rows and columns of some tests.
+struct Part<'a> {
+    table: &'a ComparisonTable,
+    tests: Vec<&'a str>,
+}
+
+impl Part<'_> {
+    fn table(&self, caption: &str, theory: &Theory) -> Table {
+        let (rows, outside): (Vec<&Row>, Vec<&Row>) =
+            self.rows().partition(|row| !self.outside_band(row));
+        let mut body: Vec<Vec<Cell>> = rows.iter().map(|row| self.row_cells(row)).collect();
+        if !self.single() {
+            body.extend(self.closing_rows());
         }
-    };
-    let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
-    for test in &tests {
-        let name = prefix(test);
-        columns.push(Column::number(format!("{name}test (Hz)")));
-        columns.push(Column::number(format!("{name}std (Hz)")));
-        columns.push(Column::number(format!(
-            "{name}{}",
-            error_head(table.error_reference)
-        )));
-        columns.push(Column::number(format!("{name}damping (%)")));
-        columns.push(Column::number(format!("{name}MAC")));
-        columns.push(Column::text(format!("{name}verdict")));
+        let mut footnotes =
+            vec!["—: no partner, or not known. MAC = |a^H b|²/(a^H a · b^H b).".to_owned()];
+        let own = |note: &&Footnote| note.test().is_none_or(|test| self.tests.contains(&test));
+        let notes = self.table.footnotes.iter().filter(own);
+        footnotes.extend(notes.map(ToString::to_string));
+        if !outside.is_empty() {
+            let labels: Vec<&str> = outside.iter().map(|row| row.label.as_str()).collect();
+            let labels = labels.join(", ");
+            footnotes.push(format!("Outside the band of every test here: {labels}."));
+        }
+        footnotes.extend(self.reasons(&rows));
+        footnotes.extend(provenance(theory));
+        Table {
+            caption: caption.to_owned(),
+            columns: self.columns(),
+            rows: body,
+            footnotes,
+        }
     }
-    let mut footnotes =
-        vec!["—: no partner, or not known. MAC = |a^H b|²/(a^H a · b^H b).".to_owned()];
-    footnotes.extend(table.footnotes.iter().map(ToString::to_string));
-    footnotes.extend(reasons(table));
-    footnotes.extend(
-        theory
-            .assumptions
-            .iter()
-            .map(|a| format!("Assumed, {}: {}.", a.about, a.statement)),
-    );
-    Table {
-        caption: caption.map_or_else(|| "Theory and test compared".to_owned(), str::to_owned),
-        columns,
-        rows: table
-            .rows
-            .iter()
-            .map(|row| row_cells(row, &tests))
-            .collect(),
-        footnotes,
+
+    fn single(&self) -> bool {
+        self.tests.len() == 1
+    }
+
+    /// Rows of the theory's roots, and of the extra modes of these tests.
+    fn rows(&self) -> impl Iterator<Item = &Row> {
+        let own = |row: &&Row| row.theory.is_some() || self.cells(row).next().is_some();
+        self.table.rows.iter().filter(own)
+    }
+
+    fn cells<'r>(&'r self, row: &'r Row) -> impl Iterator<Item = &'r TestCell> {
+        let own = |cell: &&TestCell| self.tests.contains(&cell.test.as_str());
+        row.tests.iter().filter(own)
+    }
+
+    fn outside_band(&self, row: &Row) -> bool {
+        self.cells(row)
+            .all(|cell| cell.status == Status::OutsideBand)
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let head = error_head(self.table.error_reference);
+        let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
+        if self.single() {
+            let heads = ["test (Hz)", "std (Hz)", head, "damping (%)", "MAC"];
+            columns.extend(heads.map(Column::number));
+            columns.push(Column::text("verdict"));
+            return columns;
+        }
+        for test in &self.tests {
+            columns.push(Column::number(format!("{test}\n(Hz)")));
+            columns.push(Column::number(format!("{test}\nerror (Hz)")));
+            columns.push(Column::number(format!("{test}\nerror (%)")));
+            columns.push(Column::text(format!("{test}\nverdict")));
+        }
+        columns
+    }
+
+    /// A cell for every test, empty where the row has none of it.
+    fn row_cells(&self, row: &Row) -> Vec<Cell> {
+        let multiplicity = row.theory.as_ref().map_or(1, |theory| theory.modes.len());
+        let label = if multiplicity > 1 {
+            format!("{} ({multiplicity}-fold)", row.label)
+        } else {
+            row.label.clone()
+        };
+        let mut cells = vec![
+            Cell::text(label),
+            Cell::number(row.theory.as_ref().map(|theory| theory.hz), 2),
+        ];
+        let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) = if self.single() {
+            (full_cells, 6)
+        } else {
+            (short_cells, 4)
+        };
+        for test in &self.tests {
+            let own = row.tests.iter().find(|cell| cell.test == *test);
+            cells.extend(own.map_or_else(|| vec![Cell::Missing; width], test_cells));
+        }
+        cells
+    }
+
+    /// Largest and mean error of every test.
+    fn closing_rows(&self) -> [Vec<Cell>; 2] {
+        let row = |name: &str, of: fn(&TestSummary) -> [Option<f64>; 2]| {
+            let mut cells = vec![Cell::text(name), Cell::Missing];
+            for test in &self.tests {
+                let own = self.table.summary.iter().find(|own| own.test == *test);
+                let [hz, percent] = own.map_or([None, None], of);
+                cells.extend([
+                    Cell::Missing,
+                    Cell::number(hz, 2),
+                    Cell::number(percent, 3),
+                    Cell::Missing,
+                ]);
+            }
+            cells
+        };
+        [
+            row("max |error|", |s| [s.max_error_hz, s.max_error_percent]),
+            row("mean |error|", |s| [s.mean_error_hz, s.mean_error_percent]),
+        ]
+    }
+
+    /// The reasons of the verdicts, each with the rows and tests that it belongs to.
+    fn reasons(&self, rows: &[&Row]) -> Vec<String> {
+        let mut told: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+        for row in rows {
+            for cell in self.cells(row) {
+                for reason in &cell.reasons {
+                    let known = told
+                        .iter_mut()
+                        .find(|(test, own, _)| *test == cell.test && own == reason);
+                    match known {
+                        Some((_, _, labels)) => labels.push(&row.label),
+                        None => told.push((&cell.test, reason, vec![&row.label])),
+                    }
+                }
+            }
+        }
+        let line = |(test, reason, labels): (&str, &str, Vec<&str>)| {
+            format!("{}, {test}: {reason}.", labels.join(" "))
+        };
+        told.into_iter().map(line).collect()
     }
 }
 
-/// A cell for every test, empty where the row has none of it.
-fn row_cells(row: &Row, tests: &[&str]) -> Vec<Cell> {
-    let multiplicity = row.theory.as_ref().map_or(1, |theory| theory.modes.len());
-    let label = if multiplicity > 1 {
-        format!("{} ({multiplicity}-fold)", row.label)
-    } else {
-        row.label.clone()
-    };
-    let mut cells = vec![
-        Cell::text(label),
-        Cell::number(row.theory.as_ref().map(|theory| theory.hz), 2),
-    ];
-    for test in tests {
-        let own = row.tests.iter().find(|cell| cell.test == *test);
-        cells.extend(own.map_or_else(|| vec![Cell::Missing; TEST_COLUMNS], test_cells));
-    }
-    cells
+/// Whether a parameter has another value than the one its status speaks of.
+fn is_set(spec: &ParameterSpec, value: f64) -> bool {
+    value.to_bits() != spec.nominal.to_bits()
 }
 
-fn test_cells(cell: &TestCell) -> Vec<Cell> {
+/// Where the numbers of the theory come from: what is assumed, and of the parameters how many are what.
+pub(super) fn provenance(theory: &Theory) -> Vec<String> {
+    let named = |of: &dyn Fn(&ParameterSpec, bool) -> bool| -> Vec<&str> {
+        let own = theory.parameters.iter();
+        own.filter(|(spec, value)| of(spec, is_set(spec, *value)))
+            .map(|(spec, _)| spec.name.as_str())
+            .collect()
+    };
+    let nominal = |status| named(&|spec, set| spec.status == status && !set);
+    let mut notes = Vec::new();
+    if !theory.parameters.is_empty() {
+        let list = |names: Vec<&str>| match names.as_slice() {
+            [] => "none".to_owned(),
+            _ => names.join(", "),
+        };
+        notes.push(format!(
+            "Parameters of the theory: {} printed; inferred: {}; assumed: {}.",
+            nominal(ParameterStatus::Printed).len(),
+            list(nominal(ParameterStatus::Inferred)),
+            list(nominal(ParameterStatus::Assumed)),
+        ));
+        let set = named(&|_, set| set);
+        if !set.is_empty() {
+            notes.push(format!(
+                "Set to other values than those: {}.",
+                set.join(", ")
+            ));
+        }
+    }
+    let assumptions = theory.assumptions.iter();
+    notes.extend(assumptions.map(|a| format!("Assumed, {}: {}.", a.about, a.statement)));
+    notes
+}
+
+fn full_cells(cell: &TestCell) -> Vec<Cell> {
     vec![
         Cell::number(cell.hz, 2),
         Cell::number(cell.hz_std, 3),
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
         Cell::number(cell.mac, 4),
+        Cell::text(status_text(cell.status)),
+    ]
+}
+
+fn short_cells(cell: &TestCell) -> Vec<Cell> {
+    vec![
+        Cell::number(cell.hz, 2),
+        Cell::signed(cell.error_hz, 2),
+        Cell::signed(cell.error_percent, 3),
         Cell::text(status_text(cell.status)),
     ]
 }
@@ -121,23 +272,11 @@ fn status_text(status: Status) -> &'static str {
     }
 }
 
-/// One line for each row whose verdict has a reason.
-fn reasons(table: &ComparisonTable) -> Vec<String> {
-    let of_row = |row: &Row| {
-        let label = row.label.clone();
-        let told = row.tests.iter().filter_map(move |cell| {
-            let reason = cell.reason.as_ref()?;
-            Some(format!("{label}, {}: {reason}.", cell.test))
-        });
-        told.collect::<Vec<_>>()
-    };
-    table.rows.iter().flat_map(of_row).collect()
-}
-
 fn summary_table(table: &ComparisonTable) -> Table {
     let heads = [
         "paired",
         "missed",
+        "not observable",
         "extra",
         "ambiguous",
         "max |error| (%)",
@@ -152,6 +291,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
             Cell::text(&summary.test),
             count(summary.paired),
             count(summary.missed),
+            count(summary.not_observable),
             count(summary.extra),
             count(summary.ambiguous),
             Cell::number(summary.max_error_percent, 3),
@@ -183,7 +323,11 @@ pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
             Cell::text(&spec.name),
             Cell::text(plain(*value)),
             Cell::text(&spec.unit),
-            Cell::text(status(spec.status)),
+            Cell::text(if is_set(spec, *value) {
+                format!("set ({} {})", status(spec.status), plain(spec.nominal))
+            } else {
+                status(spec.status).to_owned()
+            }),
         ]
     };
     (!parameters.is_empty()).then(|| {

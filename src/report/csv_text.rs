@@ -29,7 +29,7 @@ fn table_text(table: &Table) -> String {
         table
             .columns
             .iter()
-            .map(|column| column.head.clone())
+            .map(|column| column.head.replace('\n', " "))
             .collect::<Vec<_>>(),
     );
     let rows = table

@@ -38,6 +38,12 @@ fn escape(text: &str) -> String {
             '²' => escaped.push_str("$^2$"),
             '≥' => escaped.push_str("$\\ge$"),
             '|' => escaped.push_str("$|$"),
+            'ω' => escaped.push_str("$\\omega$"),
+            'λ' => escaped.push_str("$\\lambda$"),
+            'π' => escaped.push_str("$\\pi$"),
+            '·' => escaped.push_str("$\\cdot$"),
+            '°' => escaped.push_str("$^\\circ$"),
+            '\n' => escaped.push(' '),
             other => escaped.push(other),
         }
     }

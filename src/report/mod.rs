@@ -11,15 +11,19 @@ pub mod json;
 mod latex;
 mod markdown;
 mod modes;
+mod published;
 mod terminal;
 
 pub use block::{Align, Block, Cell, Column, Table};
-pub use comparison::{comparison_blocks, limits_block, parameters_block};
+pub use comparison::{
+    TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
+};
 pub use csv_text::CsvText;
 pub use frf::frf_block;
 pub use latex::Latex;
 pub use markdown::Markdown;
-pub use modes::{modes_block, theory_block};
+pub use modes::{modes_block, roots_block, theory_block};
+pub use published::{claims_block, published_comparison_block, published_roots_block};
 pub use terminal::Terminal;
 
 /// Turns blocks into the text of one output format.

@@ -1,6 +1,8 @@
 //! Modes as a table.
 
+use crate::axis::Band;
 use crate::modal::{ModalModel, Mode};
+use crate::theory::ModelRoot;
 
 use super::{Block, Cell, Column, Table};
 
@@ -85,6 +87,57 @@ pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
         rows: model.modes.iter().enumerate().map(row).collect(),
         footnotes,
     })
+}
+
+/// Distinct roots of a model inside a band: multiplicity, frequency, class, and where the kinetic energy is.
+pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Block {
+    let inside = |root: &&ModelRoot| {
+        let hz = root.omega_rad_s / std::f64::consts::TAU;
+        band.is_none_or(|band| band.contains(hz))
+    };
+    let row = |(number, root): (usize, &ModelRoot)| {
+        vec![
+            Cell::text(number.to_string()),
+            Cell::text(root.modes.len().to_string()),
+            Cell::number(Some(root.omega_rad_s / std::f64::consts::TAU), 6),
+            Cell::number(Some(root.omega_rad_s), 6),
+            root.class.clone().map_or(Cell::Missing, Cell::Text),
+            Cell::text(largest_shares(root)),
+        ]
+    };
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        columns: vec![
+            Column::number("root"),
+            Column::number("multiplicity"),
+            Column::number("f (Hz)"),
+            Column::number("omega (rad/s)"),
+            Column::text("class"),
+            Column::text("kinetic energy"),
+        ],
+        rows: (1..)
+            .zip(roots)
+            .filter(|(_, root)| inside(root))
+            .map(row)
+            .collect(),
+        footnotes: vec![
+            "Kinetic energy: the largest shares by body, bodies that differ only in their number together.".to_owned(),
+        ],
+    })
+}
+
+/// Bodies named for each root.
+const BODIES_SHOWN: usize = 3;
+
+/// The largest shares of the kinetic energy, as `planet-disc 0.62, ball 0.30`; those that print as 0.00 are left out.
+pub(super) fn largest_shares(root: &ModelRoot) -> String {
+    let shares = root.energy_by_kind();
+    let told = shares.iter().filter(|(_, share)| *share >= 0.005);
+    let told: Vec<String> = told
+        .take(BODIES_SHOWN)
+        .map(|(body, share)| format!("{body} {share:.2}"))
+        .collect();
+    told.join(", ")
 }
 
 /// Codes of the warnings that belong to one mode.

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, presets};
 
-use super::{Align, Block, Renderer, Table};
+use super::{Align, Block, Column, Renderer, Table};
 
 /// Renders for a terminal, without colour.
 pub struct Terminal;
@@ -63,10 +63,12 @@ fn table_text(table: &Table) -> String {
         .unwrap_or(0);
     let rule = "-".repeat(width);
     let mut text = format!("{}\n{rule}\n", table.caption);
-    for (index, line) in lines.iter().enumerate() {
+    let head_lines = |column: &Column| column.head.lines().count();
+    let head = table.columns.iter().map(head_lines).max().unwrap_or(1);
+    for (number, line) in (1..).zip(&lines) {
         text += line;
         text += "\n";
-        if index == 0 {
+        if number == head {
             text += &format!("{rule}\n");
         }
     }

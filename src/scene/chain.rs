@@ -13,9 +13,10 @@ use crate::io::{modes_from_json, modes_to_json, sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::record::Hit;
 use crate::signal::ExponentialWindow;
-use crate::theory::ModeOptions;
+use crate::theory::{ModeOptions, ModelRoot};
 
 use super::SceneError;
+use super::expected::ExpectedResult;
 use super::hammer::{Recording, hammer_test, load_synth, record};
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
@@ -54,10 +55,12 @@ pub struct SceneResult {
     pub theory: Theory,
     /// The comparison; `None` for a scene without a model.
     pub table: Option<ComparisonTable>,
-    /// Findings of the comparison.
-    pub comparison_findings: Vec<Finding>,
+    /// Findings of the pairing, by test.
+    pub comparison_findings: Vec<(String, Vec<Finding>)>,
     /// Limits held against the comparison.
     pub limits: Vec<LimitCheck>,
+    /// Published results held against the model and themselves; `None` for a scene without any.
+    pub expected: Option<ExpectedResult>,
 }
 
 impl SceneResult {
@@ -66,17 +69,26 @@ impl SceneResult {
         self.tests.iter().any(|test| test.partly_bad)
     }
 
-    /// Findings of every stage, in the order of the chain.
-    pub fn findings(&self) -> Vec<Finding> {
-        let of_tests = self
-            .tests
-            .iter()
-            .flat_map(|test| test.modes.findings.iter());
-        of_tests
-            .chain(&self.theory.modes.findings)
-            .chain(&self.comparison_findings)
-            .cloned()
-            .collect()
+    /// Findings by the name of their test, which is empty in a scene of one test and for what belongs to none.
+    pub fn findings_by_test(&self) -> Vec<(String, Vec<Finding>)> {
+        let several = self.tests.len() > 1;
+        let name = |test: &str| {
+            if several {
+                test.to_owned()
+            } else {
+                String::new()
+            }
+        };
+        let mut all: Vec<(String, Vec<Finding>)> = Vec::new();
+        for test in &self.tests {
+            let paired = self.comparison_findings.iter();
+            let paired = paired.filter(|(own, _)| *own == test.name);
+            let findings = test.modes.findings.iter();
+            let findings = findings.chain(paired.flat_map(|(_, findings)| findings));
+            all.push((name(&test.name), findings.cloned().collect()));
+        }
+        all.push((String::new(), self.theory.modes.findings.clone()));
+        all
     }
 }
 
@@ -102,18 +114,26 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
         ..ModeOptions::default()
     };
     let theory = theory(table, &scene.folder, &scene.path, &scene.sensors, &options)?;
-    let named: Vec<(&str, &ModalModel)> = tests
+    let named: Vec<NamedTest> = tests
         .iter()
-        .map(|test| (test.name.as_str(), &test.modes))
+        .map(|test| NamedTest {
+            name: &test.name,
+            modes: &test.modes,
+            frfs: &test.frfs,
+        })
         .collect();
     let comparison = compare_tests(&theory.modes, &named, &scene.pair)?;
     limits.extend(judge_comparison(&scene.limits, &comparison.table.summary));
     Ok(SceneResult {
         tests,
-        theory,
         limits,
+        expected: scene
+            .expected
+            .as_ref()
+            .map(|e| e.judge(known_roots(&theory))),
+        theory,
         comparison_findings: comparison.findings,
-        table: Some(comparison.table),
+        table: Some(comparison.table.labelled_from(scene.first_root)),
     })
 }
 
@@ -158,6 +178,7 @@ fn without_model(
     Ok(SceneResult {
         tests,
         limits,
+        expected: scene.expected.as_ref().map(|e| e.judge(None)),
         theory: Theory::default(),
         table: None,
         comparison_findings: Vec::new(),
@@ -249,13 +270,8 @@ fn identify_test(
         let options = with_response_window(scene.estimate, scene.response_window_end, &data.hits)
             .map_err(of_test)?;
         let (set, usable) = estimate_hits(&data.hits, &options).map_err(of_test)?;
-        let band = test
-            .band
-            .map_or(Some(usable), |wanted| wanted.intersection(&usable));
-        (
-            vec![set],
-            Some(limited(band, test.band, usable, &mut findings).map_err(of_test)?),
-        )
+        let band = band_to_search(&set, usable, test.band, &mut findings).map_err(of_test)?;
+        (vec![set], Some(band))
     };
     let mut options = IdentifyOptions {
         band,
@@ -275,23 +291,53 @@ fn identify_test(
     })
 }
 
-/// The band to use, with a finding when it is narrower than the one wanted.
-fn limited(
-    band: Option<Band>,
-    wanted: Option<Band>,
+/// The band that was asked for as far as the force excites it, else the usable band; with a finding when it is narrower
+/// than the one wanted.
+fn band_to_search(
+    set: &FrfSet,
     usable: Band,
+    wanted: Option<Band>,
     findings: &mut Vec<Finding>,
 ) -> Result<Band, FrfError> {
-    let band = band.ok_or(FrfError::BandEmpty {
-        lo_hz: usable.lo_hz,
-        hi_hz: usable.hi_hz,
+    let Some(wanted) = wanted else {
+        findings.push(band_limited(usable));
+        return Ok(usable);
+    };
+    let excited = set.excited_band.unwrap_or(usable);
+    let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
+        lo_hz: excited.lo_hz,
+        hi_hz: excited.hi_hz,
     })?;
-    if wanted.is_none_or(|wanted| wanted.hi_hz > band.hi_hz) {
-        let finding =
-            Finding::new(Severity::Info, Code::BandLimited, Place::Whole).value(band.hi_hz, "Hz");
-        findings.push(finding);
+    if wanted.hi_hz > band.hi_hz {
+        findings.push(band_limited(band));
     }
     Ok(band)
+}
+
+fn band_limited(band: Band) -> Finding {
+    Finding::new(Severity::Info, Code::BandLimited, Place::Whole).value(band.hi_hz, "Hz")
+}
+
+/// A warning for each mode above the valid band.
+fn outside_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
+    let Some(valid) = valid else {
+        return Vec::new();
+    };
+    let frequencies = modes.modes.iter().map(|mode| mode.frequency_hz);
+    let warning = |hz: f64| {
+        Finding::new(Severity::Warning, Code::AboveValidBand, Place::Mode(hz))
+            .value(hz, "Hz")
+            .limit(valid.hi_hz)
+    };
+    frequencies
+        .filter(|hz| *hz > valid.hi_hz)
+        .map(warning)
+        .collect()
+}
+
+/// The roots of a model; `None` for finished modes, which have none of their own.
+fn known_roots(theory: &Theory) -> Option<&[ModelRoot]> {
+    (!theory.roots.is_empty()).then_some(theory.roots.as_slice())
 }
 
 /// Options with the exponential window that falls to `end` within one record length of the hit.
@@ -323,7 +369,7 @@ pub fn estimate_hits(hits: &[Hit], options: &EstimateOptions) -> Result<(FrfSet,
     Ok((set, usable))
 }
 
-/// Modes of the FRFs of one test.
+/// Modes of the FRFs of one test, in the band of the options or else in the valid band of the set.
 ///
 /// # Errors
 /// [`SceneError::Axes`] unless all functions have one axis; [`SceneError::Identify`] with the test's name.
@@ -338,15 +384,7 @@ pub fn identify_sets(
             got: sets.len(),
         });
     };
-    let band = match (options.band, set.valid_band) {
-        (Some(wanted), Some(valid)) => wanted.intersection(&valid).or(Some(wanted)),
-        (wanted, valid) => wanted.or(valid),
-    };
-    let options = IdentifyOptions {
-        band,
-        ..options.clone()
-    };
-    let mut model = identify(set, &options).map_err(|source| SceneError::Identify {
+    let mut model = identify(set, options).map_err(|source| SceneError::Identify {
         test: test.to_owned(),
         source: Box::new(source),
     })?;
@@ -357,6 +395,8 @@ pub fn identify_sets(
             Place::Whole,
         ));
     }
+    let outside = outside_valid_band(&model, set.valid_band);
+    model.findings.extend(outside);
     let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
     model.findings = findings;
@@ -368,8 +408,19 @@ pub fn identify_sets(
 pub struct Comparison {
     /// The table.
     pub table: ComparisonTable,
-    /// Findings of every pairing.
-    pub findings: Vec<Finding>,
+    /// Findings of every pairing, by test.
+    pub findings: Vec<(String, Vec<Finding>)>,
+}
+
+/// A test as it comes to a comparison.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedTest<'a> {
+    /// Name, as it heads its columns.
+    pub name: &'a str,
+    /// Its modes.
+    pub modes: &'a ModalModel,
+    /// Its FRFs; empty when there are none.
+    pub frfs: &'a [FrfSet],
 }
 
 /// Pairs each named test with the theory and makes the table.
@@ -378,26 +429,27 @@ pub struct Comparison {
 /// [`CorrelateError`].
 pub fn compare_tests(
     theory: &ModalModel,
-    tests: &[(&str, &ModalModel)],
+    tests: &[NamedTest<'_>],
     options: &PairOptions,
 ) -> Result<Comparison, CorrelateError> {
     let pairings = tests
         .iter()
-        .map(|(_, modes)| pair(modes, theory, options))
+        .map(|test| pair(test.modes, theory, options))
         .collect::<Result<Vec<Pairing>, _>>()?;
     let paired: Vec<PairedTest> = tests
         .iter()
         .zip(&pairings)
-        .map(|((name, model), pairing)| PairedTest {
-            name,
-            model,
+        .map(|(test, pairing)| PairedTest {
+            name: test.name,
+            model: test.modes,
             pairing,
+            frfs: test.frfs,
         })
         .collect();
     let table = compare(theory, &paired, options)?;
-    let findings = pairings
-        .iter()
-        .flat_map(|pairing| pairing.findings.iter().cloned())
+    let findings = tests.iter().zip(&pairings);
+    let findings = findings
+        .map(|(test, pairing)| (test.name.to_owned(), pairing.findings.clone()))
         .collect();
     Ok(Comparison { table, findings })
 }

@@ -64,6 +64,14 @@ pub enum SceneError {
     /// A file could not be read or written.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// A model file that cannot be meant.
+    #[error("{path}: {source}")]
+    Model {
+        /// Path as given.
+        path: String,
+        /// The model's reason.
+        source: Box<TheoryError>,
+    },
     /// The model refused.
     #[error(transparent)]
     Theory(#[from] TheoryError),

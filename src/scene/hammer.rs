@@ -1,24 +1,18 @@
 //! A synthetic test's spec as meant, and its recording as a measurement system would export it.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::json;
 
-use crate::axis::Band;
-use crate::dof::Dof;
-use crate::geometry::Sensor;
-use crate::io::{FileLabel, Precision, modes_from_json, modes_to_json, write_time_records};
+use crate::io::{FileLabel, Precision, modes_to_json, write_time_records};
 use crate::modal::ModalModel;
 use crate::quantity::Quantity;
-use crate::synth::{
-    Faults, HammerTest, HitPlan, LowPassOptions, Noise, Pulse, Truth, roving_hammer,
-};
-use crate::theory::ModeOptions;
+use crate::synth::{Faults, HammerTest, HitPlan, LowPassOptions, Noise, Pulse, roving_hammer};
 
 use super::SceneError;
-use super::model::{check_schema, sensors, theory, value_error};
-use super::synth_spec::{SYNTH_SCHEMA, SynthFile, TruthTable, folder_of};
+use super::model::{check_schema, sensors, value_error};
+use super::synth_spec::{SYNTH_SCHEMA, SynthFile};
+use super::synth_truth::truth;
 use super::toml_text::{parse, read_text};
 
 /// A synthetic recording with its truth.
@@ -105,68 +99,6 @@ fn response_quantity(name: &str, path: &str) -> Result<Quantity, SceneError> {
             "[record] response",
             &format!("{name:?}"),
             "acceleration, velocity or displacement",
-        )
-    })
-}
-
-fn truth(
-    spec: &SynthFile,
-    path: &Path,
-    plans: &[HitPlan],
-    sensors: &[Sensor],
-) -> Result<Truth, SceneError> {
-    let name = path.display().to_string();
-    let table = &spec.truth;
-    let hits: BTreeSet<Dof> = plans.iter().map(|plan| plan.hit.clone()).collect();
-    let responses: BTreeSet<Dof> = plans
-        .iter()
-        .flat_map(|plan| plan.responses.iter().cloned())
-        .collect();
-    let (hits, responses): (Vec<_>, Vec<_>) =
-        (hits.into_iter().collect(), responses.into_iter().collect());
-    let folder = folder_of(path);
-    if let Some(file) = &table.modes {
-        let full = folder.join(file);
-        let model = modes_from_json(&read_text(&full)?, &full.display().to_string())?;
-        return modes_truth(model, &responses, &hits);
-    }
-    let damping = table.damping_ratio;
-    if damping.is_none() {
-        return Err(value_error(
-            &name,
-            "[truth] damping_ratio",
-            "nothing",
-            "a fraction; damping has no default",
-        ));
-    }
-    let options = ModeOptions {
-        band: truth_band(table, &name)?,
-        count: None,
-        damping_ratio: damping,
-    };
-    let model = theory(&table.model(), folder, &name, sensors, &options)?.modes;
-    Ok(Truth::from_real_shapes(&model, &responses, &hits)?)
-}
-
-/// Modes with residues are taken as they are; real shapes of known modal mass make residues.
-fn modes_truth(model: ModalModel, responses: &[Dof], hits: &[Dof]) -> Result<Truth, SceneError> {
-    if model.modes.iter().all(|mode| !mode.residues.is_empty()) {
-        return Ok(Truth {
-            model,
-            ..Truth::default()
-        });
-    }
-    Ok(Truth::from_real_shapes(&model, responses, hits)?)
-}
-
-fn truth_band(table: &TruthTable, path: &str) -> Result<Option<Band>, SceneError> {
-    let band = table.highest_hz.map(|hi| Band::new(0.0, hi)).transpose();
-    band.map_err(|error| {
-        value_error(
-            path,
-            "[truth] highest_hz",
-            &format!("{:?}", table.highest_hz),
-            &error.to_string(),
         )
     })
 }

@@ -16,6 +16,8 @@ pub struct Limits {
     pub min_paired: Option<usize>,
     /// Largest number of theory modes in the band without partner, per test.
     pub max_missed: Option<usize>,
+    /// Largest number of theory modes in the band that the test could not have seen, per test.
+    pub max_not_observable: Option<usize>,
     /// Largest number of test modes without partner, per test.
     pub max_extra: Option<usize>,
     /// Largest number of ambiguous pairings, per test.
@@ -94,6 +96,12 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
                 "missed modes",
                 count(test.missed),
                 limits.max_missed.map(|n| n as f64),
+                true,
+            ),
+            (
+                "not observable modes",
+                count(test.not_observable),
+                limits.max_not_observable.map(|n| n as f64),
                 true,
             ),
             (
@@ -184,6 +192,7 @@ mod tests {
             test: "hammer".to_owned(),
             paired: 4,
             missed: 1,
+            not_observable: 0,
             outside_band: 0,
             extra: 0,
             ambiguous: 0,
@@ -192,6 +201,7 @@ mod tests {
             rms_error_percent: Some(1.5),
             min_mac: Some(0.96),
             dofs_used: 11,
+            ..TestSummary::default()
         }
     }
 

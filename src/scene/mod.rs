@@ -5,20 +5,26 @@
 mod chain;
 mod columns;
 mod error;
+mod expected;
 mod hammer;
 mod ingest;
 mod limits;
 mod model;
 mod plan;
 mod synth_spec;
+mod synth_truth;
 mod toml_text;
 mod typed;
 
+#[cfg(test)]
+mod expected_tests;
+
 pub use chain::{
-    Comparison, SceneResult, TestResult, compare_tests, estimate_hits, identify_sets, run,
-    with_response_window,
+    Comparison, NamedTest, SceneResult, TestResult, compare_tests, estimate_hits, identify_sets,
+    run, with_response_window,
 };
 pub use error::SceneError;
+pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
 pub use hammer::{Recording, hammer_test, load_synth, record};
 pub use ingest::{IngestOptions, Ingested, ingest_files};
 pub use limits::{
@@ -28,4 +34,4 @@ pub use model::{LoadedModel, Theory, load_model, sensors, theory};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{parse, read_text};
-pub use typed::{ModelTable, SCENE_SCHEMA, SceneFile, SensorTable};
+pub use typed::{ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable};

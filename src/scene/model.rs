@@ -1,7 +1,7 @@
 //! A model as a scene, a spec or the command line names it: read, built, solved at the sensors.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -9,8 +9,9 @@ use crate::geometry::Sensor;
 use crate::io::modes_from_json;
 use crate::modal::ModalModel;
 use crate::theory::{
-    Assumption, BeamFile, BeamModel, ModeOptions, ParameterSpec, SCHEMA, TheoreticalModel, modes,
-    override_values,
+    Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelRoot,
+    ParameterSpec, SCHEMA, TheoreticalModel, TheoryError, TheoryModes, built_in,
+    coordinate_sensors, model_roots, modes, override_values,
 };
 
 use super::SceneError;
@@ -20,11 +21,9 @@ use super::typed::{ModelTable, SensorTable};
 /// A model that can be solved, with the values of its parameters.
 #[derive(Debug)]
 pub struct LoadedModel {
-    /// Path as given.
-    pub path: String,
     /// The model.
     pub model: Box<dyn TheoreticalModel>,
-    /// Sensors that the model file itself names.
+    /// Sensors that the model file itself names; of a built-in model none.
     pub sensors: Vec<Sensor>,
     /// Parameter values, in the model's order.
     pub values: Vec<f64>,
@@ -39,12 +38,15 @@ pub struct Theory {
     pub parameters: Vec<(ParameterSpec, f64)>,
     /// What the model takes for granted.
     pub assumptions: Vec<Assumption>,
+    /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the indices in them count all
+    /// its modes. None for finished modes.
+    pub roots: Vec<ModelRoot>,
 }
 
-/// The one key that says which kind of model a file holds.
+/// The one key that says which kind of model a file holds; a lumped one need not say so.
 #[derive(Deserialize)]
 struct KindOnly {
-    kind: String,
+    kind: Option<String>,
 }
 
 /// `[[sensor]]` of a model file, whatever its kind.
@@ -54,40 +56,71 @@ struct SensorsOnly {
     sensor: Vec<SensorTable>,
 }
 
-/// Reads a `model.toml` and sets parameters by name.
+/// The model of a built-in name (`cycloid-ball`, `cycloid-ball/D`) or of a `model.toml`, its parameters set by name.
 ///
 /// # Errors
 /// [`SceneError`] with file, line and column, or the model's own reason.
 pub fn load_model(
-    path: &Path,
+    name: &Path,
     overrides: &BTreeMap<String, f64>,
 ) -> Result<LoadedModel, SceneError> {
-    let name = path.display().to_string();
-    let text = read_text(path)?;
-    let model = match parse::<KindOnly>(&text, &name)?.kind.as_str() {
-        "beam" => beam_model(parse::<BeamFile>(&text, &name)?, &name)?,
-        other => {
-            return Err(value_error(
-                &name,
-                "kind",
-                &format!("{other:?}"),
-                "\"beam\"",
-            ));
+    if is_built_in(name) {
+        return loaded(
+            built_in(&name.display().to_string())?,
+            Vec::new(),
+            overrides,
+        );
+    }
+    let path = name.display().to_string();
+    let text = read_text(name)?;
+    let kind = parse::<KindOnly>(&text, &path)?.kind;
+    let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
+        Some("beam") => Box::new(beam_model(parse::<BeamFile>(&text, &path)?, &path)?),
+        Some("lumped") | None => {
+            let file = parse::<LumpedFile>(&text, &path)?;
+            Box::new(LumpedModel::new(file).map_err(|source| in_file(&path, source))?)
+        }
+        Some(other) => {
+            let got = format!("{other:?}");
+            return Err(value_error(&path, "kind", &got, "\"lumped\" or \"beam\""));
         }
     };
-    let tables = parse::<SensorsOnly>(&text, &name)?.sensor;
+    let tables = parse::<SensorsOnly>(&text, &path)?.sensor;
+    loaded(model, sensors(&tables, &path)?, overrides)
+}
+
+/// Whether a model is meant by its built-in name, perhaps with a set, and not as a file.
+fn is_built_in(name: &Path) -> bool {
+    let text = name.to_string_lossy();
+    let first = text.split('/').next();
+    let short = text.split('/').count() <= 2 && name.extension().is_none();
+    short && BUILT_IN.iter().any(|model| Some(model.name) == first)
+}
+
+fn loaded(
+    model: Box<dyn TheoreticalModel>,
+    sensors: Vec<Sensor>,
+    overrides: &BTreeMap<String, f64>,
+) -> Result<LoadedModel, SceneError> {
     let values = override_values(model.name(), model.parameters(), overrides)?;
     Ok(LoadedModel {
-        sensors: sensors(&tables, &name)?,
-        path: name,
-        model: Box::new(model),
+        sensors,
+        model,
         values,
     })
 }
 
 fn beam_model(file: BeamFile, path: &str) -> Result<BeamModel, SceneError> {
     check_schema(&file.schema, SCHEMA, path)?;
-    Ok(BeamModel::new(file)?)
+    BeamModel::new(file).map_err(|source| in_file(path, source))
+}
+
+/// A model's own reason with the file that it is about.
+fn in_file(path: &str, source: TheoryError) -> SceneError {
+    SceneError::Model {
+        path: path.to_owned(),
+        source: Box::new(source),
+    }
 }
 
 /// Sensors as meant.
@@ -120,11 +153,16 @@ pub fn sensors(tables: &[SensorTable], path: &str) -> Result<Vec<Sensor>, SceneE
 }
 
 impl LoadedModel {
-    /// Solves the model at the sensors.
+    /// Solves the model at the sensors; without any at its own coordinates, as far as body and axis name them.
     ///
     /// # Errors
     /// The model's own reasons.
     pub fn solve(&self, sensors: &[Sensor], options: &ModeOptions) -> Result<Theory, SceneError> {
+        let own = match sensors {
+            [] => coordinate_sensors(&self.model.assemble(&self.values)?.coordinates),
+            _ => Vec::new(),
+        };
+        let sensors = if sensors.is_empty() { &own } else { sensors };
         let solved = modes(self.model.as_ref(), &self.values, sensors, options)?;
         let parameters = self
             .model
@@ -134,14 +172,33 @@ impl LoadedModel {
             .zip(self.values.iter().copied())
             .collect();
         Ok(Theory {
+            roots: self.roots(&solved, options)?,
             modes: solved.model,
             parameters,
             assumptions: self.model.assumptions(),
         })
     }
+
+    /// The roots of the whole model; solved again when the options kept part of its modes.
+    fn roots(
+        &self,
+        solved: &TheoryModes,
+        options: &ModeOptions,
+    ) -> Result<Vec<ModelRoot>, SceneError> {
+        if options.band.is_none() && options.count.is_none() {
+            return Ok(model_roots(self.model.as_ref(), solved));
+        }
+        let all = ModeOptions {
+            band: None,
+            count: None,
+            ..options.clone()
+        };
+        let whole = modes(self.model.as_ref(), &self.values, &[], &all)?;
+        Ok(model_roots(self.model.as_ref(), &whole))
+    }
 }
 
-/// The theory that a `[model]` table means: a model file solved at the sensors, or finished modes.
+/// The theory that a `[model]` table means: a built-in model or a model file solved at the sensors, or finished modes.
 ///
 /// # Errors
 /// [`SceneError`] when it names neither or both, a name that is not built in, or a file that cannot be used.
@@ -152,20 +209,19 @@ pub fn theory(
     sensors: &[Sensor],
     options: &ModeOptions,
 ) -> Result<Theory, SceneError> {
-    let file = model_file(table, path)?;
-    let full = folder.join(file);
-    if full
+    let named = named_model(table, folder, path)?;
+    if named
         .extension()
         .is_some_and(|extension| extension == "json")
     {
-        let text = read_text(&full)?;
-        let modes = modes_from_json(&text, &full.display().to_string())?;
+        let text = read_text(&named)?;
+        let modes = modes_from_json(&text, &named.display().to_string())?;
         return Ok(Theory {
             modes,
             ..Theory::default()
         });
     }
-    let model = load_model(&full, &table.parameters)?;
+    let model = load_model(&named, &table.parameters)?;
     let all: Vec<Sensor> = model
         .sensors
         .iter()
@@ -176,26 +232,33 @@ pub fn theory(
     model.solve(&all, options)
 }
 
-/// The file that a `[model]` table names.
+/// The model that a `[model]` table names: a built-in name as it stands, or the path of a file.
 ///
 /// # Errors
-/// [`SceneError::Value`] when it names none, or a built-in model, of which there is none yet.
-pub fn model_file<'a>(table: &'a ModelTable, path: &str) -> Result<&'a str, SceneError> {
-    match (&table.name, &table.file) {
-        (None, Some(file)) => Ok(file),
-        (Some(name), _) => Err(value_error(
-            path,
-            "[model] name",
-            &format!("{name:?}"),
-            "`file` with a model.toml or a modes.json (no model is built in yet)",
-        )),
-        (None, None) => Err(value_error(
-            path,
-            "[model]",
-            "no `file`",
-            "`file` with a model.toml or a modes.json",
-        )),
+/// [`SceneError::Value`] when it names neither or both, or a name that is not built in.
+pub(super) fn named_model(
+    table: &ModelTable,
+    folder: &Path,
+    path: &str,
+) -> Result<PathBuf, SceneError> {
+    let named: PathBuf = match (&table.name, &table.file) {
+        (Some(name), None) => Path::new(name).to_path_buf(),
+        (None, Some(file)) => folder.join(file),
+        _ => {
+            return Err(value_error(
+                path,
+                "[model]",
+                "none or both of `name` and `file`",
+                "`name` of a built-in model, or `file` with a model.toml or a modes.json",
+            ));
+        }
+    };
+    if table.name.is_some() && !is_built_in(&named) {
+        let got = format!("{:?}", named.display());
+        let known: Vec<&str> = BUILT_IN.iter().map(|model| model.name).collect();
+        return Err(value_error(path, "[model] name", &got, &known.join(", ")));
     }
+    Ok(named)
 }
 
 /// Checks the `schema` key of a file.

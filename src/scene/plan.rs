@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
-use crate::correlate::{ErrorReference, PairOptions};
+use crate::correlate::PairOptions;
 use crate::dof::Dof;
 use crate::frf::{EstimateOptions, Estimator};
 use crate::geometry::Sensor;
@@ -11,10 +11,11 @@ use crate::io::{HitGrouping, IoError};
 use crate::signal::ForceWindow;
 
 use super::SceneError;
+use super::expected::{Expected, beside};
 use super::limits::Limits;
-use super::model::{check_schema, sensors, value_error};
+use super::model::{check_schema, named_model, sensors, value_error};
 use super::toml_text::{parse, read_text};
-use super::typed::{FrfTable, ModelTable, PairTable, SCENE_SCHEMA, SceneFile, TestTable};
+use super::typed::{FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, TestTable};
 
 /// The flank of a force window as a fraction of its hold.
 const FLANK_OF_HOLD: f64 = 0.5;
@@ -28,8 +29,10 @@ pub struct Scene {
     pub folder: PathBuf,
     /// Title of the report.
     pub title: String,
-    /// Caption of the comparison table, when stated.
-    pub caption: Option<String>,
+    /// The comparison tables, each with its caption and the names of its tests.
+    pub tables: Vec<ReportTableTable>,
+    /// Number of the first elastic root in the comparison.
+    pub first_root: usize,
     /// Tests in order.
     pub tests: Vec<TestPlan>,
     /// Sensors and hits on the model.
@@ -46,6 +49,8 @@ pub struct Scene {
     pub pair: PairOptions,
     /// Limits.
     pub limits: Limits,
+    /// Published results; `None` for a scene without an `expected.toml`.
+    pub expected: Option<Expected>,
     /// Format of every file, instead of judging by content; the command line's word.
     pub format: Option<String>,
 }
@@ -113,22 +118,83 @@ impl Scene {
             .map(|test| test_plan(test, &folder, &name))
             .collect::<Result<Vec<_>, _>>()?;
         check_tests(&tests, &name)?;
+        typed.pair.validate().map_err(|error| {
+            value_error(
+                &name,
+                "[pair]",
+                &error.to_string(),
+                "options in their ranges",
+            )
+        })?;
+        if let Some(table) = &typed.model {
+            named_model(table, &folder, &name)?;
+        }
+        let tables = report_tables(typed.report.table, typed.report.caption, &tests, &name)?;
         Ok(Self {
             tests,
             sensors: sensors(&typed.sensor, &name)?,
             estimate: estimate_options(&typed.frf, &name)?,
             response_window_end: typed.frf.response_window_end,
-            pair: pair_options(&typed.pair, &name)?,
+            pair: typed.pair,
+            first_root: typed.report.first_root.unwrap_or(1),
+            tables,
             title: typed.title,
-            caption: typed.report.caption,
             model: typed.model,
             method: typed.identify.method,
             limits: typed.limits,
+            expected: beside(&folder)?,
             format: None,
             path: name,
             folder,
         })
     }
+}
+
+/// The tables as stated, every test in at least one; else one table of all tests.
+fn report_tables(
+    stated: Vec<ReportTableTable>,
+    caption: Option<String>,
+    tests: &[TestPlan],
+    path: &str,
+) -> Result<Vec<ReportTableTable>, SceneError> {
+    let names: Vec<String> = tests.iter().map(|test| test.name.clone()).collect();
+    if stated.is_empty() {
+        let caption = caption.unwrap_or_else(|| "Theory and test compared".to_owned());
+        return Ok(vec![ReportTableTable {
+            caption,
+            tests: names,
+            notes: Vec::new(),
+        }]);
+    }
+    if caption.is_some() {
+        let got = "`caption` beside [[report.table]]";
+        return Err(value_error(path, "[report]", got, "one of them"));
+    }
+    if stated.iter().any(|table| table.tests.is_empty()) {
+        return Err(value_error(
+            path,
+            "[[report.table]] tests",
+            "none",
+            "at least one test",
+        ));
+    }
+    let shown: Vec<&String> = stated.iter().flat_map(|table| &table.tests).collect();
+    let unknown = shown.iter().find(|name| !names.contains(**name));
+    if let Some(name) = unknown {
+        let got = format!("{name:?}");
+        let expected = format!("one of the tests {}", names.join(", "));
+        return Err(value_error(path, "[[report.table]] tests", &got, &expected));
+    }
+    if let Some(name) = names.iter().find(|name| !shown.contains(name)) {
+        let got = format!("no table with {name:?}");
+        return Err(value_error(
+            path,
+            "[[report.table]]",
+            &got,
+            "every test in a table",
+        ));
+    }
+    Ok(stated)
 }
 
 fn check_tests(tests: &[TestPlan], path: &str) -> Result<(), SceneError> {
@@ -313,23 +379,4 @@ pub fn force_window(hold_s: f64) -> ForceWindow {
         hold_s,
         flank_s: FLANK_OF_HOLD * hold_s,
     }
-}
-
-fn pair_options(table: &PairTable, path: &str) -> Result<PairOptions, SceneError> {
-    let mut options = PairOptions::default();
-    if let Some(name) = table.error_reference.as_deref() {
-        options.error_reference = ErrorReference::from_name(name).ok_or_else(|| {
-            value_error(
-                path,
-                "[pair] error_reference",
-                &format!("{name:?}"),
-                "\"theory\" or \"test\"",
-            )
-        })?;
-    }
-    options.max_frequency_error = table
-        .max_frequency_error
-        .unwrap_or(options.max_frequency_error);
-    options.min_mac = table.min_mac.unwrap_or(options.min_mac);
-    Ok(options)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::correlate::PairOptions;
 use crate::dof::Dof;
 use crate::geometry::{Sensor, Target};
 
@@ -36,7 +37,7 @@ pub struct SceneFile {
     pub identify: IdentifyTable,
     /// Options of pairing.
     #[serde(default)]
-    pub pair: PairTable,
+    pub pair: PairOptions,
     /// Options of the report.
     #[serde(default)]
     pub report: ReportTable,
@@ -205,22 +206,28 @@ pub struct IdentifyTable {
     pub method: Option<String>,
 }
 
-/// `[pair]`.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PairTable {
-    /// Gate on the frequency error, a fraction.
-    pub max_frequency_error: Option<f64>,
-    /// Gate on MAC.
-    pub min_mac: Option<f64>,
-    /// `theory` (default) or `test`.
-    pub error_reference: Option<String>,
-}
-
 /// `[report]`.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReportTable {
     /// Caption of the comparison table.
     pub caption: Option<String>,
+    /// Number of the first elastic root in the comparison, as a paper counts it; 1 when not stated.
+    pub first_root: Option<usize>,
+    /// Tables by the names of their tests; one table of all tests when not stated.
+    #[serde(default)]
+    pub table: Vec<ReportTableTable>,
+}
+
+/// `[[report.table]]`: one comparison table of some of the tests.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReportTableTable {
+    /// Caption.
+    pub caption: String,
+    /// Names of its tests, in the order of their columns.
+    pub tests: Vec<String>,
+    /// Sentences to stand under it.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }

@@ -132,4 +132,51 @@ pub enum SynthError {
         /// The least distance.
         expected: f64,
     },
+    /// A population of another schema.
+    #[error("population: got schema `{got}`, expected `{expected}`")]
+    PopulationSchema {
+        /// As written.
+        got: String,
+        /// What this version reads.
+        expected: &'static str,
+    },
+    /// A range of a population that nothing can be drawn from.
+    #[error("population, {part}: got {key} from {got_lo} to {got_hi}, expected {expected}")]
+    PopulationRange {
+        /// The test, or which member.
+        part: String,
+        /// The key.
+        key: &'static str,
+        /// Lower end.
+        got_lo: f64,
+        /// Upper end.
+        got_hi: f64,
+        /// What would have been accepted.
+        expected: String,
+    },
+    /// A member that the population does not have.
+    #[error(
+        "population: got member {got_number} of kind {got_kind} (from 0), expected one of {counts:?} members"
+    )]
+    NoSuchMember {
+        /// Kind, from 0.
+        got_kind: usize,
+        /// Member of the kind, from 0.
+        got_number: usize,
+        /// How many members each kind has.
+        counts: Vec<usize>,
+    },
+    /// A drawn structure whose lowest root alone needs too long a record.
+    #[error(
+        "population: got a record of {got} samples, expected at most {expected}; allow more damping or more samples"
+    )]
+    RecordTooLong {
+        /// Samples that the lowest root needs.
+        got: usize,
+        /// The most.
+        expected: usize,
+    },
+    /// A drawn structure that cannot be solved.
+    #[error(transparent)]
+    Theory(#[from] crate::theory::TheoryError),
 }

@@ -10,9 +10,10 @@ use crate::geometry::Target;
 use crate::linalg::{RealMatrix, real_matrix};
 
 use super::beam_line::{BeamLine, BeamPoint, find_line, find_point};
-use super::description::{BeamDescription, BeamFile, SCHEMA, Value};
-use super::error::nearest_name;
+use super::description::{BeamDescription, BeamFile, SCHEMA, distinct};
 use super::parameter::{check_values, nominal_values};
+use super::property::{Property, Sign};
+use super::rigid::coordinate_index;
 use super::{
     Assumption, Coordinate, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError, hermite,
 };
@@ -58,24 +59,8 @@ impl BeamModel {
         Ok(model)
     }
 
-    fn property(&self, request: Property<'_>, values: &[f64]) -> Result<f64, TheoryError> {
-        let got = request
-            .value
-            .resolve(request.part, &self.file.parameters, values)?;
-        let expected = match request.sign {
-            Sign::Positive => "a finite number above 0",
-            Sign::NotNegative => "a finite number of 0 or more",
-        };
-        let zero_allowed = request.sign == Sign::NotNegative;
-        if got.is_finite() && (got > 0.0 || zero_allowed && got >= 0.0) {
-            return Ok(got);
-        }
-        Err(TheoryError::PropertyOutOfRange {
-            part: request.part.to_owned(),
-            property: request.name,
-            got,
-            expected,
-        })
+    fn property(&self, property: &Property<'_>, values: &[f64]) -> Result<f64, TheoryError> {
+        property.resolve(&self.file.parameters, values)
     }
 
     fn add_beams(&self, matrices: &mut SystemMatrices, values: &[f64]) -> Result<(), TheoryError> {
@@ -85,7 +70,7 @@ impl BeamModel {
                 let sign = Sign::Positive;
                 let part = &part;
                 self.property(
-                    Property {
+                    &Property {
                         part,
                         name,
                         value,
@@ -116,7 +101,7 @@ impl BeamModel {
             let part = &mass.label();
             let (name, value) = ("mass_kg", &mass.mass_kg);
             let kg = self.property(
-                Property {
+                &Property {
                     part,
                     name,
                     value,
@@ -128,7 +113,7 @@ impl BeamModel {
             if let Some(value) = &mass.rotary_inertia_kg_m2 {
                 let name = "rotary_inertia_kg_m2";
                 let inertia = self.property(
-                    Property {
+                    &Property {
                         part,
                         name,
                         value,
@@ -165,7 +150,7 @@ impl BeamModel {
             for (name, value, row) in directions {
                 let Some(value) = value else { continue };
                 let k = self.property(
-                    Property {
+                    &Property {
                         part,
                         name,
                         value,
@@ -245,20 +230,6 @@ impl TheoreticalModel for BeamModel {
     }
 }
 
-/// A number that a part needs, and which values it may have.
-struct Property<'a> {
-    part: &'a str,
-    name: &'static str,
-    value: &'a Value,
-    sign: Sign,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Sign {
-    Positive,
-    NotNegative,
-}
-
 /// Everything that can be checked before geometry is made of it.
 fn check_file(file: &BeamFile) -> Result<(), TheoryError> {
     if file.schema != SCHEMA {
@@ -284,31 +255,6 @@ fn check_file(file: &BeamFile) -> Result<(), TheoryError> {
         &file.parameters,
         &nominal_values(&file.parameters),
     )
-}
-
-fn distinct<'a>(
-    what: &'static str,
-    names: impl Iterator<Item = &'a String>,
-) -> Result<(), TheoryError> {
-    let mut seen = std::collections::BTreeSet::new();
-    for name in names {
-        if !seen.insert(name) {
-            let name = name.clone();
-            return Err(TheoryError::Duplicate { what, name });
-        }
-    }
-    Ok(())
-}
-
-fn coordinate_index(coordinates: &[Coordinate], name: &str) -> Result<usize, TheoryError> {
-    coordinates
-        .iter()
-        .position(|c| c.name == name)
-        .ok_or_else(|| TheoryError::UnknownCoordinate {
-            got: name.to_owned(),
-            nearest: nearest_name(name, coordinates.iter().map(|c| c.name.as_str())),
-            count: coordinates.len(),
-        })
 }
 
 fn add_element(

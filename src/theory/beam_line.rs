@@ -2,11 +2,11 @@
 //!
 //! Nothing here has mass or stiffness.
 
-use crate::geometry;
 use crate::linalg::Vector3;
 
 use super::description::{BeamDescription, End};
 use super::error::nearest_name;
+use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 
 /// Dense matrices of the coordinates of more would not fit a desk.
@@ -35,14 +35,6 @@ pub(super) struct BeamPoint {
     pub columns: [Option<usize>; 4],
     pub deflection: [f64; 4],
     pub rotation: [f64; 4],
-}
-
-fn unit_direction(used_by: &str, got: [f64; 3]) -> Result<Vector3, TheoryError> {
-    let unit = geometry::unit(got).filter(|unit| unit.iter().all(|c| c.is_finite()));
-    unit.ok_or_else(|| TheoryError::ZeroDirection {
-        used_by: used_by.to_owned(),
-        got,
-    })
 }
 
 impl BeamLine {

@@ -205,6 +205,21 @@ impl SpringDescription {
     }
 }
 
+/// Every name once.
+pub(super) fn distinct<'a>(
+    what: &'static str,
+    names: impl Iterator<Item = &'a String>,
+) -> Result<(), TheoryError> {
+    let mut seen = std::collections::BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            let name = name.clone();
+            return Err(TheoryError::Duplicate { what, name });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

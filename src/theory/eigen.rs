@@ -15,6 +15,7 @@ use crate::linalg::{self, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearity};
 
 use super::basis::{canonicalise, fix_sign};
+use super::energy::kinetic_shares;
 use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
 
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
@@ -45,6 +46,8 @@ pub struct TheoryModes {
     pub rigid: usize,
     /// The coordinates, in the order of the rows of `vectors`.
     pub coordinates: Vec<Coordinate>,
+    /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column adds up to 1.
+    pub kinetic_shares: RealMatrix,
 }
 
 /// Modes of a model with these parameter values at these sensors.
@@ -72,11 +75,11 @@ pub fn modes(
         let values: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
         mode.mpc = modal_phase_collinearity(&values);
     }
-    let assumed = model.parameters().iter();
-    let assumed = assumed.filter(|spec| spec.status == ParameterStatus::Assumed);
-    result.model.findings.extend(assumed.map(|spec| {
+    let assumed = model.parameters().iter().zip(values);
+    let assumed = assumed.filter(|(spec, _)| spec.status == ParameterStatus::Assumed);
+    result.model.findings.extend(assumed.map(|(spec, value)| {
         let place = Place::Parameter(spec.name.clone());
-        Finding::new(Severity::Info, Code::Assumption, place).value(spec.nominal, &spec.unit)
+        Finding::new(Severity::Info, Code::Assumption, place).value(*value, &spec.unit)
     }));
     Ok(result)
 }
@@ -133,14 +136,16 @@ pub fn modes_of_matrices(
             Scaling::UnitModalMass,
         )
     };
+    let vectors = columns(&solution.vectors, &kept);
     Ok(TheoryModes {
+        kinetic_shares: kinetic_shares(&matrices.mass, &vectors),
         model: ModalModel {
             producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
             band: options.band,
             modes: kept.iter().map(mode).collect(),
             ..ModalModel::default()
         },
-        vectors: columns(&solution.vectors, &kept),
+        vectors,
         omega_rad_s: kept.iter().map(|&j| solution.omega_rad_s[j]).collect(),
         rigid: kept.iter().filter(|&&j| j < solution.rigid).count(),
         coordinates: matrices.coordinates.clone(),

@@ -72,12 +72,72 @@ pub enum TheoryError {
         expected: &'static str,
     },
     /// A part that needs one of several properties and has none.
-    #[error("{part}: got no stiffness, expected {expected}")]
+    #[error("{part}: got no stiffness or several, expected {expected}")]
     NoStiffness {
         /// Part of the model.
         part: String,
         /// What would have been accepted.
         expected: &'static str,
+    },
+    /// A model that is not built in.
+    #[error("got model `{got}`, expected a built-in one: {}", .known.join(", "))]
+    UnknownModel {
+        /// The name as given.
+        got: String,
+        /// Every name with every parameter set.
+        known: Vec<String>,
+    },
+    /// A part without a property that it needs.
+    #[error(
+        "{part}: got no {property}, expected one because it may move along or about `{needed_for}`"
+    )]
+    MissingProperty {
+        /// Part of the model.
+        part: String,
+        /// The property, with its unit in its name.
+        property: &'static str,
+        /// What needs it.
+        needed_for: &'static str,
+    },
+    /// A spring to ground without a direction.
+    #[error(
+        "{part}: got no direction, expected one, because ground has no place that would give it a line"
+    )]
+    NoDirection {
+        /// Part of the model.
+        part: String,
+    },
+    /// A parameter whose unit is not that of the property it stands for.
+    #[error("{part}: got parameter `{parameter}` in {got} for {property}, expected {expected}")]
+    ParameterUnit {
+        /// Part of the model.
+        part: String,
+        /// The parameter.
+        parameter: String,
+        /// The property.
+        property: &'static str,
+        /// Its unit as stated.
+        got: String,
+        /// The unit of the property.
+        expected: &'static str,
+    },
+    /// A spring that no coordinate stretches.
+    #[error(
+        "{part}: got ends that nothing moves along its direction, expected at least one that a coordinate moves"
+    )]
+    NothingMoves {
+        /// Part of the model.
+        part: String,
+    },
+    /// A point that the model does not have.
+    #[error("{used_by}: got point `{got}`, expected the name of a [[point]] or `ground`{}", expected_nearest(.nearest.as_deref()))]
+    UnknownPoint {
+        /// The name as given.
+        got: String,
+        /// Who asked for it.
+        used_by: String,
+        /// The point most like it.
+        nearest: Option<String>,
     },
     /// A body that the model does not have.
     #[error("{used_by}: got body `{got}`, expected {}", expected_name(.nearest.as_deref(), .known))]
@@ -198,6 +258,32 @@ pub enum TheoryError {
         got: Dof,
         /// Those there are.
         known: Vec<String>,
+    },
+    /// A model that is not held where only held ones have an answer.
+    #[error("damped modes: got {got} rigid-body modes, expected none (a held model)")]
+    RigidBody {
+        /// How many.
+        got: usize,
+    },
+    /// A motion that creeps back without swinging.
+    #[error(
+        "damped modes: got the real root {got_rad_s:.6e} rad/s, expected complex roots only (less damping)"
+    )]
+    Overdamped {
+        /// The root nearest to the origin, rad/s.
+        got_rad_s: f64,
+    },
+    /// Two roots that meet in one shape: the response is no sum of exponentials.
+    #[error(
+        "damped modes: got a repeated root at {frequency_hz} Hz with fewer shapes than roots (independence {got:.3e}), expected at least {expected:.0e}"
+    )]
+    DefectiveRoot {
+        /// Natural frequency of the root, Hz.
+        frequency_hz: f64,
+        /// `|phi^T (2 lambda M + C) phi|` of the best vector over what it is without damping.
+        got: f64,
+        /// The least.
+        expected: f64,
     },
     /// A matrix problem without an answer.
     #[error(transparent)]

@@ -7,33 +7,52 @@
 mod basis;
 mod beam;
 mod beam_line;
+mod damped;
 mod description;
 mod eigen;
+mod energy;
 mod error;
+mod gear;
 mod hermite;
+mod lumped;
+mod lumped_description;
 mod parameter;
+mod property;
 mod residues;
+mod rigid;
 
 #[cfg(test)]
 mod beam_modes_tests;
 #[cfg(test)]
 mod beam_parts_tests;
 #[cfg(test)]
+mod damped_tests;
+#[cfg(test)]
 mod eigen_tests;
+#[cfg(test)]
+mod lumped_tests;
 
 use crate::geometry::Target;
 use crate::linalg::RealMatrix;
 
 pub use beam::BeamModel;
+pub use damped::{DampedModes, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
+pub use energy::{ModelRoot, model_roots};
 pub use error::TheoryError;
+pub use gear::{BUILT_IN, BuiltIn, CycloidBall, built_in};
+pub use lumped::LumpedModel;
+pub use lumped_description::{
+    BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
+};
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
 pub use residues::{PairResidues, residues};
+pub use rigid::coordinate_sensors;
 
 /// What kind of motion a coordinate is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +145,12 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         _values: &[f64],
         _j: usize,
     ) -> Option<Result<SystemDerivative, TheoryError>> {
+        None
+    }
+
+    /// What kind of motion a root is, in words that mean something for this machine, from its angular
+    /// frequency and the share of the kinetic energy of each coordinate (of a repeated root the mean over its modes). `None` for a model without such words.
+    fn mode_class(&self, _omega_rad_s: f64, _shares: &[f64]) -> Option<&'static str> {
         None
     }
 

@@ -239,3 +239,95 @@ fn files_of_unknown_content_and_formats_of_unknown_name_are_refused() {
     let error = fail(["inspect", path.to_str().unwrap(), "--format", "lvm"]);
     assert!(error.contains("--format lvm"), "{error}");
 }
+
+#[test]
+fn a_model_of_bodies_and_springs_that_cannot_be_meant_is_named_with_its_file() {
+    let text = "[[parameter]]\nname = \"k\"\nunit = \"N/mm\"\nnominal = 100.0\nstatus = \"printed\"\n\
+                [[body]]\nname = \"mass\"\nmass_kg = 1.0\nfree = [\"x\"]\n\
+                [[point]]\nname = \"end\"\nbody = \"mass\"\nat_m = [0, 0, 0]\n\
+                [[spring]]\nname = \"s\"\nfrom = \"end\"\nto = \"ground\"\ndirection = [1, 0, 0]\nparameter = \"k\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let error = |from: &str, to: &str| {
+        write(
+            folder.path(),
+            &[("model.toml", &text.replacen(from, to, 1))],
+        );
+        fail(["theory", path.to_str().unwrap()])
+    };
+    for (from, to, parts) in [
+        ("", "", ["model.toml", "in N/mm", "expected N/m"]),
+        ("free", "fre", ["model.toml:9", "fre", "`free`"]),
+        (
+            "N/mm",
+            "N/m\"\nlowest = \"1",
+            ["model.toml:4", "lowest", "`lower`"],
+        ),
+        (
+            "from = \"end\"",
+            "from = \"endd\"",
+            ["model.toml", "`endd`", "did you mean `end`"],
+        ),
+        (
+            "direction = [1, 0, 0]",
+            "",
+            ["model.toml", "no direction", "ground"],
+        ),
+    ] {
+        let error = error(from, to);
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+}
+
+#[test]
+fn a_moved_mode_a_table_and_a_claim_that_cannot_be_meant_are_named() {
+    let source = root().join("measurements/cycloid-ball");
+    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (name, from, to, parts) in [
+        (
+            "large-cylinder.toml",
+            "root = 1\n",
+            "root = 99\n",
+            ["[[truth.mode]] root 99", "1 to 16"],
+        ),
+        (
+            "large-cylinder.toml",
+            "root = 2\n",
+            "root = 1\n",
+            ["[[truth.mode]] root 1", "each one once"],
+        ),
+        (
+            "scene.toml",
+            "tests = [\"virtual, discs\"]",
+            "tests = [\"virtual\"]",
+            ["[[report.table]]", "virtual"],
+        ),
+        (
+            "scene.toml",
+            "name = \"cycloid-ball\" ",
+            "name = \"cycloid\" ",
+            ["[model] name", "cycloid-ball"],
+        ),
+        (
+            "expected.toml",
+            "value = 7.3\n",
+            "value = 7.34\n",
+            ["7.34", "`decimals`"],
+        ),
+        (
+            "expected.toml",
+            "decimals = 1\n",
+            "decimals = 70000\n",
+            ["decimals", "0 to 15"],
+        ),
+    ] {
+        for file in ["scene.toml", "expected.toml", "large-cylinder.toml"] {
+            write(folder.path(), &[(file, &text(file))]);
+        }
+        assert!(text(name).contains(from), "{from}");
+        write(folder.path(), &[(name, &text(name).replacen(from, to, 1))]);
+        let error = fails_without_output(folder.path());
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+}

@@ -93,22 +93,51 @@ fn the_table_has_what_a_validation_section_prints() {
         "measurements/free-free-beam/model.toml",
         "--json",
     ]));
-    // Closed form: f = (beta L)^2/(2 pi L^2) sqrt(E I/(rho A)).
-    let expected: toml::Table = toml::from_str(
-        &std::fs::read_to_string(root().join("measurements/free-free-beam/expected.toml")).unwrap(),
-    )
-    .unwrap();
-    let beta_l = expected["closed_form"]["beta_l"].as_array().unwrap();
+    // Closed form: f = (beta L)^2/(2 pi L^2) sqrt(E I/(rho A)), beta L from Blevins (1979), table 8-1.
+    let beta_l: [f64; 6] = [
+        4.73004074, 7.85320462, 10.9956078, 14.1371655, 17.2787597, 20.4203522,
+    ];
     let wave = (2.1e11f64 * 2.5e-9 / (7850.0 * 3e-4)).sqrt();
-    for (index, root) in beta_l.iter().enumerate() {
-        let hz = root.as_float().unwrap().powi(2) / (std::f64::consts::TAU * 0.36) * wave;
+    let path = root().join("measurements/free-free-beam/expected.toml");
+    let expected = modalign::scene::load_expected(&path).unwrap();
+    assert_eq!(expected.roots.len(), 7);
+    for (index, beta_l) in beta_l.into_iter().enumerate() {
+        let omega = beta_l.powi(2) / 0.36 * wave;
+        let printed = expected.roots[index + 1].omega_rad_s;
+        assert!((printed / omega - 1.0).abs() < 1e-8, "{printed} {omega}");
         let own = model["modes"][index + 2]["frequency_hz"].as_f64().unwrap();
+        let omega_own = std::f64::consts::TAU * own;
         assert!(
-            (own / hz - 1.0).abs() < 1e-5,
-            "mode {}: {own} {hz}",
+            (omega_own / omega - 1.0).abs() < 1e-5,
+            "mode {}: {omega_own} {omega}",
             index + 1
         );
     }
+}
+
+#[test]
+fn a_run_prints_the_closed_form_beside_the_model_and_writes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let text = succeed(["run", "measurements/free-free-beam", "--quiet", "-o", out]);
+    let (roots, tests) = (
+        text.find("Published natural frequencies and the model")
+            .unwrap(),
+        text.find("Identified modes").unwrap(),
+    );
+    assert!(roots < tests, "the published table follows the heading");
+    assert!(text.contains("bending, 7 nodes"), "{text}");
+    // The whole model, not only the band of the test: 122 modes in more than a hundred roots.
+    let above = text.split("above these: ").nth(1).unwrap();
+    let above: usize = above.split(',').next().unwrap().parse().unwrap();
+    assert!((100..120).contains(&above), "{above}");
+    let csv = std::fs::read_to_string(folder.path().join("published-roots.csv")).unwrap();
+    assert_eq!(
+        csv.lines().filter(|line| line.contains("bar 1.00")).count(),
+        7
+    );
+    let written = std::fs::read_to_string(folder.path().join("comparison.md")).unwrap();
+    assert!(written.contains("Published natural frequencies and the model"));
 }
 
 fn json_text(text: &str) -> Value {

@@ -3,8 +3,11 @@
 mod architecture;
 mod bad_input;
 mod command;
+mod cycloid_ball;
 mod free_free_beam;
 mod gate;
+mod population;
+mod published;
 mod recordings;
 mod roving;
 mod truncation;

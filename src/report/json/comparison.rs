@@ -74,6 +74,9 @@ pub struct TestFile {
     pub hz_std: Option<f64>,
     /// Frequency error.
     pub error_percent: Option<f64>,
+    /// The same difference, Hz.
+    #[serde(default)]
+    pub error_hz: Option<f64>,
     /// Damping, a fraction.
     pub damping_ratio: Option<f64>,
     /// MAC.
@@ -90,34 +93,7 @@ pub struct TestFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SummaryFile {
     /// One entry per test.
-    pub tests: Vec<TestSummaryFile>,
-}
-
-/// Figures of one test.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TestSummaryFile {
-    /// Name of the test.
-    pub test: String,
-    /// Paired modes, ambiguous ones included.
-    pub paired: usize,
-    /// Model modes in the band without partner.
-    pub missed: usize,
-    /// Model modes without partner outside the band.
-    pub outside_band: usize,
-    /// Test modes without partner.
-    pub extra: usize,
-    /// Ambiguous pairings.
-    pub ambiguous: usize,
-    /// Largest |error|.
-    pub max_error_percent: Option<f64>,
-    /// Mean |error|.
-    pub mean_error_percent: Option<f64>,
-    /// Root mean square error.
-    pub rms_error_percent: Option<f64>,
-    /// Smallest MAC of a pair.
-    pub min_mac: Option<f64>,
-    /// Degrees of freedom that MAC rests on.
-    pub dofs_used: usize,
+    pub tests: Vec<TestSummary>,
 }
 
 /// The text of `comparison.json`, ending in a newline.
@@ -127,7 +103,7 @@ pub fn comparison_to_json(table: &ComparisonTable) -> String {
         error_reference: table.error_reference.name().to_owned(),
         rows: table.rows.iter().map(row_file).collect(),
         summary: SummaryFile {
-            tests: table.summary.iter().map(summary_file).collect(),
+            tests: table.summary.clone(),
         },
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
@@ -170,26 +146,11 @@ fn test_file(cell: &TestCell) -> TestFile {
         hz: cell.hz,
         hz_std: cell.hz_std,
         error_percent: cell.error_percent,
+        error_hz: cell.error_hz,
         damping_ratio: cell.damping_ratio,
         mac: cell.mac,
         angles_deg: cell.angles_deg.clone(),
         status: cell.status,
-        reason: cell.reason.clone(),
-    }
-}
-
-fn summary_file(summary: &TestSummary) -> TestSummaryFile {
-    TestSummaryFile {
-        test: summary.test.clone(),
-        paired: summary.paired,
-        missed: summary.missed,
-        outside_band: summary.outside_band,
-        extra: summary.extra,
-        ambiguous: summary.ambiguous,
-        max_error_percent: summary.max_error_percent,
-        mean_error_percent: summary.mean_error_percent,
-        rms_error_percent: summary.rms_error_percent,
-        min_mac: summary.min_mac,
-        dofs_used: summary.dofs_used,
+        reason: (!cell.reasons.is_empty()).then(|| cell.reasons.join("; ")),
     }
 }

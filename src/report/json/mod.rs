@@ -3,6 +3,6 @@
 mod comparison;
 
 pub use comparison::{
-    COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TestSummaryFile,
-    TheoryFile, comparison_from_json, comparison_to_json,
+    COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
+    comparison_from_json, comparison_to_json,
 };

@@ -1,0 +1,266 @@
+//! Cells of the comparison table: what one test has of one root, or what became of it.
+
+use std::collections::BTreeSet;
+
+use crate::finding::{Code, Finding, Place};
+use crate::modal::{ModalModel, Mode};
+
+use super::roots::Root;
+use super::table::{PairedTest, Status, TestCell};
+use super::{ErrorReference, Observability, Pair, PairOptions, Rival, Verdict, observability};
+
+/// Test modes nearer than this part of their frequency are one root: what comes from one pole is equal but for rounding.
+const ONE_FREQUENCY: f64 = 1e-6;
+
+/// Findings that make a test mode a doubtful partner.
+const DOUBTFUL: [Code; 3] = [Code::CloseModes, Code::NotFitted, Code::AboveValidBand];
+
+/// A test with what it could see of each root.
+pub(super) struct TestSight<'a> {
+    test: &'a PairedTest<'a>,
+    roots: &'a [Root],
+    observability: Vec<Option<Observability>>,
+}
+
+impl<'a> TestSight<'a> {
+    /// A test before the roots of a theory.
+    pub(super) fn new(theory: &ModalModel, test: &'a PairedTest<'a>, roots: &'a [Root]) -> Self {
+        Self {
+            observability: observability(theory, test.model, test.frfs),
+            test,
+            roots,
+        }
+    }
+
+    /// The cell of root `r`.
+    pub(super) fn cell(&self, r: usize, options: &PairOptions) -> TestCell {
+        let root = &self.roots[r];
+        let observability = self.observability[r].as_ref();
+        let cell = match self.test.pair_of(root) {
+            Some(pair) => {
+                let still = observability.is_some_and(|known| known.still);
+                self.paired_cell(pair, (root, still), options)
+            }
+            None => self.missed_cell(r, options),
+        };
+        TestCell {
+            observability: observability.cloned(),
+            ..cell
+        }
+    }
+
+    fn paired_cell(
+        &self,
+        pair: &Pair,
+        (root, still): (&Root, bool),
+        options: &PairOptions,
+    ) -> TestCell {
+        let test = self.test;
+        let indices: Vec<usize> = pair.partners.iter().map(|partner| partner.test).collect();
+        let macs = pair.partners.iter().filter_map(|partner| partner.mac);
+        let cell = test.modes_cell(&indices, Status::Paired);
+        let doubt = pair.partners.iter().find_map(|p| self.doubt(&p.verdict));
+        let ambiguous = doubt.is_some();
+        let (found, expected) = (indices.len(), root.modes.len());
+        let part = (found < expected)
+            .then(|| format!("{found} of the {expected} modes of a repeated root"));
+        let blind = pair.partners.iter().all(|partner| partner.mac.is_none());
+        let reasons = [doubt, part, test.split(&indices), basis(blind, still)];
+        let reasons = reasons.into_iter().flatten();
+        let worst = pair
+            .partners
+            .iter()
+            .max_by(|a, b| a.frequency_error.abs().total_cmp(&b.frequency_error.abs()));
+        let hz_of_worst = worst.map(|partner| test.model.modes[partner.test].frequency_hz);
+        TestCell {
+            error_percent: worst.map(|partner| 100.0 * partner.frequency_error),
+            error_hz: hz_of_worst.map(|hz| match options.error_reference {
+                ErrorReference::Theory => hz - root.hz,
+                ErrorReference::Test => root.hz - hz,
+            }),
+            mac: macs.reduce(f64::min),
+            angles_deg: pair.angles_deg.clone(),
+            status: if ambiguous {
+                Status::Ambiguous
+            } else {
+                Status::Paired
+            },
+            reasons: reasons.chain(test.warnings(&indices)).collect(),
+            ..cell
+        }
+    }
+
+    fn doubt(&self, verdict: &Verdict) -> Option<String> {
+        let Verdict::Ambiguous {
+            rival,
+            cost_difference,
+        } = verdict
+        else {
+            return None;
+        };
+        let who = match rival {
+            Rival::Theory(modes) => {
+                let root = self.roots.iter().find(|root| root.modes == *modes)?;
+                format!("the theory's root at {:.2} Hz", root.hz)
+            }
+            Rival::Test(i) => {
+                let hz = self.test.model.modes[*i].frequency_hz;
+                format!("test mode {} at {hz:.2} Hz", i + 1)
+            }
+        };
+        Some(if *cost_difference < 0.0 {
+            format!("{who} would fit better by itself (cost {cost_difference:+.3})")
+        } else {
+            format!("{who} fits as well (cost {cost_difference:+.3})")
+        })
+    }
+
+    fn missed_cell(&self, r: usize, options: &PairOptions) -> TestCell {
+        let (test, root) = (self.test, &self.roots[r]);
+        let band = test.model.band;
+        if let Some(band) = band.filter(|band| !band.contains(root.hz)) {
+            let (lo, hi) = (band.lo_hz, band.hi_hz);
+            return TestCell {
+                reasons: vec![format!("the test searched {lo} to {hi} Hz")],
+                ..test.modes_cell(&[], Status::OutsideBand)
+            };
+        }
+        let no_band = band.is_none().then(|| "the test states no band".to_owned());
+        let (status, judged) = self.judged(r);
+        let reasons = [test.refused(root, options), no_band, Some(judged)];
+        TestCell {
+            reasons: reasons.into_iter().flatten().collect(),
+            ..test.modes_cell(&[], status)
+        }
+    }
+
+    /// What the missing of a root inside the band means, and why.
+    fn judged(&self, r: usize) -> (Status, String) {
+        let Some(known) = &self.observability[r] else {
+            let judged = "observability was not judged".to_owned();
+            return (Status::MissedUnexpected, judged);
+        };
+        if known.observable() == Some(false) {
+            return (Status::NotObservable, known.reason());
+        }
+        match self.covered(r, known) {
+            Some(reason) => (Status::MissedExpected, reason),
+            None => (Status::MissedUnexpected, known.reason()),
+        }
+    }
+
+    /// The nearest paired root within one half-power bandwidth, as a reason.
+    fn covered(&self, r: usize, known: &Observability) -> Option<String> {
+        let hz = self.roots[r].hz;
+        let width_hz = 2.0 * known.damping?.ratio * hz;
+        let others = self
+            .roots
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != r);
+        let paired = others.filter(|(_, other)| self.test.pair_of(other).is_some());
+        let distance = |other: &Root| (other.hz - hz).abs();
+        let nearest = paired
+            .map(|(_, other)| other)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let widths = distance(nearest) / width_hz;
+        (widths <= 1.0).then(|| {
+            format!(
+                "one peak covers it and the paired root at {:.2} Hz, {widths:.2} half-power bandwidths away",
+                nearest.hz
+            )
+        })
+    }
+}
+
+/// What a pair rests on, where that is less than its shapes.
+fn basis(blind: bool, still: bool) -> Option<String> {
+    let stands = "the model leaves these sensors or hits still in this root: the pair";
+    match (blind, still) {
+        (true, true) => Some(format!(
+            "{stands} rests on frequency alone and contradicts the model"
+        )),
+        (true, false) => Some("paired by frequency alone: no shapes could be compared".to_owned()),
+        (false, true) => Some(format!("{stands} contradicts the model")),
+        (false, false) => None,
+    }
+}
+
+impl PairedTest<'_> {
+    fn pair_of(&self, root: &Root) -> Option<&Pair> {
+        let mut pairs = self.pairing.pairs.iter();
+        pairs.find(|pair| pair.theory == root.modes)
+    }
+
+    /// Test modes of one root that are apart.
+    fn split(&self, indices: &[usize]) -> Option<String> {
+        let all = || indices.iter().map(|&i| self.model.modes[i].frequency_hz);
+        let (lowest, highest) = (all().reduce(f64::min)?, all().reduce(f64::max)?);
+        (highest - lowest > ONE_FREQUENCY * highest).then(|| {
+            format!(
+                "the repeated root is split in the test, from {lowest:.2} to {highest:.2} Hz; the error is that of the farthest"
+            )
+        })
+    }
+
+    /// What the identification says against these modes.
+    fn warnings(&self, indices: &[usize]) -> Vec<String> {
+        let at_one = |place: &Place| {
+            let frequencies = indices.iter().map(|&i| self.model.modes[i].frequency_hz);
+            let near = |hz: f64| matches!(place, Place::Mode(at) if (at - hz).abs() <= 1e-9 * hz);
+            frequencies.into_iter().any(near)
+        };
+        let doubtful = |finding: &&Finding| DOUBTFUL.contains(&finding.code);
+        let own = self.model.findings.iter().filter(doubtful);
+        let all: BTreeSet<String> = own
+            .filter(|finding| at_one(&finding.place))
+            .map(|finding| format!("the test mode is marked {}", finding.code.name()))
+            .collect();
+        all.into_iter().collect()
+    }
+
+    /// The test mode nearest in frequency, where it was refused for its shape.
+    fn refused(&self, root: &Root, options: &PairOptions) -> Option<String> {
+        let mut unpaired = self.pairing.unpaired_theory.iter();
+        let own = unpaired.find(|other| other.theory == root.modes)?;
+        let miss = own.near_miss.as_ref()?;
+        let hz = self.model.modes[miss.test].frequency_hz;
+        let (number, mac, gate) = (miss.test + 1, miss.mac, options.min_mac);
+        Some(format!(
+            "test mode {number} at {hz:.2} Hz has a MAC of {mac:.3}, below {gate}"
+        ))
+    }
+
+    /// What the test knows of some of its modes, without a comparison.
+    pub(super) fn modes_cell(&self, indices: &[usize], status: Status) -> TestCell {
+        let modes: Vec<&Mode> = indices.iter().map(|&i| &self.model.modes[i]).collect();
+        let collect = |value: fn(&Mode) -> Option<f64>| -> Option<Vec<f64>> {
+            modes.iter().map(|mode| value(mode)).collect()
+        };
+        TestCell {
+            test: self.name.to_owned(),
+            modes: indices.iter().map(|i| i + 1).collect(),
+            hz: collect(|mode| Some(mode.frequency_hz)).and_then(mean),
+            hz_std: collect(|mode| mode.frequency_std_hz).and_then(std_of_mean),
+            error_percent: None,
+            error_hz: None,
+            damping_ratio: collect(|mode| mode.damping_ratio).and_then(mean),
+            damping_std: collect(|mode| mode.damping_std).and_then(std_of_mean),
+            mac: None,
+            angles_deg: None,
+            status,
+            reasons: Vec::new(),
+            observability: None,
+        }
+    }
+}
+
+/// Mean of some values; `None` of none.
+pub(super) fn mean(values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn std_of_mean(values: Vec<f64>) -> Option<f64> {
+    let squares: f64 = values.iter().map(|v| v * v).sum();
+    (!values.is_empty()).then(|| squares.sqrt() / values.len() as f64)
+}

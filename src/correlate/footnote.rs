@@ -1,0 +1,148 @@
+//! Sentences under the comparison table.
+
+use std::fmt;
+
+use crate::finding::Code;
+
+use super::table::{PairedTest, Row, Status, TestCell};
+use super::{ErrorReference, Observability};
+
+/// A sentence under the table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Footnote {
+    /// What the errors are a part of.
+    Error(ErrorReference),
+    /// MAC of test shapes as identified.
+    ComplexShapesAsTheyAre,
+    /// MAC with the subspace of a repeated root.
+    RepeatedRoots,
+    /// Number of theory modes at 0 Hz, which have no row.
+    RigidBodyModesLeftOut(usize),
+    /// A test, by name, whose modes were paired by frequency alone.
+    FrequencyAlone(String),
+    /// Missed roots were not judged for being observable.
+    ObservabilityNotJudged,
+    /// A damping ratio of a test, by name, that stands for the one that the theory does not have.
+    DampingOfTest {
+        /// The test.
+        test: String,
+        /// Median damping ratio of its modes.
+        ratio: f64,
+    },
+    /// A test, by name, whose recording is synthetic.
+    Synthetic(String),
+}
+
+impl Footnote {
+    /// The test that it is about; `None` for a sentence about the whole table.
+    pub fn test(&self) -> Option<&str> {
+        match self {
+            Footnote::FrequencyAlone(test)
+            | Footnote::Synthetic(test)
+            | Footnote::DampingOfTest { test, .. } => Some(test),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Footnote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Footnote::Error(ErrorReference::Theory) => {
+                f.write_str("Error = (test - theory)/theory.")
+            }
+            Footnote::Error(ErrorReference::Test) => f.write_str("Error = (theory - test)/test."),
+            Footnote::ComplexShapesAsTheyAre => {
+                f.write_str("MAC of the test shapes as identified; they were not made real first.")
+            }
+            Footnote::RepeatedRoots => f.write_str(
+                "A row of several theory modes is a repeated root; its MAC is that with their subspace.",
+            ),
+            Footnote::RigidBodyModesLeftOut(count) => {
+                write!(f, "Rigid-body modes of the theory at 0 Hz have no row: {count}.")
+            }
+            Footnote::FrequencyAlone(test) => write!(
+                f,
+                "{test}: paired by frequency alone where no shapes could be compared."
+            ),
+            Footnote::Synthetic(test) => write!(
+                f,
+                "{test}: a synthetic recording, computed from a stated truth; nobody measured it."
+            ),
+            Footnote::ObservabilityNotJudged => {
+                f.write_str("Whether a missed mode could have been observed was not judged.")
+            }
+            Footnote::DampingOfTest { test, ratio } => write!(
+                f,
+                "{test}: the model has no damping; what could be observed was judged with the median damping ratio of the test, {:.3} %.",
+                100.0 * ratio
+            ),
+        }
+    }
+}
+
+/// What has to be said under a table of these rows.
+pub(super) fn footnotes(
+    tests: &[PairedTest<'_>],
+    rows: &[Row],
+    reference: ErrorReference,
+) -> Vec<Footnote> {
+    let cells = || rows.iter().flat_map(|row| &row.tests);
+    let repeated = |row: &&Row| row.theory.as_ref().is_some_and(|t| t.modes.len() > 1);
+    let mut notes = vec![Footnote::Error(reference)];
+    if cells().any(|cell| cell.mac.is_some()) {
+        notes.push(Footnote::ComplexShapesAsTheyAre);
+    }
+    if rows
+        .iter()
+        .filter(repeated)
+        .flat_map(|row| &row.tests)
+        .any(|cell| cell.mac.is_some())
+    {
+        notes.push(Footnote::RepeatedRoots);
+    }
+    let rigid = tests.first().map_or(0, |test| test.pairing.rigid_theory);
+    if rigid > 0 {
+        notes.push(Footnote::RigidBodyModesLeftOut(rigid));
+    }
+    for test in tests {
+        let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
+        if partners.into_iter().any(|partner| partner.mac.is_none()) {
+            notes.push(Footnote::FrequencyAlone(test.name.to_owned()));
+        }
+        let mut findings = test.model.findings.iter();
+        if findings.any(|finding| finding.code == Code::Synthetic) {
+            notes.push(Footnote::Synthetic(test.name.to_owned()));
+        }
+    }
+    if cells().any(not_judged) {
+        notes.push(Footnote::ObservabilityNotJudged);
+    }
+    for test in tests {
+        let own = cells().filter(|cell| cell.test == test.name);
+        let ratio = own.filter_map(borrowed_damping).next();
+        notes.extend(ratio.map(|ratio| Footnote::DampingOfTest {
+            test: test.name.to_owned(),
+            ratio,
+        }));
+    }
+    notes
+}
+
+/// A missed root that nothing excuses, because what could be seen of it is not known.
+fn not_judged(cell: &TestCell) -> bool {
+    let known = cell.observability.as_ref();
+    cell.status == Status::MissedUnexpected && known.and_then(Observability::observable).is_none()
+}
+
+/// The test's damping ratio, where a missed root was judged with it.
+fn borrowed_damping(cell: &TestCell) -> Option<f64> {
+    let known = cell.observability.as_ref()?;
+    let damping = known.damping.filter(|damping| damping.from_test)?;
+    let by_damping = match cell.status {
+        Status::MissedExpected => true,
+        Status::NotObservable | Status::MissedUnexpected => !known.still && known.noise.is_ok(),
+        _ => false,
+    };
+    by_damping.then_some(damping.ratio)
+}

@@ -1,0 +1,23 @@
+//! Published results held against a model and against themselves.
+//!
+//! [`match_roots`] says which printed root is which root of the model; [`recompute`] works out the errors of a printed
+//! comparison; [`audit`] recomputes what a text claims of both. Nothing here reads a file, and nothing is taken from a
+//! text that its own tables do not bear out.
+
+mod audit;
+mod roots;
+mod table;
+
+#[cfg(test)]
+mod audit_tests;
+#[cfg(test)]
+mod roots_tests;
+
+pub use audit::{Claim, ErrorClaim, ErrorUnit, RootSide, Stated, Statement, Verdict, audit};
+pub use roots::{
+    ErrorSummary, MatchOptions, PublishedRoot, RootMatch, RootRow, frequency_hz, match_roots,
+};
+pub use table::{
+    ErrorCell, Largest, PublishedComparison, PublishedRow, RecomputedRow, RecomputedTable,
+    TestErrors, recompute,
+};

@@ -1,0 +1,260 @@
+//! Published results against the model, and against themselves.
+
+use crate::correlate::ErrorReference;
+use crate::correlate::published::{
+    ErrorSummary, Largest, RecomputedRow, RecomputedTable, RootMatch, RootRow, Stated, TestErrors,
+    Verdict,
+};
+use crate::scene::{ExpectedResult, Source, Theory};
+
+use super::comparison::provenance;
+use super::modes::largest_shares;
+use super::{Block, Cell, Column, Table};
+
+/// The published roots beside the model's; `None` where none are printed.
+pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Option<Block> {
+    let roots = expected.roots.as_ref()?;
+    let columns = vec![
+        Column::text("root"),
+        Column::number("M"),
+        Column::number("model (rad/s)"),
+        Column::number("M printed"),
+        Column::number("printed (rad/s)"),
+        Column::number("error (%)"),
+        Column::text("class of the model"),
+        Column::text("class as printed"),
+        Column::text("kinetic energy"),
+    ];
+    // A discretised model has many roots above the highest printed one, which nobody compares.
+    let shown = roots
+        .rows
+        .iter()
+        .rposition(|row| row.published.is_some())
+        .map_or(0, |last| last + 1);
+    Some(Block::Table(Table {
+        caption: "Published natural frequencies and the model".to_owned(),
+        columns,
+        rows: (1..)
+            .zip(&roots.rows[..shown])
+            .map(|(number, row)| root_cells(number, row))
+            .collect(),
+        footnotes: root_footnotes(roots, shown, &expected.source)
+            .into_iter()
+            .chain(provenance(theory))
+            .collect(),
+    }))
+}
+
+fn root_cells(number: usize, row: &RootRow) -> Vec<Cell> {
+    let (model, published) = (row.model.as_ref(), row.published.as_ref());
+    let whole = |n: usize| Cell::text(n.to_string());
+    let text = |text: Option<&String>| text.map_or(Cell::Missing, Cell::text);
+    let omega = model.map(|root| root.omega_rad_s);
+    let energy = model.map(largest_shares);
+    let label = published.map_or_else(
+        || format!("root {number}: not printed"),
+        |root| root.label.clone(),
+    );
+    vec![
+        Cell::text(label),
+        model.map_or(Cell::Missing, |root| whole(root.modes.len())),
+        Cell::number(omega, 6),
+        published.map_or(Cell::Missing, |root| whole(root.multiplicity)),
+        published.map_or(Cell::Missing, |root| {
+            Cell::text(root.omega_rad_s.to_string())
+        }),
+        Cell::signed(row.error_percent, 4),
+        text(model.and_then(|root| root.class.as_ref())),
+        text(published.and_then(|root| root.class.as_ref())),
+        energy.map_or(Cell::Missing, Cell::Text),
+    ]
+}
+
+fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<String> {
+    let told = |what: &str, errors: &Option<ErrorSummary>| {
+        errors.as_ref().map(|errors| {
+            format!(
+                "{what}, {} of them: rms error {:.4} %, largest {:+.4} % at {}.",
+                errors.count, errors.rms_percent, errors.largest_percent, errors.largest_at
+            )
+        })
+    };
+    let mut notes = vec![
+        format!("Printed: {}.", source_text(source)),
+        "M: multiplicity. Error = (model - printed)/printed. Matched by frequency alone. Kinetic energy: the largest shares by body, like bodies together.".to_owned(),
+    ];
+    notes.extend(told("Single roots above 0", &roots.simple));
+    let calibrated = roots.published().filter(|root| root.calibrated);
+    let calibrated: Vec<&str> = calibrated.map(|root| root.label.as_str()).collect();
+    if !calibrated.is_empty() {
+        let labels = calibrated.join(" ");
+        notes.push(format!(
+            "{labels}: agree by construction, a parameter of the model was inferred from them."
+        ));
+    }
+    notes.extend(told("All roots above 0", &roots.elastic));
+    let without = roots.rows[..shown]
+        .iter()
+        .filter(|row| row.model.is_none())
+        .filter_map(|row| row.published.as_ref());
+    notes.extend(without.map(|root| format!("{}: the model has no root near it.", root.label)));
+    if shown < roots.rows.len() {
+        let more = roots.rows.len() - shown;
+        notes.push(format!(
+            "Roots of the model above these: {more}, not shown."
+        ));
+    }
+    notes
+}
+
+/// Authors (year), title, journal, DOI.
+fn source_text(source: &Source) -> String {
+    let mut text = format!("{} ({}), {}", source.authors, source.year, source.paper);
+    for part in [
+        source.journal.clone(),
+        source.doi.as_ref().map(|doi| format!("doi:{doi}")),
+    ]
+    .into_iter()
+    .flatten()
+    {
+        text.push_str(", ");
+        text.push_str(&part);
+    }
+    text
+}
+
+/// A published comparison of theory and tests with its errors; `None` where there is none.
+pub fn published_comparison_block(expected: &ExpectedResult) -> Option<Block> {
+    let table = expected.comparison.as_ref()?;
+    let percent = match table.error_reference {
+        ErrorReference::Theory => "(test−theory)/theory (%)",
+        ErrorReference::Test => "(theory−test)/test (%)",
+    };
+    let mut columns = vec![
+        Column::text("label"),
+        Column::number("theory (Hz)"),
+        Column::number("root/2π (Hz)"),
+    ];
+    for test in &table.tests {
+        columns.push(Column::number(format!("{}: test (Hz)", test.test)));
+        columns.push(Column::number(format!("{}: error (Hz)", test.test)));
+        columns.push(Column::number(format!("{}: {percent}", test.test)));
+    }
+    let mut rows: Vec<Vec<Cell>> = table.rows.iter().map(comparison_cells).collect();
+    rows.push(summary_cells("max |error|", table, |test| {
+        let value = |largest: &Option<Largest>| largest.as_ref().map(|largest| largest.value);
+        [value(&test.largest_hz), value(&test.largest_percent)]
+    }));
+    rows.push(summary_cells("mean |error|", table, |test| {
+        [None, test.mean_percent]
+    }));
+    let mut footnotes = vec![
+        format!("Printed: {}.", source_text(&expected.source)),
+        "Theory and test as printed, errors recomputed. —: missed by the test, or not known."
+            .to_owned(),
+    ];
+    footnotes.extend(table.tests.iter().filter_map(where_largest));
+    Some(Block::Table(Table {
+        caption: "The published comparison, recomputed".to_owned(),
+        columns,
+        rows,
+        footnotes,
+    }))
+}
+
+fn comparison_cells(row: &RecomputedRow) -> Vec<Cell> {
+    let mut cells = vec![
+        Cell::text(&row.label),
+        Cell::text(row.theory_hz.to_string()),
+        Cell::number(row.root_hz, 2),
+    ];
+    for cell in &row.tests {
+        cells.extend(cell.map_or([const { Cell::Missing }; 3], |cell| {
+            [
+                Cell::text(cell.hz.to_string()),
+                Cell::signed(Some(cell.error_hz), 0),
+                Cell::signed(Some(cell.error_percent), 2),
+            ]
+        }));
+    }
+    cells
+}
+
+/// A row of one number in Hz and one in percent for each test.
+fn summary_cells(
+    label: &str,
+    table: &RecomputedTable,
+    values: impl Fn(&TestErrors) -> [Option<f64>; 2],
+) -> Vec<Cell> {
+    let mut cells = vec![Cell::text(label), Cell::Missing, Cell::Missing];
+    for test in &table.tests {
+        let [hz, percent] = values(test);
+        cells.extend([Cell::Missing, Cell::number(hz, 0), Cell::number(percent, 2)]);
+    }
+    cells
+}
+
+/// Where the largest errors of a test are.
+fn where_largest(test: &TestErrors) -> Option<String> {
+    let (hz, percent) = (test.largest_hz.as_ref()?, test.largest_percent.as_ref()?);
+    Some(format!(
+        "{}: largest error {} Hz at {}, {:.2} % at {}.",
+        test.test,
+        hz.value,
+        hz.rows.join(" "),
+        percent.value,
+        percent.rows.join(" ")
+    ))
+}
+
+/// The claims of a publication and what became of them; `None` where it has none.
+pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
+    let row = |verdict: &Verdict| {
+        // Two digits more than printed show how close a rounding is; a count has none to show.
+        let more = if verdict.unit.is_empty() { 0 } else { 2 };
+        let found = verdict.recomputed.as_ref();
+        vec![
+            Cell::text(&verdict.text),
+            stated_cell(&verdict.printed, verdict.decimals, verdict.unit),
+            found.map_or(Cell::Missing, |found| {
+                stated_cell(found, verdict.decimals + more, verdict.unit)
+            }),
+            Cell::text(match verdict.confirmed {
+                Some(true) => "confirmed",
+                Some(false) => "NOT confirmed",
+                None => "not checked",
+            }),
+        ]
+    };
+    (!expected.verdicts.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: "What the publication says, recomputed from its tables and the model"
+                .to_owned(),
+            columns: vec![
+                Column::text("claim"),
+                Column::text("printed"),
+                Column::text("recomputed"),
+                Column::text("verdict"),
+            ],
+            rows: expected.verdicts.iter().map(row).collect(),
+            footnotes: vec![
+                "A value is confirmed when the recomputed one rounds to it; a largest one also has to be where it is said to be."
+                    .to_owned(),
+            ],
+        })
+    })
+}
+
+/// `7.5 % at f2`, a count, or labels.
+fn stated_cell(stated: &Stated, decimals: usize, unit: &str) -> Cell {
+    let rows = stated.rows.join(" ");
+    match stated.value {
+        None if rows.is_empty() => Cell::Missing,
+        None => Cell::text(rows),
+        Some(value) => {
+            let value = format!("{value:.decimals$} {unit}");
+            let at = if rows.is_empty() { "" } else { " at " };
+            Cell::text(format!("{}{at}{rows}", value.trim_end()))
+        }
+    }
+}

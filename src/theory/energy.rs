@@ -1,0 +1,82 @@
+//! The distinct roots of a model, and where the kinetic energy of each of them is.
+
+use crate::linalg::RealMatrix;
+
+use super::{TheoreticalModel, TheoryModes};
+
+/// One root of a model with all modes that share it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelRoot {
+    /// Indices, from 0, of its modes in the list of the modes; as many as its multiplicity.
+    pub modes: Vec<usize>,
+    /// Angular frequency, rad/s; 0 for the rigid-body modes.
+    pub omega_rad_s: f64,
+    /// Share of the kinetic energy in each body, bodies in the order of the model; the shares add up to 1. For a repeated
+    /// root the mean over its modes, which does not depend on the basis.
+    pub kinetic_energy: Vec<(String, f64)>,
+    /// What kind of motion it is, in the words of the model; `None` for a model that has no such words.
+    pub class: Option<String>,
+}
+
+impl ModelRoot {
+    /// The kinetic energy with bodies that differ only in their number (`ball-1`, `ball-2`, ...) taken together under
+    /// their common name, largest share first.
+    pub fn energy_by_kind(&self) -> Vec<(String, f64)> {
+        let mut kinds: Vec<(String, f64)> = Vec::new();
+        for (body, share) in &self.kinetic_energy {
+            let kind = body
+                .rsplit_once('-')
+                .filter(|(_, number)| number.parse::<u32>().is_ok())
+                .map_or(body.as_str(), |(kind, _)| kind);
+            match kinds.iter_mut().find(|(own, _)| own == kind) {
+                Some((_, total)) => *total += share,
+                None => kinds.push((kind.to_owned(), *share)),
+            }
+        }
+        kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
+        kinds
+    }
+}
+
+/// The distinct roots in ascending order; modes of one group number are one root.
+pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<ModelRoot> {
+    let root = |own: Vec<usize>| {
+        let omega_rad_s = modes.omega_rad_s[own[0]];
+        let shares = mean_shares(modes, &own);
+        ModelRoot {
+            omega_rad_s,
+            kinetic_energy: by_body(modes, &shares),
+            class: model.mode_class(omega_rad_s, &shares).map(str::to_owned),
+            modes: own,
+        }
+    };
+    modes.model.roots().into_iter().map(root).collect()
+}
+
+/// `phi_i (M phi)_i` of every coordinate (row) in every mode (column) of unit modal mass; each column adds up to 1.
+pub(super) fn kinetic_shares(mass: &RealMatrix, vectors: &RealMatrix) -> RealMatrix {
+    let moved = mass * vectors;
+    crate::linalg::real_matrix(vectors.nrows(), vectors.ncols(), |i, j| {
+        vectors[(i, j)] * moved[(i, j)]
+    })
+}
+
+/// Share of each coordinate, the mean over the modes of a root.
+fn mean_shares(modes: &TheoryModes, own: &[usize]) -> Vec<f64> {
+    let mean = |i: usize| {
+        let sum: f64 = own.iter().map(|&j| modes.kinetic_shares[(i, j)]).sum();
+        sum / own.len() as f64
+    };
+    (0..modes.coordinates.len()).map(mean).collect()
+}
+
+fn by_body(modes: &TheoryModes, shares: &[f64]) -> Vec<(String, f64)> {
+    let mut bodies: Vec<(String, f64)> = Vec::new();
+    for (coordinate, share) in modes.coordinates.iter().zip(shares) {
+        match bodies.iter_mut().find(|(body, _)| *body == coordinate.body) {
+            Some((_, total)) => *total += share,
+            None => bodies.push((coordinate.body.clone(), *share)),
+        }
+    }
+    bodies
+}

@@ -1,0 +1,53 @@
+//! Transmissions whose models are built in, by name; one file each.
+
+mod cycloid_ball;
+mod cycloid_ball_parameters;
+#[cfg(test)]
+mod cycloid_ball_printed_tests;
+#[cfg(test)]
+mod cycloid_ball_tests;
+
+use super::{TheoreticalModel, TheoryError};
+
+pub use cycloid_ball::CycloidBall;
+
+/// A built-in model.
+pub struct BuiltIn {
+    /// Name on the command line and in scenes.
+    pub name: &'static str,
+    /// Its parameter sets; the first is meant when none is named.
+    pub sets: &'static [&'static str],
+    /// Builds it with one of the sets; `None` for another name.
+    pub build: fn(set: &str) -> Option<Box<dyn TheoreticalModel>>,
+}
+
+/// Every built-in model.
+pub const BUILT_IN: &[BuiltIn] = &[BuiltIn {
+    name: "cycloid-ball",
+    sets: cycloid_ball_parameters::SET_NAMES,
+    build: |set| Some(Box::new(CycloidBall::new(set)?)),
+}];
+
+/// The built-in model of a name such as `cycloid-ball`, or `cycloid-ball/D` for a parameter set.
+///
+/// # Errors
+/// [`TheoryError::UnknownModel`] with every name and set.
+pub fn built_in(name: &str) -> Result<Box<dyn TheoreticalModel>, TheoryError> {
+    let (model, set) = name
+        .split_once('/')
+        .map_or((name, None), |(m, s)| (m, Some(s)));
+    let entry = BUILT_IN.iter().find(|entry| entry.name == model);
+    let found = entry.and_then(|entry| (entry.build)(set.unwrap_or(entry.sets[0])));
+    found.ok_or_else(|| TheoryError::UnknownModel {
+        got: name.to_owned(),
+        known: BUILT_IN
+            .iter()
+            .flat_map(|entry| {
+                entry
+                    .sets
+                    .iter()
+                    .map(move |set| format!("{}/{set}", entry.name))
+            })
+            .collect(),
+    })
+}

@@ -1,0 +1,280 @@
+//! The lumped model of a `model.toml`: rigid bodies, points, springs.
+
+use crate::geometry::Target;
+
+use super::description::{SCHEMA, Value, distinct};
+use super::error::nearest_name;
+use super::lumped_description::{
+    BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
+};
+use super::parameter::{check_values, nominal_values};
+use super::property::{Property, Sign};
+use super::rigid::{Attachment, RigidBodies, SpringRow};
+use super::{
+    Assumption, Coordinate, Motion, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError,
+};
+
+/// The name of what does not move.
+const GROUND: &str = "ground";
+
+/// A model of rigid bodies and springs, made from a [`LumpedFile`].
+///
+/// `M = diag(m, J)`, `K = sum k b b^T` with `b` the stretch (or twist) of a spring per unit of each coordinate.
+#[derive(Clone, Debug)]
+pub struct LumpedModel {
+    file: LumpedFile,
+    bodies: RigidBodies,
+    stiffnesses: Vec<Stiffness>,
+}
+
+/// The row of a spring and the number that its stiffness is.
+#[derive(Clone, Debug)]
+struct Stiffness {
+    row: Vec<f64>,
+    name: &'static str,
+    value: Value,
+}
+
+impl LumpedModel {
+    /// The model of a file. All its numbers are checked here with the nominal values.
+    ///
+    /// # Errors
+    /// [`TheoryError::Schema`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`],
+    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`], [`TheoryError::MissingProperty`],
+    /// [`TheoryError::ZeroDirection`], [`TheoryError::UnknownBody`], [`TheoryError::UnknownPoint`],
+    /// [`TheoryError::NoStiffness`].
+    pub fn new(file: LumpedFile) -> Result<Self, TheoryError> {
+        check_file(&file)?;
+        let bodies = RigidBodies {
+            names: file.bodies.iter().map(|body| body.name.clone()).collect(),
+            coordinates: file.bodies.iter().flat_map(coordinates).collect(),
+        };
+        for point in &file.points {
+            let used_by = format!("point `{}`", point.name);
+            bodies.check_body(&used_by, &point.body)?;
+        }
+        let springs = file.springs.iter();
+        let stiffnesses = springs.map(|spring| stiffness(spring, &file.points, &bodies));
+        let model = Self {
+            stiffnesses: stiffnesses.collect::<Result<_, _>>()?,
+            bodies,
+            file,
+        };
+        model.assemble(&nominal_values(model.parameters()))?;
+        Ok(model)
+    }
+
+    /// Mass or moment of inertia of every coordinate.
+    fn inertia(&self, values: &[f64]) -> Result<Vec<f64>, TheoryError> {
+        let mut inertia = Vec::with_capacity(self.bodies.coordinates.len());
+        for body in &self.file.bodies {
+            let part = &body.label();
+            for &free in &body.free {
+                let (name, value) = inertia_of(body, free);
+                let value = value.ok_or_else(|| TheoryError::MissingProperty {
+                    part: part.clone(),
+                    property: name,
+                    needed_for: free.name(),
+                })?;
+                let sign = Sign::Positive;
+                let property = Property {
+                    part,
+                    name,
+                    value,
+                    sign,
+                };
+                inertia.push(property.resolve(&self.file.parameters, values)?);
+            }
+        }
+        Ok(inertia)
+    }
+
+    fn springs(&self, values: &[f64]) -> Result<Vec<SpringRow>, TheoryError> {
+        let spring = |(own, link): (&Stiffness, &LinkDescription)| {
+            let property = Property {
+                part: &link.label(),
+                name: own.name,
+                value: &own.value,
+                sign: Sign::NotNegative,
+            };
+            Ok(SpringRow {
+                row: own.row.clone(),
+                stiffness: property.resolve(&self.file.parameters, values)?,
+            })
+        };
+        let pairs = self.stiffnesses.iter().zip(&self.file.springs);
+        pairs.map(spring).collect()
+    }
+}
+
+impl TheoreticalModel for LumpedModel {
+    fn name(&self) -> &str {
+        &self.file.title
+    }
+
+    fn parameters(&self) -> &[ParameterSpec] {
+        &self.file.parameters
+    }
+
+    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
+        check_values(self.name(), self.parameters(), values)?;
+        Ok(self
+            .bodies
+            .matrices(&self.inertia(values)?, &self.springs(values)?))
+    }
+
+    /// A point need not lie on the body: it moves as if it were fixed to it.
+    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+        self.bodies.observation_row(target)
+    }
+
+    fn assumptions(&self) -> Vec<Assumption> {
+        let assumption = |statement| Assumption {
+            about: "lumped model".to_owned(),
+            statement,
+        };
+        vec![
+            assumption(
+                "bodies are rigid, springs have no mass, and motions are small about the position drawn",
+            ),
+            assumption("the axes of the model are the principal axes of inertia of every body"),
+            assumption(
+                "a spring acts along its stated direction: where that is not the line between its ends, it holds the pair against turning as a guide would",
+            ),
+            assumption("nothing damps; damping is given by mode"),
+        ]
+    }
+}
+
+fn coordinates(body: &BodyDescription) -> impl Iterator<Item = Coordinate> + '_ {
+    body.free.iter().map(|free| Coordinate {
+        name: format!("{}.{}", body.name, free.name()),
+        body: body.name.clone(),
+        motion: if free.axis().is_rotation() {
+            Motion::Rotation
+        } else {
+            Motion::Translation
+        },
+        axis: free.axis().unit_vector().unwrap_or_default(),
+        at_m: body.at_m,
+    })
+}
+
+/// The property that resists one way of moving.
+fn inertia_of(body: &BodyDescription, free: Free) -> (&'static str, Option<&Value>) {
+    let about = match free {
+        Free::X | Free::Y | Free::Z => return ("mass_kg", body.mass_kg.as_ref()),
+        Free::Rx => 0,
+        Free::Ry => 1,
+        Free::Rz => 2,
+    };
+    let value = match &body.inertia_kg_m2 {
+        Some(Inertia::One(value)) => Some(value),
+        Some(Inertia::Three(values)) => Some(&values[about]),
+        None => None,
+    };
+    ("inertia_kg_m2", value)
+}
+
+fn stiffness(
+    link: &LinkDescription,
+    points: &[PointDescription],
+    bodies: &RigidBodies,
+) -> Result<Stiffness, TheoryError> {
+    let label = link.label();
+    let (from, to) = (
+        attachment(&link.from, &label, points)?,
+        attachment(&link.to, &label, points)?,
+    );
+    let line: [f64; 3] = std::array::from_fn(|i| to.at_m[i] - from.at_m[i]);
+    if link.direction.is_none() && (from.body.is_none() || to.body.is_none()) {
+        return Err(TheoryError::NoDirection { part: label });
+    }
+    let direction = link.direction.unwrap_or(line);
+    let named = link.parameter.clone().map(Value::Parameter);
+    let (name, value, twist) = match (&link.stiffness_n_per_m, &link.stiffness_nm_per_rad, named) {
+        (Some(value), None, None) => ("stiffness_n_per_m", value.clone(), false),
+        (None, Some(value), None) => ("stiffness_nm_per_rad", value.clone(), true),
+        (None, None, Some(value)) => ("stiffness_n_per_m", value, false),
+        _ => {
+            return Err(TheoryError::NoStiffness {
+                part: label,
+                expected: "one of stiffness_n_per_m, stiffness_nm_per_rad and parameter",
+            });
+        }
+    };
+    let ends = (from, to);
+    let row = if twist {
+        bodies.twist_row(&label, ends, direction)?
+    } else {
+        bodies.stretch_row(&label, ends, direction)?
+    };
+    if row.iter().all(|part| part.abs() <= 0.0) {
+        return Err(TheoryError::NothingMoves { part: label });
+    }
+    Ok(Stiffness { row, name, value })
+}
+
+fn attachment<'a>(
+    name: &str,
+    used_by: &str,
+    points: &'a [PointDescription],
+) -> Result<Attachment<'a>, TheoryError> {
+    if name == GROUND {
+        return Ok(Attachment {
+            body: None,
+            at_m: [0.0; 3],
+        });
+    }
+    let point = points.iter().find(|point| point.name == name);
+    let point = point.ok_or_else(|| TheoryError::UnknownPoint {
+        got: name.to_owned(),
+        used_by: used_by.to_owned(),
+        nearest: nearest_name(name, points.iter().map(|point| point.name.as_str())),
+    })?;
+    Ok(Attachment {
+        body: Some(&point.body),
+        at_m: point.at_m,
+    })
+}
+
+/// Everything that can be checked before geometry is made of it.
+fn check_file(file: &LumpedFile) -> Result<(), TheoryError> {
+    if let Some(got) = file.schema.as_ref().filter(|schema| *schema != SCHEMA) {
+        return Err(TheoryError::Schema {
+            got: got.clone(),
+            expected: SCHEMA,
+        });
+    }
+    distinct("parameter", file.parameters.iter().map(|p| &p.name))?;
+    distinct("body", file.bodies.iter().map(|b| &b.name))?;
+    distinct("point", file.points.iter().map(|p| &p.name))?;
+    if file.points.iter().any(|point| point.name == GROUND) {
+        return Err(TheoryError::Duplicate {
+            what: "point",
+            name: GROUND.to_owned(),
+        });
+    }
+    distinct("spring", file.springs.iter().map(|s| &s.name))?;
+    for body in &file.bodies {
+        let names: Vec<String> = body
+            .free
+            .iter()
+            .map(|free| format!("{}.{}", body.name, free.name()))
+            .collect();
+        distinct("coordinate", names.iter())?;
+    }
+    if file.bodies.iter().all(|body| body.free.is_empty()) {
+        return Err(TheoryError::PropertyOutOfRange {
+            part: file.title.clone(),
+            property: "number of coordinates",
+            got: 0.0,
+            expected: "at least one body that may move",
+        });
+    }
+    check_values(
+        &file.title,
+        &file.parameters,
+        &nominal_values(&file.parameters),
+    )
+}

@@ -1,0 +1,24 @@
+//! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of it is right, and how
+//! many of its modes the present method finds.
+
+mod finding;
+mod judge;
+mod pipeline;
+mod recording;
+
+use modalign::synth::population::Member;
+use rayon::prelude::*;
+
+/// Every member, kind by kind.
+fn members() -> Vec<Member> {
+    let family = pipeline::family();
+    let counts = family.members.iter().map(|member| member.count);
+    let numbers: Vec<(usize, usize)> = counts
+        .enumerate()
+        .flat_map(|(kind, count)| (0..count).map(move |number| (kind, number)))
+        .collect();
+    let drawn = numbers
+        .par_iter()
+        .map(|&(kind, number)| family.draw(kind, number));
+    drawn.collect::<Result<_, _>>().unwrap()
+}

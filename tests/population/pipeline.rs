@@ -1,0 +1,76 @@
+//! From a member of the family to a verdict: recording, FRFs, modes, judge; and the counts of a kind.
+
+use modalign::frf::{EstimateOptions, estimate};
+use modalign::identify::{IdentifyOptions, identify};
+use modalign::signal::ForceWindow;
+use modalign::synth::HammerTest;
+use modalign::synth::population::{Member, PopulationSpec};
+
+use super::judge::{Verdict, judge};
+
+/// The one committed family.
+pub fn family() -> PopulationSpec {
+    toml::from_str(include_str!("family.toml")).unwrap()
+}
+
+/// H1 as a scene would ask for it: with a force window that leaves the filter room to ring out.
+fn estimate_options(test: &HammerTest) -> EstimateOptions {
+    let step_s = 1.0 / test.sampling_rate_hz;
+    EstimateOptions {
+        force_window: Some(ForceWindow {
+            hold_s: 96.0 * step_s,
+            flank_s: 64.0 * step_s,
+        }),
+        ..EstimateOptions::default()
+    }
+}
+
+/// Records a member, estimates its FRFs, identifies its modes and judges them.
+pub fn judged(member: &Member) -> Verdict {
+    let options = estimate_options(&member.test);
+    let hits = member.test.generate().unwrap();
+    let set = estimate(&hits, &options).unwrap();
+    let found = identify(&set, &IdentifyOptions::default()).unwrap();
+    judge(member, &options, &found)
+}
+
+/// Of some roots: how many modes a tool could find, and how many were found.
+#[derive(Clone, Copy, Default)]
+pub struct Share {
+    /// Modes there are; of a repeated root no more than there are references.
+    pub there: usize,
+    /// Modes found.
+    pub found: usize,
+}
+
+/// Counts over the members of a kind.
+#[derive(Clone, Default)]
+pub struct Tally {
+    /// Members.
+    pub members: usize,
+    /// Observable and separated.
+    pub clear: Share,
+    /// Observable, not separated.
+    pub crowded: Share,
+    /// Not observable.
+    pub hidden: Share,
+    /// Found modes that are none.
+    pub spurious: usize,
+}
+
+impl Tally {
+    /// Adds a member.
+    pub fn add(&mut self, member: &Member, verdict: &Verdict) {
+        self.members += 1;
+        self.spurious += verdict.spurious;
+        for root in &verdict.roots {
+            let share = match (root.observable, root.separated) {
+                (true, true) => &mut self.clear,
+                (true, false) => &mut self.crowded,
+                (false, _) => &mut self.hidden,
+            };
+            share.there += root.modes.len().min(member.test.hits.len());
+            share.found += root.found;
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The committed results of the cycloid ball transmission: Table 2 against a model, and the paper's own claims.
+
+use std::collections::BTreeMap;
+
+use modalign::correlate::published::{Verdict, match_roots};
+use modalign::scene::{Expected, ExpectedResult, load_expected, load_model};
+use modalign::theory::{ModeOptions, ModelRoot};
+
+use crate::command::root;
+
+/// The roots of the built-in model, set B.
+fn model_roots() -> Vec<ModelRoot> {
+    let model = load_model("cycloid-ball".as_ref(), &BTreeMap::new()).unwrap();
+    model.solve(&[], &ModeOptions::default()).unwrap().roots
+}
+
+fn cycloid_ball() -> Expected {
+    load_expected(&root().join("measurements/cycloid-ball/expected.toml")).unwrap()
+}
+
+fn judged() -> ExpectedResult {
+    cycloid_ball().judge(Some(&model_roots()))
+}
+
+/// The verdicts on claims that begin so.
+fn verdicts(result: &ExpectedResult, start: &str) -> Vec<Verdict> {
+    let begins = |verdict: &&Verdict| verdict.text.starts_with(start);
+    let found: Vec<Verdict> = result.verdicts.iter().filter(begins).cloned().collect();
+    assert!(!found.is_empty(), "{start}: {:#?}", result.verdicts);
+    found
+}
+
+fn only(result: &ExpectedResult, start: &str) -> Verdict {
+    let found = verdicts(result, start);
+    assert_eq!(found.len(), 1, "{start}");
+    found[0].clone()
+}
+
+fn value(verdict: &Verdict) -> f64 {
+    verdict.recomputed.as_ref().unwrap().value.unwrap()
+}
+
+#[test]
+fn the_errors_that_the_text_gives_at_their_rows_are_confirmed() {
+    let result = judged();
+    for (claim, row, recomputed) in [
+        ("large cylinder: largest absolute", "f13", 530.0),
+        ("small cylinder: largest absolute", "f13", 446.0),
+        (
+            "small cylinder: largest relative",
+            "f4",
+            100.0 * 167.0 / 2300.0,
+        ),
+        (
+            "centre disc face: relative error",
+            "f2",
+            100.0 * 105.0 / 1396.0,
+        ),
+    ] {
+        let verdict = only(&result, claim);
+        assert_eq!(verdict.confirmed, Some(true), "{claim}");
+        assert!((value(&verdict) - recomputed).abs() < 1e-9, "{claim}");
+        assert_eq!(verdict.recomputed.unwrap().rows, [row], "{claim}");
+    }
+}
+
+#[test]
+fn the_largest_relative_error_of_the_third_point_is_at_f4_and_not_at_f2() {
+    let verdict = only(&judged(), "centre disc face: the 7.5 %");
+    assert_eq!(verdict.confirmed, Some(false));
+    assert_eq!(format!("{:.2}", value(&verdict)), "10.13");
+    assert_eq!(verdict.recomputed.unwrap().rows, ["f4"]);
+    assert_eq!(verdict.printed.rows, ["f2"]);
+}
+
+#[test]
+fn the_theory_column_is_the_angular_frequency_over_two_pi_but_at_f12() {
+    let found = verdicts(&judged(), "the theory column");
+    let [good, bad] = found.as_slice() else {
+        panic!("{found:#?}");
+    };
+    let rows = |verdict: &Verdict| verdict.recomputed.clone().unwrap().rows;
+    assert_eq!((good.confirmed, rows(good).len()), (Some(true), 11));
+    assert_eq!(
+        (bad.confirmed, rows(bad)),
+        (Some(false), vec!["f12".to_owned()])
+    );
+    assert_eq!(format!("{:.0}", value(bad)), "7827");
+    assert_eq!(bad.printed.value, Some(7826.0));
+}
+
+#[test]
+fn thirteen_single_roots_are_printed_of_fourteen_claimed_and_the_model_has_them_all() {
+    let result = judged();
+    for (claim, count, confirmed) in [
+        ("14 single roots, counted in Table 2", 13.0, false),
+        ("14 single roots, counted in the model", 14.0, true),
+        (
+            "37 natural frequencies in all, counted in Table 2",
+            36.0,
+            false,
+        ),
+        (
+            "37 natural frequencies in all, counted in the model",
+            37.0,
+            true,
+        ),
+        ("the zero root", 11.0, true),
+        ("the root of 33679", 4.0, true),
+        ("the root of 49176", 8.0, true),
+    ] {
+        let verdict = only(&result, claim);
+        assert_eq!(verdict.confirmed, Some(confirmed), "{claim}");
+        assert!((value(&verdict) - count).abs() < 1e-12, "{claim}");
+    }
+}
+
+#[test]
+fn the_frequencies_that_each_test_missed_are_confirmed() {
+    let result = judged();
+    let missed: Vec<_> = result
+        .verdicts
+        .iter()
+        .filter(|verdict| verdict.text.ends_with("missed"))
+        .collect();
+    assert_eq!(missed.len(), 3);
+    assert!(missed.iter().all(|verdict| verdict.confirmed == Some(true)));
+}
+
+#[test]
+fn the_model_meets_every_printed_root_and_has_one_that_is_not_printed() {
+    let expected = cycloid_ball();
+    let roots = match_roots(&model_roots(), &expected.roots, &expected.matching);
+    assert_eq!(roots.rows.len(), 17);
+    let alone: Vec<f64> = roots
+        .rows
+        .iter()
+        .filter(|row| row.published.is_none())
+        .map(|row| row.model.as_ref().unwrap().omega_rad_s)
+        .collect();
+    assert_eq!(alone.len(), 1);
+    assert!((alone[0] - 73303.571088).abs() < 1e-6, "{alone:?}");
+    assert!(
+        roots
+            .rows
+            .iter()
+            .all(|row| row.same_multiplicity() != Some(false))
+    );
+    // Errors of the same solution as its author reports them.
+    let simple = roots.simple.unwrap();
+    assert_eq!(simple.count, 13);
+    assert_eq!(format!("{:.3}", simple.rms_percent), "1.087");
+    assert_eq!(format!("{:.3}", simple.largest_percent), "2.897");
+    assert_eq!(simple.largest_at, "ω2");
+    let elastic = roots.elastic.unwrap();
+    assert_eq!((elastic.count, elastic.largest_at.as_str()), (15, "ω2"));
+    assert!(
+        elastic.rms_percent < simple.rms_percent,
+        "the two repeated roots are exact"
+    );
+}
+
+#[test]
+fn the_recomputed_table_has_the_errors_and_their_means() {
+    let table = judged().comparison.unwrap();
+    let mean: Vec<String> = table
+        .tests
+        .iter()
+        .map(|test| format!("{:.4}", test.mean_percent.unwrap()))
+        .collect();
+    assert_eq!(mean, ["3.5972", "2.5278", "3.1023"]);
+    let f13 = table.rows.iter().find(|row| row.label == "f13").unwrap();
+    let error = f13.tests[0].unwrap();
+    assert!((error.error_hz + 530.0).abs() < 1e-9, "test minus theory");
+    assert!((error.error_percent + 100.0 * 530.0 / 9463.0).abs() < 1e-9);
+}
