@@ -12,7 +12,7 @@ use super::pipeline::{Share, Tally, judged};
 
 /// Observable and separated modes. Measured: 444.
 const FEWEST_CLEAR: usize = 440;
-/// Most of them that are not found. Measured: 1, a plate's highest mode whose noise hides its turn.
+/// Most of them that are not found. Measured: 1, the highest mode of a plate, which is dropped as a hump of the background.
 const MOST_CLEAR_LOST: usize = 2;
 /// Least found of the observable modes that are not separated. Measured: 510 of 639.
 const FEWEST_CROWDED: usize = 505;
