@@ -89,7 +89,7 @@ pub struct DofError {
 
 /// A degree of freedom: point, axis, sign of the sensor, and the number of a repeated measurement.
 ///
-/// Ordered by point (numbers by value before names), axis, sign, repeat.
+/// Ordered by component, point (numbers by value before names), axis, sign, repeat.
 ///
 /// ```
 /// use modalign::dof::Dof;
@@ -203,12 +203,15 @@ impl Dof {
         }
     }
 
-    fn sort_key(&self) -> (u8, u64, &str, Axis, bool, u32) {
-        let number = self.point.parse::<u64>().ok();
+    /// Component (none first), then numbers by value before names.
+    fn sort_key(&self) -> (&str, u8, u64, &str, Axis, bool, u32) {
+        let (component, name) = self.point.split_once('.').unwrap_or(("", &self.point));
+        let number = name.parse::<u64>().ok();
         (
+            component,
             u8::from(number.is_none()),
             number.unwrap_or(0),
-            &self.point,
+            name,
             self.axis,
             self.negative,
             self.repeat,
@@ -306,12 +309,13 @@ mod tests {
 
     #[test]
     fn numbers_sort_by_value_before_names() {
-        let mut dofs: Vec<Dof> = ["a:+X", "10:+X", "9:+Z", "9:+X"]
+        let mut dofs: Vec<Dof> = ["b.10:+X", "a:+X", "10:+X", "b.9:+X", "9:+Z", "9:+X"]
             .iter()
             .map(|t| t.parse().unwrap())
             .collect();
         dofs.sort();
         let text: Vec<String> = dofs.iter().map(ToString::to_string).collect();
-        assert_eq!(text, ["9:+X", "9:+Z", "10:+X", "a:+X"]);
+        let expected = ["9:+X", "9:+Z", "10:+X", "a:+X", "b.9:+X", "b.10:+X"];
+        assert_eq!(text, expected);
     }
 }

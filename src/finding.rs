@@ -130,12 +130,57 @@ codes! {
     /// The binary byte count is wrong.
     ByteCountWrong: "the byte count of a binary dataset does not agree with its number of points; the number of points was used",
         "Dataset 58b states the length of its binary block. Some writers state zero, half of it or another number. The value is the count as stated, the limit the count that the number of points needs.";
+    /// The number of points is wrong.
+    PointCountWrong: "the number of points of a binary dataset does not agree with its length; the length was used",
+        "Dataset 58b states a number of points and a byte count. Where the closing delimiter stands behind the stated bytes and not behind the stated points, the bytes are all taken as values. The value is the number of points as stated, the limit the number that the bytes hold.";
+    /// The closing delimiter is missing.
+    NotClosed: "the delimiter behind the numbers of a dataset is missing; its numbers are all there",
+        "A dataset of a universal file ends with a line `-1`. Where the file ends without it, or the next dataset begins, the dataset counts as whole when it has as many numbers as its header says and its last line is complete.";
     /// A header text is not UTF-8.
     HeaderNotUtf8: "a header text is not valid UTF-8; the offending bytes were replaced",
         "Old systems write units such as m/s² in Latin-1. Numbers are not affected.";
     /// FRFs beside recorded hits.
     FunctionsPassedOver: "FRFs stand beside recorded hits and were passed over; they were estimated anew from the hits",
         "A test is made from its recorded hits where there are any. To use the FRFs of the file instead, give a file that holds them alone.";
+    /// Something that the output format has no place for.
+    NotCarried: "the output format cannot hold this, and it was left out",
+        "`convert` writes what the output format can hold. The place names what is lost; the value says how many of it. HDF5, .mat and .npz hold everything but arrays whose meaning nobody has stated.";
+    /// A hit of which records are missing.
+    HitLeftOut: "this hit has another number of records than most; it was left out",
+        "With --partial the whole hits of a partly bad file are used. A hit with another number of records than most, because the file ends inside it or a record beside it is bad, could pair a response with another hit's force. The value is the number of its records, the limit that of a whole hit.";
+    /// Directions in local coordinate systems.
+    LocalDirections: "directions at nodes with a local coordinate system are local; they are compared by name as if they were global",
+        "Nodes of universal files may have a displacement coordinate system (datasets 18, 2420). Sensors and hits of records and FRFs are named in it. The modes identified from them keep these local directions; shapes from a model or from dataset 55 are global. Turn the sensors' directions with --dof-map, or state sensors with their direction in a scene. The value is the number of degrees of freedom.";
+    /// The number of averages is not in the file.
+    AveragesAssumed: "the number of averages is not stated; the variance of the FRFs assumes this number",
+        "The variance of an FRF follows from its coherence and the number of averages. Where the file does not say how many hits were averaged, the value is assumed; standard deviations scale with one over the square root of it less one. State it with `averages` in [[test]] or --averages.";
+    /// Samples that are not evenly spaced.
+    UnevenAxis: "the abscissa is uneven; the function can be converted but not used for FRFs or identification",
+        "FRF estimation and identification need evenly spaced samples or lines. An abscissa printed value by value counts as even when each value lies within the rounding of its place.";
+    /// An abscissa of a unit that is not known.
+    AxisUnitUnknown: "the unit of the abscissa is not known; its values are kept as they are and taken neither as seconds nor as hertz",
+        "The header says time or frequency in a unit that modalign does not know. Such a function can be listed and converted, with the unit's text, but not used for FRFs or identification. Change the unit in the file to s or Hz, with the values.";
+    /// Directions that were never measured.
+    UnmeasuredLeftOut: "values that are 0 in every mode stand for directions that were not measured and were left out",
+        "Measurement systems fill the directions of a node that were not measured with zeros, and dataset 55 cannot say so. Where the ID lines or the title name such a system (Test.Lab, LMS, Simcenter), or a note of modalign says that zeros are unmeasured, a degree of freedom that is exactly 0 in every one of these modes is left out. In every other file 0 is a value and stays. The place is the first of the modes, the value the number of degrees of freedom.";
+    /// A modal scale without a unit.
+    ModalScaleUnknown: "modal mass, modal A and modal B are of unknown unit and were left out",
+        "Modal mass, A and B belong to the scale of the shape. They have a unit only where dataset 164 states the units of the file and the shape is a displacement; to which of its quantities the scale of a velocity or acceleration shape belongs differs from writer to writer. The shape itself stays, in an arbitrary scale. The value is the number of modes.";
+    /// Shapes were turned from local coordinate systems.
+    LocalSystemApplied: "shape values given in local coordinate systems were turned into the global frame",
+        "Nodes of universal files may have a displacement coordinate system (datasets 18, 2420). Shapes are compared in the global frame, so the values at those nodes were turned; the value is the number of nodes.";
+    /// A coordinate system that is named but not described.
+    UnknownSystem: "a node's coordinate system is not described in the file; its values were taken as global",
+        "A node names the coordinate system of its position or displacements by number. Datasets 18 and 2420 describe them; the value is a number that none describes.";
+    /// Analysis results that are no modes.
+    NotModes: "data at nodes or elements that are no mode shapes were passed over",
+        "Universal datasets 55 and 2414 hold results of many analyses. Shapes of normal modes and of complex eigenvalues are read; anything else is passed over. The value is the number of the analysis: 1 static, 2 normal mode (of another quantity than motion), 4 transient, 5 frequency response, 6 buckling.";
+    /// A part of a file that is described but not read.
+    ArrayNotRead: "an array of this kind is listed but cannot be read",
+        "Containers hold more kinds of data than numbers: objects, functions, sparse arrays, references. They are listed by `inspect`, so that nothing is silently left out; the place names the array.";
+    /// Degrees of freedom tied by position.
+    DofsByNode: "degrees of freedom of test and theory were tied by the nearest node; the largest distance is given",
+        "With --nearest-node the names do not count: a sensor of the test meets the theory's degree of freedom of the same axis at the node nearest to it, within the tolerance. Both geometries must be in one frame and in the same unit; look at the largest distance.";
     /// The sampling rate was restored from a rounded spacing.
     SpacingRounded: "the sampling rate was restored from a spacing printed with few digits",
         "Universal files print the spacing with six digits. Where exactly one whole number of samples per second lies within the rounding, that rate is taken.";

@@ -93,6 +93,25 @@ pub struct Unit {
     pub to_si: f64,
 }
 
+impl Unit {
+    /// The first unit of this quantity with exactly this factor to SI.
+    ///
+    /// ```
+    /// use modalign::quantity::{Quantity, Unit};
+    /// assert_eq!(Unit::of(Quantity::Force, 1e3).map(|unit| unit.name), Some("kN"));
+    /// ```
+    pub fn of(quantity: Quantity, to_si: f64) -> Option<Self> {
+        let row = UNITS
+            .iter()
+            .find(|row| row.1 == quantity && row.2.to_bits() == to_si.to_bits());
+        row.map(|&(name, quantity, to_si)| Self {
+            name,
+            quantity,
+            to_si,
+        })
+    }
+}
+
 impl FromStr for Unit {
     type Err = UnitError;
 

@@ -37,7 +37,8 @@ pub struct Global {
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Read every input as this format instead of judging by content (uff, table).
+    /// Read every input as this format instead of judging by content (uff, hdf5, matlab5, npz, npy, modes, pulse,
+    /// signalcalc, table).
     #[arg(long, global = true, value_name = "NAME")]
     pub format: Option<String>,
     /// What a finding's code means.
@@ -52,6 +53,8 @@ pub enum Verb {
     Run(RunArgs),
     /// Say what is in files, from their headers.
     Inspect(InspectArgs),
+    /// Write what files hold in another format.
+    Convert(ConvertArgs),
     /// Estimate FRFs from recorded hits.
     Frf(FrfArgs),
     /// Identify modes from FRFs.
@@ -87,13 +90,37 @@ pub struct InspectArgs {
     pub files: Vec<PathBuf>,
 }
 
+/// `convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Files of any known format, put together in this order; or one scene, whose first test's files are meant as it
+    /// describes them.
+    #[arg(required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Write here; the extension says the format (.uff .unv .h5 .mat .npz .csv .json).
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Numbers as text, where the format has text and bytes (universal file dataset 58 instead of 58b).
+    #[arg(long)]
+    pub text: bool,
+    /// Numbers of 32 bits, whatever they were.
+    #[arg(long, conflicts_with = "double")]
+    pub single: bool,
+    /// Numbers of 64 bits, whatever they were.
+    #[arg(long)]
+    pub double: bool,
+    /// The good part of a partly bad file will do. It is written without this too; the exit code is 1 either way.
+    #[arg(long)]
+    pub partial: bool,
+}
+
 /// `frf`.
 #[derive(Debug, Args)]
 pub struct FrfArgs {
     /// Recordings, or one scene whose tests describe them.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the FRFs here (.uff).
+    /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is complete.
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// h1, h2 or hv.
@@ -128,7 +155,7 @@ pub struct IdentifyArgs {
     /// FRF files.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the modes here (.json).
+    /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// auto, peak or circle.
@@ -140,6 +167,9 @@ pub struct IdentifyArgs {
     /// Use these references alone.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,
+    /// Number of averages of FRFs whose file does not say it; their variance follows from it and the coherence.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub averages: Option<u32>,
     /// Go on with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
@@ -150,7 +180,7 @@ pub struct IdentifyArgs {
 pub struct TheoryArgs {
     /// A built-in model (cycloid-ball, cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
     pub model: PathBuf,
-    /// Write the modes here (.json).
+    /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Set a parameter; may be repeated.
@@ -164,12 +194,18 @@ pub struct TheoryArgs {
 /// `correlate`.
 #[derive(Debug, Args)]
 pub struct CorrelateArgs {
-    /// Modes of the test (modes.json); may be repeated.
+    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55; may be repeated.
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
-    /// Modes of the model (modes.json), a model.toml, or a built-in model.
+    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose model is meant.
     #[arg(long)]
     pub theory: PathBuf,
+    /// A list of lines TEST,THEORY, where the degrees of freedom of both have other names.
+    #[arg(long, value_name = "FILE", conflicts_with = "nearest_node")]
+    pub dof_map: Option<PathBuf>,
+    /// Tie degrees of freedom by the nearest node within this distance, m, instead of by name.
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub nearest_node: Option<f64>,
     /// Write the table here (.md, .csv, .tex, .txt or .json).
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
@@ -214,6 +250,13 @@ pub struct CheckArgs {
     /// Write the verdicts as JUnit XML for a CI server.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value
+        .filter(|value| value.is_finite() && *value > 0.0)
+        .ok_or_else(|| format!("got `{text}`, expected a number above 0"))
 }
 
 fn band(text: &str) -> Result<Band, String> {

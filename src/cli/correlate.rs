@@ -2,11 +2,16 @@
 
 use std::path::Path;
 
-use crate::correlate::{ErrorReference, PairOptions};
+use crate::correlate::{CorrelateError, DofMap, DofNames, ErrorReference, PairOptions};
 use crate::error::Error;
-use crate::io::{modes_from_json, write_whole};
+use crate::geometry::Geometry;
+use crate::io::write_whole;
+use crate::modal::ModalModel;
 use crate::report::{Block, json, renderer_for_extension, whole_comparison};
-use crate::scene::{NamedTest, SceneError, Theory, compare_tests, load_model, read_text};
+use crate::scene::{
+    NamedTest, Scene, SceneError, Theory, compare_tests, is_modes_file, load_model, load_modes,
+    read_text, theory,
+};
 use crate::theory::ModeOptions;
 
 use super::Outcome;
@@ -14,20 +19,28 @@ use super::args::CorrelateArgs;
 use super::output::{Output, check_extension};
 
 /// Prints the table; writes it with `-o` in the format of the file's extension.
-pub fn correlate(args: &CorrelateArgs, output: &mut Output) -> Result<Outcome, Error> {
+pub fn correlate(
+    args: &CorrelateArgs,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), &["md", "csv", "tex", "txt", "json"])?;
     let options = pair_options(args)?;
-    let tests = args
+    let mut tests = args
         .test
         .iter()
-        .map(|path| Ok((path.display().to_string(), load(path)?.modes)))
+        .map(|path| Ok((path.display().to_string(), load(path, format)?)))
         .collect::<Result<Vec<_>, Error>>()?;
-    let theory = load(&args.theory)?;
+    let theory = load(&args.theory, format)?;
+    let theory = tied(args, &mut tests, theory)?;
+    for (name, test) in &tests {
+        has_common(name, &test.modes, &theory.modes)?;
+    }
     let named: Vec<_> = tests
         .iter()
-        .map(|(name, modes)| NamedTest {
+        .map(|(name, test)| NamedTest {
             name,
-            modes,
+            modes: &test.modes,
             frfs: &[],
         })
         .collect();
@@ -40,13 +53,90 @@ pub fn correlate(args: &CorrelateArgs, output: &mut Output) -> Result<Outcome, E
     }
     output.blocks(&blocks);
     output.json(&json);
-    for model in tests.iter().map(|(_, modes)| modes).chain([&theory.modes]) {
+    for model in tests
+        .iter()
+        .map(|(_, test)| &test.modes)
+        .chain([&theory.modes])
+    {
         output.findings(&model.findings);
     }
     for (test, findings) in &comparison.findings {
         output.findings_of(test, findings);
     }
     Ok(Outcome::Done)
+}
+
+/// Shapes on both sides without one common degree of freedom have other names, or are of another machine.
+fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
+    let example = |model: &ModalModel| {
+        let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());
+        shapes.next().map(|(dof, _)| dof.to_string())
+    };
+    let (Some(own), Some(other)) = (example(test), example(theory)) else {
+        return Ok(());
+    };
+    if !DofMap::of_models(test, theory).is_empty() {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "--test",
+        got: format!(
+            "{name}, which has no degree of freedom in common with the theory ({own}, ... and {other}, ...)"
+        ),
+        expected: "common names; or tie them with --dof-map FILE or --nearest-node METRES"
+            .to_owned(),
+    })
+}
+
+/// The theory under the names of the test, where the names differ. With several tests all must have the first one's.
+fn tied(
+    args: &CorrelateArgs,
+    tests: &mut [(String, Theory)],
+    theory: Theory,
+) -> Result<Theory, Error> {
+    if let Some(path) = &args.dof_map {
+        let text = read_text(path)?;
+        let names = DofNames::parse(&text).map_err(|error| list_error(path, &error))?;
+        return Ok(renamed(&names, theory));
+    }
+    let (Some(tolerance), Some((_, first))) = (args.nearest_node, tests.first_mut()) else {
+        return Ok(theory);
+    };
+    has_nodes(&args.test[0], &first.geometry)?;
+    has_nodes(&args.theory, &theory.geometry)?;
+    let (names, finding) = DofNames::nearest(
+        (&first.modes, &first.geometry),
+        (&theory.modes, &theory.geometry),
+        tolerance,
+    );
+    first.modes.findings.push(finding);
+    Ok(renamed(&names, theory))
+}
+
+fn renamed(names: &DofNames, theory: Theory) -> Theory {
+    Theory {
+        modes: names.rename(&theory.modes),
+        ..theory
+    }
+}
+
+fn list_error(path: &Path, error: &CorrelateError) -> Error {
+    Error::Argument {
+        argument: "--dof-map",
+        got: format!("{}: {error}", path.display()),
+        expected: "a file with a line TEST,THEORY for each pair".to_owned(),
+    }
+}
+
+fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
+    if !geometry.nodes.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "--nearest-node",
+        got: format!("{} without a position of any point", path.display()),
+        expected: "a file with nodes (universal datasets 15 or 2411), or a model with sensors at positions".to_owned(),
+    })
 }
 
 fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
@@ -66,17 +156,25 @@ fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
     Ok(options)
 }
 
-/// Modes from a `modes.json`, or a model solved at the sensors that its own file names, else at its coordinates.
-fn load(path: &Path) -> Result<Theory, SceneError> {
-    if path.extension().is_none_or(|extension| extension != "json") {
-        let model = load_model(path, &Default::default())?;
-        return model.solve(&model.sensors, &ModeOptions::default());
+/// Modes from a file that holds them; or a model solved at the sensors that its own file names, else at its coordinates;
+/// or the model of a scene at the scene's sensors.
+fn load(path: &Path, format: Option<&str>) -> Result<Theory, SceneError> {
+    if is_modes_file(path) {
+        let (modes, geometry) = load_modes(path, format)?;
+        return Ok(Theory {
+            modes,
+            geometry,
+            ..Theory::default()
+        });
     }
-    let modes = modes_from_json(&read_text(path)?, &path.display().to_string())?;
-    Ok(Theory {
-        modes,
-        ..Theory::default()
-    })
+    let options = ModeOptions::default();
+    if Scene::is_path(path) {
+        let scene = Scene::load(path)?;
+        let table = scene.model.clone().unwrap_or_default();
+        return theory(&table, &scene.folder, &scene.path, &scene.sensors, &options);
+    }
+    let model = load_model(path, &Default::default())?;
+    model.solve(&model.sensors, &options)
 }
 
 fn rendered(path: &Path, blocks: &[Block], json: &str) -> String {

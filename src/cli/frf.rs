@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{EstimateOptions, Estimator, FrfSet};
-use crate::io::{Encoding, FileLabel, HitGrouping, write_atomically, write_frfs};
+use crate::io::{HitGrouping, WriteOptions, frf_source, write_path};
 use crate::report::frf_block;
 use crate::scene::{
     FilePlan, IngestOptions, Ingested, Scene, TestSource, estimate_hits, force_window,
@@ -14,7 +14,7 @@ use crate::scene::{
 
 use super::Outcome;
 use super::args::FrfArgs;
-use super::output::{Output, UNIVERSAL, check_extension};
+use super::output::{FUNCTIONS, Output, check_extension};
 
 /// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad and left out.
 pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
@@ -23,7 +23,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         Some(name) => HitGrouping::from_name(name)
             .ok_or_else(|| argument("--hits", name, "records or files"))?,
     };
-    check_extension(args.output.as_deref(), UNIVERSAL)?;
+    check_extension(args.output.as_deref(), FUNCTIONS)?;
     let scene = scene(args)?;
     let data = match &scene {
         Some(scene) => scene_files(args, scene, format)?,
@@ -32,12 +32,9 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     let options = options(args, scene.as_ref(), &data)?;
     let (set, usable) = estimate_hits(&data.hits, &options)?;
     if let Some(path) = &args.output {
-        let name = path.display().to_string();
-        let label = FileLabel {
-            path: &name,
-            title: "FRFs",
-        };
-        write_atomically(path, |out| write_frfs(out, &label, &set, Encoding::Binary))?;
+        let mut source = frf_source(&set, "FRFs");
+        source.catalog.geometry = data.geometry.clone();
+        output.findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
     output.blocks(&[frf_block(&set, usable, data.hits.len())]);
     output.json(&set_json(&set, usable));
@@ -51,8 +48,7 @@ fn scene(args: &FrfArgs) -> Result<Option<Scene>, Error> {
     let [only] = args.inputs.as_slice() else {
         return Ok(None);
     };
-    let is_scene = only.is_dir() || only.file_name().is_some_and(|name| name == "scene.toml");
-    Ok(if is_scene {
+    Ok(if Scene::is_path(only) {
         Some(Scene::load(only)?)
     } else {
         None
@@ -77,6 +73,7 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
             typed: Some(typed),
             partial,
             format,
+            averages: None,
             scene: &scene.path,
         },
     )?)

@@ -2,14 +2,14 @@
 
 use crate::error::Error;
 use crate::identify::IdentifyOptions;
-use crate::io::{modes_to_json, sha256_hex, write_whole};
+use crate::io::{modes_to_json, sha256_hex};
 use crate::modal::InputFile;
 use crate::report::modes_block;
 use crate::scene::{FilePlan, IngestOptions, SceneError, identify_sets, ingest_files};
 
 use super::Outcome;
 use super::args::IdentifyArgs;
-use super::output::{Output, check_extension};
+use super::output::{MODES, Output, check_extension, write_modes};
 
 /// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left out.
 pub fn identify(
@@ -17,7 +17,7 @@ pub fn identify(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), &["json"])?;
+    check_extension(args.output.as_deref(), MODES)?;
     let files: Vec<FilePlan> = args
         .inputs
         .iter()
@@ -28,6 +28,7 @@ pub fn identify(
         &IngestOptions {
             partial: args.partial,
             format,
+            averages: args.averages,
             ..IngestOptions::default()
         },
     )?;
@@ -57,7 +58,13 @@ pub fn identify(
         .collect::<Result<_, SceneError>>()?;
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {
-        write_whole(path, &json)?;
+        // The directions are those of the functions; no system turns them once more.
+        let mut geometry = data.geometry.clone();
+        for node in &mut geometry.nodes {
+            node.displacement_system = None;
+        }
+        let lost = write_modes(path, &modes, &geometry, &json)?;
+        output.findings(&lost);
     }
     output.blocks(&[modes_block(&name, &modes)]);
     output.json(&json);

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod convert;
 mod correlate;
 mod frf;
 mod identify;
@@ -92,10 +93,11 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
     match &cli.verb {
         Some(Verb::Run(args)) => run::run(args, format, output),
         Some(Verb::Inspect(args)) => inspect::inspect(args, format, output),
+        Some(Verb::Convert(args)) => convert::convert(args, format, output),
         Some(Verb::Frf(args)) => frf::frf(args, format, output),
         Some(Verb::Identify(args)) => identify::identify(args, format, output),
         Some(Verb::Theory(args)) => theory::theory(args, output),
-        Some(Verb::Correlate(args)) => correlate::correlate(args, output),
+        Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),
         Some(Verb::Check(args)) => check::check(args, output),
         None => {

@@ -1,11 +1,14 @@
 //! Standard output carries the result alone, standard error the findings.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::Path;
 
 use crate::error::Error;
 use crate::finding::{Code, Finding};
+use crate::geometry::Geometry;
+use crate::io::{IoError, WriteOptions, modes_source, write_path, write_whole};
+use crate::modal::ModalModel;
 use crate::report::{Block, Renderer, Terminal};
 
 use super::args::Global;
@@ -13,8 +16,33 @@ use super::args::Global;
 /// More findings of one code than this are counted instead of listed.
 const LISTED_PER_CODE: usize = 5;
 
-/// Extensions of universal files.
-pub const UNIVERSAL: &[&str] = &["uff", "unv"];
+/// Extensions of the formats that hold modes.
+pub const MODES: &[&str] = &["json", "uff", "unv", "ufb", "h5", "hdf5", "mat", "npz"];
+
+/// Extensions of the formats that hold FRFs.
+pub const FUNCTIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];
+
+/// Writes modes in the format of the path's extension: `modes.json` as given, any other from the model.
+///
+/// # Errors
+/// As [`write_path`].
+pub fn write_modes(
+    path: &Path,
+    model: &ModalModel,
+    geometry: &Geometry,
+    json: &str,
+) -> Result<Vec<Finding>, IoError> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    {
+        write_whole(path, json)?;
+        return Ok(Vec::new());
+    }
+    let mut source = modes_source(model, &model.producer);
+    source.catalog.geometry = geometry.clone();
+    write_path(path, &mut source, WriteOptions::default())
+}
 
 /// An output file's extension must be that of what will be written.
 pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Error> {
@@ -114,6 +142,7 @@ impl Output {
 fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
     let mut by_code: BTreeMap<(std::cmp::Reverse<crate::finding::Severity>, Code), Vec<String>> =
         BTreeMap::new();
+    let mut known = BTreeSet::new();
     for (test, finding) in findings {
         let lines = by_code
             .entry((std::cmp::Reverse(finding.severity), finding.code))
@@ -125,7 +154,7 @@ fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
         };
         let (severity, code) = (finding.severity, finding.code.name());
         let line = format!("{severity}: {name}{finding} [{code}]");
-        if !lines.contains(&line) {
+        if known.insert(line.clone()) {
             lines.push(line);
         }
     }

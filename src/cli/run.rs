@@ -121,8 +121,11 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
             stem
         };
         files.push((format!("{stem}.modes.json"), test.modes_json().into_bytes()));
-        for set in &test.frfs {
-            let name = format!("{stem}.frf.uff");
+        for (number, set) in test.frfs.iter().enumerate() {
+            let name = match number {
+                0 => format!("{stem}.frf.uff"),
+                _ => format!("{stem}.frf-{}.uff", number + 1),
+            };
             let mut bytes = Vec::new();
             write_frfs(
                 &mut bytes,

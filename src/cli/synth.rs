@@ -8,11 +8,11 @@ use crate::scene::{hammer_test, load_synth, record};
 use super::Outcome;
 use super::args::SynthArgs;
 
-use super::output::{Output, UNIVERSAL, check_extension};
+use super::output::{Output, check_extension};
 
 /// Writes `FILE` and, beside it, `FILE` with the extension `.modes.json`.
 pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
-    check_extension(Some(&args.output), UNIVERSAL)?;
+    check_extension(Some(&args.output), &["uff", "unv"])?;
     let spec = load_synth(&args.spec)?;
     let test = hammer_test(&spec, &args.spec)?;
     let recording = record(&spec, &test, &args.spec)?;

@@ -3,22 +3,23 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::io::{modes_to_json, write_whole};
+use crate::io::modes_to_json;
 use crate::report::{Block, parameters_block, roots_block, theory_block};
 use crate::scene::{Scene, SceneError, Theory, load_model, theory as scene_theory};
 use crate::theory::ModeOptions;
 
 use super::Outcome;
 use super::args::TheoryArgs;
-use super::output::{Output, check_extension};
+use super::output::{MODES, Output, check_extension, write_modes};
 
 /// Prints the modes; writes them with `-o`.
 pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), &["json"])?;
+    check_extension(args.output.as_deref(), MODES)?;
     let result = solve(args)?;
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
-        write_whole(path, &json)?;
+        let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
+        output.findings(&lost);
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();
@@ -40,12 +41,7 @@ fn solve(args: &TheoryArgs) -> Result<Theory, SceneError> {
         band: args.band,
         ..ModeOptions::default()
     };
-    let is_scene = args.model.is_dir()
-        || args
-            .model
-            .file_name()
-            .is_some_and(|name| name == "scene.toml");
-    if !is_scene {
+    if !Scene::is_path(&args.model) {
         let model = load_model(&args.model, &settings)?;
         return model.solve(&model.sensors, &options);
     }

@@ -6,6 +6,16 @@ use crate::linalg::LinalgError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CorrelateError {
+    /// A list of degrees of freedom that cannot be read.
+    #[error("line {line} of the list of degrees of freedom: got {got:?}, expected {expected}")]
+    DofList {
+        /// Line from 1.
+        line: usize,
+        /// The line as found.
+        got: String,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
     /// An option outside its range.
     #[error("pairing option {name}: got {got}, expected {expected}")]
     Option {

@@ -8,6 +8,7 @@
 mod assignment;
 mod cell;
 mod dof_map;
+mod dof_names;
 mod error;
 mod footnote;
 mod observability;
@@ -27,6 +28,7 @@ mod table_tests;
 
 pub use assignment::assign;
 pub use dof_map::{DofMap, DofPair};
+pub use dof_names::DofNames;
 pub use error::CorrelateError;
 pub use footnote::Footnote;
 pub use observability::{

@@ -1,5 +1,7 @@
 //! The FRF set: functions on one frequency axis.
 
+use std::collections::BTreeSet;
+
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
@@ -97,6 +99,7 @@ pub enum SetError {
 pub struct FrfSet {
     axis: FrequencyAxis,
     functions: Vec<Function>,
+    pairs: BTreeSet<(Dof, Dof)>,
     values: Vec<Complex64>,
     coherence: Vec<Option<Vec<f64>>>,
     variance: Vec<Option<Vec<f64>>>,
@@ -118,6 +121,7 @@ impl FrfSet {
         Self {
             axis,
             functions: Vec::new(),
+            pairs: BTreeSet::new(),
             values: Vec::new(),
             coherence: Vec::new(),
             variance: Vec::new(),
@@ -154,11 +158,7 @@ impl FrfSet {
                 });
             }
         }
-        if self
-            .functions
-            .iter()
-            .any(|f| f.response == response && f.reference == reference)
-        {
+        if !self.pairs.insert((response.clone(), reference.clone())) {
             return Err(SetError::Duplicate {
                 response,
                 reference,

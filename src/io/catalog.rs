@@ -2,15 +2,18 @@
 
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::dof::Dof;
+use num_complex::Complex64;
+
 use crate::finding::Finding;
 use crate::geometry::Geometry;
+use crate::modal::Mode;
 use crate::quantity::Quantity;
 use crate::record::Role;
 
-use super::IoError;
+use super::{FunctionNote, IoError};
 
 /// What an entry holds; the numbers are those of universal file dataset 58.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FunctionType {
     /// 1, a time history.
     Time,
@@ -18,9 +21,43 @@ pub enum FunctionType {
     Frf,
     /// 6, ordinary coherence.
     Coherence,
+    /// Variance of a frequency response function, E|H − E H|²; no universal file number.
+    Variance,
     /// Any other number (0 general, 2 auto spectrum, 3 cross spectrum, ...).
     Other(i32),
 }
+
+/// Names of the function types of dataset 58, by number.
+const FUNCTION_NAMES: [&str; 28] = [
+    "general",
+    "time",
+    "auto-spectrum",
+    "cross-spectrum",
+    "frf",
+    "transmissibility",
+    "coherence",
+    "auto-correlation",
+    "cross-correlation",
+    "power-spectral-density",
+    "energy-spectral-density",
+    "probability-density",
+    "spectrum",
+    "cumulative-frequency-distribution",
+    "peaks-valley",
+    "stress-cycles",
+    "strain-cycles",
+    "orbit",
+    "mode-indicator",
+    "force-pattern",
+    "partial-power",
+    "partial-coherence",
+    "eigenvalue",
+    "eigenvector",
+    "shock-response-spectrum",
+    "finite-impulse-response-filter",
+    "multiple-coherence",
+    "order-function",
+];
 
 impl FunctionType {
     /// From the dataset-58 number.
@@ -33,14 +70,44 @@ impl FunctionType {
         }
     }
 
-    /// The dataset-58 number.
-    pub fn code(self) -> i32 {
+    /// The dataset-58 number; `None` for what the format has no number for.
+    pub fn code(self) -> Option<i32> {
         match self {
-            FunctionType::Time => 1,
-            FunctionType::Frf => 4,
-            FunctionType::Coherence => 6,
-            FunctionType::Other(code) => code,
+            FunctionType::Time => Some(1),
+            FunctionType::Frf => Some(4),
+            FunctionType::Coherence => Some(6),
+            FunctionType::Variance => None,
+            FunctionType::Other(code) => Some(code),
         }
+    }
+
+    /// The name, such as `time`, `frf` or `auto-spectrum`; `type-99` for a number without one.
+    ///
+    /// ```
+    /// use modalign::io::FunctionType;
+    /// assert_eq!(FunctionType::from_code(9).name(), "power-spectral-density");
+    /// assert_eq!(FunctionType::from_name("frf"), Some(FunctionType::Frf));
+    /// ```
+    pub fn name(self) -> String {
+        let Some(code) = self.code() else {
+            return "variance".to_owned();
+        };
+        let known = usize::try_from(code)
+            .ok()
+            .and_then(|i| FUNCTION_NAMES.get(i));
+        known.map_or_else(|| format!("type-{code}"), |name| (*name).to_owned())
+    }
+
+    /// The type of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        if name == "variance" {
+            return Some(FunctionType::Variance);
+        }
+        let known = FUNCTION_NAMES.iter().position(|own| *own == name);
+        let code = known
+            .and_then(|index| i32::try_from(index).ok())
+            .or_else(|| name.strip_prefix("type-")?.parse().ok())?;
+        Some(FunctionType::from_code(code))
     }
 }
 
@@ -51,6 +118,30 @@ pub enum EntryAxis {
     Time(TimeAxis),
     /// Even frequency axis.
     Frequency(FrequencyAxis),
+    /// Anything else: uneven, or over something that is neither time nor frequency.
+    General(GeneralAxis),
+}
+
+/// What an abscissa measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// Time, s.
+    Time,
+    /// Frequency, Hz.
+    Frequency,
+    /// The specific data type of dataset 58 (19 rotational speed, ...; 0 unknown), in the unit of the file.
+    Other(i32),
+}
+
+/// An abscissa that is uneven or measures neither time nor frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeneralAxis {
+    /// What it measures.
+    pub domain: Domain,
+    /// First value and spacing; `None` when it is uneven ([`super::Source::abscissa`] gives the values).
+    pub even: Option<(f64, f64)>,
+    /// Number of values.
+    pub len: usize,
 }
 
 /// How samples are stored.
@@ -100,6 +191,10 @@ pub struct Entry {
     pub role: Option<Role>,
     /// Abscissa, with the number of values.
     pub axis: EntryAxis,
+    /// The unit text of the abscissa as the header gives it; empty when it gives none.
+    pub axis_label: String,
+    /// What the file says of how the function was made.
+    pub note: FunctionNote,
     /// How the values are stored.
     pub format: SampleFormat,
     /// Line (from 1) where the entry's header starts, for text.
@@ -109,11 +204,33 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// An entry of which nothing is known but what it holds, over which axis, and how it is stored.
+    pub fn new(function_type: FunctionType, axis: EntryAxis, format: SampleFormat) -> Self {
+        Self {
+            function_type,
+            identification: Identification::default(),
+            response: None,
+            reference: None,
+            quantity: None,
+            denominator: None,
+            to_si: None,
+            unit_label: String::new(),
+            role: None,
+            axis,
+            axis_label: String::new(),
+            note: FunctionNote::default(),
+            format,
+            line: None,
+            byte: None,
+        }
+    }
+
     /// Number of values.
     pub fn len(&self) -> usize {
         match self.axis {
             EntryAxis::Time(axis) => axis.len,
             EntryAxis::Frequency(axis) => axis.len,
+            EntryAxis::General(axis) => axis.len,
         }
     }
 
@@ -121,6 +238,45 @@ impl Entry {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// One mode of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModeEntry {
+    /// The mode, its shape in the global frame.
+    pub mode: Mode,
+    /// Text that names it, trimmed, without empty lines.
+    pub title: Vec<String>,
+    /// Modal A of dataset 55 (Σ φφᵀ/(modal A (s − λ)) + conj.), when the file gives it.
+    pub modal_a: Option<Complex64>,
+    /// Modal B of dataset 55, when the file gives it.
+    pub modal_b: Option<Complex64>,
+    /// Line (from 1) where its header starts, for text.
+    pub line: Option<u64>,
+}
+
+impl ModeEntry {
+    /// A mode of which the file says nothing more.
+    pub fn new(mode: Mode) -> Self {
+        Self {
+            mode,
+            title: Vec::new(),
+            modal_a: None,
+            modal_b: None,
+            line: None,
+        }
+    }
+}
+
+/// A named array or column of a file that does not say what it means; a scene may.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ArrayInfo {
+    /// Its name, with `/` or `.` between levels as the format writes it; a column's heading.
+    pub name: String,
+    /// Lengths, slowest first as NumPy prints them; empty for one value.
+    pub shape: Vec<usize>,
+    /// What it holds: `f64`, `f32`, `i16`, `complex f64`, `text`, `struct`, ...
+    pub kind: String,
 }
 
 /// What a file holds, from its headers.
@@ -132,7 +288,11 @@ pub struct Catalog {
     pub path: String,
     /// Records and functions in file order.
     pub entries: Vec<Entry>,
-    /// Nodes and trace lines.
+    /// Modes, in file order.
+    pub modes: Vec<ModeEntry>,
+    /// Arrays and columns that the file does not say the meaning of.
+    pub arrays: Vec<ArrayInfo>,
+    /// Nodes, trace lines and what else describes the points.
     pub geometry: Geometry,
     /// Title lines of the file (universal dataset 151), trimmed, without empty ones.
     pub title: Vec<String>,

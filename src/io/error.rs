@@ -95,6 +95,16 @@ pub enum IoError {
         /// The column that the scene names.
         expected: String,
     },
+    /// An array, or a column of one, that a file does not have.
+    #[error("{path}: got {got}, expected an array {expected:?} ([[test.channel]] column)")]
+    MissingArray {
+        /// Path as given.
+        path: String,
+        /// The arrays that are there, or the columns of the one that is named.
+        got: String,
+        /// What the scene names.
+        expected: String,
+    },
     /// Something that a file does not say and nobody stated.
     #[error("{path}: {what} is not stated: expected {expected}")]
     NotStated {

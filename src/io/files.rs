@@ -6,7 +6,10 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::{Confidence, FORMATS, Format, Hints, IoError, ReadSeek, Source};
+use super::{
+    Confidence, FORMATS, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
+};
+use crate::finding::Finding;
 
 /// How many bytes a format sees when it judges a file.
 const HEAD: usize = 4096;
@@ -104,11 +107,7 @@ pub fn open_path(
             "it is a folder, expected a file",
         )));
     }
-    open_stream(
-        Box::new(BufReader::with_capacity(1 << 16, file)),
-        hints,
-        format,
-    )
+    open_stream(Box::new(BufReader::new(file)), hints, format)
 }
 
 /// Opens bytes as if they were a file.
@@ -167,7 +166,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// [`IoError::System`], or what `content` returns.
 pub fn write_atomically(
     path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> Result<(), IoError>,
+    content: impl FnOnce(&mut dyn WriteSeek) -> Result<(), IoError>,
 ) -> Result<(), IoError> {
     let name = path.display().to_string();
     let folder = path
@@ -188,6 +187,44 @@ pub fn write_atomically(
         .persist(path)
         .map_err(|error| system(&name, "rename")(error.error))?;
     Ok(())
+}
+
+/// Every extension that asks for a format that is written.
+pub fn writable_extensions() -> Vec<&'static str> {
+    let extensions = FORMATS.iter().flat_map(|format| format.extensions());
+    extensions.copied().collect()
+}
+
+/// Writes what a source holds in the format that the path's extension asks for, with [`write_atomically`].
+///
+/// # Errors
+/// [`IoError::Unwritable`] for an extension that no format has; as [`Format::write`].
+pub fn write_path(
+    path: &Path,
+    source: &mut dyn Source,
+    options: WriteOptions,
+) -> Result<Vec<Finding>, IoError> {
+    let options = WriteOptions {
+        path: path.display().to_string(),
+        ..options
+    };
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let extension = extension.unwrap_or("").to_lowercase();
+    let format = FORMATS
+        .iter()
+        .find(|format| format.extensions().contains(&extension.as_str()));
+    let format = format.ok_or_else(|| IoError::Unwritable {
+        path: options.path.clone(),
+        what: "a file of this extension",
+        got: format!("{extension:?}"),
+        expected: writable_extensions().join(", "),
+    })?;
+    let mut findings = Vec::new();
+    write_atomically(path, |out| {
+        findings = format.write(out, source, &options)?;
+        Ok(())
+    })?;
+    Ok(findings)
 }
 
 /// A temporary file is private; a result is as readable as any other new file.
@@ -226,7 +263,7 @@ mod tests {
     fn a_failing_writer_leaves_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("result.json");
-        let fail = |out: &mut dyn Write| {
+        let fail = |out: &mut dyn WriteSeek| {
             out.write_all(b"half").unwrap();
             Err(IoError::NotStated {
                 path: String::new(),

@@ -1,84 +1,16 @@
 //! FRF and coherence entries of files become FRF sets, one per axis.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
-use crate::frf::{Estimator, FrfSet, Function, FunctionData};
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::{FrfSet, Function, FunctionData};
 use crate::quantity::{FrfKind, Quantity};
 
-use super::{Block, Entry, EntryAxis, FunctionType, HitFile, IoError, Source};
-
-/// What modalign's own files say of a function in their ID lines 4 and 5.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FunctionNote {
-    /// Number of averages.
-    pub averages: Option<u32>,
-    /// Estimator.
-    pub estimator: Option<Estimator>,
-    /// Decay rate of the exponential window still in the values, rad/s.
-    pub added_damping_rad_s: Option<f64>,
-    /// Length of the records, s.
-    pub record_s: Option<f64>,
-    /// Where the function is valid, Hz.
-    pub valid_hz: Option<(f64, f64)>,
-}
-
-/// The mark that the line begins with.
-const NOTE_MARK: &str = "modalign ";
-
-impl FunctionNote {
-    /// ID lines 4 and 5, such as `modalign averages=5 estimator=h1 added_damping_rad_s=12.5 record_s=1.28` and
-    /// `modalign valid_hz=0.5:1600`; empty where nothing is known. A line of a universal file holds 80 characters.
-    pub fn to_lines(&self) -> [String; 2] {
-        let fourth = [
-            self.averages.map(|n| format!("averages={n}")),
-            self.estimator
-                .map(|estimator| format!("estimator={}", estimator.name())),
-            self.added_damping_rad_s
-                .map(|decay| format!("added_damping_rad_s={decay}")),
-            self.record_s.map(|length| format!("record_s={length}")),
-        ];
-        let fifth = [self.valid_hz.map(|(lo, hi)| format!("valid_hz={lo}:{hi}"))];
-        [marked(&fourth), marked(&fifth)]
-    }
-
-    /// What the ID lines of a header say; nothing where they are another program's.
-    pub fn from_lines(lines: &[String]) -> Self {
-        let mut note = Self::default();
-        let marked = lines.iter().filter_map(|line| line.strip_prefix(NOTE_MARK));
-        let fields = marked
-            .flat_map(str::split_whitespace)
-            .filter_map(|field| field.split_once('='));
-        for (key, value) in fields {
-            match key {
-                "averages" => note.averages = value.parse().ok(),
-                "estimator" => note.estimator = Estimator::from_name(value),
-                "added_damping_rad_s" => note.added_damping_rad_s = value.parse().ok(),
-                "record_s" => note.record_s = value.parse().ok(),
-                "valid_hz" => note.valid_hz = range(value),
-                _ => {}
-            }
-        }
-        note
-    }
-}
-
-fn marked(fields: &[Option<String>]) -> String {
-    let known: Vec<&str> = fields.iter().flatten().map(String::as_str).collect();
-    if known.is_empty() {
-        String::new()
-    } else {
-        format!("{NOTE_MARK}{}", known.join(" "))
-    }
-}
-
-fn range(text: &str) -> Option<(f64, f64)> {
-    let (lo, hi) = text.split_once(':')?;
-    Some((lo.parse().ok()?, hi.parse().ok()?))
-}
+use super::{Block, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source};
 
 /// One function with its axis.
 struct Read {
@@ -87,12 +19,18 @@ struct Read {
     function: Function,
     data: FunctionData,
     note: FunctionNote,
+    averages_assumed: bool,
 }
 
-/// Collects the FRFs of files into sets of one axis each, in order of appearance; coherence joins its function.
+/// Number of averages where coherence is given and nobody says how many: the fewest that practice asks of a hammer test.
+const ASSUMED_AVERAGES: u32 = 3;
+
+/// Collects the FRFs of files into sets of one axis each, in order of appearance; coherence and variance join their
+/// function, also from files that hold them alone.
 ///
-/// The variance is that of H1 with the stated coherence and number of averages, |H|²(1−γ²)/(γ²(n−1)); unknown where one
-/// of them is.
+/// A variance that the file does not hold is that of H1 with the coherence and the number of averages,
+/// |H|²(1−γ²)/(γ²(n−1)). A number that neither file nor scene states is taken as 3, with a finding. A coherence of 1
+/// throughout is that of a single average and says nothing; then the variance is unknown.
 ///
 /// # Errors
 /// [`IoError::NotStated`] for a unit, kind or degree of freedom that neither file nor scene states; reading errors.
@@ -100,83 +38,111 @@ struct Read {
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
 pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
-    let mut read = Vec::new();
-    for file in files {
-        let coherences = coherences(file)?;
-        for index in of_type(file.source.as_ref(), FunctionType::Frf) {
-            read.push(read_function(file, index, &coherences)?);
+    let mut alone = Quality::default();
+    for file in files.iter_mut() {
+        if of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
+            alone.add_file(file)?;
         }
     }
-    let mut sets: Vec<FrfSet> = Vec::new();
-    for function in read {
-        add(&mut sets, function)?;
+    let mut collected = Collected::default();
+    let mut over_all = Occurrences::default();
+    for file in files {
+        let mut own = Quality::default();
+        own.add_file(file)?;
+        let named = Occurrences::default().of(file);
+        let named_over_all = over_all.of(file);
+        for index in of_type(file.source.as_ref(), FunctionType::Frf) {
+            let beside = own.of(&named[index]);
+            let quality = if beside.is_empty() {
+                alone.of(&named_over_all[index])
+            } else {
+                beside
+            };
+            collected.add(read_function(file, index, quality)?)?;
+        }
     }
-    Ok(sets)
+    Ok(collected.finish())
 }
 
-/// Adds a function to the set of its axis and window, which begins with the first one.
-fn add(
-    sets: &mut Vec<FrfSet>,
-    Read {
-        path,
-        axis,
-        function,
-        data,
-        note,
-    }: Read,
-) -> Result<(), IoError> {
-    let decay = note.added_damping_rad_s.unwrap_or(0.0);
-    let valid = note.valid_hz.and_then(|(lo, hi)| Band::new(lo, hi).ok());
-    let fits = |set: &FrfSet| {
-        set.axis().same_lines(&axis) && set.added_damping_rad_s.to_bits() == decay.to_bits()
-    };
-    let place = sets.iter().position(fits).unwrap_or_else(|| {
-        let mut set = FrfSet::new(axis);
-        (
-            set.added_damping_rad_s,
-            set.record_duration_s,
-            set.valid_band,
-        ) = (decay, note.record_s, valid);
-        sets.push(set);
-        sets.len() - 1
-    });
-    let set = &mut sets[place];
-    // What is true of all functions: the common band, and the record length where it is one.
-    set.valid_band = match (set.valid_band, valid) {
-        (Some(own), Some(other)) => own.intersection(&other),
-        (own, other) => own.or(other),
-    };
-    set.record_duration_s = set
-        .record_duration_s
-        .filter(|own| note.record_s == Some(*own));
-    let function = unrepeated(set, function);
-    set.push(function, data).map_err(|error| IoError::Grouping {
-        path,
-        what: "collecting FRFs of one axis",
-        got: error.to_string(),
-        expected: "each pair once on one axis".to_owned(),
-    })
+/// Sets of one axis and window each, while functions are added.
+#[derive(Default)]
+struct Collected {
+    sets: Vec<Collecting>,
 }
 
-/// Gives a repeated measurement of a pair the next free number.
-fn unrepeated(set: &FrfSet, function: Function) -> Function {
-    let same = |f: &&Function| {
-        f.response.with_repeat(1) == function.response.with_repeat(1)
-            && f.reference == function.reference
-    };
-    let taken: Vec<u32> = set
-        .functions()
-        .iter()
-        .filter(same)
-        .map(|f| f.response.repeat())
-        .collect();
-    if !taken.contains(&function.response.repeat()) {
-        return function;
+struct Collecting {
+    set: FrfSet,
+    /// Numbers of repeated measurements that each pair has.
+    repeats: BTreeMap<(Dof, Dof), BTreeSet<u32>>,
+    valid_bands: Vec<Band>,
+    averages_assumed: bool,
+}
+
+impl Collected {
+    /// Adds a function to the set of its axis and window, which begins with the first one. A repeated measurement of a pair
+    /// gets the next free number.
+    fn add(&mut self, read: Read) -> Result<(), IoError> {
+        let (axis, note) = (read.axis, &read.note);
+        let decay = note.added_damping_rad_s.unwrap_or(0.0);
+        let fits = |own: &Collecting| {
+            let set = &own.set;
+            set.axis().same_lines(&axis) && set.added_damping_rad_s.to_bits() == decay.to_bits()
+        };
+        let place = self.sets.iter().position(fits).unwrap_or_else(|| {
+            let mut set = FrfSet::new(axis);
+            (set.added_damping_rad_s, set.record_duration_s) = (decay, note.record_s);
+            self.sets.push(Collecting {
+                set,
+                repeats: BTreeMap::new(),
+                valid_bands: Vec::new(),
+                averages_assumed: false,
+            });
+            self.sets.len() - 1
+        });
+        self.sets[place].add(read)
     }
-    let next = taken.iter().max().map_or(1, |largest| largest + 1);
-    Function {
-        response: function.response.with_repeat(next),
-        ..function
+
+    fn finish(self) -> Vec<FrfSet> {
+        self.sets.into_iter().map(Collecting::finish).collect()
+    }
+}
+
+impl Collecting {
+    fn add(&mut self, read: Read) -> Result<(), IoError> {
+        let (note, mut function) = (read.note, read.function);
+        let band = note.valid_hz.and_then(|(lo, hi)| Band::new(lo, hi).ok());
+        self.valid_bands.extend(band);
+        self.averages_assumed |= read.averages_assumed;
+        // The record length is what is true of all functions.
+        let common = self.set.record_duration_s;
+        self.set.record_duration_s = common.filter(|own| note.record_s == Some(*own));
+        let pair = (function.response.with_repeat(1), function.reference.clone());
+        let taken = self.repeats.entry(pair).or_default();
+        if taken.contains(&function.response.repeat()) {
+            let next = taken.last().map_or(1, |largest| largest.saturating_add(1));
+            function.response = function.response.with_repeat(next);
+        }
+        taken.insert(function.response.repeat());
+        let pushed = self.set.push(function, read.data);
+        pushed.map_err(|error| IoError::Grouping {
+            path: read.path,
+            what: "collecting FRFs of one axis",
+            got: error.to_string(),
+            expected: "each pair once on one axis".to_owned(),
+        })
+    }
+
+    fn finish(mut self) -> FrfSet {
+        let mut bands = self.valid_bands.into_iter();
+        let first = bands.next();
+        self.set.valid_band = first
+            .and_then(|first| bands.try_fold(first, |common, band| common.intersection(&band)));
+        if self.averages_assumed {
+            let finding = Finding::new(Severity::Warning, Code::AveragesAssumed, Place::Whole);
+            let averages = f64::from(ASSUMED_AVERAGES);
+            self.set.findings.push(finding.value(averages, "averages"));
+        }
+        self.set
     }
 }
 
@@ -191,44 +157,97 @@ fn of_type(source: &dyn Source, wanted: FunctionType) -> Vec<usize> {
 /// Response, reference and which occurrence of the pair in its file, from 0.
 type Occurrence = (Option<Dof>, Option<Dof>, usize);
 
-/// Which occurrence of its pair an entry is among those of its type.
-fn occurrence(file: &HitFile, index: usize) -> Occurrence {
-    let entries = &file.source.catalog().entries;
-    let own = &entries[index];
-    let same = |entry: &&Entry| {
-        entry.function_type == own.function_type
-            && entry.response == own.response
-            && entry.reference == own.reference
-    };
-    let before = entries[..index].iter().filter(same).count();
-    (own.response.clone(), own.reference.clone(), before)
+/// How often each pair was met, by type.
+#[derive(Default)]
+struct Occurrences(BTreeMap<(FunctionType, Option<Dof>, Option<Dof>), usize>);
+
+impl Occurrences {
+    /// For each entry of a file which occurrence of its pair it is among those of its type, the files before counted in;
+    /// points that the header leaves open are the scene's.
+    fn of(&mut self, file: &HitFile) -> Vec<Occurrence> {
+        let numbered = |entry: &Entry| {
+            let response = entry.response.clone().or_else(|| file.response.clone());
+            let reference = entry.reference.clone().or_else(|| file.reference.clone());
+            let key = (entry.function_type, response.clone(), reference.clone());
+            let count = self.0.entry(key).or_default();
+            *count += 1;
+            (response, reference, *count - 1)
+        };
+        file.source.catalog().entries.iter().map(numbered).collect()
+    }
 }
 
-type Coherences = BTreeMap<Occurrence, (FrequencyAxis, Vec<f64>)>;
+type OnAxis = (FrequencyAxis, Vec<f64>);
 
-fn coherences(file: &mut HitFile) -> Result<Coherences, IoError> {
-    let mut found = BTreeMap::new();
-    for index in of_type(file.source.as_ref(), FunctionType::Coherence) {
-        let entry = file.source.catalog().entries[index].clone();
-        let EntryAxis::Frequency(axis) = entry.axis else {
-            continue;
-        };
-        let mut block = Block::F64(Vec::new());
-        file.source.read(index, 0..entry.len(), &mut block)?;
-        let values: Vec<f64> = match block {
-            Block::F32(values) => values.into_iter().map(f64::from).collect(),
-            Block::F64(values) => values,
-            Block::Complex(values) => values.into_iter().map(|value| value.re).collect(),
-        };
-        check_coherence(&values, file, index)?;
-        // Single precision may round one a little above itself.
-        let values = values
-            .into_iter()
-            .map(|value| value.clamp(0.0, 1.0))
-            .collect();
-        found.insert(occurrence(file, index), (axis, values));
+/// Coherences and variances by the pair that they belong to.
+#[derive(Default)]
+struct Quality {
+    occurrences: Occurrences,
+    coherence: BTreeMap<Occurrence, OnAxis>,
+    variance: BTreeMap<Occurrence, OnAxis>,
+}
+
+/// What is known of one function.
+struct Beside<'a> {
+    coherence: Option<&'a OnAxis>,
+    variance: Option<&'a OnAxis>,
+}
+
+impl Beside<'_> {
+    fn is_empty(&self) -> bool {
+        self.coherence.is_none() && self.variance.is_none()
     }
-    Ok(found)
+}
+
+impl Quality {
+    fn add_file(&mut self, file: &mut HitFile) -> Result<(), IoError> {
+        let named = self.occurrences.of(file);
+        for index in of_type(file.source.as_ref(), FunctionType::Coherence) {
+            let Some((axis, values)) = real_values(file, index)? else {
+                continue;
+            };
+            check_coherence(&values, file, index)?;
+            // Single precision may round one a little above itself.
+            let values = values.into_iter().map(|v| v.clamp(0.0, 1.0)).collect();
+            self.coherence.insert(named[index].clone(), (axis, values));
+        }
+        for index in of_type(file.source.as_ref(), FunctionType::Variance) {
+            let to_si = file.source.catalog().entries[index].to_si;
+            let (Some((axis, values)), Some(to_si)) = (real_values(file, index)?, to_si) else {
+                continue;
+            };
+            let values = values.into_iter().map(|v| v * to_si).collect();
+            self.variance.insert(named[index].clone(), (axis, values));
+        }
+        Ok(())
+    }
+
+    fn of(&self, named: &Occurrence) -> Beside<'_> {
+        Beside {
+            coherence: self.coherence.get(named),
+            variance: self.variance.get(named),
+        }
+    }
+}
+
+/// The values of an entry on an even frequency axis.
+fn real_values(
+    file: &mut HitFile,
+    index: usize,
+) -> Result<Option<(FrequencyAxis, Vec<f64>)>, IoError> {
+    let entry = &file.source.catalog().entries[index];
+    let (axis, len) = (entry.axis, entry.len());
+    let EntryAxis::Frequency(axis) = axis else {
+        return Ok(None);
+    };
+    let mut block = Block::F64(Vec::new());
+    file.source.read(index, 0..len, &mut block)?;
+    let values = match block {
+        Block::F32(values) => values.into_iter().map(f64::from).collect(),
+        Block::F64(values) => values,
+        Block::Complex(values) => values.into_iter().map(|value| value.re).collect(),
+    };
+    Ok(Some((axis, values)))
 }
 
 fn check_coherence(values: &[f64], file: &HitFile, index: usize) -> Result<(), IoError> {
@@ -246,11 +265,7 @@ fn check_coherence(values: &[f64], file: &HitFile, index: usize) -> Result<(), I
     })
 }
 
-fn read_function(
-    file: &mut HitFile,
-    index: usize,
-    coherences: &Coherences,
-) -> Result<Read, IoError> {
+fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Read, IoError> {
     let entry = file.source.catalog().entries[index].clone();
     let path = file.source.catalog().path.clone();
     let not_stated = |what: &str, expected: &str| IoError::NotStated {
@@ -261,7 +276,7 @@ fn read_function(
         expected: expected.to_owned(),
     };
     let EntryAxis::Frequency(axis) = entry.axis else {
-        return Err(not_stated("the frequency axis", "an abscissa in Hz"));
+        return Err(not_stated("the frequency axis", "an even abscissa in Hz"));
     };
     let response = entry.response.clone().or_else(|| file.response.clone());
     let response = response.ok_or_else(|| {
@@ -302,17 +317,24 @@ fn read_function(
         return Err(not_stated("the imaginary part", "complex values"));
     };
     let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
-    let note = FunctionNote::from_lines(&entry.identification.lines);
-    let coherence = coherences.get(&occurrence(file, index));
-    let coherence = coherence
-        .filter(|(own, _)| own.same_lines(&axis))
-        .map(|(_, values)| values.clone());
-    let variance = variance(&values, coherence.as_deref(), note.averages);
+    let note = entry.note.clone();
+    let of_axis = |found: Option<&OnAxis>| {
+        let found = found.filter(|(own, _)| own.same_lines(&axis));
+        found.map(|(_, values)| values.clone())
+    };
+    let coherence = of_axis(beside.coherence).filter(|values| !says_nothing(values));
+    let stated = of_axis(beside.variance);
+    let averages = note.averages.or(file.averages);
+    let averages_assumed = stated.is_none() && coherence.is_some() && averages.is_none();
+    let variance = stated.or_else(|| {
+        let averages = averages.unwrap_or(ASSUMED_AVERAGES);
+        variance(&values, coherence.as_deref(), averages)
+    });
     let function = Function {
         response,
         reference,
         kind,
-        averages: note.averages,
+        averages,
         estimator: note.estimator,
     };
     Ok(Read {
@@ -328,7 +350,13 @@ fn read_function(
             variance,
         },
         note,
+        averages_assumed,
     })
+}
+
+/// A coherence of 1 at every line is that of one average.
+fn says_nothing(coherence: &[f64]) -> bool {
+    coherence.iter().all(|g2| *g2 > 1.0 - 1e-9)
 }
 
 /// The line spacing of whole records is one over their length; a file prints it with seven digits.
@@ -347,12 +375,8 @@ fn kind(entry: &Entry) -> Option<FrfKind> {
         .and_then(FrfKind::from_response)
 }
 
-fn variance(
-    values: &[Complex64],
-    coherence: Option<&[f64]>,
-    averages: Option<u32>,
-) -> Option<Vec<f64>> {
-    let (coherence, averages) = (coherence?, averages.filter(|n| *n >= 2)?);
+fn variance(values: &[Complex64], coherence: Option<&[f64]>, averages: u32) -> Option<Vec<f64>> {
+    let coherence = coherence.filter(|_| averages >= 2)?;
     let of_line = |(h, g2): (&Complex64, &f64)| {
         if *g2 > 0.0 {
             h.norm_sqr() * (1.0 - g2) / (g2 * f64::from(averages - 1))
@@ -368,35 +392,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_note_comes_back_and_other_lines_say_nothing() {
-        let note = FunctionNote {
-            averages: Some(5),
-            estimator: Some(Estimator::Hv),
-            added_damping_rad_s: Some(12.5),
-            record_s: Some(1.28),
-            valid_hz: Some((0.25, 3276.5)),
-        };
-        let lines = note.to_lines();
-        assert_eq!(FunctionNote::from_lines(&lines), note);
-        assert_eq!(
-            lines[0],
-            "modalign averages=5 estimator=hv added_damping_rad_s=12.5 record_s=1.28"
-        );
-        assert_eq!(lines[1], "modalign valid_hz=0.25:3276.5");
-        assert_eq!(
-            FunctionNote::from_lines(&["averages=5".to_owned()]),
-            FunctionNote::default()
-        );
-        assert_eq!(FunctionNote::default().to_lines(), ["", ""]);
-    }
-
-    #[test]
     fn variance_follows_coherence_and_averages() {
         let h = [Complex64::new(3.0, 4.0)];
-        let value = variance(&h, Some(&[0.8]), Some(3)).unwrap()[0];
+        let value = variance(&h, Some(&[0.8]), 3).unwrap()[0];
         assert!((value - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
-        assert!(
-            variance(&h, Some(&[0.8]), Some(1)).is_none() && variance(&h, None, Some(3)).is_none()
-        );
+        assert!(variance(&h, Some(&[0.8]), 1).is_none() && variance(&h, None, 3).is_none());
     }
 }

@@ -5,63 +5,16 @@
 //! in the file, the length and the sampling decide, and a finding says so. Nothing is guessed beyond that: a unit, a
 //! response point or a hit point that neither file nor scene states is an error.
 
-use std::collections::BTreeMap;
-
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::quantity::{FrfUnit, Quantity, Unit};
+use crate::quantity::Quantity;
 use crate::record::{Channel, Hit, Role, Samples};
 
-use super::{Block, Entry, EntryAxis, FunctionType, IoError, Source};
-
-/// How hits are told apart within a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum HitGrouping {
-    /// By the records' identification and order.
-    #[default]
-    Records,
-    /// Each file is one hit.
-    Files,
-}
-
-impl HitGrouping {
-    /// The grouping of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "records" => Some(HitGrouping::Records),
-            "files" => Some(HitGrouping::Files),
-            _ => None,
-        }
-    }
-}
-
-/// What the scene says of one record of every hit, where the file does not.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct ChannelOverride {
-    /// Number of the record within its hit, from 1.
-    pub number: usize,
-    /// What it is.
-    pub role: Option<Role>,
-    /// Where it measures.
-    pub dof: Option<Dof>,
-    /// Unit of its numbers; its quantity is the channel's.
-    pub unit: Option<Unit>,
-    /// Calibration: value in the stated unit = `scale` × number in the file.
-    pub scale: Option<f64>,
-}
-
-/// One opened file with what the scene says of it.
-pub struct HitFile {
-    /// The file.
-    pub source: Box<dyn Source>,
-    /// The scene's word for its response.
-    pub response: Option<Dof>,
-    /// The scene's word for its hit point.
-    pub reference: Option<Dof>,
-    /// The scene's word for the unit of FRFs that do not state it.
-    pub frf_unit: Option<FrfUnit>,
-}
+use super::hit_groups::{Group, Roles, channel_override};
+use super::{
+    Block, ChannelOverride, Entry, EntryAxis, FunctionType, HitFile, HitGrouping, IoError, Source,
+};
 
 /// Hits with what was said on the way.
 #[derive(Clone, Debug, Default)]
@@ -104,187 +57,6 @@ pub fn group_hits(
         }
     }
     Ok(set)
-}
-
-/// Entries of one hit, by their index in the catalogue, in file order.
-type Group = Vec<usize>;
-
-struct Roles<'a> {
-    overrides: &'a [ChannelOverride],
-    file: &'a HitFile,
-}
-
-impl Roles<'_> {
-    fn entries(&self) -> &[Entry] {
-        &self.file.source.catalog().entries
-    }
-
-    fn path(&self) -> &str {
-        &self.file.source.catalog().path
-    }
-
-    fn times(&self) -> Vec<usize> {
-        let entries = self.entries().iter().enumerate();
-        entries
-            .filter(|(_, entry)| entry.function_type == FunctionType::Time)
-            .map(|(index, _)| index)
-            .collect()
-    }
-
-    /// The role of an entry that is record `number` of its hit.
-    fn role(&self, index: usize, number: usize) -> Role {
-        let entry = &self.entries()[index];
-        let stated = channel_override(self.overrides, number);
-        let by_quantity = |quantity| {
-            if quantity == Quantity::Force {
-                Role::Force
-            } else {
-                Role::Response
-            }
-        };
-        let stated_role =
-            stated.and_then(|own| own.role.or(own.unit.map(|unit| by_quantity(unit.quantity))));
-        stated_role
-            .or(entry.role)
-            .unwrap_or_else(|| entry.quantity.map_or(Role::Response, by_quantity))
-    }
-
-    fn one_hit(&self) -> Result<Vec<Group>, IoError> {
-        let group = self.times();
-        self.check(&group)?;
-        Ok(vec![group])
-    }
-
-    /// By identification; where its ID lines tell channels apart instead of hits, by version number and load case; where
-    /// these do not change either, by order.
-    fn hits(&self, findings: &mut Vec<Finding>) -> Result<Vec<Group>, IoError> {
-        let by_order = self.split(&self.times());
-        let numbers =
-            |entry: &Entry| (entry.identification.version, entry.identification.load_case);
-        let by_lines = self.keyed(|entry| entry.identification.clone());
-        let is_whole = |groups: &[Group]| groups.iter().all(|group| self.is_hit(group));
-        let numbered = self
-            .times()
-            .iter()
-            .any(|index| numbers(&self.entries()[*index]) != numbers(&self.entries()[0]));
-        let (mut groups, told) = if is_whole(&by_lines) {
-            (by_lines, !self.says_nothing() || by_order.len() < 2)
-        } else if numbered {
-            (self.keyed(numbers), true)
-        } else {
-            (by_order, false)
-        };
-        groups.sort();
-        groups.iter().try_for_each(|group| self.check(group))?;
-        if !told {
-            let place = Place::File {
-                path: self.path().to_owned(),
-                line: None,
-                byte: None,
-            };
-            let finding = Finding::new(Severity::Info, Code::GroupedByOrder, place);
-            findings.push(finding.value(groups.len() as f64, "hits"));
-        }
-        Ok(groups)
-    }
-
-    /// Records of equal key together, each such run cut where the next hit begins.
-    fn keyed<K: Ord>(&self, key: impl Fn(&Entry) -> K) -> Vec<Group> {
-        let mut keyed: BTreeMap<K, Vec<usize>> = BTreeMap::new();
-        for index in self.times() {
-            keyed
-                .entry(key(&self.entries()[index]))
-                .or_default()
-                .push(index);
-        }
-        keyed
-            .values()
-            .flat_map(|indices| self.split(indices))
-            .collect()
-    }
-
-    /// Whether no header names a version, a load case or a reference.
-    fn says_nothing(&self) -> bool {
-        let nothing = |entry: &Entry| {
-            entry.identification.version == 0
-                && entry.identification.load_case == 0
-                && entry.reference.is_none()
-        };
-        self.times()
-            .iter()
-            .all(|index| nothing(&self.entries()[*index]))
-    }
-
-    /// Cuts a run of records where a second force, a response that is already there, or another axis begins.
-    fn split(&self, indices: &[usize]) -> Vec<Group> {
-        let mut groups: Vec<Group> = Vec::new();
-        for &index in indices {
-            match groups.last_mut() {
-                Some(group) if self.belongs(group, index) => group.push(index),
-                _ => groups.push(vec![index]),
-            }
-        }
-        groups
-    }
-
-    fn belongs(&self, group: &Group, index: usize) -> bool {
-        let entries = self.entries();
-        let role = self.role(index, group.len() + 1);
-        let numbered = group
-            .iter()
-            .enumerate()
-            .map(|(place, own)| (*own, self.role(*own, place + 1)));
-        let repeats = numbered
-            .clone()
-            .any(|(own, own_role)| match (role, own_role) {
-                (Role::Force, Role::Force) => true,
-                (Role::Response, Role::Response) => {
-                    entries[own].response.is_some()
-                        && entries[own].response == entries[index].response
-                }
-                _ => false,
-            });
-        // Overrides number the records of a hit: past the last one, a complete hit is closed.
-        let beyond = self
-            .overrides
-            .iter()
-            .map(|own| own.number)
-            .max()
-            .is_some_and(|last| group.len() >= last && self.is_hit(group));
-        entries[group[0]].axis == entries[index].axis && !repeats && !beyond
-    }
-
-    fn is_hit(&self, group: &Group) -> bool {
-        let forces = group
-            .iter()
-            .enumerate()
-            .filter(|(place, index)| self.role(**index, place + 1) == Role::Force)
-            .count();
-        forces == 1 && group.len() > 1
-    }
-
-    fn check(&self, group: &Group) -> Result<(), IoError> {
-        let forces = group
-            .iter()
-            .enumerate()
-            .filter(|(place, index)| self.role(**index, place + 1) == Role::Force)
-            .count();
-        let responses = group.len() - forces;
-        if forces == 1 && responses > 0 {
-            return Ok(());
-        }
-        let from = group.first().map_or(0, |index| index + 1);
-        Err(IoError::Grouping {
-            path: self.path().to_owned(),
-            what: "grouping time records into hits",
-            got: format!("{forces} force and {responses} response records in the hit that starts with record {from}"),
-            expected: "one force record (ordinate type 13, or role = \"force\" in [[test.channel]]) and one response or more".to_owned(),
-        })
-    }
-}
-
-fn channel_override(overrides: &[ChannelOverride], number: usize) -> Option<&ChannelOverride> {
-    overrides.iter().find(|own| own.number == number)
 }
 
 fn read_hit(
@@ -348,7 +120,11 @@ fn common_axis(entries: &[Entry], group: &Group, path: &str) -> Result<TimeAxis,
     let mut common: Option<TimeAxis> = None;
     for index in group {
         let EntryAxis::Time(axis) = entries[*index].axis else {
-            return Err(error(format!("record {} on a frequency axis", index + 1)));
+            let axis = match entries[*index].axis {
+                EntryAxis::Frequency(_) => "a frequency axis",
+                _ => "an uneven axis",
+            };
+            return Err(error(format!("record {} on {axis}", index + 1)));
         };
         let first = *common.get_or_insert(axis);
         let same = axis.len == first.len

@@ -44,8 +44,12 @@ fn record(
     response: Option<Dof>,
     reference: Option<Dof>,
 ) -> Entry {
+    let axis = EntryAxis::Time(TimeAxis {
+        start_s: 0.0,
+        step_s: 0.001,
+        len: 4,
+    });
     Entry {
-        function_type: FunctionType::Time,
         identification: Identification {
             version,
             ..Identification::default()
@@ -53,18 +57,9 @@ fn record(
         response,
         reference,
         quantity: Some(quantity),
-        denominator: None,
         to_si: Some(1.0),
-        unit_label: String::new(),
-        role: None,
-        axis: EntryAxis::Time(TimeAxis {
-            start_s: 0.0,
-            step_s: 0.001,
-            len: 4,
-        }),
-        format: SampleFormat::RealF32,
         line: Some(1),
-        byte: None,
+        ..Entry::new(FunctionType::Time, axis, SampleFormat::RealF32)
     }
 }
 
@@ -82,12 +77,7 @@ fn file(entries: Vec<Entry>) -> HitFile {
         entries,
         ..Catalog::default()
     };
-    HitFile {
-        source: Box::new(Memory { catalog }),
-        response: None,
-        reference: None,
-        frf_unit: None,
-    }
+    HitFile::new(Box::new(Memory { catalog }))
 }
 
 fn group(entries: Vec<Entry>) -> Result<HitSet, IoError> {
@@ -352,4 +342,38 @@ fn channels_of_one_hit_must_be_sampled_alike() {
         error.contains("4 samples by 0.001 s from 0 s and 4 samples by 0.002 s from 0 s"),
         "{error}"
     );
+}
+
+#[test]
+fn a_response_of_another_hit_point_is_not_taken_for_this_hit() {
+    let of = |at: &str, reference: &str| response(0, at, dof(reference));
+    let records = vec![
+        force(0, dof("1:+Z")),
+        of("8:+Z", "1:+Z"),
+        of("9:+Z", "2:+Z"),
+        force(0, dof("3:+Z")),
+        of("8:+Z", "3:+Z"),
+    ];
+    // The force of hit 2 is not there: its response belongs to no hit.
+    assert!(group(records.clone()).is_err());
+    let mut partial = HitFile {
+        partial: true,
+        ..file(records)
+    };
+    let set = group_hits(
+        std::slice::from_mut(&mut partial),
+        HitGrouping::Records,
+        &[],
+    )
+    .unwrap();
+    assert_eq!(
+        points(&set),
+        expected(&[("1:+Z", &["8:+Z"]), ("3:+Z", &["8:+Z"])])
+    );
+    let left_out: Vec<_> = set
+        .findings
+        .iter()
+        .filter(|f| f.code == Code::HitLeftOut)
+        .collect();
+    assert_eq!((left_out.len(), left_out[0].value), (1, Some(1.0)));
 }

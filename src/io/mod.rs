@@ -3,43 +3,73 @@
 //! This stage knows types only: it never estimates, windows or identifies. It is one of the three places that touch
 //! files (the others are `scene` and `cli`).
 
+mod array;
+mod assign;
 mod catalog;
 mod error;
 mod files;
 mod frfs;
+mod hdf5;
+mod hit_file;
+mod hit_groups;
 mod hits;
+pub mod layout;
+mod matlab5;
+mod memory;
+mod modes_format;
 mod modes_json;
-mod table;
-mod table_columns;
+mod not_carried;
+mod note;
+mod number;
+mod numpy;
+mod sources;
 mod table_spec;
+mod text;
 mod uff;
 
 #[cfg(test)]
-mod hits_tests;
+mod frfs_tests;
 #[cfg(test)]
-mod table_tests;
+mod hits_tests;
 
-pub use catalog::{Catalog, Entry, EntryAxis, FunctionType, Identification, SampleFormat};
+pub use catalog::{
+    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
+    ModeEntry, SampleFormat,
+};
 pub use error::IoError;
 pub use files::{
-    detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes, write_atomically,
-    write_whole,
+    detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes, writable_extensions,
+    write_atomically, write_path, write_whole,
 };
-pub use frfs::{FunctionNote, frf_sets};
-pub use hits::{ChannelOverride, HitFile, HitGrouping, HitSet, group_hits, has_time_records};
+pub use frfs::frf_sets;
+pub use hdf5::Hdf5;
+pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
+pub use hits::{HitSet, group_hits, has_time_records};
+pub use matlab5::Matlab5;
+pub use memory::{MemorySource, Merged};
+pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};
-pub use table::Table;
-pub use table_spec::{ColumnName, ColumnRole, Delimiter, TableColumn, TableSpec};
-pub use uff::{Encoding, FileLabel, Precision, Uff, write_frfs, write_time_records};
+pub use note::{FunctionNote, Window};
+pub use numpy::{Npy, Npz};
+pub use sources::{frf_source, hit_source};
+pub use table_spec::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
+pub use text::{Pulse, SignalCalc, Table};
+pub use uff::{FileLabel, Uff, write_frfs, write_time_records};
 
-use std::io::{Read, Seek};
+use std::io::{Read, Seek, Write};
 use std::ops::Range;
 
 use num_complex::Complex64;
 
+use crate::finding::Finding;
+
 /// A byte stream that can be read and sought.
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
+
+/// A byte stream that can be written and sought.
+pub trait WriteSeek: Write + Seek {}
+impl<T: Write + Seek> WriteSeek for T {}
 
 /// How sure a format is that bytes are its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,7 +87,7 @@ pub enum Confidence {
 pub struct Hints {
     /// Path as given, for messages and findings.
     pub path: String,
-    /// How to read a table of numbers; needed by text tables alone.
+    /// How to read a table of numbers, or arrays that do not say what they mean.
     pub table: Option<TableSpec>,
 }
 
@@ -65,6 +95,11 @@ pub struct Hints {
 pub trait Format: Sync {
     /// Name for `--format` and messages.
     fn name(&self) -> &'static str;
+
+    /// File extensions that ask for it, in lower case; none when it is not written.
+    fn extensions(&self) -> &'static [&'static str] {
+        &[]
+    }
 
     /// Judges the first bytes of a file (up to 4 KiB).
     fn detect(&self, head: &[u8]) -> Confidence;
@@ -75,6 +110,57 @@ pub trait Format: Sync {
     /// [`IoError`] when nothing of the file can be used. A partly bad file opens, and its
     /// [`Catalog::damage`] says what is missing and where.
     fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError>;
+
+    /// Writes everything that a source holds and the format can; what it cannot is left out with a finding of
+    /// [`crate::finding::Code::NotCarried`].
+    ///
+    /// # Errors
+    /// [`IoError::Unwritable`] for a value that the format has no place for although it holds the kind; reading errors of
+    /// the source; [`IoError::System`] when writing fails.
+    fn write(
+        &self,
+        _out: &mut dyn WriteSeek,
+        _source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        Err(IoError::Unwritable {
+            path: options.path.clone(),
+            what: "this format",
+            got: self.name().to_owned(),
+            expected: "a format that is written".to_owned(),
+        })
+    }
+}
+
+/// How a file is to be written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Path, for messages.
+    pub path: String,
+    /// Numbers as bytes or text, where the format has both.
+    pub encoding: Encoding,
+    /// Width of the numbers; as stored when not stated.
+    pub precision: Option<Precision>,
+}
+
+/// Width of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// 32 bits, as measurement systems export.
+    #[default]
+    Single,
+    /// 64 bits.
+    Double,
+}
+
+/// How values are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Encoding {
+    /// As bytes, to the bit.
+    #[default]
+    Binary,
+    /// As text, 13 digits for 64 bits.
+    Text,
 }
 
 /// An opened file: what is in it, and its samples on demand.
@@ -91,6 +177,20 @@ pub trait Source: Send {
     /// [`IoError`] with the place when the bytes are not there or are not numbers.
     fn read(&mut self, entry: usize, range: Range<usize>, block: &mut Block)
     -> Result<(), IoError>;
+
+    /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of the file. A source with
+    /// uneven axes has its own.
+    ///
+    /// # Errors
+    /// As [`Source::read`].
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        memory::even_abscissa(self.catalog(), entry, range, out)
+    }
 }
 
 /// Samples of one entry as the file stores them.
@@ -105,4 +205,14 @@ pub enum Block {
 }
 
 /// Every format that can be read; the content decides which one a file has.
-pub const FORMATS: &[&dyn Format] = &[&Uff, &Table];
+pub const FORMATS: &[&dyn Format] = &[
+    &Uff,
+    &Hdf5,
+    &ModesJson,
+    &Npy,
+    &Npz,
+    &Matlab5,
+    &Pulse,
+    &SignalCalc,
+    &Table,
+];

@@ -4,10 +4,9 @@ use crate::dof::Dof;
 use crate::quantity::{FrfUnit, Unit};
 
 /// What separates the fields of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
-    #[default]
     Comma,
     /// `;`
     Semicolon,
@@ -61,6 +60,41 @@ pub enum ColumnRole {
         /// Unit of the numbers.
         unit: FrfUnit,
     },
+    /// An FRF as complex numbers.
+    Complex {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: FrfUnit,
+    },
+    /// Magnitude of an FRF.
+    Magnitude {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+        /// Unit of the numbers.
+        unit: FrfUnit,
+    },
+    /// Phase, in degrees, of the FRF whose magnitude has the same response.
+    PhaseDegrees {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+    },
+    /// Coherence of the FRF with the same response.
+    Coherence {
+        /// Response (`None`: the file's response says).
+        dof: Option<Dof>,
+    },
+}
+
+/// What one dimension of an array counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Hits, one after the other.
+    Hit,
+    /// Channels; a channel's number in the scene is its place here, from 1.
+    Channel,
+    /// Samples of a channel, or lines of a function.
+    Sample,
 }
 
 /// One column that is to be read.
@@ -77,12 +111,16 @@ pub struct TableColumn {
 /// How to read a table. Columns that are not named are passed over.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct TableSpec {
-    /// Field separator.
-    pub delimiter: Delimiter,
-    /// Lines before the heading (or before the numbers, where columns are named by number alone).
+    /// Field separator; `None`: judged by the content.
+    pub delimiter: Option<Delimiter>,
+    /// Lines that are passed over before the heading is looked for.
     pub skip_lines: usize,
+    /// What the dimensions of an array are, slowest first; `None`: rows are samples and columns are channels.
+    pub dimensions: Option<Vec<Dimension>>,
     /// Samples per second, where no time column says.
     pub sampling_rate_hz: Option<f64>,
+    /// Factor of the stated unit of the time or frequency column to s or Hz; `None`: the heading says, or else s or Hz.
+    pub axis_to_si: Option<f64>,
     /// Columns.
     pub columns: Vec<TableColumn>,
 }

@@ -9,7 +9,7 @@ use crate::correlate::{
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{EstimateOptions, FrfError, FrfSet, estimate, usable_band};
 use crate::identify::{IdentifyOptions, identify};
-use crate::io::{modes_from_json, modes_to_json, sha256_hex, sha256_of_bytes};
+use crate::io::{modes_to_json, sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::record::Hit;
 use crate::signal::ExponentialWindow;
@@ -21,8 +21,8 @@ use super::hammer::{Recording, hammer_test, load_synth, record};
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
+use super::modes_file::load_modes;
 use super::plan::{Scene, TestPlan, TestSource};
-use super::toml_text::read_text;
 
 /// What one test came to.
 #[derive(Clone, Debug)]
@@ -227,6 +227,7 @@ fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
                 typed,
                 partial,
                 format: scene.format.as_deref(),
+                averages: None,
                 scene: &scene.path,
             };
             identify_test(scene, test, ingest_files(files, &options)?, inputs)
@@ -242,7 +243,7 @@ fn input_file(path: &Path) -> Result<InputFile, SceneError> {
 }
 
 fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
-    let mut modes = modes_from_json(&read_text(path)?, &path.display().to_string())?;
+    let (mut modes, _) = load_modes(path, None)?;
     modes.band = test.band.or(modes.band);
     Ok(TestResult {
         name: test.name.clone(),

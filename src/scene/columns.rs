@@ -1,6 +1,6 @@
 //! `[[test.channel]]` as meant: the columns of a table.
 
-use crate::io::{ColumnName, ColumnRole, Delimiter, TableColumn, TableSpec};
+use crate::io::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
 
 use super::SceneError;
@@ -29,9 +29,16 @@ impl Place<'_> {
 /// [`SceneError::Value`] with the key, what was got and expected.
 pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
     let columns = test.channel.iter().map(|channel| column(channel, path));
+    let axis_to_si = test
+        .channel
+        .iter()
+        .map(|channel| axis_factor(channel, path));
+    let axis_to_si: Vec<Option<f64>> = axis_to_si.collect::<Result<_, _>>()?;
     Ok(TableSpec {
+        axis_to_si: axis_to_si.into_iter().flatten().next(),
         delimiter: delimiter(test.delimiter.as_deref(), path)?,
         skip_lines: test.skip_lines,
+        dimensions: dimensions(test.dimensions.as_deref(), path)?,
         sampling_rate_hz: sampling_rate(test.sampling_rate_hz, path)?,
         columns: columns.collect::<Result<_, _>>()?,
     })
@@ -49,17 +56,46 @@ fn sampling_rate(rate: Option<f64>, path: &str) -> Result<Option<f64>, SceneErro
     }
 }
 
-fn delimiter(name: Option<&str>, path: &str) -> Result<Delimiter, SceneError> {
+fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneError> {
     match name {
-        None | Some("comma") => Ok(Delimiter::Comma),
-        Some("semicolon") => Ok(Delimiter::Semicolon),
-        Some("tab") => Ok(Delimiter::Tab),
-        Some("blank") => Ok(Delimiter::Blank),
+        None => Ok(None),
+        Some("comma") => Ok(Some(Delimiter::Comma)),
+        Some("semicolon") => Ok(Some(Delimiter::Semicolon)),
+        Some("tab") => Ok(Some(Delimiter::Tab)),
+        Some("blank") => Ok(Some(Delimiter::Blank)),
         Some(other) => Err(SceneError::Value {
             path: path.to_owned(),
             key: "[[test]] delimiter".to_owned(),
             got: format!("{other:?}"),
             expected: "comma, semicolon, tab or blank".to_owned(),
+        }),
+    }
+}
+
+/// What the dimensions of an array are: each at most once, samples among them.
+fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimension>>, SceneError> {
+    let Some(names) = names else { return Ok(None) };
+    let one = |name: &String| match name.as_str() {
+        "hit" => Some(Dimension::Hit),
+        "channel" => Some(Dimension::Channel),
+        "sample" => Some(Dimension::Sample),
+        _ => None,
+    };
+    let found: Option<Vec<Dimension>> = names.iter().map(one).collect();
+    let each_once = |all: &Vec<Dimension>| {
+        let count = |wanted| all.iter().filter(|own| **own == wanted).count();
+        count(Dimension::Sample) == 1
+            && count(Dimension::Hit) <= 1
+            && count(Dimension::Channel) <= 1
+    };
+    match found.filter(each_once) {
+        Some(dimensions) => Ok(Some(dimensions)),
+        None => Err(SceneError::Value {
+            path: path.to_owned(),
+            key: "[[test]] dimensions".to_owned(),
+            got: format!("{names:?}"),
+            expected: "hit, channel and sample, slowest first, each at most once and sample always"
+                .to_owned(),
         }),
     }
 }
@@ -73,7 +109,7 @@ fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError>
         path,
         column: channel.column.to_string(),
     };
-    let scale = channel.scale.unwrap_or(1.0) * axis_factor(channel, &place)?;
+    let scale = channel.scale.unwrap_or(1.0);
     if !scale.is_finite() || scale == 0.0 {
         return Err(place.error("scale", scale.to_string(), "a finite number other than 0"));
     }
@@ -84,24 +120,28 @@ fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError>
     })
 }
 
-/// Factor to s or Hz of an axis; 1 for every other column, whose unit is that of its values.
-fn axis_factor(channel: &ChannelTable, place: &Place) -> Result<f64, SceneError> {
+/// Factor to s or Hz of an axis whose unit is stated; nothing for every other column.
+fn axis_factor(channel: &ChannelTable, path: &str) -> Result<Option<f64>, SceneError> {
+    let place = Place {
+        path,
+        column: channel.column.to_string(),
+    };
     let known: &[(&str, f64)] = match channel.role.as_deref() {
         Some("time") => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
         Some("frequency") => &[("Hz", 1.0), ("kHz", 1e3)],
-        _ => return Ok(1.0),
+        _ => return Ok(None),
     };
     if channel.dof.is_some() || channel.quantity.is_some() {
         return Err(place.error("dof or quantity", "one for an axis", "none"));
     }
     let Some(unit) = channel.unit.as_deref() else {
-        return Ok(1.0);
+        return Ok(None);
     };
     let found = known.iter().find(|(name, _)| *name == unit);
     let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
     let found =
         found.ok_or_else(|| place.error("unit", format!("{unit:?}"), names.join(" or ")))?;
-    Ok(found.1)
+    Ok(Some(found.1))
 }
 
 fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError> {
@@ -131,10 +171,26 @@ fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError>
             dof,
             unit: frf_unit(channel, place)?,
         }),
+        Some("complex") => Ok(ColumnRole::Complex {
+            dof,
+            unit: frf_unit(channel, place)?,
+        }),
+        Some("magnitude") => Ok(ColumnRole::Magnitude {
+            dof,
+            unit: frf_unit(channel, place)?,
+        }),
+        Some("phase") => match channel.unit.as_deref() {
+            None | Some("deg" | "°") => Ok(ColumnRole::PhaseDegrees { dof }),
+            Some(text) => Err(place.error("unit", format!("{text:?}"), "deg")),
+        },
+        Some("coherence") => match channel.unit.as_deref() {
+            None | Some("1") => Ok(ColumnRole::Coherence { dof }),
+            Some(text) => Err(place.error("unit", format!("{text:?}"), "none")),
+        },
         other => Err(place.error(
             "role",
             other.map_or_else(|| "nothing".to_owned(), |text| format!("{text:?}")),
-            "time, frequency, force, response, real or imaginary",
+            "time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence",
         )),
     }
 }
@@ -184,5 +240,24 @@ fn frf_unit(channel: &ChannelTable, place: &Place) -> Result<FrfUnit, SceneError
             unit.kind.to_string(),
         )),
         _ => Ok(unit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_of_an_axis_is_known_where_it_is_stated() {
+        let of = |unit: &str| {
+            let text = format!(
+                "name = \"t\"\n[[channel]]\ncolumn = 1\nrole = \"time\"\nscale = 2.0\n{unit}\n"
+            );
+            let typed: TestTable = toml::from_str(&text).unwrap();
+            table_spec(&typed, "s.toml").map(|spec| (spec.axis_to_si, spec.columns[0].scale))
+        };
+        assert_eq!(of("unit = \"ms\"").unwrap(), (Some(1e-3), 2.0));
+        assert_eq!(of("").unwrap(), (None, 2.0));
+        assert!(of("unit = \"Hz\"").is_err());
     }
 }

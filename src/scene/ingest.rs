@@ -1,12 +1,15 @@
 //! A test's files to hits or FRFs: opened, judged whole or partly bad, grouped.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
+use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
+use crate::geometry::{Geometry, Node};
 use crate::io::{
-    ChannelOverride, Entry, FunctionType, Hints, HitFile, HitGrouping, Source, format_of, frf_sets,
-    group_hits, has_time_records, open_bytes, open_path,
+    Catalog, ChannelOverride, Entry, FunctionType, Hints, HitFile, HitGrouping, Merged, Source,
+    format_of, frf_sets, group_hits, has_time_records, open_bytes, open_path,
 };
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::{Hit, Role};
@@ -20,6 +23,24 @@ use super::typed::{ChannelTable, ColumnKey, TestTable};
 /// Name of the format whose channels the scene describes column by column.
 const TABLE: &str = "table";
 
+/// Formats whose channels the scene describes: tables, and files of arrays.
+const DESCRIBED: [&str; 5] = [TABLE, "npy", "npz", "matlab5", "hdf5"];
+
+/// Text exports that describe themselves, unless the scene says what their columns are.
+const TEXT_EXPORTS: [&str; 2] = ["pulse", "signalcalc"];
+
+/// Roles of columns alone; `force` and `response` are roles of records too.
+const COLUMN_ROLES: [&str; 8] = [
+    "time",
+    "frequency",
+    "real",
+    "imaginary",
+    "complex",
+    "magnitude",
+    "phase",
+    "coherence",
+];
+
 /// What a test's files hold.
 #[derive(Clone, Debug, Default)]
 pub struct Ingested {
@@ -27,6 +48,8 @@ pub struct Ingested {
     pub hits: Vec<Hit>,
     /// FRFs, for files that hold no time records.
     pub frfs: Vec<FrfSet>,
+    /// Nodes and what else the files say of the points.
+    pub geometry: Geometry,
     /// Findings of reading.
     pub findings: Vec<Finding>,
     /// Whether part of a file was bad and left out.
@@ -44,6 +67,8 @@ pub struct IngestOptions<'a> {
     pub partial: bool,
     /// Format of every file, instead of judging by content.
     pub format: Option<&'a str>,
+    /// Number of averages of FRFs that do not state it, before the scene's word.
+    pub averages: Option<u32>,
     /// Path of the scene, for messages.
     pub scene: &'a str,
 }
@@ -62,9 +87,13 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         .typed
         .and_then(|test| stated_frf_unit(&test.channel));
     let format = format_of(&file.path, options.format)?;
+    let as_table = options.format.is_none()
+        && TEXT_EXPORTS.contains(&format.name())
+        && options.typed.is_some_and(describes_columns);
+    let format = if as_table { TABLE } else { format.name() };
     let described = options
         .typed
-        .filter(|test| format.name() == TABLE && !test.channel.is_empty());
+        .filter(|test| DESCRIBED.contains(&format) && !test.channel.is_empty());
     let table = described
         .map(|test| table_spec(test, options.scene))
         .transpose()?;
@@ -72,19 +101,74 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         path: file.path.display().to_string(),
         table,
     };
+    let mut source = open_path(&file.path, &hints, Some(format))?;
+    if options.partial {
+        let mut merged = Merged::new(vec![source]);
+        merged.leave_out_unreadable();
+        source = Box::new(merged);
+    }
     Ok(HitFile {
-        source: open_path(&file.path, &hints, Some(format.name()))?,
+        source,
         response: file.response.clone(),
         reference: file.reference.clone(),
         frf_unit,
+        averages: options
+            .averages
+            .or(options.typed.and_then(|test| test.averages)),
+        partial: options.partial,
     })
 }
 
-/// A unit such as (m/s2)/N is that of every FRF that does not state its own.
+/// Opens the files of a test as the scene describes them, as one source.
+///
+/// # Errors
+/// As [`ingest_files`].
+pub fn open_test(
+    files: &[FilePlan],
+    typed: &TestTable,
+    format: Option<&str>,
+    scene: &str,
+) -> Result<Merged, SceneError> {
+    let options = IngestOptions {
+        typed: Some(typed),
+        format,
+        scene,
+        ..IngestOptions::default()
+    };
+    let opened = files.iter().map(|file| {
+        let source = open(file, &options)?.source;
+        if typed.channel.is_empty() || DESCRIBED.contains(&source.catalog().format) {
+            return Ok(source);
+        }
+        let got = format!(
+            "{}, whose headers describe its records",
+            file.path.display()
+        );
+        let expected = "tables or arrays in a scene with channels; give this file by its own name";
+        Err(value_error(scene, "[[test.channel]]", &got, expected))
+    });
+    let mut merged = Merged::new(opened.collect::<Result<_, SceneError>>()?);
+    for (number, file) in files.iter().enumerate() {
+        merged.state_points(number, file.response.as_ref(), file.reference.as_ref());
+    }
+    Ok(merged)
+}
+
+/// Whether the scene says what the columns of a text are: a channel has a role that no record has.
+fn describes_columns(test: &TestTable) -> bool {
+    let roles = test.channel.iter().filter_map(|own| own.role.as_deref());
+    roles.into_iter().any(|role| COLUMN_ROLES.contains(&role))
+}
+
+/// A unit such as (m/s2)/N, times its calibration, is that of every FRF that does not state its own.
 fn stated_frf_unit(channels: &[ChannelTable]) -> Option<FrfUnit> {
-    channels
-        .iter()
-        .find_map(|channel| channel.unit.as_deref()?.parse().ok())
+    channels.iter().find_map(|channel| {
+        let unit: FrfUnit = channel.unit.as_deref()?.parse().ok()?;
+        Some(FrfUnit {
+            to_si: unit.to_si * channel.scale.unwrap_or(1.0),
+            ..unit
+        })
+    })
 }
 
 /// Reads bytes as if they were the one file of a test.
@@ -99,23 +183,17 @@ pub fn ingest_bytes(bytes: Vec<u8>, name: &str) -> Result<Ingested, SceneError> 
             table: None,
         },
     )?;
-    collect(
-        vec![HitFile {
-            source,
-            response: None,
-            reference: None,
-            frf_unit: None,
-        }],
-        &IngestOptions::default(),
-    )
+    collect(vec![HitFile::new(source)], &IngestOptions::default())
 }
 
 fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested, SceneError> {
     let mut data = Ingested::default();
     for file in &mut files {
         data.partly_bad |= judge(file.source.as_mut(), options.partial)?;
-        data.findings
-            .extend(file.source.catalog().findings.iter().cloned());
+        let catalog = file.source.catalog();
+        data.findings.extend(catalog.findings.iter().cloned());
+        data.geometry.add(&catalog.geometry);
+        data.findings.extend(local_directions(catalog));
     }
     if files
         .iter()
@@ -132,6 +210,38 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     Ok(data)
 }
 
+/// Sensors and hits of records and FRFs at nodes whose displacement system is turned against the global frame.
+fn local_directions(catalog: &Catalog) -> Option<Finding> {
+    let geometry = &catalog.geometry;
+    let is_turned = |node: &&Node| {
+        let system = node
+            .displacement_system
+            .and_then(|label| geometry.system(label));
+        system.is_some_and(|system| !system.is_aligned())
+    };
+    let turned: BTreeSet<&str> = geometry
+        .nodes
+        .iter()
+        .filter(is_turned)
+        .map(|node| node.point.as_str())
+        .collect();
+    let dofs = catalog
+        .entries
+        .iter()
+        .flat_map(|entry| [&entry.response, &entry.reference]);
+    let local: BTreeSet<&Dof> = dofs
+        .flatten()
+        .filter(|dof| turned.contains(dof.point()))
+        .collect();
+    let place = Place::File {
+        path: catalog.path.clone(),
+        line: None,
+        byte: None,
+    };
+    let finding = Finding::new(Severity::Warning, Code::LocalDirections, place);
+    (!local.is_empty()).then(|| finding.value(local.len() as f64, ""))
+}
+
 /// What the scene says of records; the channels of a table were named when it was opened.
 fn overrides_of(
     files: &[HitFile],
@@ -142,7 +252,7 @@ fn overrides_of(
     };
     let tables = files
         .iter()
-        .filter(|file| file.source.catalog().format == TABLE)
+        .filter(|file| DESCRIBED.contains(&file.source.catalog().format))
         .count();
     match tables {
         0 => overrides(&test.channel, options.scene),
@@ -267,5 +377,44 @@ impl FilePlan {
             response: None,
             reference: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXPORT: &str = "Units: Ratio\r\nRef Chan:Resp Chan\t3+Z:4-Z\r\nChannel Name\t : \r\n\r\nFrequency\tReal\tImaginary\r\n\r\n\
+                          Units:\r\nHz\t(m/s2)(N)\t\r\n0.0\t1.5\t0.5\r\n0.5\t2.5\t-0.5\r\n";
+
+    fn read(channels: &str) -> FrfSet {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("h.txt");
+        std::fs::write(&path, EXPORT).unwrap();
+        let text = format!("name = \"t\"\n{channels}");
+        let typed: TestTable = toml::from_str(&text).unwrap();
+        let options = IngestOptions {
+            typed: Some(&typed),
+            ..IngestOptions::default()
+        };
+        let file = FilePlan {
+            path,
+            response: "2:+X".parse().ok(),
+            reference: "1:+X".parse().ok(),
+        };
+        ingest_files(&[file], &options).unwrap().frfs.remove(0)
+    }
+
+    #[test]
+    fn columns_that_a_scene_describes_are_read_as_such() {
+        let own = read("");
+        assert_eq!(own.functions()[0].response.to_string(), "4:-Z");
+        let described = read(
+            "[[channel]]\ncolumn = 1\nrole = \"frequency\"\n[[channel]]\ncolumn = 3\nrole = \"real\"\nunit = \"g/N\"\n\
+             [[channel]]\ncolumn = 2\nrole = \"imaginary\"\nunit = \"g/N\"\n",
+        );
+        assert_eq!(described.functions()[0].response.to_string(), "2:+X");
+        let value = described.values(0)[1] / 9.80665;
+        assert!((value - num_complex::Complex64::new(-0.5, 2.5)).norm() < 1e-12);
     }
 }

@@ -10,6 +10,7 @@ mod hammer;
 mod ingest;
 mod limits;
 mod model;
+mod modes_file;
 mod plan;
 mod synth_spec;
 mod synth_truth;
@@ -26,11 +27,12 @@ pub use chain::{
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
 pub use hammer::{Recording, hammer_test, load_synth, record};
-pub use ingest::{IngestOptions, Ingested, ingest_files};
+pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, theory};
+pub use modes_file::{is_modes_file, load_modes};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{parse, read_text};

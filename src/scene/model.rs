@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::geometry::Sensor;
-use crate::io::modes_from_json;
+use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelRoot,
@@ -15,6 +14,7 @@ use crate::theory::{
 };
 
 use super::SceneError;
+use super::modes_file::{is_modes_file, load_modes};
 use super::toml_text::{parse, read_text};
 use super::typed::{ModelTable, SensorTable};
 
@@ -38,6 +38,8 @@ pub struct Theory {
     pub parameters: Vec<(ParameterSpec, f64)>,
     /// What the model takes for granted.
     pub assumptions: Vec<Assumption>,
+    /// Where the points are, as far as the file or the sensors say it.
+    pub geometry: Geometry,
     /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the indices in them count all
     /// its modes. None for finished modes.
     pub roots: Vec<ModelRoot>,
@@ -90,7 +92,7 @@ pub fn load_model(
 }
 
 /// Whether a model is meant by its built-in name, perhaps with a set, and not as a file.
-fn is_built_in(name: &Path) -> bool {
+pub(super) fn is_built_in(name: &Path) -> bool {
     let text = name.to_string_lossy();
     let first = text.split('/').next();
     let short = text.split('/').count() <= 2 && name.extension().is_none();
@@ -174,6 +176,7 @@ impl LoadedModel {
         Ok(Theory {
             roots: self.roots(&solved, options)?,
             modes: solved.model,
+            geometry: sensor_nodes(sensors),
             parameters,
             assumptions: self.model.assumptions(),
         })
@@ -198,6 +201,20 @@ impl LoadedModel {
     }
 }
 
+/// The points of sensors that sit on bodies.
+fn sensor_nodes(sensors: &[Sensor]) -> Geometry {
+    let mut geometry = Geometry::default();
+    for sensor in sensors {
+        if let Target::BodyPoint { at_m, .. } = &sensor.target
+            && geometry.node(sensor.dof.point()).is_none()
+        {
+            let node = Node::new(sensor.dof.point(), (*at_m).into());
+            geometry.nodes.push(node);
+        }
+    }
+    geometry
+}
+
 /// The theory that a `[model]` table means: a built-in model or a model file solved at the sensors, or finished modes.
 ///
 /// # Errors
@@ -210,14 +227,11 @@ pub fn theory(
     options: &ModeOptions,
 ) -> Result<Theory, SceneError> {
     let named = named_model(table, folder, path)?;
-    if named
-        .extension()
-        .is_some_and(|extension| extension == "json")
-    {
-        let text = read_text(&named)?;
-        let modes = modes_from_json(&text, &named.display().to_string())?;
+    if is_modes_file(&named) {
+        let (modes, geometry) = load_modes(&named, None)?;
         return Ok(Theory {
             modes,
+            geometry,
             ..Theory::default()
         });
     }
@@ -249,7 +263,7 @@ pub(super) fn named_model(
                 path,
                 "[model]",
                 "none or both of `name` and `file`",
-                "`name` of a built-in model, or `file` with a model.toml or a modes.json",
+                "`name` of a built-in model, or `file` with a model.toml or a file of modes",
             ));
         }
     };

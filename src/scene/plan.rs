@@ -98,6 +98,11 @@ pub struct FilePlan {
 }
 
 impl Scene {
+    /// Whether a path names a scene: a folder, or a file `scene.toml`.
+    pub fn is_path(path: &Path) -> bool {
+        path.is_dir() || path.file_name().is_some_and(|name| name == "scene.toml")
+    }
+
     /// Reads a scene from its folder or its `scene.toml`.
     ///
     /// # Errors

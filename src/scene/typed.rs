@@ -68,9 +68,14 @@ pub struct TestTable {
     pub partial: bool,
     /// Samples per second, for tables without a time column.
     pub sampling_rate_hz: Option<f64>,
-    /// `comma` (default), `semicolon`, `tab` or `blank`, for tables.
+    /// `comma`, `semicolon`, `tab` or `blank`, for tables; judged by the content when not stated.
     pub delimiter: Option<String>,
-    /// Lines before the heading, for tables.
+    /// What the dimensions of an array are, slowest first: `hit`, `channel`, `sample`; rows are samples and columns are
+    /// channels when not stated.
+    pub dimensions: Option<Vec<String>>,
+    /// Number of averages of FRFs whose file does not say it.
+    pub averages: Option<u32>,
+    /// Lines that are passed over before the heading is looked for, for tables.
     #[serde(default)]
     pub skip_lines: usize,
     /// What the columns or records are, where the file does not say.
@@ -106,7 +111,7 @@ impl std::fmt::Display for ColumnKey {
 pub struct ChannelTable {
     /// Heading or number from 1 (for a universal file, the record's number within its hit).
     pub column: ColumnKey,
-    /// `time`, `frequency`, `force`, `response`, `real` or `imaginary`.
+    /// `time`, `frequency`, `force`, `response`, `real`, `imaginary`, `complex`, `magnitude`, `phase` or `coherence`.
     pub role: Option<String>,
     /// Where it measures.
     pub dof: Option<Dof>,

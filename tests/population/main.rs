@@ -1,10 +1,13 @@
 //! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of it is right, and how
-//! many of its modes the present method finds.
+//! many of its modes the present method finds. And every reader on damaged files.
 
 mod finding;
 mod judge;
+mod mutants;
+mod mutation;
 mod pipeline;
 mod recording;
+mod seeds;
 
 use modalign::synth::population::Member;
 use rayon::prelude::*;

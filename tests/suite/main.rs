@@ -4,10 +4,18 @@ mod architecture;
 mod bad_input;
 mod command;
 mod cycloid_ball;
+mod exchange;
 mod free_free_beam;
 mod gate;
+mod mode_files;
+mod mutants;
+#[path = "../population/mutation.rs"]
+mod mutation;
 mod population;
 mod published;
 mod recordings;
 mod roving;
+#[path = "../population/seeds.rs"]
+mod seeds;
+mod torture;
 mod truncation;

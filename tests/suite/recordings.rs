@@ -15,12 +15,7 @@ fn read_frfs(path: &Path) -> FrfSet {
         table: None,
     };
     let source = open_path(path, &hints, None).unwrap();
-    let mut files = [HitFile {
-        source,
-        response: None,
-        reference: None,
-        frf_unit: None,
-    }];
+    let mut files = [HitFile::new(source)];
     frf_sets(&mut files).unwrap().remove(0)
 }
 

@@ -51,14 +51,7 @@ fn read(path: &Path) -> FrfSet {
         table: None,
     };
     let source = open_path(path, &hints, None).unwrap();
-    frf_sets(&mut [HitFile {
-        source,
-        response: None,
-        reference: None,
-        frf_unit: None,
-    }])
-    .unwrap()
-    .remove(0)
+    frf_sets(&mut [HitFile::new(source)]).unwrap().remove(0)
 }
 
 /// H and the sum of the magnitudes of its modal terms at one line, accelerance.

@@ -3,13 +3,13 @@
 //! | columns | field |
 //! |---|---|
 //! | I10 | label |
-//! | I10 | definition coordinate system, 0 or 1 for the global one |
-//! | I10 | displacement coordinate system, not used |
+//! | I10 | definition coordinate system, 0 (or 1, unless it is described) for the global one |
+//! | I10 | displacement coordinate system |
 //! | I10 | colour, not used |
 //! | 3 E13.5 | coordinates in file units of length |
 
-use super::fields::{FieldError, Line, finite, integer, integer_or_zero, numeric_record};
-use super::nodes::RawNode;
+use super::fields::{FieldError, Line, integer, integer_or_zero, numeric_record};
+use super::nodes::{RawNode, printed};
 
 /// Reads the nodes.
 pub(super) fn nodes(lines: &[Line]) -> Result<Vec<RawNode>, FieldError> {
@@ -22,14 +22,14 @@ pub(super) fn nodes(lines: &[Line]) -> Result<Vec<RawNode>, FieldError> {
 
 fn node(line: &Line) -> Result<RawNode, FieldError> {
     let parse = |fields: &[&[u8]]| {
-        let coordinates = [finite(fields[4])?, finite(fields[5])?, finite(fields[6])?];
+        let coordinates = printed(&fields[4..])?;
         Some((
             integer(fields[0])?,
-            integer_or_zero(fields[1])?,
+            [integer_or_zero(fields[1])?, integer_or_zero(fields[2])?],
             coordinates,
         ))
     };
-    let (label, system, coordinates) =
+    let (label, systems, coordinates) =
         numeric_record(&line.bytes, &[10, 10, 10, 10, 13, 13, 13], parse).ok_or_else(|| {
             FieldError::line(
                 line,
@@ -37,5 +37,5 @@ fn node(line: &Line) -> Result<RawNode, FieldError> {
                 "label, two coordinate systems, colour, x, y, z",
             )
         })?;
-    RawNode::new(line, label, system, coordinates)
+    RawNode::new(line, label, systems, coordinates)
 }

@@ -24,7 +24,9 @@
 //! | 11 | as 8 | z axis, not used |
 //!
 //! Then the values, one after the other, real part before imaginary part: as text 6 E13.5 to a line for 32 bits and
-//! 4 E20.12 for 64 bits, or as bytes without any line end. An uneven abscissa stands before each value; it is refused.
+//! 4 E20.12 for 64 bits, or as bytes without any line end. An uneven abscissa stands before each value: in text as E13.5
+//! whatever the width of the values, as bytes of 32 bits, or of 64 bits where the values have them (the format's
+//! description says 32 bits always, what is written is 64).
 
 use super::dof_fields::DofFields;
 use super::fields::{
@@ -55,6 +57,15 @@ pub(super) struct Characteristic {
     pub unit: String,
 }
 
+/// Start and step of an even abscissa as printed, each with half a unit of its last digit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spacing {
+    pub start: f64,
+    pub step: f64,
+    pub start_half_unit: Option<f64>,
+    pub step_half_unit: Option<f64>,
+}
+
 /// The fields of a header.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
@@ -65,10 +76,8 @@ pub(super) struct Header {
     pub reference: DofFields,
     pub format: SampleFormat,
     pub points: u64,
-    pub start: f64,
-    pub step: f64,
-    /// Half a unit of the last digit that the step was printed with.
-    pub step_half_unit: Option<f64>,
+    /// Start and step of an even abscissa; `None` where an abscissa stands before each value.
+    pub spacing: Option<Spacing>,
     /// Line of record 7, for messages.
     pub spacing_at: Position,
     /// Line of record 8, for messages.
@@ -82,7 +91,10 @@ pub(super) struct Header {
 pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
     let words = words(&line.bytes);
     let by_columns = columns(&line.bytes, &[7, 6, 6, 12, 12]);
-    let fields = if words.len() >= 5 { words } else { by_columns };
+    // A byte count that fills its columns touches the number before it.
+    let plain = |lines: &&[u8]| integer(lines).is_some_and(|n| n <= MOST_HEADER_LINES);
+    let by_words = words.len() >= 5 && words.get(3).is_some_and(plain);
+    let fields = if by_words { words } else { by_columns };
     let numbers: Option<Vec<i64>> = fields[1..5].iter().map(|field| integer(field)).collect();
     let refuse = |expected: &str| FieldError::line(line, "binary dataset 58", expected);
     let numbers = numbers
@@ -91,7 +103,7 @@ pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
         return Err(refuse("byte order 1 (little endian) or 2 (big endian)"));
     }
     if numbers[1] != 2 {
-        return Err(refuse("float format 2 (IEEE 754)"));
+        return Err(refuse("float format 2 (IEEE 754); 1 is VAX, 3 is IBM"));
     }
     let header_lines = match numbers[2] {
         0 => HEADER_LINES as i64,
@@ -123,9 +135,7 @@ pub(super) fn header(at: Position, lines: &[Line]) -> Result<Header, FieldError>
         reference: record_6.reference,
         format: record_7.format,
         points: record_7.points,
-        start: record_7.start,
-        step: record_7.step,
-        step_half_unit: record_7.step_half_unit,
+        spacing: record_7.spacing,
         spacing_at: lines[6].at,
         abscissa_at: lines[7].at,
         abscissa: characteristic(&lines[7])?,
@@ -220,22 +230,20 @@ fn dof_fields(fields: &[&[u8]]) -> Option<DofFields> {
 struct SpacingRecord {
     format: SampleFormat,
     points: u64,
-    start: f64,
-    step: f64,
-    step_half_unit: Option<f64>,
+    spacing: Option<Spacing>,
 }
 
 fn spacing_record(line: &Line) -> Result<SpacingRecord, FieldError> {
     const WIDTHS: [usize; 6] = [10, 10, 10, 13, 13, 13];
     let refuse = |what, expected| FieldError::line(line, what, expected);
-    let (integers, numbers, step_half_unit) = numeric_record(&line.bytes, &WIDTHS, spacing_fields)
-        .ok_or_else(|| {
+    let (integers, as_printed) =
+        numeric_record(&line.bytes, &WIDTHS, spacing_fields).ok_or_else(|| {
             refuse(
                 "data form record (7) of dataset 58",
                 "data type, number of points, spacing, first abscissa, step, z value",
             )
         })?;
-    let [data_type, points, spacing] = integers;
+    let [data_type, points, even] = integers;
     let format = sample_format(data_type).ok_or_else(|| {
         refuse(
             "data type of dataset 58",
@@ -244,33 +252,41 @@ fn spacing_record(line: &Line) -> Result<SpacingRecord, FieldError> {
     })?;
     let points = u64::try_from(points)
         .map_err(|_| refuse("number of points of dataset 58", "0 or more points"))?;
-    if spacing != 1 {
-        return Err(refuse(
-            "abscissa spacing of dataset 58",
-            "1 (even spacing); an uneven abscissa is not read",
-        ));
-    }
+    let spacing = match even {
+        0 => None,
+        1 => Some(as_printed),
+        _ => {
+            return Err(refuse(
+                "abscissa spacing of dataset 58",
+                "0 (uneven) or 1 (even)",
+            ));
+        }
+    };
     Ok(SpacingRecord {
         format,
         points,
-        start: numbers[0],
-        step: numbers[1],
-        step_half_unit,
+        spacing,
     })
 }
 
-type SpacingFields = ([i64; 3], [f64; 2], Option<f64>);
-
-fn spacing_fields(fields: &[&[u8]]) -> Option<SpacingFields> {
-    Some((
-        [
-            integer(fields[0])?,
-            integer(fields[1])?,
-            integer(fields[2])?,
-        ],
-        [finite(fields[3])?, finite(fields[4])?],
-        half_unit(fields[4]),
-    ))
+fn spacing_fields(fields: &[&[u8]]) -> Option<([i64; 3], Spacing)> {
+    let integers = [
+        integer(fields[0])?,
+        integer(fields[1])?,
+        integer(fields[2])?,
+    ];
+    // An uneven abscissa needs neither start nor step.
+    let number = |field: &[u8]| match integers[2] {
+        0 if field.is_empty() => Some(0.0),
+        _ => finite(field),
+    };
+    let spacing = Spacing {
+        start: number(fields[3])?,
+        step: number(fields[4])?,
+        start_half_unit: half_unit(fields[3]),
+        step_half_unit: half_unit(fields[4]),
+    };
+    Some((integers, spacing))
 }
 
 fn sample_format(data_type: i64) -> Option<SampleFormat> {
@@ -399,11 +415,12 @@ mod tests {
             "         6      1001         1-0.000000E+00 5.000000E-05-0.000000E+00",
         ] {
             let got = spacing_record(&line(text)).unwrap_or_else(|e| panic!("{text}: {e:?}"));
+            let spacing = got.spacing.unwrap();
             assert_eq!(
-                (got.format, got.points, got.start.abs().to_bits()),
+                (got.format, got.points, spacing.start.abs().to_bits()),
                 (SampleFormat::ComplexF64, 1001, 0)
             );
-            assert!((got.step - 5e-5).abs() < 1e-18, "{text}");
+            assert!((spacing.step - 5e-5).abs() < 1e-18, "{text}");
         }
         for (text, what) in [
             (
@@ -415,7 +432,7 @@ mod tests {
                 "number of points of dataset 58",
             ),
             (
-                "         2      1001         0  0.00000D+00  5.00000D-05",
+                "         2      1001         2  0.00000D+00  5.00000D-05",
                 "abscissa spacing of dataset 58",
             ),
             (
@@ -424,6 +441,9 @@ mod tests {
             ),
         ] {
             assert_eq!(spacing_record(&line(text)).err().unwrap().what, what);
+        }
+        for uneven in ["         4      1001         0", "4 1001 0 0. 0. 0."] {
+            assert_eq!(spacing_record(&line(uneven)).ok().unwrap().spacing, None);
         }
     }
 

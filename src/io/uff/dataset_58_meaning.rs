@@ -1,18 +1,24 @@
 //! What a header of dataset 58 means: degrees of freedom, quantity, factor to SI and axis. No I/O.
 //!
 //! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that is not a known unit of
-//! the stated quantity leaves the factor open. A time step printed with few digits is put right where one whole number of
-//! samples per second, and only one, lies within its rounding.
+//! the stated quantity leaves the factor open. What our own writer notes in ID lines 4 and 5 (`modalign key=value ...`)
+//! beyond [`FunctionNote`]: `axis=START:STEP` to the bit, and the numbers of repeated measurements.
 
 use super::dataset_58::{Characteristic, Header};
+use super::dataset_58_axis::{Abscissae, Axis, domain, even_axis, uneven_axis};
 use super::dataset_164::Units;
 use super::fields::FieldError;
-use crate::axis::{FrequencyAxis, TimeAxis};
-use crate::io::{Entry, EntryAxis, FunctionType, SampleFormat};
+use crate::dof::Dof;
+use crate::io::note::{note_fields, number_pair};
+use crate::io::{Domain, Entry, FunctionNote, FunctionType, SampleFormat};
 use crate::quantity::{FrfUnit, Quantity, Unit};
 
-/// Relative change of the step from which on a restored sampling rate is worth a finding.
-const WORTH_TELLING: f64 = 1e-9;
+/// Key of start and step in our note.
+pub(super) const AXIS: &str = "axis";
+/// Key of the response's number of a repeated measurement in our note.
+pub(super) const REPEAT: &str = "repeat";
+/// As [`REPEAT`], of the reference.
+pub(super) const REFERENCE_REPEAT: &str = "reference_repeat";
 
 /// An entry and the sampling rate that was restored for it, when it was.
 pub(super) struct Meaning {
@@ -20,28 +26,33 @@ pub(super) struct Meaning {
     pub restored_rate_hz: Option<f64>,
 }
 
-/// The entry of a header, without the factors of dataset 164; `text` when its samples are written as text.
-pub(super) fn meaning(header: &Header, text: bool) -> Result<Meaning, FieldError> {
-    let (axis, restored_rate_hz) = axis(header)?;
+/// The entry of a header, without the factors of dataset 164; `text` when its samples are written as text, `abscissae`
+/// those that stand before its values.
+pub(super) fn meaning(
+    header: &Header,
+    text: bool,
+    abscissae: Option<&Abscissae>,
+) -> Result<Meaning, FieldError> {
+    let lines = &header.identification.lines;
+    let Axis {
+        axis,
+        restored_rate_hz,
+    } = axis(header, abscissae)?;
     let format = match header.format {
         SampleFormat::RealF32 if text => SampleFormat::RealF64,
         SampleFormat::ComplexF32 if text => SampleFormat::ComplexF64,
         format => format,
     };
     let mut entry = Entry {
-        function_type: FunctionType::from_code(header.function_type),
         identification: header.identification.clone(),
-        response: header.response.dof(),
-        reference: header.reference.dof(),
-        quantity: None,
-        denominator: None,
-        to_si: None,
-        unit_label: unit_label(header),
-        role: None,
-        axis,
-        format,
+        response: repeated(header.response.dof(), lines, REPEAT),
+        reference: repeated(header.reference.dof(), lines, REFERENCE_REPEAT),
+        unit_label: unit_label(&header.numerator, &header.denominator),
+        axis_label: axis_label(header),
+        note: FunctionNote::from_lines(lines),
         line: header.at.line,
         byte: Some(header.at.byte),
+        ..Entry::new(FunctionType::from_code(header.function_type), axis, format)
     };
     set_units(&mut entry, header, None);
     Ok(Meaning {
@@ -50,8 +61,47 @@ pub(super) fn meaning(header: &Header, text: bool) -> Result<Meaning, FieldError
     })
 }
 
-fn unit_label(header: &Header) -> String {
-    let (numerator, denominator) = (&header.numerator.unit, &header.denominator.unit);
+/// The unit of the abscissa as it is read: seconds and hertz whatever the header had, else its own text.
+fn axis_label(header: &Header) -> String {
+    match domain(header).0 {
+        Domain::Time => "s".to_owned(),
+        Domain::Frequency => "Hz".to_owned(),
+        Domain::Other(_) => header.abscissa.unit.clone(),
+    }
+}
+
+fn axis(header: &Header, abscissae: Option<&Abscissae>) -> Result<Axis, FieldError> {
+    let domain = domain(header);
+    let Some(spacing) = &header.spacing else {
+        let none = Abscissae::default();
+        return Ok(Axis {
+            axis: uneven_axis(domain, abscissae.unwrap_or(&none)),
+            restored_rate_hz: None,
+        });
+    };
+    let note = note_fields(&header.identification.lines)
+        .find(|(key, _)| *key == AXIS)
+        .and_then(|(_, value)| number_pair(value));
+    let len = usize::try_from(header.points).unwrap_or(usize::MAX);
+    even_axis(domain, len, spacing, note).ok_or_else(|| FieldError {
+        at: header.spacing_at,
+        what: "abscissa step of dataset 58",
+        got: spacing.step.to_string(),
+        expected: "a step that is not zero, for several values".to_owned(),
+    })
+}
+
+/// The degree of freedom as the measurement of it that our own note says.
+fn repeated(dof: Option<Dof>, lines: &[String], key: &str) -> Option<Dof> {
+    let repeat = note_fields(lines)
+        .find(|(own, _)| *own == key)
+        .and_then(|(_, value)| value.parse().ok())
+        .filter(|repeat| *repeat > 0);
+    dof.map(|dof| repeat.map_or(dof.clone(), |repeat| dof.with_repeat(repeat)))
+}
+
+fn unit_label(numerator: &Characteristic, denominator: &Characteristic) -> String {
+    let (numerator, denominator) = (&numerator.unit, &denominator.unit);
     if denominator.is_empty() {
         numerator.clone()
     } else if numerator.contains('/') && !numerator.starts_with('(') {
@@ -63,39 +113,65 @@ fn unit_label(header: &Header) -> String {
 
 /// Sets quantity, denominator and factor to SI; `units` are those of dataset 164.
 pub(super) fn set_units(entry: &mut Entry, header: &Header, units: Option<&Units>) {
-    match entry.function_type {
-        FunctionType::Time => {
-            let ordinate = Side::new(&header.numerator, units);
-            (entry.quantity, entry.to_si) = (ordinate.quantity, ordinate.to_si);
-        }
-        FunctionType::Frf => set_frf_units(entry, header, units),
+    let sides = [&header.numerator, &header.denominator];
+    let meant = ordinate(entry.function_type, sides, units);
+    (entry.quantity, entry.denominator, entry.to_si) =
+        (meant.quantity, meant.denominator, meant.to_si);
+}
+
+/// What numerator and denominator of an ordinate say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Ordinate {
+    pub quantity: Option<Quantity>,
+    pub denominator: Option<Quantity>,
+    pub to_si: Option<f64>,
+}
+
+/// Reads numerator and denominator of a function of a type; `units` are those of dataset 164.
+pub(super) fn ordinate(
+    function_type: FunctionType,
+    [numerator, denominator]: [&Characteristic; 2],
+    units: Option<&Units>,
+) -> Ordinate {
+    match function_type {
+        FunctionType::Time => Side::new(numerator, units).alone(),
+        FunctionType::Frf => ratio(numerator, denominator, units),
         // A ratio of powers whose unit is 1, whatever the labels say.
-        FunctionType::Coherence => entry.to_si = Some(1.0),
+        FunctionType::Coherence => Ordinate {
+            to_si: Some(1.0),
+            ..Ordinate::default()
+        },
         // A spectrum's unit is a square or a density, which dataset 164 does not tell.
-        FunctionType::Other(_) => {
-            let ordinate = Side::new(&header.numerator, None);
-            (entry.quantity, entry.to_si) = (ordinate.quantity, ordinate.to_si);
+        FunctionType::Variance | FunctionType::Other(_) => {
+            let nothing = denominator.unit.is_empty() && quantity(denominator.code).is_none();
+            if nothing {
+                Side::new(numerator, None).alone()
+            } else {
+                ratio(numerator, denominator, None)
+            }
         }
     }
 }
 
-fn set_frf_units(entry: &mut Entry, header: &Header, units: Option<&Units>) {
-    let numerator = Side::new(&header.numerator, units);
-    let denominator = Side::new(&header.denominator, units);
-    if let Ok(whole) = header.numerator.unit.parse::<FrfUnit>() {
+fn ratio(above: &Characteristic, below: &Characteristic, units: Option<&Units>) -> Ordinate {
+    let numerator = Side::new(above, units);
+    let denominator = Side::new(below, units);
+    if let Ok(whole) = above.unit.parse::<FrfUnit>() {
         let response = whole.kind.response_quantity();
         let agrees = numerator.quantity.is_none_or(|q| q == response)
             && denominator.quantity.is_none_or(|q| q == Quantity::Force);
-        entry.quantity = numerator.quantity.or(Some(response));
-        entry.denominator = denominator.quantity.or(Some(Quantity::Force));
-        entry.to_si = agrees.then_some(whole.to_si);
-        return;
+        return Ordinate {
+            quantity: numerator.quantity.or(Some(response)),
+            denominator: denominator.quantity.or(Some(Quantity::Force)),
+            to_si: agrees.then_some(whole.to_si),
+        };
     }
-    (entry.quantity, entry.denominator) = (numerator.quantity, denominator.quantity);
-    entry.to_si = numerator
-        .to_si
-        .zip(denominator.to_si)
-        .map(|(above, below)| above / below);
+    let factors = numerator.to_si.zip(denominator.to_si);
+    Ordinate {
+        quantity: numerator.quantity,
+        denominator: denominator.quantity,
+        to_si: factors.map(|(above, below)| above / below),
+    }
 }
 
 /// Quantity and factor of a numerator or a denominator.
@@ -105,6 +181,15 @@ struct Side {
 }
 
 impl Side {
+    /// As the whole ordinate.
+    fn alone(self) -> Ordinate {
+        Ordinate {
+            quantity: self.quantity,
+            denominator: None,
+            to_si: self.to_si,
+        }
+    }
+
     fn new(field: &Characteristic, units: Option<&Units>) -> Self {
         let unit: Option<Unit> = field.unit.trim_matches(['(', ')', '[', ']']).parse().ok();
         match (quantity(field.code), unit) {
@@ -132,7 +217,7 @@ impl Side {
 }
 
 /// Quantity of a specific data type.
-fn quantity(code: i64) -> Option<Quantity> {
+pub(super) fn quantity(code: i64) -> Option<Quantity> {
     match code {
         8 => Some(Quantity::Displacement),
         9 | 13 => Some(Quantity::Force),
@@ -142,91 +227,10 @@ fn quantity(code: i64) -> Option<Quantity> {
     }
 }
 
-fn axis(header: &Header) -> Result<(EntryAxis, Option<f64>), FieldError> {
-    let (time, scale) = abscissa(header)?;
-    let (start, mut step) = (header.start * scale, header.step * scale);
-    let len = usize::try_from(header.points).unwrap_or(usize::MAX);
-    if !(step > 0.0 && step.is_finite() && start.is_finite()) {
-        return Err(FieldError {
-            at: header.spacing_at,
-            what: "abscissa step of dataset 58",
-            got: header.step.to_string(),
-            expected: "a positive step".to_owned(),
-        });
-    }
-    if !time {
-        let axis = FrequencyAxis {
-            start_hz: start,
-            step_hz: step,
-            len,
-        };
-        return Ok((EntryAxis::Frequency(axis), None));
-    }
-    let half_unit = header.step_half_unit.map(|half| half * scale);
-    let rate = half_unit.and_then(|half| whole_rate(step, half));
-    let told = rate.filter(|rate| (step * rate - 1.0).abs() > WORTH_TELLING);
-    if let Some(rate) = rate {
-        step = 1.0 / rate;
-    }
-    let axis = TimeAxis {
-        start_s: start,
-        step_s: step,
-        len,
-    };
-    Ok((EntryAxis::Time(axis), told))
-}
-
-/// Whether the abscissa is time (else frequency), and its factor to seconds or hertz.
-fn abscissa(header: &Header) -> Result<(bool, f64), FieldError> {
-    let unit = header.abscissa.unit.as_str();
-    let time = match (header.abscissa.code, header.function_type) {
-        (17, _) => true,
-        (18, _) => false,
-        // The unit decides, then the function type: spectra, FRFs and coherences are 2 to 9.
-        (0 | 1, _) if unit == "s" => true,
-        (0 | 1, _) if unit == "Hz" => false,
-        (0 | 1, 1) => true,
-        (0 | 1, 2..=9) => false,
-        (code, _) => {
-            return Err(FieldError {
-                at: header.abscissa_at,
-                what: "abscissa type of dataset 58",
-                got: code.to_string(),
-                expected: "17 (time) or 18 (frequency)".to_owned(),
-            });
-        }
-    };
-    let scale = match (time, unit) {
-        (true, "ms") => 1e-3,
-        (true, "us" | "µs") => 1e-6,
-        (false, "kHz") => 1e3,
-        (false, "rad/s") => 1.0 / std::f64::consts::TAU,
-        (false, "rpm" | "RPM") => 1.0 / 60.0,
-        // The format's own units are seconds and hertz.
-        _ => 1.0,
-    };
-    Ok((time, scale))
-}
-
-/// The whole number of samples per second whose step prints as `step`, when there is one and no other.
-fn whole_rate(step: f64, half_unit: f64) -> Option<f64> {
-    // A step that ends in 5 lies on the edge itself (1.953125E-05 prints as 1.95313E-05), where rounding must not lose it.
-    let half = half_unit * (1.0 + 1e-6);
-    if half >= step {
-        return None;
-    }
-    let first = (1.0 / (step + half)).ceil();
-    let last = (1.0 / (step - half)).floor();
-    // Both are whole numbers, and so is their difference.
-    ((last - first).abs() < 0.5 && first >= 1.0).then_some(first)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::fields::half_unit;
     use super::super::file_builder::{dataset, header, open, text_58};
-    use super::whole_rate;
-    use crate::io::{Entry, EntryAxis};
+    use crate::io::{Domain, Entry, EntryAxis, GeneralAxis};
 
     /// The entry of a header with function type, abscissa code and abscissa unit, in a file with units in millimetres.
     fn entry(function_type: i32, code: i32, unit: &str) -> Option<Entry> {
@@ -248,6 +252,7 @@ mod tests {
             (1, 17, "ms", 2e-3, 4e-3),
             (1, 0, "NONE", 2.0, 4.0),
             (0, 1, "s", 2.0, 4.0),
+            (7, 0, "", 2.0, 4.0),
         ] {
             let Some(EntryAxis::Time(axis)) = entry(function_type, code, unit).map(|e| e.axis)
             else {
@@ -262,6 +267,7 @@ mod tests {
             (4, 18, "rpm", 1.0 / 30.0),
             (6, 0, "NONE", 2.0),
             (0, 1, "Hz", 2.0),
+            (9, 0, "", 2.0),
         ] {
             let Some(EntryAxis::Frequency(axis)) = entry(function_type, code, unit).map(|e| e.axis)
             else {
@@ -271,7 +277,13 @@ mod tests {
             assert!((axis.step_hz - 2.0 * start).abs() < 1e-12, "{unit}");
         }
         for (function_type, code, unit) in [(0, 0, "NONE"), (1, 16, "s"), (4, 19, "rpm")] {
-            assert_eq!(entry(function_type, code, unit), None, "{code}");
+            let general = GeneralAxis {
+                domain: Domain::Other(code),
+                even: Some((2.0, 4.0)),
+                len: 1,
+            };
+            let got = entry(function_type, code, unit).unwrap();
+            assert_eq!(got.axis, EntryAxis::General(general), "{code}");
         }
     }
 
@@ -300,33 +312,5 @@ mod tests {
         assert_eq!(entry(2, 18, "Hz").unwrap().to_si, None);
         assert_eq!(entry(6, 18, "Hz").unwrap().to_si, Some(1.0));
         assert_eq!(entry(4, 18, "Hz").unwrap().to_si, None, "no denominator");
-    }
-
-    fn rate(printed: &str) -> Option<f64> {
-        let half = half_unit(printed.as_bytes()).unwrap();
-        whole_rate(printed.parse().unwrap(), half)
-    }
-
-    #[test]
-    fn every_common_rate_comes_back_from_six_digits() {
-        // Up to 90 kHz six digits always tell one rate from the next; above, the common ones are told.
-        for hz in (1..=90_000).chain([96_000, 102_400, 131_072, 192_000, 204_800, 262_144]) {
-            let hz = f64::from(hz);
-            let printed = format!("{:.5E}", 1.0 / hz);
-            assert_eq!(
-                rate(&printed).map(f64::to_bits),
-                Some(hz.to_bits()),
-                "{printed}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_rate_is_not_invented() {
-        // 1/3 s is 3 Hz; 0.3 s is none; with two digits or fewer many rates fit, or none does.
-        assert_eq!(rate("3.33333E-01").map(f64::to_bits), Some(3f64.to_bits()));
-        for printed in ["3.00000E-01", "1.0E-05", "0.01", "0.0", "4.88210E-04"] {
-            assert_eq!(rate(printed), None, "{printed}");
-        }
     }
 }

@@ -1,16 +1,16 @@
-//! Samples of dataset 58: a range of a binary block by seeking, or the numbers of a text block.
+//! Samples of dataset 58 as bytes: a range of a block, read straight into its numbers.
 
 use std::io::{self, SeekFrom};
 use std::ops::Range;
 
+use bytemuck::{AnyBitPattern, NoUninit, cast_slice_mut};
 use num_complex::Complex64;
 
-use super::fields::{FieldError, Position, data_row};
-use super::lines::LineReader;
-use crate::io::{Block, IoError, ReadSeek, SampleFormat};
+use super::dataset_58_text::TextBlock;
+use crate::io::{Block, ReadSeek, SampleFormat};
 
-/// Bytes taken from the file at once; a multiple of the largest value's 16 bytes.
-const CHUNK_BYTES: usize = 1 << 20;
+/// Bytes taken from the file at once where they are not the numbers themselves.
+const CHUNK_BYTES: usize = 1 << 16;
 
 /// Where the samples of an entry are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,15 +25,20 @@ pub(super) struct BinaryBlock {
     pub byte: u64,
     pub little_endian: bool,
     pub format: SampleFormat,
+    /// Bytes of the abscissa before each value: 0, 4 or 8.
+    pub abscissa_bytes: usize,
 }
 
-/// Lines of numbers up to the delimiter at byte `end`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TextBlock {
-    pub at: Position,
-    pub end: u64,
-    pub format: SampleFormat,
-    pub points: u64,
+impl BinaryBlock {
+    /// Bytes from one value to the next.
+    fn stride(&self) -> usize {
+        self.abscissa_bytes + value_bytes(self.format) as usize
+    }
+
+    /// Whether the bytes of a number stand in this machine's order.
+    fn is_native(&self) -> bool {
+        self.little_endian == cfg!(target_endian = "little")
+    }
 }
 
 /// Bytes of one value.
@@ -53,155 +58,228 @@ pub(super) fn numbers_per_value(format: SampleFormat) -> u64 {
     }
 }
 
-/// Reads values `range` of a binary block.
+/// A stream of bytes and where it stands, so that reading on needs no search.
+pub(super) struct Input {
+    stream: Box<dyn ReadSeek>,
+    at: Option<u64>,
+}
+
+impl Input {
+    pub fn new(stream: Box<dyn ReadSeek>) -> Self {
+        Self { stream, at: None }
+    }
+
+    /// The bare stream, for whoever moves it.
+    pub fn anywhere(&mut self) -> &mut dyn ReadSeek {
+        self.at = None;
+        self.stream.as_mut()
+    }
+}
+
+/// Bytes from a place on.
+pub(super) trait ReadAt {
+    /// Fills `bytes` from byte `from` on.
+    fn read_at(&mut self, from: u64, bytes: &mut [u8]) -> io::Result<()>;
+}
+
+impl ReadAt for Input {
+    fn read_at(&mut self, from: u64, bytes: &mut [u8]) -> io::Result<()> {
+        if self.at.take() != Some(from) {
+            self.stream.seek(SeekFrom::Start(from))?;
+        }
+        self.stream.read_exact(bytes)?;
+        self.at = Some(from + bytes.len() as u64);
+        Ok(())
+    }
+}
+
+impl ReadAt for Box<dyn ReadSeek> {
+    fn read_at(&mut self, from: u64, bytes: &mut [u8]) -> io::Result<()> {
+        self.seek(SeekFrom::Start(from))?;
+        self.read_exact(bytes)
+    }
+}
+
+/// Reads values `range` of a binary block into `block`, whose memory is used again when it has the right kind.
 pub(super) fn read_binary(
-    input: &mut dyn ReadSeek,
+    input: &mut Input,
     from: &BinaryBlock,
     range: Range<usize>,
     block: &mut Block,
 ) -> io::Result<()> {
-    let size = value_bytes(from.format) as usize;
-    let mut left = range.len() * size;
-    empty(block, from.format);
-    input.seek(SeekFrom::Start(from.byte + (range.start * size) as u64))?;
-    let mut buffer = vec![0; left.min(CHUNK_BYTES)];
-    while left > 0 {
-        let chunk = &mut buffer[..left.min(CHUNK_BYTES)];
-        input.read_exact(chunk)?;
-        decode(chunk, from, block);
-        left -= chunk.len();
+    let len = range.len();
+    match from.format {
+        SampleFormat::RealF32 => {
+            let mut values = singles(block);
+            resize(&mut values, len);
+            let read = read_ordinates(input, from, range, &mut values, f32::swapped);
+            *block = Block::F32(values);
+            read
+        }
+        SampleFormat::RealF64 => {
+            let mut values = doubles(block);
+            resize(&mut values, len);
+            let read = read_ordinates(input, from, range, &mut values, f64::swapped);
+            *block = Block::F64(values);
+            read
+        }
+        SampleFormat::ComplexF64 => {
+            let mut values = complex(block);
+            resize(&mut values, len);
+            let read = read_ordinates(input, from, range, &mut values, Complex64::swapped);
+            *block = Block::Complex(values);
+            read
+        }
+        SampleFormat::ComplexF32 => {
+            let mut values = complex(block);
+            values.clear();
+            values.reserve(len);
+            let mut pairs = vec![[0f32; 2]; len.min(CHUNK_BYTES / 8)];
+            let mut at = range.start;
+            while at < range.end {
+                let count = pairs.len().min(range.end - at);
+                let part = &mut pairs[..count];
+                read_ordinates(input, from, at..at + count, part, <[f32; 2]>::swapped)?;
+                values.extend(
+                    part.iter()
+                        .map(|[re, im]| Complex64::new((*re).into(), (*im).into())),
+                );
+                at += count;
+            }
+            *block = Block::Complex(values);
+            Ok(())
+        }
+    }
+}
+
+fn singles(block: &mut Block) -> Vec<f32> {
+    match block {
+        Block::F32(values) => std::mem::take(values),
+        _ => Vec::new(),
+    }
+}
+
+fn doubles(block: &mut Block) -> Vec<f64> {
+    match block {
+        Block::F64(values) => std::mem::take(values),
+        _ => Vec::new(),
+    }
+}
+
+fn complex(block: &mut Block) -> Vec<Complex64> {
+    match block {
+        Block::Complex(values) => std::mem::take(values),
+        _ => Vec::new(),
+    }
+}
+
+/// Gives a vector its length; new memory comes as zeros from the system, without being written first.
+fn resize<T: Clone + Default>(values: &mut Vec<T>, len: usize) {
+    if values.capacity() < len {
+        *values = vec![T::default(); len];
+    } else {
+        values.resize(len, T::default());
+    }
+}
+
+/// A number with its bytes in the opposite order.
+trait Swapped {
+    fn swapped(self) -> Self;
+}
+
+impl Swapped for f32 {
+    fn swapped(self) -> Self {
+        f32::from_bits(self.to_bits().swap_bytes())
+    }
+}
+
+impl Swapped for f64 {
+    fn swapped(self) -> Self {
+        f64::from_bits(self.to_bits().swap_bytes())
+    }
+}
+
+impl Swapped for Complex64 {
+    fn swapped(self) -> Self {
+        Complex64::new(self.re.swapped(), self.im.swapped())
+    }
+}
+
+impl Swapped for [f32; 2] {
+    fn swapped(self) -> Self {
+        self.map(f32::swapped)
+    }
+}
+
+/// Reads the ordinates of values `range`.
+fn read_ordinates<T: NoUninit + AnyBitPattern>(
+    input: &mut Input,
+    from: &BinaryBlock,
+    range: Range<usize>,
+    values: &mut [T],
+    swapped: impl Fn(T) -> T,
+) -> io::Result<()> {
+    if from.abscissa_bytes == 0 {
+        let byte = from.byte + (range.start * from.stride()) as u64;
+        input.read_at(byte, cast_slice_mut(values))?;
+    } else {
+        let mut values = values.iter_mut();
+        each_pair(input, from, range, |pair| {
+            if let Some(value) = values.next() {
+                *value = bytemuck::pod_read_unaligned(&pair[from.abscissa_bytes..]);
+            }
+        })?;
+    }
+    if !from.is_native() {
+        values_in_place(values, swapped);
     }
     Ok(())
 }
 
-/// Empties a block, keeping its memory when it already has the right kind.
-fn empty(block: &mut Block, format: SampleFormat) {
-    match (&mut *block, format) {
-        (Block::F32(values), SampleFormat::RealF32) => values.clear(),
-        (Block::F64(values), SampleFormat::RealF64) => values.clear(),
-        (Block::Complex(values), SampleFormat::ComplexF32 | SampleFormat::ComplexF64) => {
-            values.clear();
-        }
-        (_, SampleFormat::RealF32) => *block = Block::F32(Vec::new()),
-        (_, SampleFormat::RealF64) => *block = Block::F64(Vec::new()),
-        _ => *block = Block::Complex(Vec::new()),
+fn values_in_place<T: Copy>(values: &mut [T], change: impl Fn(T) -> T) {
+    for value in values {
+        *value = change(*value);
     }
 }
 
-fn decode(bytes: &[u8], from: &BinaryBlock, block: &mut Block) {
-    let little = from.little_endian;
-    match block {
-        Block::F32(values) => values.extend(singles(bytes, little)),
-        Block::F64(values) => values.extend(doubles(bytes, little)),
-        Block::Complex(values) if from.format == SampleFormat::ComplexF32 => {
-            let numbers: Vec<f64> = singles(bytes, little).map(f64::from).collect();
-            values.extend(pairs(&numbers));
-        }
-        Block::Complex(values) => {
-            let numbers: Vec<f64> = doubles(bytes, little).collect();
-            values.extend(pairs(&numbers));
-        }
-    }
-}
-
-fn singles(bytes: &[u8], little: bool) -> impl Iterator<Item = f32> + '_ {
-    let decode = if little {
-        f32::from_le_bytes
-    } else {
-        f32::from_be_bytes
-    };
-    bytes.as_chunks::<4>().0.iter().map(move |b| decode(*b))
-}
-
-fn doubles(bytes: &[u8], little: bool) -> impl Iterator<Item = f64> + '_ {
-    let decode = if little {
-        f64::from_le_bytes
-    } else {
-        f64::from_be_bytes
-    };
-    bytes.as_chunks::<8>().0.iter().map(move |b| decode(*b))
-}
-
-fn pairs(numbers: &[f64]) -> impl Iterator<Item = Complex64> + '_ {
-    let pairs = numbers.as_chunks::<2>().0.iter();
-    pairs.map(|[re, im]| Complex64::new(*re, *im))
-}
-
-/// Copies values `range` of a text block that [`read_text`] has read.
-pub(super) fn copy_text(
-    numbers: &[f64],
-    format: SampleFormat,
+/// Reads the abscissae of values `range`.
+pub(super) fn read_abscissa(
+    input: &mut impl ReadAt,
+    from: &BinaryBlock,
     range: Range<usize>,
-    block: &mut Block,
-) {
-    let per_value = numbers_per_value(format) as usize;
-    let part = &numbers[range.start * per_value..range.end * per_value];
-    let kind = match per_value {
-        1 => SampleFormat::RealF64,
-        _ => SampleFormat::ComplexF64,
-    };
-    empty(block, kind);
-    match block {
-        Block::Complex(values) => values.extend(pairs(part)),
-        Block::F64(values) => values.extend_from_slice(part),
-        Block::F32(_) => {}
-    }
+    out: &mut Vec<f64>,
+) -> io::Result<()> {
+    out.clear();
+    out.reserve(range.len());
+    let little = from.little_endian;
+    each_pair(input, from, range, |pair| {
+        out.push(match (pair.first_chunk::<8>(), pair.first_chunk::<4>()) {
+            (Some(bytes), _) if from.abscissa_bytes == 8 && little => f64::from_le_bytes(*bytes),
+            (Some(bytes), _) if from.abscissa_bytes == 8 => f64::from_be_bytes(*bytes),
+            (_, Some(bytes)) if little => f32::from_le_bytes(*bytes).into(),
+            (_, Some(bytes)) => f32::from_be_bytes(*bytes).into(),
+            _ => f64::NAN,
+        });
+    })
 }
 
-/// Reads all numbers of a text block; numbers too many stay behind the others when they merely fill the last row.
-///
-/// # Errors
-/// [`IoError`] with the line of a text that is not a number, or of the end when there are too few or too many.
-pub(super) fn read_text(
-    input: &mut dyn ReadSeek,
-    from: &TextBlock,
-    path: &str,
-) -> Result<Vec<f64>, IoError> {
-    let wanted = (from.points * numbers_per_value(from.format)) as usize;
-    let width = match from.format {
-        SampleFormat::RealF32 | SampleFormat::ComplexF32 => 13,
-        SampleFormat::RealF64 | SampleFormat::ComplexF64 => 20,
-    };
-    let system = |source| IoError::System {
-        path: path.to_owned(),
-        action: "read",
-        source,
-    };
-    let mut lines = LineReader::between(input, from.at, from.end).map_err(system)?;
-    let mut numbers = Vec::with_capacity(wanted);
-    let (mut line, mut complete) = (Vec::new(), wanted == 0);
-    while let Some(at) = lines.read_line(&mut line).map_err(system)? {
-        let before = numbers.len();
-        data_row(&line, width, &mut numbers).map_err(|got| {
-            let expected = "a number".to_owned();
-            let what = "sample of dataset 58";
-            FieldError {
-                at,
-                what,
-                got,
-                expected,
-            }
-            .in_file(path)
-        })?;
-        if complete && numbers.len() > before {
-            return Err(
-                wrong_count(at, wanted, format!("{} or more", numbers.len())).in_file(path),
-            );
-        }
-        complete = numbers.len() >= wanted;
+/// Goes through abscissa and value of values `range`.
+fn each_pair(
+    input: &mut impl ReadAt,
+    from: &BinaryBlock,
+    range: Range<usize>,
+    mut take: impl FnMut(&[u8]),
+) -> io::Result<()> {
+    let stride = from.stride();
+    let at_once = CHUNK_BYTES / stride;
+    let mut bytes = vec![0; at_once.min(range.len()) * stride];
+    let mut at = range.start;
+    while at < range.end {
+        let count = at_once.min(range.end - at);
+        let part = &mut bytes[..count * stride];
+        input.read_at(from.byte + (at * stride) as u64, part)?;
+        part.chunks_exact(stride).for_each(&mut take);
+        at += count;
     }
-    if numbers.len() < wanted {
-        let got = numbers.len().to_string();
-        return Err(wrong_count(lines.position(), wanted, got).in_file(path));
-    }
-    Ok(numbers)
-}
-
-fn wrong_count(at: Position, wanted: usize, got: String) -> FieldError {
-    FieldError {
-        at,
-        what: "number of numbers of dataset 58",
-        got,
-        expected: format!("{wanted} (from the number of points)"),
-    }
+    Ok(())
 }

@@ -1,38 +1,16 @@
-//! Dataset 58 written: the header lines in their columns, and samples as bytes or text (field table: `dataset_58`).
+//! Dataset 58 written: the header lines in their columns, and rows of numbers as text (field table: `dataset_58`).
 
 use std::io::{self, Write};
 
+use super::dataset_58::Characteristic;
+use super::dataset_58_header::FunctionHeader;
 use super::dof_fields::DofFields;
 use crate::io::SampleFormat;
-use crate::quantity::Quantity;
 
 /// Columns of a text line.
 const LINE_COLUMNS: usize = 80;
-
-/// What a header says.
-pub(super) struct FunctionHeader {
-    pub id_lines: [String; 5],
-    pub function_type: i32,
-    pub version: usize,
-    pub load_case: i32,
-    pub response: DofFields,
-    pub reference: DofFields,
-    pub format: SampleFormat,
-    pub points: usize,
-    pub abscissa: Abscissa,
-    pub numerator: Ordinate,
-    pub denominator: Ordinate,
-}
-
-/// An even abscissa.
-pub(super) struct Abscissa {
-    pub time: bool,
-    pub start: f64,
-    pub step: f64,
-}
-
-/// What an ordinate's numerator or denominator is; `None` for neither quantity nor unit.
-pub(super) type Ordinate = Option<Quantity>;
+/// Digits behind the point of a number of single precision as text.
+pub(super) const SINGLE_DIGITS: usize = 5;
 
 /// Data type of record 7.
 fn data_type(format: SampleFormat) -> i32 {
@@ -60,23 +38,22 @@ pub(super) fn header_lines(header: &FunctionHeader) -> String {
         dof_text(&header.response),
         dof_text(&header.reference)
     ));
+    let none = [twelve_columns(0.0), twelve_columns(0.0)];
+    let [start, step] = header.spacing.as_ref().unwrap_or(&none);
     out.push_str(&format!(
-        "{:>10}{:>10}{:>10}{:>13}{:>13}{:>13}\n",
+        "{:>10}{:>10}{:>10}{start:>13}{step:>13}{:>13}\n",
         data_type(header.format),
         header.points,
-        1,
-        twelve_columns(header.abscissa.start),
-        twelve_columns(header.abscissa.step),
+        i32::from(header.spacing.is_some()),
         twelve_columns(0.0)
     ));
-    out.push_str(&if header.abscissa.time {
-        characteristic(17, "Time", "s")
-    } else {
-        characteristic(18, "Frequency", "Hz")
-    });
-    out.push_str(&ordinate(header.numerator));
-    out.push_str(&ordinate(header.denominator));
-    out.push_str(&characteristic(0, "NONE", "NONE"));
+    out.push_str(&characteristic(&header.abscissa));
+    out.push_str(&characteristic(&header.numerator));
+    out.push_str(&characteristic(&header.denominator));
+    out.push_str(&characteristic(&Characteristic {
+        code: 0,
+        unit: String::new(),
+    }));
     out
 }
 
@@ -89,32 +66,31 @@ fn dof_text(dof: &DofFields) -> String {
     format!(" {name:<10}{:>10}{:>4}", dof.node, dof.direction)
 }
 
-fn characteristic(code: i32, label: &str, unit: &str) -> String {
+fn characteristic(field: &Characteristic) -> String {
+    let label = match field.code {
+        8 => "Displacement",
+        11 => "Velocity",
+        12 => "Acceleration",
+        13 => "Excitation force",
+        17 => "Time",
+        18 => "Frequency",
+        _ => "NONE",
+    };
+    let unit = if field.unit.is_empty() {
+        "NONE"
+    } else {
+        &field.unit
+    };
+    let code = field.code;
     format!(
         "{code:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}\n",
         0, 0, 0
     )
 }
 
-/// Specific data type and label of a quantity, in SI units.
-fn ordinate(ordinate: Ordinate) -> String {
-    match ordinate {
-        None => characteristic(0, "NONE", "NONE"),
-        Some(quantity) => {
-            let (code, label) = match quantity {
-                Quantity::Displacement => (8, "Displacement"),
-                Quantity::Velocity => (11, "Velocity"),
-                Quantity::Acceleration => (12, "Acceleration"),
-                Quantity::Force => (13, "Excitation force"),
-            };
-            characteristic(code, label, quantity.si_unit())
-        }
-    }
-}
-
 /// A number in at most twelve columns, so that a blank stands before it in its thirteen: seven digits or, where sign or
 /// exponent take columns, fewer.
-fn twelve_columns(value: f64) -> String {
+pub(super) fn twelve_columns(value: f64) -> String {
     let mut digits = 6;
     loop {
         let text = fortran(value, digits);
@@ -126,7 +102,7 @@ fn twelve_columns(value: f64) -> String {
 }
 
 /// `1.500000E-05`: a sign and at least two digits in the exponent.
-fn fortran(value: f64, digits: usize) -> String {
+pub(super) fn fortran(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$E}");
     match text.split_once('E') {
         Some((mantissa, exponent)) => {
@@ -140,45 +116,97 @@ fn fortran(value: f64, digits: usize) -> String {
     }
 }
 
-/// Writes a dataset with a binary block, little endian; `bytes` are the samples.
-pub(super) fn write_binary(
-    out: &mut dyn Write,
-    header: &FunctionHeader,
-    bytes: &[u8],
-) -> io::Result<()> {
-    let first = format!(
-        "    -1\n    58b{:>6}{:>6}{:>12}{:>12}{:>6}{:>6}{:>12}{:>12}\n",
+/// Everything of a dataset with a binary block, little endian, that stands before its `bytes` bytes.
+pub(super) fn binary_head(header: &FunctionHeader, bytes: u64) -> String {
+    format!(
+        "    -1\n    58b{:>6}{:>6}{:>12}{bytes:>12}{:>6}{:>6}{:>12}{:>12}\n{}",
         1,
         2,
         11,
-        bytes.len(),
         0,
         0,
         0,
-        0
-    );
-    out.write_all(first.as_bytes())?;
-    out.write_all(header_lines(header).as_bytes())?;
-    out.write_all(bytes)?;
-    out.write_all(b"    -1\n")
+        0,
+        header_lines(header)
+    )
 }
 
-/// Writes a dataset of 64-bit numbers as text, four of E20.12 to a line.
-pub(super) fn write_text(
-    out: &mut dyn Write,
-    header: &FunctionHeader,
-    numbers: &[f64],
-) -> io::Result<()> {
-    let mut text = String::from("    -1\n    58\n");
-    text.push_str(&header_lines(header));
-    for row in numbers.chunks(4) {
-        for number in row {
-            text.push_str(&format!("{:>20}", fortran(*number, 12)));
+/// Everything of a dataset of numbers as text that stands before its numbers.
+pub(super) fn text_head(header: &FunctionHeader) -> String {
+    format!("    -1\n    58\n{}", header_lines(header))
+}
+
+/// Rows of numbers as text, in the columns of the format: 6 E13.5 or 4 E20.12 to a row, and where an abscissa stands
+/// before each value 6 E13.5, 2 (E13.5, E20.12) or E13.5, 2 E20.12.
+pub(super) struct TextRows {
+    format: SampleFormat,
+    uneven: bool,
+    column: usize,
+    out: String,
+}
+
+impl TextRows {
+    pub fn new(format: SampleFormat, uneven: bool) -> Self {
+        Self {
+            format,
+            uneven,
+            column: 0,
+            out: String::new(),
         }
-        text.push('\n');
     }
-    text.push_str("    -1\n");
-    out.write_all(text.as_bytes())
+
+    /// Adds an abscissa.
+    pub fn abscissa(&mut self, value: f64) {
+        self.field(&twelve_columns(value), 13);
+    }
+
+    /// Adds a number of a value.
+    pub fn number(&mut self, value: f64) {
+        match self.format {
+            SampleFormat::RealF32 | SampleFormat::ComplexF32 => {
+                self.field(&fortran(value, SINGLE_DIGITS), 13);
+            }
+            _ => self.field(&fortran(value, 12), 20),
+        }
+    }
+
+    fn field(&mut self, text: &str, width: usize) {
+        use std::fmt::Write;
+        // A number that fills its columns begins with a sign, which parts it from the one before.
+        let _ = write!(self.out, "{text:>width$}");
+        self.column += 1;
+        if self.column == self.columns() {
+            self.end_row();
+        }
+    }
+
+    fn columns(&self) -> usize {
+        match (self.format, self.uneven) {
+            (SampleFormat::RealF32 | SampleFormat::ComplexF32, _) => 6,
+            (SampleFormat::ComplexF64, true) => 3,
+            _ => 4,
+        }
+    }
+
+    fn end_row(&mut self) {
+        self.out.push('\n');
+        self.column = 0;
+    }
+
+    /// Writes the rows that there are.
+    pub fn write(&mut self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(self.out.as_bytes())?;
+        self.out.clear();
+        Ok(())
+    }
+
+    /// Ends the last row and writes.
+    pub fn finish(mut self, out: &mut dyn Write) -> io::Result<()> {
+        if self.column > 0 {
+            self.end_row();
+        }
+        self.write(out)
+    }
 }
 
 /// A text that fits a line and is no delimiter: control characters become blanks, what is behind column 80 is cut.

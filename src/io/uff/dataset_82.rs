@@ -6,7 +6,12 @@
 //! | 2 | A80 | name |
 //! | 3.. | 8 I10 | node labels, 0 lifts the pen; the last line may be filled up with zeros |
 
-use super::fields::{FieldError, Line, columns, integer, numeric_record, text_or_none, words};
+use std::io::{self, Write};
+
+use super::dataset_2412::integer_rows;
+use super::dataset_2420::name_line;
+use super::fields::{FieldError, Line, integer, numeric_record, text_or_none};
+use super::records::integer_row;
 use crate::geometry::TraceLine;
 
 /// Reads the trace line; `first` is the dataset's first line, for messages.
@@ -47,18 +52,20 @@ pub(super) fn trace_line(lines: &[Line], first: &Line) -> Result<TraceLine, Fiel
 }
 
 fn row_labels(row: &Line) -> Result<Vec<i64>, FieldError> {
-    let parse = |fields: &[&[u8]]| -> Option<Vec<i64>> {
-        fields
-            .iter()
-            .map(|field| integer(field).filter(|label| *label >= 0))
-            .collect()
-    };
-    let by_columns = || {
-        let fields = columns(&row.bytes, &[10; 8]);
-        let filled: Vec<&[u8]> = fields.into_iter().filter(|f| !f.is_empty()).collect();
-        parse(&filled)
-    };
-    parse(&words(&row.bytes))
-        .or_else(by_columns)
+    integer_row(row)
+        .filter(|labels| labels.iter().all(|label| *label >= 0))
         .ok_or_else(|| FieldError::line(row, "entries of dataset 82", "node labels or 0"))
+}
+
+/// Writes one trace line: its number, its name, and node labels with 0 where the pen is lifted.
+pub(super) fn write(
+    out: &mut dyn Write,
+    number: usize,
+    name: &str,
+    labels: &[i64],
+) -> io::Result<()> {
+    let head = format!("{number:>10}{:>10}{:>10}\n", labels.len(), 8);
+    let (name, rows) = (name_line(name), integer_rows(labels));
+    let text = format!("    -1\n    82\n{head}{name}{rows}    -1\n");
+    out.write_all(text.as_bytes())
 }

@@ -3,7 +3,7 @@
 //! Records are laid out in Fortran columns, but many writers miss them by one or leave trailing fields away. A record of
 //! numbers alone is therefore first read by words, when there are as many words as fields, and else by columns.
 
-use crate::io::IoError;
+use crate::io::{IoError, number};
 
 /// Where a line starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -154,28 +154,7 @@ pub(super) fn integer_or_zero(bytes: &[u8]) -> Option<i64> {
 /// A number as Fortran writes it: `1.5`, `1.5E-05`, `1.5D-05`, `1.5E-005`, `1.5-105`. `NaN` and `Inf` are taken as such;
 /// digits that overflow are not a number.
 pub(super) fn number(bytes: &[u8]) -> Option<f64> {
-    let bytes = bytes.trim_ascii();
-    let plain = std::str::from_utf8(bytes).ok()?;
-    let has_digit = bytes.iter().any(u8::is_ascii_digit);
-    if let Ok(value) = plain.parse::<f64>() {
-        return (value.is_finite() || !has_digit).then_some(value);
-    }
-    let with_e = if plain.contains(['D', 'd']) {
-        plain.replace(['D', 'd'], "E")
-    } else {
-        exponent_without_letter(plain)?
-    };
-    with_e.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// `1.5-105` as `1.5E-105`: three digits behind an inner sign that no letter precedes.
-fn exponent_without_letter(plain: &str) -> Option<String> {
-    let sign = plain.rfind(['+', '-']).filter(|at| *at > 0)?;
-    let (mantissa, exponent) = plain.split_at(sign);
-    let three_digits = exponent.len() == 4 && exponent[1..].bytes().all(|b| b.is_ascii_digit());
-    let plain_mantissa = mantissa.ends_with(|c: char| c.is_ascii_digit() || c == '.')
-        && !mantissa.contains(['E', 'e']);
-    (three_digits && plain_mantissa).then(|| format!("{mantissa}E{exponent}"))
+    number::fortran_field(bytes)
 }
 
 /// A finite number.
@@ -185,29 +164,86 @@ pub(super) fn finite(bytes: &[u8]) -> Option<f64> {
 
 /// Half a unit of the last printed digit: 5e-11 for `1.95313E-05`. `None` when it is not a number.
 pub(super) fn half_unit(bytes: &[u8]) -> Option<f64> {
-    let value = finite(bytes)?;
+    finite(bytes)?;
     let plain = std::str::from_utf8(bytes.trim_ascii()).ok()?;
-    let mantissa = plain.split(['E', 'e', 'D', 'd']).next()?;
-    let decimals = mantissa
-        .split_once('.')
-        .map_or(0, |(_, fraction)| fraction.len());
-    let exponent = match plain.split_once(['E', 'e', 'D', 'd']) {
-        Some((_, exponent)) => exponent.parse::<i32>().ok()?,
-        None => 0,
+    let unsigned = plain.trim_start_matches(['+', '-']);
+    let end = unsigned.find(['E', 'e', 'D', 'd', '+', '-']);
+    let (mantissa, exponent) = unsigned.split_at(end.unwrap_or(unsigned.len()));
+    let exponent = exponent.trim_start_matches(['E', 'e', 'D', 'd']);
+    let exponent: i32 = if exponent.is_empty() {
+        0
+    } else {
+        exponent.parse().ok()?
     };
+    let decimals = mantissa.split_once('.').map_or(0, |(_, part)| part.len());
     let unit = 0.5 * 10f64.powi(exponent.checked_sub(i32::try_from(decimals).ok()?)?);
-    (unit.is_finite() && value.is_finite()).then_some(unit)
+    unit.is_finite().then_some(unit)
 }
 
-/// Adds the numbers of a row of data to `out`: by words, and where fields touch by their signs or by columns of `width`.
+/// Numbers of rows of data, and how exactly every `stride`-th of them was printed where that is asked for.
+#[derive(Debug, Default)]
+pub(super) struct Numbers {
+    pub values: Vec<f64>,
+    /// Stride, and half a unit of the last printed digit of the numbers 0, stride, 2 stride, ...
+    pub half_units: Option<(usize, Vec<f64>)>,
+}
+
+impl Numbers {
+    #[inline]
+    fn push(&mut self, value: f64, text: &[u8]) {
+        if let Some((stride, half_units)) = &mut self.half_units
+            && self.values.len().is_multiple_of(*stride)
+        {
+            half_units.push(half_unit(text).unwrap_or(0.0));
+        }
+        self.values.push(value);
+    }
+
+    fn truncate(&mut self, len: usize) {
+        self.values.truncate(len);
+        if let Some((stride, half_units)) = &mut self.half_units {
+            half_units.truncate(len.div_ceil(*stride));
+        }
+    }
+}
+
+/// Adds the numbers of a row of data to `out`: parted by blanks or by their signs, else by columns of `width`.
 ///
 /// # Errors
 /// The text that is not a number; `out` is then as it was.
-pub(super) fn data_row(bytes: &[u8], width: usize, out: &mut Vec<f64>) -> Result<(), String> {
-    let before = out.len();
+pub(super) fn data_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Result<(), String> {
+    let before = out.values.len();
+    let mut at = 0;
+    while let Some(blanks) = bytes[at..].iter().position(|b| !b.is_ascii_whitespace()) {
+        at += blanks;
+        let found = number::fortran_prefix(&bytes[at..]).map(|(value, len)| (value, at + len));
+        match found {
+            Some((value, end)) if ends_number(bytes.get(end)) => {
+                out.push(value, &bytes[at..end]);
+                at = end;
+            }
+            _ => {
+                out.truncate(before);
+                return odd_row(bytes, width, out);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a number may end before this byte: a blank, a sign that begins the next number, or nothing.
+#[inline]
+fn ends_number(next: Option<&u8>) -> bool {
+    next.is_none_or(|byte| byte.is_ascii_whitespace() || matches!(byte, b'+' | b'-'))
+}
+
+/// A row with `NaN`, with numbers that touch without a sign, or with what is no number.
+#[cold]
+fn odd_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Result<(), String> {
+    let before = out.values.len();
     for word in words(bytes) {
         match number(word) {
-            Some(value) => out.push(value),
+            Some(value) => out.push(value, word),
             None if split_at_signs(word, out) => {}
             None => {
                 out.truncate(before);
@@ -219,34 +255,40 @@ pub(super) fn data_row(bytes: &[u8], width: usize, out: &mut Vec<f64>) -> Result
 }
 
 /// `1.5E+00-2.5E+00` as two numbers; changes nothing and says false when that is not what it is.
-fn split_at_signs(word: &[u8], out: &mut Vec<f64>) -> bool {
-    let before = out.len();
-    let starts_number = |i: &usize| {
-        matches!(word[*i], b'+' | b'-') && (word[i - 1].is_ascii_digit() || word[i - 1] == b'.')
-    };
-    let mut start = 0;
-    for end in (1..word.len())
-        .filter(starts_number)
-        .chain(std::iter::once(word.len()))
-    {
-        let Some(value) = number(&word[start..end]) else {
-            out.truncate(before);
-            return false;
-        };
-        out.push(value);
-        start = end;
+fn split_at_signs(word: &[u8], out: &mut Numbers) -> bool {
+    let before = out.values.len();
+    let mut at = 0;
+    while at < word.len() {
+        match number::fortran_prefix(&word[at..]) {
+            Some((value, len)) if ends_number(word.get(at + len)) => {
+                out.push(value, &word[at..at + len]);
+                at += len;
+            }
+            _ => {
+                out.truncate(before);
+                return false;
+            }
+        }
     }
     true
 }
 
 /// Fields of a width stand to the right of their columns, so that a row of them is a multiple of it long.
-fn fixed_row(bytes: &[u8], width: usize, out: &mut Vec<f64>) -> Option<()> {
+fn fixed_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Option<()> {
     let row = bytes.trim_ascii_end();
     if !row.len().is_multiple_of(width) {
         return None;
     }
-    let values: Option<Vec<f64>> = row.chunks(width).map(number).collect();
-    out.extend(values?);
+    let before = out.values.len();
+    for field in row.chunks(width) {
+        match number(field) {
+            Some(value) => out.push(value, field),
+            None => {
+                out.truncate(before);
+                return None;
+            }
+        }
+    }
     Some(())
 }
 
@@ -289,6 +331,7 @@ mod tests {
             ("1.953125D-05", 5e-12),
             ("0.01", 5e-3),
             ("3", 0.5),
+            ("-1.25-105", 5e-108),
         ] {
             let got = half_unit(text.as_bytes()).unwrap();
             assert!((got / expected - 1.0).abs() < 1e-12, "{text}: {got}");
@@ -299,8 +342,11 @@ mod tests {
     #[test]
     fn touching_fields_are_told_apart() {
         let row = |text: &str, width| {
-            let mut out = vec![7.0];
-            data_row(text.as_bytes(), width, &mut out).map(|()| out[1..].to_vec())
+            let mut out = Numbers {
+                values: vec![7.0],
+                half_units: None,
+            };
+            data_row(text.as_bytes(), width, &mut out).map(|()| out.values[1..].to_vec())
         };
         assert_eq!(
             row("-1.00000E-005-2.00000E+000 3.0", 13).unwrap(),
@@ -313,6 +359,8 @@ mod tests {
         assert_eq!(row(" 1.00000E+0002.000000E+000", 13).unwrap(), [1.0, 2.0]);
         assert_eq!(row("1.0 2.0 oops", 13).unwrap_err(), "oops");
         assert!(row("   ", 13).unwrap().is_empty());
+        let odd = row("1.5E+00-2.5E+00 NaN", 13).unwrap();
+        assert_eq!((&odd[..2], odd[2].is_nan()), (&[1.5, -2.5][..], true));
     }
 
     #[test]

@@ -401,8 +401,8 @@ fn nodes_trace_lines_and_title_are_read() {
         &["   151", "Machine", "NONE", "", " -1 of 2 "],
         "\n",
     ));
-    file.extend(dataset(&["  2412", "anything"], "\n"));
-    file.extend(dataset(&["  2412", "anything"], "\n"));
+    file.extend(dataset(&["  2415", "anything"], "\n"));
+    file.extend(dataset(&["  2415", "anything"], "\n"));
     let source = open(file).unwrap();
     let catalog = source.catalog();
     assert_eq!(catalog.damage.len(), 0, "{:?}", catalog.damage);
@@ -434,7 +434,7 @@ fn nodes_trace_lines_and_title_are_read() {
     let unknown = &catalog.findings[0];
     assert_eq!(
         (unknown.code, unknown.value),
-        (Code::UnknownDataset, Some(2412.0))
+        (Code::UnknownDataset, Some(2415.0))
     );
     assert_eq!(catalog.findings.len(), 1, "each number is told once");
 }

@@ -4,11 +4,21 @@
 //!
 //! | dataset | holds | read | written |
 //! |---|---|---|---|
-//! | 15, 2411 | nodes | yes | - |
+//! | 15, 781 | nodes | yes | as 2411 |
+//! | 18 | coordinate systems by points | yes | as 2420 |
+//! | 55 | data at nodes: modes; other analyses are passed over | yes | yes |
 //! | 58, 58b | functions and time records, as text or bytes | yes | yes |
-//! | 82 | trace lines | yes | - |
+//! | 82 | trace lines | yes | yes |
 //! | 151 | title | yes | yes |
 //! | 164 | units | yes | yes |
+//! | 1858 | qualifiers of a function: its window | yes | yes |
+//! | 2400 | head of a model: its name | yes | - |
+//! | 2411 | nodes, double precision | yes | yes |
+//! | 2412 | elements | yes | yes |
+//! | 2414 | analysis data: modes at nodes; others are passed over | yes | as 55 |
+//! | 2417, 2429, 2430, 2432, 2435, 2452, 2477 | groups | yes | as 2467 |
+//! | 2420 | coordinate systems | yes | yes |
+//! | 2467 | groups | yes | yes |
 //!
 //! Any other number is passed over with a finding. Reading is free in form (CRLF or LF, any padding, fields off their
 //! columns, `D` and three-digit exponents, wrong byte counts) and strict in meaning (no unit, step or type is guessed).
@@ -16,18 +26,39 @@
 mod dataset_15;
 mod dataset_151;
 mod dataset_164;
+mod dataset_18;
+mod dataset_1858;
+mod dataset_2400;
 mod dataset_2411;
+mod dataset_2412;
+mod dataset_2414;
+mod dataset_2420;
+mod dataset_2467;
+mod dataset_55;
+mod dataset_55_write;
 mod dataset_58;
+mod dataset_58_axis;
+mod dataset_58_header;
 mod dataset_58_meaning;
 mod dataset_58_samples;
+mod dataset_58_text;
+mod dataset_58_values;
 mod dataset_58_write;
 mod dataset_82;
 mod dof_fields;
 mod fields;
+mod geometry_write;
 mod lines;
+mod mode_note;
+mod modes;
+mod node_data;
 mod nodes;
+mod records;
 mod scan;
 mod scan_functions;
+mod scan_geometry;
+mod scan_uneven;
+mod systems;
 mod write;
 
 #[cfg(test)]
@@ -35,21 +66,38 @@ mod damage_tests;
 #[cfg(test)]
 mod file_builder;
 #[cfg(test)]
+mod function_tests;
+#[cfg(test)]
+mod geometry_round_trip_tests;
+#[cfg(test)]
+mod geometry_tests;
+#[cfg(test)]
 mod layout_tests;
 #[cfg(test)]
+mod modes_tests;
+#[cfg(test)]
 mod mutation_tests;
+#[cfg(test)]
+mod recorded_geometry_tests;
 #[cfg(test)]
 mod recording_tests;
 #[cfg(test)]
 mod round_trip_tests;
+#[cfg(test)]
+mod write_tests;
 
-pub use write::{Encoding, FileLabel, Precision, write_frfs, write_time_records};
+pub use write::{FileLabel, write_frfs, write_time_records};
 
-use std::io::ErrorKind;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::ops::Range;
 
-use super::{Block, Catalog, Confidence, Format, Hints, IoError, ReadSeek, Source};
-use dataset_58_samples::{Samples, copy_text, read_binary, read_text};
+use super::memory::{check_range, even_abscissa};
+use super::{
+    Block, Catalog, Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
+};
+use crate::finding::Finding;
+use dataset_58_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
+use dataset_58_text::{TextBlock, copy_abscissa, copy_text, read_text};
 use fields::{dataset_number, is_delimiter};
 
 /// Name of the format.
@@ -62,6 +110,23 @@ pub struct Uff;
 impl Format for Uff {
     fn name(&self) -> &'static str {
         NAME
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["uff", "unv", "ufb"]
+    }
+
+    fn write(
+        &self,
+        out: &mut dyn WriteSeek,
+        source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        let mut buffered = BufWriter::new(out);
+        let findings = write::write_source(&mut buffered, source, options, false)?;
+        let flushed = buffered.flush();
+        flushed.map_err(|source| write::write_failed(&options.path, source))?;
+        Ok(findings)
     }
 
     /// Certain when the first line that is not blank is `-1` and the next one a dataset number.
@@ -85,7 +150,8 @@ impl Format for Uff {
         Ok(Box::new(UffSource {
             catalog: scan.catalog,
             samples: scan.samples,
-            input: scan.input,
+            abscissa_scales: scan.abscissa_scales,
+            input: Input::new(scan.input),
             last_text: None,
         }))
     }
@@ -95,26 +161,41 @@ impl Format for Uff {
 struct UffSource {
     catalog: Catalog,
     samples: Vec<Samples>,
-    input: Box<dyn ReadSeek>,
+    /// Factor of each entry's stored abscissae to s or Hz.
+    abscissa_scales: Vec<f64>,
+    input: Input,
     /// Entry and numbers of the text block that was read last.
     last_text: Option<(usize, Vec<f64>)>,
 }
 
 impl UffSource {
-    fn check(&self, entry: usize, range: &Range<usize>) -> Result<Samples, IoError> {
-        let len = self.catalog.entries.get(entry).map_or(0, super::Entry::len);
-        match self.samples.get(entry) {
-            Some(samples) if range.start <= range.end && range.end <= len => Ok(*samples),
-            _ => Err(IoError::Binary {
-                path: self.catalog.path.clone(),
-                byte: 0,
-                what: "range of samples asked for",
-                got: format!("{range:?} of entry {entry}"),
-                expected: format!(
-                    "at most {len} samples of one of {} entries",
-                    self.samples.len()
-                ),
-            }),
+    /// The numbers of a text block.
+    fn numbers(&mut self, entry: usize, text: &TextBlock) -> Result<&[f64], IoError> {
+        if self.last_text.as_ref().map(|last| last.0) != Some(entry) {
+            let stream = self.input.anywhere();
+            let numbers = read_text(stream, text, false, &self.catalog.path)?;
+            self.last_text = Some((entry, numbers.values));
+        }
+        let numbers = self.last_text.as_ref().map(|last| last.1.as_slice());
+        Ok(numbers.unwrap_or_default())
+    }
+
+    /// The length was checked when the file was opened.
+    fn read_failed(&self, from: &BinaryBlock, source: std::io::Error) -> IoError {
+        let path = self.catalog.path.clone();
+        match source.kind() {
+            ErrorKind::UnexpectedEof => IoError::Truncated {
+                path,
+                byte: from.byte,
+                what: "a binary block of dataset 58b",
+                got: "a file that became shorter since it was opened".to_owned(),
+                expected: "its samples".to_owned(),
+            },
+            _ => IoError::System {
+                path,
+                action: "read",
+                source,
+            },
         }
     }
 }
@@ -134,36 +215,36 @@ impl Source for UffSource {
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        let path = &self.catalog.path;
-        match self.check(entry, &range)? {
-            Samples::Binary(binary) => {
-                let read = read_binary(self.input.as_mut(), &binary, range, block);
-                read.map_err(|source| match source.kind() {
-                    // The length was checked when the file was opened.
-                    ErrorKind::UnexpectedEof => IoError::Truncated {
-                        path: path.clone(),
-                        byte: binary.byte,
-                        what: "a binary block of dataset 58b",
-                        got: "a file that became shorter since it was opened".to_owned(),
-                        expected: "its samples".to_owned(),
-                    },
-                    _ => IoError::System {
-                        path: path.clone(),
-                        action: "read",
-                        source,
-                    },
-                })
-            }
+        check_range(&self.catalog, entry, &range)?;
+        match self.samples[entry] {
+            Samples::Binary(binary) => read_binary(&mut self.input, &binary, range, block)
+                .map_err(|source| self.read_failed(&binary, source)),
             Samples::Text(text) => {
-                if self.last_text.as_ref().map(|last| last.0) != Some(entry) {
-                    let numbers = read_text(self.input.as_mut(), &text, path)?;
-                    self.last_text = Some((entry, numbers));
-                }
-                if let Some((_, numbers)) = &self.last_text {
-                    copy_text(numbers, text.format, range, block);
-                }
+                copy_text(self.numbers(entry, &text)?, &text, range, block);
                 Ok(())
             }
         }
+    }
+
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        if self.catalog.entries[entry].axis.even().is_some() {
+            return even_abscissa(&self.catalog, entry, range, out);
+        }
+        match self.samples[entry] {
+            Samples::Binary(binary) => read_abscissa(&mut self.input, &binary, range, out)
+                .map_err(|source| self.read_failed(&binary, source))?,
+            Samples::Text(text) => copy_abscissa(self.numbers(entry, &text)?, &text, range, out),
+        }
+        let scale = self.abscissa_scales[entry];
+        if (scale - 1.0).abs() > 0.0 {
+            out.iter_mut().for_each(|value| *value *= scale);
+        }
+        Ok(())
     }
 }

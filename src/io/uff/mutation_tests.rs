@@ -16,6 +16,72 @@ fn seeds() -> Vec<Vec<u8>> {
     let units = dataset(&["   164", "5", "1.0D+03 1.0D+00 1.0D+00", "0.0"], "\n");
     let trace = dataset(&["    82", "1 3 8", "Frame", "7 8 0"], "\n");
     let title = dataset(&["   151", "Machine"], "\n");
+    let systems = dataset(
+        &[
+            "    18",
+            "9 1 8 1 1",
+            "R",
+            "1. 2. 3. 2. 2. 3.",
+            "1. 2. 4.",
+            "8 2 0 1 1",
+            "Q",
+            "0 0 0 1 0 0",
+            "0 0 1",
+        ],
+        "\n",
+    );
+    let mesh = dataset(
+        &[
+            "  2412",
+            "1 11 1 1 8 2",
+            "0 1 1",
+            "7 8",
+            "2 41 1 1 8 3",
+            "7 8 9",
+        ],
+        "\n",
+    );
+    let groups = dataset(&["  2467", "1 0 0 0 0 0 0 2", "G", "8 1 0 0 7 8 0 0"], "\n");
+    let local = dataset(&["    15", "7 9 9 1 1.5 25. 3.5", "8 8 8 1 1. 2. 3."], "\n");
+    let mode = dataset(
+        &[
+            "    55",
+            "a",
+            "",
+            "",
+            "",
+            "",
+            "1 3 2 8 5 3",
+            "2 6 1 1",
+            "-1. 10. 0. 20. 1. 2.",
+            "7",
+            "1. 2. 3. 4. 5. 6.",
+            "8",
+            "0 0 0 0 1. 2.",
+        ],
+        "\n",
+    );
+    let analysis = dataset(
+        &[
+            "  2414",
+            "1",
+            "a",
+            "1",
+            "",
+            "",
+            "",
+            "",
+            "",
+            "1 2 3 8 2 6",
+            "0 0 0 0 0 1 0 0",
+            "0 0",
+            "0. 5. 0. 1. 0. .1",
+            "0. 0. 0. 0. 0. 0.",
+            "7",
+            "1. 2. 3. 4. 5. 6.",
+        ],
+        "\n",
+    );
     let text = text_58(&header(2, 8), &["1.0 2.0 3.0 4.0-5.0E+00", "6 7 8"], "\n");
     let complex = text_58(&header(6, 2), &["1.0 2.0 3.0", "4.0"], "\r\n");
     let form = |little_endian| Form {
@@ -24,8 +90,19 @@ fn seeds() -> Vec<Vec<u8>> {
     };
     let single = binary_58(&header(2, 8), &singles(&[1.0; 8], true), form(true));
     let wide = binary_58(&header(4, 8), &doubles(&[1.0; 8], false), form(false));
+    let uneven = |data_type: i32| {
+        let mut head = header(data_type, 4);
+        head[6] = format!("{data_type:>10}         4         0  0.00000E+00  0.00000E+00");
+        head
+    };
+    let pairs = text_58(&uneven(2), &["0. 1. .5 2. 1.5 3.", "2. 4."], "\n");
+    let bytes = binary_58(&uneven(4), &doubles(&[0.5; 8], true), form(true));
+    let window = dataset(&["  1858", "1 0 0 0 0 0", "1 4 0 0 0 0 0 0 0 0 0 0"], "\n");
     vec![
+        [pairs, window, bytes].concat(),
         [title, units, nodes, trace].concat(),
+        [systems.clone(), mesh, groups, local.clone()].concat(),
+        [mode, local, systems, analysis].concat(),
         [double, text.clone()].concat(),
         [single.clone(), text, wide.clone()].concat(),
         [complex, wide, single].concat(),
@@ -41,6 +118,8 @@ fn survive(bytes: Vec<u8>) {
     for entry in 0..source.catalog().entries.len() {
         assert!(source.catalog().entries[entry].len() <= size);
         let _ = all(source.as_mut(), entry);
+        let len = source.catalog().entries[entry].len();
+        let _ = source.abscissa(entry, 0..len, &mut Vec::new());
     }
 }
 

@@ -1,21 +1,23 @@
-//! One pass over the headers of a file: delimiters and the datasets between them (functions: `scan_functions`).
+//! One pass over the headers of a file: delimiters and the datasets between them (functions: `scan_functions`, nodes and modes:
+//! `scan_geometry`).
 //!
 //! Binary blocks are jumped over by their length, never searched. A dataset that cannot be read becomes damage with its
 //! place, and the pass goes on behind it. Knows the layout of no dataset.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io;
 
 use super::dataset_58::Header;
+use super::dataset_58_axis::domain;
 use super::dataset_58_meaning::set_units;
 use super::dataset_58_samples::Samples;
 use super::dataset_164::Units;
 use super::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
 use super::lines::LineReader;
-use super::nodes::RawNode;
-use super::{dataset_15, dataset_82, dataset_151, dataset_164, dataset_2411};
+use super::scan_functions::Qualifiers;
+use super::scan_geometry::{Described, is_geometry};
+use super::{dataset_151, dataset_164};
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::geometry::Node;
 use crate::io::{Catalog, IoError, ReadSeek};
 
 /// What a pass over a file found.
@@ -23,6 +25,8 @@ pub(super) struct Scan {
     pub catalog: Catalog,
     /// Where the samples of each entry are.
     pub samples: Vec<Samples>,
+    /// Factor of each entry's stored abscissae to s or Hz.
+    pub abscissa_scales: Vec<f64>,
     pub input: Box<dyn ReadSeek>,
 }
 
@@ -48,11 +52,12 @@ pub(super) struct Scanner {
     pub catalog: Catalog,
     pub headers: Vec<Header>,
     pub samples: Vec<Samples>,
-    units: Vec<(Position, Units)>,
-    nodes: Vec<RawNode>,
+    pub units: Vec<(Position, Units)>,
+    pub described: Described,
     unknown: BTreeSet<u32>,
     pub told: BTreeSet<Code>,
     datasets: usize,
+    pub qualifiers: Qualifiers,
 }
 
 impl Scanner {
@@ -69,10 +74,11 @@ impl Scanner {
             headers: Vec::new(),
             samples: Vec::new(),
             units: Vec::new(),
-            nodes: Vec::new(),
+            described: Described::default(),
             unknown: BTreeSet::new(),
             told: BTreeSet::new(),
             datasets: 0,
+            qualifiers: Qualifiers::default(),
         }
     }
 
@@ -107,9 +113,16 @@ impl Scanner {
         match (number, binary) {
             (58, false) => self.text_function(first),
             (58, true) => self.binary_function(first),
-            (15 | 82 | 151 | 164 | 2411, false) => {
+            (151 | 164 | 1858, false) => {
                 if let Some(lines) = self.collect()? {
-                    let read = self.text_dataset(number, &lines, first);
+                    let read = self.head_dataset(number, &lines, first);
+                    read.unwrap_or_else(|error| self.damaged(error));
+                }
+                Ok(())
+            }
+            (number, false) if is_geometry(number) => {
+                if let Some(lines) = self.collect()? {
+                    let read = self.geometry_dataset(number, &lines, first);
                     read.unwrap_or_else(|error| self.damaged(error));
                 }
                 Ok(())
@@ -127,22 +140,18 @@ impl Scanner {
         }
     }
 
-    fn text_dataset(
+    fn head_dataset(
         &mut self,
         number: u32,
         lines: &[Line],
         first: &Line,
     ) -> Result<(), FieldError> {
         match number {
-            15 => self.nodes.extend(dataset_15::nodes(lines)?),
-            2411 => self.nodes.extend(dataset_2411::nodes(lines)?),
-            82 => {
-                let trace = dataset_82::trace_line(lines, first)?;
-                self.catalog.geometry.lines.push(trace);
+            164 => {
+                let units = dataset_164::units(lines, first)?;
+                self.units.push((first.at, units));
             }
-            164 => self
-                .units
-                .push((first.at, dataset_164::units(lines, first)?)),
+            1858 => self.qualify(lines, first)?,
             _ if self.catalog.title.is_empty() => self.catalog.title = dataset_151::title(lines),
             _ => {}
         }
@@ -248,7 +257,7 @@ impl Scanner {
         self.push_damage(error.in_file(&self.path), at);
     }
 
-    fn no_end(&mut self) {
+    pub fn no_end(&mut self) {
         let got = "the end of the file".to_owned();
         let expected = "the delimiter `    -1`".to_owned();
         self.truncated("a dataset", got, expected);
@@ -290,50 +299,18 @@ impl Scanner {
         for (entry, header) in self.catalog.entries.iter_mut().zip(&self.headers) {
             set_units(entry, header, units_at(&self.units, header.at.byte));
         }
-        self.place_nodes();
+        self.place_geometry();
         Ok(Scan {
+            abscissa_scales: self.headers.iter().map(|header| domain(header).1).collect(),
             catalog: self.catalog,
             samples: self.samples,
             input: self.lines.into_input(),
         })
     }
-
-    /// Nodes in metres. A node that is given twice at one place is one; at two places it is damage.
-    fn place_nodes(&mut self) {
-        let nodes = std::mem::take(&mut self.nodes);
-        if let (Some(first), true) = (nodes.first(), self.units.is_empty()) {
-            let place = self.place(first.at);
-            let finding = Finding::new(Severity::Warning, Code::Assumption, place);
-            self.catalog.findings.push(finding.value(1.0, "m"));
-        }
-        let mut known: BTreeMap<i64, [f64; 3]> = BTreeMap::new();
-        for node in nodes {
-            match known.insert(node.label, node.coordinates) {
-                None => {
-                    let units = units_at(&self.units, node.at.byte);
-                    let length = units.map_or(1.0, |units| units.length);
-                    self.catalog.geometry.nodes.push(Node {
-                        point: node.label.to_string(),
-                        at_m: node.at_m(length),
-                    });
-                }
-                Some(before) if before.map(f64::to_bits) == node.coordinates.map(f64::to_bits) => {}
-                Some(before) => {
-                    known.insert(node.label, before);
-                    self.damaged(FieldError {
-                        at: node.at,
-                        what: "second position of a node",
-                        got: format!("{} at {:?}", node.label, node.coordinates),
-                        expected: format!("{before:?} as before"),
-                    });
-                }
-            }
-        }
-    }
 }
 
 /// The units that stand last before a byte, else the first of the file.
-fn units_at(units: &[(Position, Units)], byte: u64) -> Option<&Units> {
+pub(super) fn units_at(units: &[(Position, Units)], byte: u64) -> Option<&Units> {
     let before = units.iter().rev().find(|(at, _)| at.byte < byte);
     before.or(units.first()).map(|(_, units)| units)
 }

@@ -1,22 +1,33 @@
-//! Universal files out: hammer-test records and FRF sets, in SI units, with title (151) and units (164).
+//! Universal files out: title (151), units (164, SI), geometry, modes, and every function as 58b or 58.
 //!
-//! What the format cannot hold is lost: the origin of a hit, the number of a repeated measurement (`#2`; the functions
-//! stay in their order), the variance of FRFs, steps and starts beyond seven digits (a time step of a whole number of
-//! samples per second comes back exactly), and digits beyond thirteen in text. An FRF's averages, estimator, added
-//! damping, record length and valid band stand in ID lines 4 and 5, as far as they are known ([`FunctionNote`]).
+//! Values are written as they are stored, with their unit in the header; a factor to SI that no unit has makes them SI
+//! values. What the format has no field for goes into ID lines 4 and 5 (`dataset_58_header`), so that bytes come back to
+//! the bit; text keeps 13 digits of 64 bits, 6 of 32 and 7 of uneven abscissae; the latter two are told. Lost are the origin of a hit, variances, and arrays without a
+//! meaning.
 
 use std::io::{self, Write};
 
-use super::dataset_58_write::{Abscissa, FunctionHeader, line_text, write_binary, write_text};
+use super::dataset_55_write::write_modes;
+use super::dataset_58_header::{Fitted, fit};
+use super::dataset_58_values::{Target, written_format};
+use super::dataset_58_write::line_text;
+use super::dataset_1858;
 use super::dof_fields::DofFields;
+use super::geometry_write::write_geometry;
 use crate::dof::Dof;
-use crate::frf::{FrfSet, Function};
-use crate::io::{FunctionNote, FunctionType, IoError, SampleFormat};
-use crate::quantity::Quantity;
-use crate::record::{Channel, Hit, Role};
+use crate::finding::Finding;
+use crate::frf::FrfSet;
+use crate::io::not_carried::NotCarried;
+use crate::io::{
+    Encoding, FunctionType, IoError, MemorySource, Precision, Source, WriteOptions, frf_source,
+    hit_source,
+};
+use crate::record::{Channel, Hit};
 
 /// Version numbers fill at most 4 of their 5 columns, so that fields stay apart.
 const MOST_HITS: usize = 9_999;
+/// Lines of dataset 151, of which the sixth is the program that wrote the file.
+const TITLE_LINES: usize = 7;
 
 /// What a file says beyond its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,24 +38,54 @@ pub struct FileLabel<'a> {
     pub title: &'a str,
 }
 
-/// Width of the numbers of a binary block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Precision {
-    /// 32 bits, as measurement systems export.
-    #[default]
-    Single,
-    /// 64 bits.
-    Double,
-}
-
-/// How the values of a function are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Encoding {
-    /// 58b, 64 bits, to the bit.
-    #[default]
-    Binary,
-    /// 58, 13 digits.
-    Text,
+/// Writes a source; `in_si` asks for values in SI units.
+pub(super) fn write_source(
+    out: &mut dyn Write,
+    source: &mut dyn Source,
+    options: &WriteOptions,
+    in_si: bool,
+) -> Result<Vec<Finding>, IoError> {
+    let mut lost = NotCarried::default();
+    let count = source.catalog().entries.len();
+    let mut targets = Vec::new();
+    for entry in 0..count {
+        let entry = &source.catalog().entries[entry];
+        let Some(function_type) = entry.function_type.code() else {
+            lost.add("variance of FRFs", 1);
+            targets.push(None);
+            continue;
+        };
+        let format = written_format(entry.format, options.precision);
+        let Fitted {
+            header,
+            factor,
+            lost: kinds,
+        } = fit(entry, function_type, format, in_si, &options.path)?;
+        for kind in kinds {
+            lost.add(kind, 1);
+        }
+        targets.push(Some(Target::new(header, factor, options)));
+    }
+    let catalog = source.catalog();
+    let title_lost = catalog.title.len().saturating_sub(TITLE_LINES - 1);
+    lost.add("arrays without a meaning", catalog.arrays.len());
+    lost.add("title lines", title_lost);
+    write_head(out, &catalog.title).map_err(|source| write_failed(&options.path, source))?;
+    let (geometry, path) = (&catalog.geometry, &options.path);
+    let mut findings = write_geometry(out, geometry, path)?;
+    let title = catalog.title.first().map_or("", String::as_str);
+    findings.extend(write_modes(out, &catalog.modes, geometry, title, path)?);
+    for (entry, target) in targets.into_iter().enumerate() {
+        if let Some(target) = target {
+            target.write(out, source, entry, &mut lost)?;
+            if let Some(window) = source.catalog().entries[entry].note.window {
+                dataset_1858::write(out, window)
+                    .map_err(|source| write_failed(&options.path, source))?;
+            }
+        }
+    }
+    findings.extend(lost.findings());
+    Ok(findings)
 }
 
 /// Writes hits as a measurement system exports them: datasets 151, 164 and, hit after hit, the force and then the
@@ -62,60 +103,17 @@ pub fn write_time_records(
     precision: Precision,
 ) -> Result<(), IoError> {
     check_hits(label, hits)?;
-    let system = |source| write_failed(label, source);
-    write_head(out, label).map_err(system)?;
-    for (i, hit) in hits.iter().enumerate() {
-        for channel in channels(hit) {
-            let mut header = record_header(label, hit, channel)?;
-            header.id_lines[1] = format!("hit {}", i + 1);
-            header.version = i + 1;
-            if precision == Precision::Double {
-                header.format = SampleFormat::RealF64;
-            }
-            let bytes = sample_bytes(label, channel, precision)?;
-            write_binary(out, &header, &bytes).map_err(system)?;
-        }
-    }
-    Ok(())
-}
-
-/// The force, then the responses.
-fn channels(hit: &Hit) -> impl Iterator<Item = &Channel> {
-    std::iter::once(&hit.force).chain(&hit.responses)
-}
-
-/// The header of a channel in single precision.
-fn record_header(
-    label: &FileLabel<'_>,
-    hit: &Hit,
-    channel: &Channel,
-) -> Result<FunctionHeader, IoError> {
-    let reference = match channel.role {
-        Role::Force => DofFields::none(),
-        Role::Response => dof_fields(label, &hit.force.dof)?,
+    let options = WriteOptions {
+        path: label.path.to_owned(),
+        encoding: Encoding::Binary,
+        precision: Some(precision),
     };
-    Ok(FunctionHeader {
-        id_lines: id_lines(label, &Default::default()),
-        function_type: FunctionType::Time.code(),
-        version: 0,
-        load_case: 1,
-        response: dof_fields(label, &channel.dof)?,
-        reference,
-        format: SampleFormat::RealF32,
-        points: channel.samples.len(),
-        abscissa: Abscissa {
-            time: true,
-            start: hit.axis.start_s,
-            step: hit.axis.step_s,
-        },
-        numerator: Some(channel.quantity),
-        denominator: None,
-    })
+    let source = &mut hit_source(hits, label.title);
+    write_source(out, source, &options, true).map(|_| ())
 }
 
 /// Writes an FRF set: datasets 151, 164, every function (type 4, complex of 64 bits, numerator and denominator by kind),
-/// then the coherences that there are (type 6, real of 64 bits) with the same degrees of freedom. See the module head for
-/// what is lost.
+/// then the coherences that there are (type 6, real of 64 bits) with the same degrees of freedom. Variances are lost.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] for a step that is not positive; [`IoError::Dof`] for a degree of freedom that has no fields;
@@ -127,103 +125,37 @@ pub fn write_frfs(
     encoding: Encoding,
 ) -> Result<(), IoError> {
     check_axis(label, set.axis().start_hz, set.axis().step_hz)?;
-    for function in set.functions() {
-        dof_fields(label, &function.response)?;
-        dof_fields(label, &function.reference)?;
-    }
-    let system = |source| write_failed(label, source);
-    write_head(out, label).map_err(system)?;
-    for (i, function) in set.functions().iter().enumerate() {
-        let mut header = function_header(label, set, function)?;
-        header.function_type = FunctionType::Frf.code();
-        header.format = SampleFormat::ComplexF64;
-        header.numerator = Some(function.kind.response_quantity());
-        header.denominator = Some(Quantity::Force);
-        let numbers: Vec<f64> = set.values(i).iter().flat_map(|h| [h.re, h.im]).collect();
-        write_function(out, &header, &numbers, encoding).map_err(system)?;
-    }
-    for (i, function) in set.functions().iter().enumerate() {
-        if let Some(coherence) = set.coherence(i) {
-            let header = function_header(label, set, function)?;
-            write_function(out, &header, coherence, encoding).map_err(system)?;
-        }
-    }
-    Ok(())
-}
-
-/// The header of a coherence; an FRF differs by type and ordinate.
-fn function_header(
-    label: &FileLabel<'_>,
-    set: &FrfSet,
-    function: &Function,
-) -> Result<FunctionHeader, IoError> {
-    Ok(FunctionHeader {
-        id_lines: id_lines(label, &known(set, function)),
-        function_type: FunctionType::Coherence.code(),
-        version: 0,
-        load_case: 0,
-        response: dof_fields(label, &function.response)?,
-        reference: dof_fields(label, &function.reference)?,
-        format: SampleFormat::RealF64,
-        points: set.axis().len,
-        abscissa: Abscissa {
-            time: false,
-            start: set.axis().start_hz,
-            step: set.axis().step_hz,
-        },
-        numerator: None,
-        denominator: None,
-    })
-}
-
-fn write_function(
-    out: &mut dyn Write,
-    header: &FunctionHeader,
-    numbers: &[f64],
-    encoding: Encoding,
-) -> io::Result<()> {
-    match encoding {
-        Encoding::Text => write_text(out, header, numbers),
-        Encoding::Binary => {
-            let bytes: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
-            write_binary(out, header, &bytes)
-        }
-    }
-}
-
-/// ID lines 4 and 5: what is known of an FRF beyond its values.
-fn known(set: &FrfSet, function: &Function) -> [String; 2] {
-    let note = FunctionNote {
-        averages: function.averages,
-        estimator: function.estimator,
-        added_damping_rad_s: Some(set.added_damping_rad_s).filter(|decay| *decay > 0.0),
-        record_s: set.record_duration_s,
-        valid_hz: set.valid_band.map(|band| (band.lo_hz, band.hi_hz)),
+    let options = WriteOptions {
+        path: label.path.to_owned(),
+        encoding,
+        precision: None,
     };
-    note.to_lines()
+    let mut source: MemorySource = frf_source(set, label.title);
+    let number = source.catalog.entries.iter().position(is_variance);
+    if let Some(first) = number {
+        source.catalog.entries.truncate(first);
+    }
+    write_source(out, &mut source, &options, false).map(|_| ())
 }
 
-fn id_lines(label: &FileLabel<'_>, [fourth, fifth]: &[String; 2]) -> [String; 5] {
-    let mut lines: [String; 5] = Default::default();
-    lines[0] = line_text(label.title);
-    lines[3] = fourth.clone();
-    lines[4] = fifth.clone();
-    lines
+fn is_variance(entry: &crate::io::Entry) -> bool {
+    entry.function_type == FunctionType::Variance
 }
 
 /// Datasets 151 and 164. No date is written: the same data give the same bytes.
-fn write_head(out: &mut dyn Write, label: &FileLabel<'_>) -> io::Result<()> {
-    let title = line_text(label.title);
-    let title = if title.is_empty() { "NONE" } else { &title };
-    let head = format!("    -1\n   151\n{title}\nNONE\nmodalign\n\n\nmodalign\n\n    -1\n");
-    out.write_all(head.as_bytes())?;
+fn write_head(out: &mut dyn Write, title: &[String]) -> io::Result<()> {
+    let mut lines: Vec<String> = title.iter().map(|line| line_text(line)).collect();
+    lines.truncate(TITLE_LINES - 1);
+    lines.resize(TITLE_LINES - 1, "NONE".to_owned());
+    lines.insert(TITLE_LINES - 2, "modalign".to_owned());
+    write!(out, "    -1\n   151\n{}\n    -1\n", lines.join("\n"))?;
     let one = "  1.00000000000000000D+00";
     let offset = "  2.73149999999999977D+02";
-    let units = format!(
+    write!(
+        out,
         "    -1\n   164\n{:>10}{:<20}{:>10}\n{one}{one}{one}\n{offset}\n    -1\n",
         1, "SI: Meter (newton)", 2
-    );
-    out.write_all(units.as_bytes())
+    )
 }
 
 fn check_hits(label: &FileLabel<'_>, hits: &[Hit]) -> Result<(), IoError> {
@@ -238,16 +170,21 @@ fn check_hits(label: &FileLabel<'_>, hits: &[Hit]) -> Result<(), IoError> {
     }
     for hit in hits {
         check_axis(label, hit.axis.start_s, hit.axis.step_s)?;
-        for channel in channels(hit) {
-            dof_fields(label, &channel.dof)?;
-            if channel.samples.len() != hit.axis.len {
-                let got = format!("{} of {}", channel.samples.len(), channel.dof);
-                let expected = format!("{} (the axis)", hit.axis.len);
-                return Err(unwritable(label, "number of samples", got, expected));
-            }
+        for channel in std::iter::once(&hit.force).chain(&hit.responses) {
+            check_dof(label, &channel.dof)?;
+            check_channel(label, hit, channel)?;
         }
     }
     Ok(())
+}
+
+fn check_channel(label: &FileLabel<'_>, hit: &Hit, channel: &Channel) -> Result<(), IoError> {
+    if channel.samples.len() == hit.axis.len {
+        return Ok(());
+    }
+    let got = format!("{} of {}", channel.samples.len(), channel.dof);
+    let expected = format!("{} (the axis)", hit.axis.len);
+    Err(unwritable(label, "number of samples", got, expected))
 }
 
 fn check_axis(label: &FileLabel<'_>, start: f64, step: f64) -> Result<(), IoError> {
@@ -259,29 +196,9 @@ fn check_axis(label: &FileLabel<'_>, start: f64, step: f64) -> Result<(), IoErro
     Err(unwritable(label, "axis", got, expected))
 }
 
-fn sample_bytes(
-    label: &FileLabel<'_>,
-    channel: &Channel,
-    precision: Precision,
-) -> Result<Vec<u8>, IoError> {
-    let values = channel.samples.iter().map(|v| v * channel.to_si);
-    if precision == Precision::Double {
-        return Ok(values.flat_map(f64::to_le_bytes).collect());
-    }
-    let mut bytes = Vec::with_capacity(channel.samples.len() * 4);
-    for value in values {
-        let single = value as f32;
-        if value.is_finite() && single.is_infinite() {
-            let expected = "at most 3.4e38 in single precision".to_owned();
-            return Err(unwritable(label, "sample", value.to_string(), expected));
-        }
-        bytes.extend(single.to_le_bytes());
-    }
-    Ok(bytes)
-}
-
-fn dof_fields(label: &FileLabel<'_>, dof: &Dof) -> Result<DofFields, IoError> {
-    DofFields::from_dof(dof).map_err(|source| IoError::Dof {
+fn check_dof(label: &FileLabel<'_>, dof: &Dof) -> Result<(), IoError> {
+    let fields = DofFields::from_dof(dof).map(|_| ());
+    fields.map_err(|source| IoError::Dof {
         path: label.path.to_owned(),
         source,
     })
@@ -296,9 +213,9 @@ fn unwritable(label: &FileLabel<'_>, what: &'static str, got: String, expected: 
     }
 }
 
-fn write_failed(label: &FileLabel<'_>, source: io::Error) -> IoError {
+pub(super) fn write_failed(path: &str, source: io::Error) -> IoError {
     IoError::System {
-        path: label.path.to_owned(),
+        path: path.to_owned(),
         action: "write",
         source,
     }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::*;
+use crate::io::*;
 
 fn unit<T: std::str::FromStr>(text: &str) -> T
 where
@@ -56,7 +56,10 @@ fn open(text: &str, spec: TableSpec) -> Result<Box<dyn Source>, IoError> {
 }
 
 fn message(text: &str, spec: TableSpec) -> String {
-    open(text, spec).err().expect("an error").to_string()
+    match open(text, spec) {
+        Err(error) => error.to_string(),
+        Ok(mut source) => source.take_damage()[0].to_string(),
+    }
 }
 
 fn samples(source: &mut dyn Source, entry: usize) -> Vec<f64> {
@@ -85,6 +88,20 @@ fn a_table_without_time_column_takes_the_stated_rate() {
         panic!()
     };
     assert!((axis.sampling_rate_hz() - 48_000.0).abs() < 1e-9 && axis.len == 2);
+}
+
+#[test]
+fn the_unit_of_a_record_says_its_scale() {
+    let mut spec = hammer_spec();
+    spec.columns[0].scale = 0.5;
+    let source = open("force,acceleration\n1,2\n3,4\n", spec).unwrap();
+    let of = |entry: &Entry| (entry.unit_label.clone(), entry.to_si);
+    let found: Vec<_> = source.catalog().entries.iter().map(of).collect();
+    let expected = [("0.5 x N", 0.5), ("m/s2", 1.0)];
+    assert_eq!(
+        found,
+        expected.map(|(text, to_si)| (text.to_owned(), Some(to_si)))
+    );
 }
 
 #[test]
@@ -119,6 +136,10 @@ fn what_is_wrong_is_said_with_line_got_and_expected() {
         message("force,acceleration\n1,2\n3\n", hammer_spec()),
         "t.csv:3: number: got \"1 columns\", expected a finite number in column 2"
     );
+    assert_eq!(
+        message("force,acceleration\n1,2\n3,nan\n", hammer_spec()),
+        "t.csv:3: number: got \"nan\", expected a finite number in column 2"
+    );
     let unstated = TableSpec {
         sampling_rate_hz: None,
         ..hammer_spec()
@@ -135,7 +156,7 @@ fn what_is_wrong_is_said_with_line_got_and_expected() {
 fn an_frf_table_has_its_axis_unit_and_words() {
     let frf_unit: crate::quantity::FrfUnit = unit("(mm/s2)/N");
     let spec = TableSpec {
-        delimiter: Delimiter::Blank,
+        delimiter: Some(Delimiter::Blank),
         skip_lines: 1,
         columns: vec![
             column(ColumnName::Number(1), ColumnRole::Frequency),
@@ -162,10 +183,9 @@ fn an_frf_table_has_its_axis_unit_and_words() {
     };
     let source = open_bytes(b"Hz (m/s\xb2)/N\n0.0 1 -2\n0.5\t3  4\n".to_vec(), &hints).unwrap();
     let mut files = [HitFile {
-        source,
         response: Some(unit("10:-X")),
         reference: Some(unit("1:+X")),
-        frf_unit: None,
+        ..HitFile::new(source)
     }];
     let sets = frf_sets(&mut files).unwrap();
     assert_eq!((sets.len(), sets[0].axis().step_hz), (1, 0.5));
@@ -200,12 +220,7 @@ fn five_single_hits_of_a_plate_are_read_and_grouped() {
             table: Some(hammer_spec()),
         };
         let source = open_path(&path, &hints, None).unwrap();
-        let mut files = [HitFile {
-            source,
-            response: None,
-            reference: None,
-            frf_unit: None,
-        }];
+        let mut files = [HitFile::new(source)];
         let hits = group_hits(&mut files, HitGrouping::Files, &[])
             .unwrap()
             .hits;

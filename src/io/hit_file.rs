@@ -1,0 +1,73 @@
+//! An opened file with what a scene says of it, and how hits are told apart.
+
+use crate::dof::Dof;
+use crate::quantity::{FrfUnit, Unit};
+use crate::record::Role;
+
+use super::Source;
+
+/// How hits are told apart within a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum HitGrouping {
+    /// By the records' identification and order.
+    #[default]
+    Records,
+    /// Each file is one hit.
+    Files,
+}
+
+impl HitGrouping {
+    /// The grouping of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "records" => Some(HitGrouping::Records),
+            "files" => Some(HitGrouping::Files),
+            _ => None,
+        }
+    }
+}
+
+/// What the scene says of one record of every hit, where the file does not.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ChannelOverride {
+    /// Number of the record within its hit, from 1.
+    pub number: usize,
+    /// What it is.
+    pub role: Option<Role>,
+    /// Where it measures.
+    pub dof: Option<Dof>,
+    /// Unit of its numbers; its quantity is the channel's.
+    pub unit: Option<Unit>,
+    /// Calibration: value in the stated unit = `scale` × number in the file.
+    pub scale: Option<f64>,
+}
+
+/// One opened file with what the scene says of it.
+pub struct HitFile {
+    /// The file.
+    pub source: Box<dyn Source>,
+    /// The scene's word for its response.
+    pub response: Option<Dof>,
+    /// The scene's word for its hit point.
+    pub reference: Option<Dof>,
+    /// The scene's word for the unit of FRFs that do not state it.
+    pub frf_unit: Option<FrfUnit>,
+    /// The scene's word for the number of averages of FRFs that do not state it.
+    pub averages: Option<u32>,
+    /// Whether hits of which records are missing may be left out.
+    pub partial: bool,
+}
+
+impl HitFile {
+    /// A file of which the scene says nothing.
+    pub fn new(source: Box<dyn Source>) -> Self {
+        Self {
+            source,
+            response: None,
+            reference: None,
+            frf_unit: None,
+            averages: None,
+            partial: false,
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Bytes of variables, plain or deflated, by their position within the variable.
+
+use std::io::{Read, Seek, SeekFrom};
+
+use flate2::{Decompress, FlushDecompress, Status};
+
+use crate::io::{IoError, ReadSeek};
+
+/// Deflate expands at most so many times.
+pub(super) const DEFLATE_EXPANSION: u64 = 1032;
+
+/// Deflated bytes are read in pieces of this size; so are inflated ones that nobody wants.
+const PIECE: usize = 1 << 16;
+
+/// Memory for a value grows in steps of this size, so that a wrong count costs no more than the bytes that are there.
+const STEP: usize = 1 << 22;
+
+/// Where the bytes of a variable lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Storage {
+    /// From this byte of the file.
+    Plain(u64),
+    /// Deflated: first byte and length in the file.
+    Deflated(u64, u64),
+}
+
+impl Storage {
+    /// First byte in the file.
+    pub fn at(self) -> u64 {
+        match self {
+            Storage::Plain(at) | Storage::Deflated(at, _) => at,
+        }
+    }
+}
+
+/// A file whose variables can be read anywhere. Reading a deflated variable forwards inflates it once.
+pub(super) struct Bytes {
+    input: Box<dyn ReadSeek>,
+    /// Where `input` stands.
+    position: u64,
+    /// Length of the file.
+    pub length: u64,
+    path: String,
+    inflating: Option<Inflating>,
+}
+
+/// A deflated variable that is being read.
+struct Inflating {
+    storage: Storage,
+    state: Decompress,
+    /// Next deflated byte in the file, and their end.
+    next: u64,
+    end: u64,
+    /// Deflated bytes, of which the first `used` are done.
+    piece: Vec<u8>,
+    used: usize,
+    /// Inflated bytes so far.
+    position: u64,
+}
+
+impl Bytes {
+    /// Over a whole file.
+    ///
+    /// # Errors
+    /// [`IoError::System`].
+    pub fn new(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Self, IoError> {
+        let end = input.seek(SeekFrom::End(0));
+        let length = end.map_err(|source| IoError::System {
+            path: path.to_owned(),
+            action: "read",
+            source,
+        })?;
+        Ok(Self {
+            input,
+            position: length,
+            length,
+            path: path.to_owned(),
+            inflating: None,
+        })
+    }
+
+    /// Path of the file, for messages.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Fills `out` with the bytes from `position` of a variable.
+    ///
+    /// # Errors
+    /// [`IoError::System`], [`IoError::Truncated`] and, for a stream that cannot be inflated, [`IoError::Binary`].
+    pub fn read(&mut self, storage: Storage, position: u64, out: &mut [u8]) -> Result<(), IoError> {
+        match storage {
+            Storage::Plain(at) => self.read_file(at + position, out),
+            Storage::Deflated(..) => self.read_deflated(storage, position, out),
+        }
+    }
+
+    /// As many bytes as stated, from `position` of a variable.
+    ///
+    /// # Errors
+    /// As [`Bytes::read`].
+    pub fn read_vec(
+        &mut self,
+        storage: Storage,
+        position: u64,
+        count: usize,
+    ) -> Result<Vec<u8>, IoError> {
+        let mut bytes = Vec::new();
+        while bytes.len() < count {
+            let done = bytes.len();
+            bytes.resize(count.min(done + STEP), 0);
+            self.read(storage, position + done as u64, &mut bytes[done..])?;
+        }
+        Ok(bytes)
+    }
+
+    fn read_file(&mut self, at: u64, out: &mut [u8]) -> Result<(), IoError> {
+        let available = self.length.saturating_sub(at);
+        if (out.len() as u64) > available {
+            return Err(IoError::Truncated {
+                path: self.path.clone(),
+                byte: self.length,
+                what: "a variable",
+                got: format!("{available} bytes"),
+                expected: format!("{} bytes from byte {at}", out.len()),
+            });
+        }
+        // A relative seek keeps what is buffered.
+        let read = self
+            .input
+            .seek_relative(at.wrapping_sub(self.position) as i64)
+            .and_then(|()| self.input.read_exact(out));
+        self.position = at + out.len() as u64;
+        read.map_err(|source| IoError::System {
+            path: self.path.clone(),
+            action: "read",
+            source,
+        })
+    }
+
+    fn read_deflated(
+        &mut self,
+        storage: Storage,
+        position: u64,
+        out: &mut [u8],
+    ) -> Result<(), IoError> {
+        let known = self.inflating.take();
+        let known = known.filter(|own| own.storage == storage && own.position <= position);
+        let mut own = known.unwrap_or_else(|| Inflating::new(storage));
+        let mut scratch = vec![0; PIECE];
+        while own.position < position {
+            let wanted = (position - own.position).min(PIECE as u64) as usize;
+            self.inflate(&mut own, &mut scratch[..wanted])?;
+        }
+        let mut done = 0;
+        while done < out.len() {
+            done += self.inflate(&mut own, &mut out[done..])?;
+        }
+        self.inflating = Some(own);
+        Ok(())
+    }
+
+    /// Inflates some bytes, at least one.
+    fn inflate(&mut self, own: &mut Inflating, out: &mut [u8]) -> Result<usize, IoError> {
+        loop {
+            if own.used == own.piece.len() && own.next < own.end {
+                let count = (own.end - own.next).min(PIECE as u64) as usize;
+                own.piece.resize(count, 0);
+                own.used = 0;
+                self.read_file(own.next, &mut own.piece)?;
+                own.next += count as u64;
+            }
+            let (consumed, produced) = (own.state.total_in(), own.state.total_out());
+            let status = own
+                .state
+                .decompress(&own.piece[own.used..], out, FlushDecompress::None);
+            let consumed = (own.state.total_in() - consumed) as usize;
+            let produced = (own.state.total_out() - produced) as usize;
+            own.used += consumed;
+            own.position += produced as u64;
+            let status = status.map_err(|error| IoError::Binary {
+                path: self.path.clone(),
+                byte: own.storage.at(),
+                what: "compressed variable",
+                got: error.to_string(),
+                expected: "a zlib stream".to_owned(),
+            })?;
+            if produced > 0 {
+                return Ok(produced);
+            }
+            if status == Status::StreamEnd || (consumed == 0 && own.next >= own.end) {
+                return Err(IoError::Truncated {
+                    path: self.path.clone(),
+                    byte: own.end,
+                    what: "a compressed variable",
+                    got: format!("{} bytes", own.position),
+                    expected: "more, as its counts say".to_owned(),
+                });
+            }
+        }
+    }
+}
+
+impl Inflating {
+    fn new(storage: Storage) -> Self {
+        let (next, end) = match storage {
+            Storage::Deflated(at, length) => (at, at + length),
+            Storage::Plain(at) => (at, at),
+        };
+        Self {
+            storage,
+            state: Decompress::new(true),
+            next,
+            end,
+            piece: Vec::new(),
+            used: 0,
+            position: 0,
+        }
+    }
+}

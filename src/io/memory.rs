@@ -1,0 +1,261 @@
+//! Sources that are whole in memory, and several sources as one.
+
+use std::ops::Range;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+
+use super::{Block, Catalog, Domain, EntryAxis, IoError, Source};
+
+/// A source whose samples are in memory.
+#[derive(Debug, Default)]
+pub struct MemorySource {
+    /// What it holds.
+    pub catalog: Catalog,
+    /// Values of each entry.
+    pub blocks: Vec<Block>,
+    /// Abscissa of each entry; empty where the entry's axis is even.
+    pub abscissae: Vec<Vec<f64>>,
+}
+
+impl MemorySource {
+    /// Adds an entry with its values; `abscissa` is empty where the axis is even.
+    pub fn push(&mut self, entry: super::Entry, values: Block, abscissa: Vec<f64>) {
+        self.catalog.entries.push(entry);
+        self.blocks.push(values);
+        self.abscissae.push(abscissa);
+    }
+}
+
+impl Source for MemorySource {
+    fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    fn take_damage(&mut self) -> Vec<IoError> {
+        std::mem::take(&mut self.catalog.damage)
+    }
+
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        match (&self.blocks[entry], &mut *block) {
+            (Block::F32(values), Block::F32(out)) => replace(out, &values[range]),
+            (Block::F64(values), Block::F64(out)) => replace(out, &values[range]),
+            (Block::Complex(values), Block::Complex(out)) => replace(out, &values[range]),
+            (Block::F32(values), _) => *block = Block::F32(values[range].to_vec()),
+            (Block::F64(values), _) => *block = Block::F64(values[range].to_vec()),
+            (Block::Complex(values), _) => *block = Block::Complex(values[range].to_vec()),
+        }
+        Ok(())
+    }
+
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        match self.abscissae.get(entry).filter(|own| !own.is_empty()) {
+            Some(own) => replace(out, &own[range]),
+            None => even_abscissa(&self.catalog, entry, range, out)?,
+        }
+        Ok(())
+    }
+}
+
+fn replace<T: Copy>(out: &mut Vec<T>, values: &[T]) {
+    out.clear();
+    out.extend_from_slice(values);
+}
+
+/// An entry that is there and a range inside it.
+///
+/// # Errors
+/// [`IoError::Binary`] for any other.
+pub(super) fn check_range(
+    catalog: &Catalog,
+    entry: usize,
+    range: &Range<usize>,
+) -> Result<(), IoError> {
+    let len = catalog.entries.get(entry).map(super::Entry::len);
+    if len.is_some_and(|len| range.start <= range.end && range.end <= len) {
+        return Ok(());
+    }
+    Err(IoError::Binary {
+        path: catalog.path.clone(),
+        byte: 0,
+        what: "range of samples asked for",
+        got: format!("{range:?} of entry {entry}"),
+        expected: match len {
+            Some(len) => format!("at most {len} samples"),
+            None => format!("one of {} entries", catalog.entries.len()),
+        },
+    })
+}
+
+/// Values of an even abscissa, in s, Hz or the unit of the file.
+///
+/// # Errors
+/// [`IoError::NotStated`] for an uneven one.
+pub(super) fn even_abscissa(
+    catalog: &Catalog,
+    entry: usize,
+    range: Range<usize>,
+    out: &mut Vec<f64>,
+) -> Result<(), IoError> {
+    check_range(catalog, entry, &range)?;
+    out.clear();
+    if range.is_empty() {
+        return Ok(());
+    }
+    let (start, step) = catalog.entries[entry]
+        .axis
+        .even()
+        .ok_or_else(|| IoError::NotStated {
+            path: catalog.path.clone(),
+            what: format!("the abscissa of function {}", entry + 1),
+            expected: "a value for each sample".to_owned(),
+        })?;
+    out.extend(range.map(|i| start + i as f64 * step));
+    Ok(())
+}
+
+impl EntryAxis {
+    /// First value and spacing of an even axis.
+    pub fn even(&self) -> Option<(f64, f64)> {
+        match self {
+            EntryAxis::Time(axis) => Some((axis.start_s, axis.step_s)),
+            EntryAxis::Frequency(axis) => Some((axis.start_hz, axis.step_hz)),
+            EntryAxis::General(axis) => axis.even,
+        }
+    }
+
+    /// What the axis measures.
+    pub fn domain(&self) -> Domain {
+        match self {
+            EntryAxis::Time(_) => Domain::Time,
+            EntryAxis::Frequency(_) => Domain::Frequency,
+            EntryAxis::General(axis) => axis.domain,
+        }
+    }
+}
+
+/// Several sources as one: entries, modes and geometry one after the other.
+pub struct Merged {
+    catalog: Catalog,
+    sources: Vec<Box<dyn Source>>,
+    /// Source and entry within it, for each entry.
+    places: Vec<(usize, usize)>,
+}
+
+impl Merged {
+    /// The sources in order. A title is the first one that there is; geometry is put together by
+    /// [`crate::geometry::Geometry::add`].
+    pub fn new(mut sources: Vec<Box<dyn Source>>) -> Self {
+        let mut catalog = Catalog::default();
+        let mut places = Vec::new();
+        for (number, source) in sources.iter_mut().enumerate() {
+            catalog.damage.extend(source.take_damage());
+            let own = source.catalog();
+            if number == 0 {
+                (catalog.format, catalog.path) = (own.format, own.path.clone());
+            }
+            if catalog.title.is_empty() {
+                catalog.title = own.title.clone();
+            }
+            places.extend((0..own.entries.len()).map(|entry| (number, entry)));
+            catalog.entries.extend(own.entries.iter().cloned());
+            catalog.modes.extend(own.modes.iter().cloned());
+            catalog.arrays.extend(own.arrays.iter().cloned());
+            catalog.findings.extend(own.findings.iter().cloned());
+            catalog.geometry.add(&own.geometry);
+        }
+        Self {
+            catalog,
+            sources,
+            places,
+        }
+    }
+}
+
+impl Merged {
+    /// What is known of the points of source `number` where its headers do not say it.
+    pub fn state_points(&mut self, number: usize, response: Option<&Dof>, reference: Option<&Dof>) {
+        for (entry, place) in self.catalog.entries.iter_mut().zip(&self.places) {
+            if place.0 == number {
+                entry.response = entry.response.take().or_else(|| response.cloned());
+                entry.reference = entry.reference.take().or_else(|| reference.cloned());
+            }
+        }
+    }
+
+    /// Reads every entry once and leaves out those that cannot be read, each with its damage: a text may turn out not to
+    /// be numbers only when it is read.
+    pub fn leave_out_unreadable(&mut self) {
+        let (mut block, mut abscissa) = (Block::F64(Vec::new()), Vec::new());
+        let mut good = vec![true; self.places.len()];
+        for (entry, good) in good.iter_mut().enumerate() {
+            let all = 0..self.catalog.entries[entry].len();
+            let uneven = self.catalog.entries[entry].axis.even().is_none();
+            let mut read = self.read(entry, all.clone(), &mut block);
+            if read.is_ok() && uneven {
+                read = self.abscissa(entry, all, &mut abscissa);
+            }
+            if let Err(error) = read {
+                *good = false;
+                let path = &self.sources[self.places[entry].0].catalog().path;
+                let entry = &self.catalog.entries[entry];
+                let place = Place::File {
+                    path: path.clone(),
+                    line: entry.line,
+                    byte: entry.byte.filter(|_| entry.line.is_none()),
+                };
+                let finding = Finding::new(Severity::Error, Code::BadDataset, place);
+                self.catalog.findings.push(finding);
+                self.catalog.damage.push(error);
+            }
+        }
+        let mut kept = good.iter();
+        self.catalog.entries.retain(|_| kept.next() == Some(&true));
+        let mut kept = good.iter();
+        self.places.retain(|_| kept.next() == Some(&true));
+    }
+}
+
+impl Source for Merged {
+    fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    fn take_damage(&mut self) -> Vec<IoError> {
+        std::mem::take(&mut self.catalog.damage)
+    }
+
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        let (source, own) = self.places[entry];
+        self.sources[source].read(own, range, block)
+    }
+
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        let (source, own) = self.places[entry];
+        self.sources[source].abscissa(own, range, out)
+    }
+}

@@ -1,0 +1,174 @@
+//! `modes.json` among the formats, and the modes of any file as a modal model.
+
+use std::io::Read;
+
+use crate::finding::Finding;
+use crate::modal::{InputFile, ModalModel};
+
+use super::not_carried::NotCarried;
+use super::{
+    Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
+    WriteOptions, WriteSeek, modes_from_json, modes_to_json,
+};
+
+/// Finished modes in the schema `modalign-modes/1`.
+pub struct ModesJson;
+
+/// A text as it is quoted in JSON begins the schema.
+const MARK: &[u8] = b"\"modalign-modes/";
+
+impl Format for ModesJson {
+    fn name(&self) -> &'static str {
+        "modes"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["json"]
+    }
+
+    /// Certain for an object whose beginning names the schema.
+    fn detect(&self, head: &[u8]) -> Confidence {
+        let object = head.trim_ascii_start().starts_with(b"{");
+        if object && memchr::memmem::find(head, MARK).is_some() {
+            Confidence::Certain
+        } else {
+            Confidence::No
+        }
+    }
+
+    fn open(
+        &self,
+        mut input: Box<dyn ReadSeek>,
+        hints: &Hints,
+    ) -> Result<Box<dyn Source>, IoError> {
+        let mut bytes = Vec::new();
+        input
+            .read_to_end(&mut bytes)
+            .map_err(|source| IoError::System {
+                path: hints.path.clone(),
+                action: "read",
+                source,
+            })?;
+        let text = String::from_utf8(bytes).map_err(|error| IoError::Binary {
+            path: hints.path.clone(),
+            byte: error.utf8_error().valid_up_to() as u64,
+            what: "text",
+            got: "a byte that is not UTF-8".to_owned(),
+            expected: "UTF-8 text".to_owned(),
+        })?;
+        let model = modes_from_json(&text, &hints.path)?;
+        Ok(Box::new(MemorySource {
+            catalog: Catalog {
+                format: "modes",
+                path: hints.path.clone(),
+                modes: model.modes.into_iter().map(ModeEntry::new).collect(),
+                findings: model.findings,
+                ..Catalog::default()
+            },
+            ..MemorySource::default()
+        }))
+    }
+
+    /// Writes the modes; records, functions, geometry and arrays are not carried.
+    fn write(
+        &self,
+        out: &mut dyn WriteSeek,
+        source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        let catalog = source.catalog();
+        if catalog.modes.is_empty() {
+            return Err(IoError::Unwritable {
+                path: options.path.clone(),
+                what: "modes",
+                got: format!(
+                    "a file with {} records and functions and no modes",
+                    catalog.entries.len()
+                ),
+                expected: "modes; identify them first".to_owned(),
+            });
+        }
+        let model = modes_of(catalog, Vec::new());
+        out.write_all(modes_to_json(&model, None).as_bytes())
+            .map_err(|source| IoError::System {
+                path: options.path.clone(),
+                action: "write",
+                source,
+            })?;
+        let mut lost = NotCarried::default();
+        lost.add("records and functions", catalog.entries.len());
+        lost.add("geometry", catalog.geometry.len());
+        lost.add("arrays without a meaning", catalog.arrays.len());
+        let count =
+            |has: fn(&ModeEntry) -> bool| catalog.modes.iter().filter(|own| has(own)).count();
+        lost.add(
+            "modal A or B",
+            count(|own| own.modal_a.or(own.modal_b).is_some()),
+        );
+        lost.add("titles of modes", count(|own| !own.title.is_empty()));
+        Ok(lost.findings())
+    }
+}
+
+/// The modes of a file as a modal model, in ascending frequency.
+pub fn modes_of(catalog: &Catalog, inputs: Vec<InputFile>) -> ModalModel {
+    let mut modes: Vec<_> = catalog.modes.iter().map(|own| own.mode.clone()).collect();
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    ModalModel {
+        producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
+        inputs,
+        modes,
+        findings: catalog.findings.clone(),
+        ..ModalModel::default()
+    }
+}
+
+/// A modal model as a source of modes, for a writer.
+pub fn modes_source(model: &ModalModel, title: &str) -> MemorySource {
+    MemorySource {
+        catalog: Catalog {
+            format: "modes",
+            title: vec![title.to_owned()],
+            modes: model.modes.iter().cloned().map(ModeEntry::new).collect(),
+            ..Catalog::default()
+        },
+        ..MemorySource::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::modal::{Mode, ModeShape, Scaling};
+    use std::io::Cursor;
+
+    #[test]
+    fn modes_are_written_as_they_are_read_and_functions_are_refused() {
+        let shape = ModeShape::new([("1:+Z".parse().unwrap(), num_complex::Complex64::i())]);
+        let modes =
+            [20.0, 10.0].map(|hz| Mode::new(hz, Some(0.01), shape.clone(), Scaling::UnitMax));
+        let model = ModalModel {
+            modes: modes.to_vec(),
+            ..ModalModel::default()
+        };
+        let mut bytes = Cursor::new(Vec::new());
+        let mut source = modes_source(&model, "two");
+        let findings = ModesJson
+            .write(&mut bytes, &mut source, &WriteOptions::default())
+            .unwrap();
+        assert!(findings.is_empty());
+        assert_eq!(ModesJson.detect(bytes.get_ref()), Confidence::Certain);
+        let read = ModesJson
+            .open(Box::new(Cursor::new(bytes.into_inner())), &Hints::default())
+            .unwrap();
+        let read: Vec<_> = read.catalog().modes.iter().map(|own| &own.mode).collect();
+        assert_eq!(read, [&modes[1], &modes[0]]);
+        let mut none = MemorySource::default();
+        let error = ModesJson.write(
+            &mut Cursor::new(Vec::new()),
+            &mut none,
+            &WriteOptions::default(),
+        );
+        assert!(error.unwrap_err().to_string().contains("no modes"));
+    }
+}

@@ -1,0 +1,33 @@
+//! What a writer leaves out, counted.
+
+use std::collections::BTreeMap;
+
+use crate::finding::{Code, Finding, Place, Severity};
+
+/// How many of what were left out.
+#[derive(Debug, Default)]
+pub(super) struct NotCarried(BTreeMap<&'static str, usize>);
+
+impl NotCarried {
+    /// `count` more of `what`.
+    pub fn add(&mut self, what: &'static str, count: usize) {
+        if count > 0 {
+            *self.0.entry(what).or_default() += count;
+        }
+    }
+
+    /// The value, when it is there; else one more of `what`.
+    pub fn or_add<T>(&mut self, what: &'static str, value: Option<T>) -> Option<T> {
+        self.add(what, usize::from(value.is_none()));
+        value
+    }
+
+    /// A finding for each kind.
+    pub fn findings(self) -> Vec<Finding> {
+        let finding = |(what, count): (&str, usize)| {
+            let place = Place::Parameter(what.to_owned());
+            Finding::new(Severity::Warning, Code::NotCarried, place).value(count as f64, "")
+        };
+        self.0.into_iter().map(finding).collect()
+    }
+}

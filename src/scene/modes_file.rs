@@ -1,0 +1,58 @@
+//! Finished modes from a file: `modes.json`, or any format that holds mode shapes.
+
+use std::path::Path;
+
+use crate::geometry::Geometry;
+use crate::io::{Hints, IoError, format_of, modes_from_json, modes_of, open_path, sha256_hex};
+use crate::modal::{InputFile, ModalModel};
+
+use super::SceneError;
+use super::model::is_built_in;
+use super::toml_text::read_text;
+
+/// Whether a path names a file of modes, and not a model to be solved: whatever is neither a built-in name, nor TOML,
+/// nor a folder.
+pub fn is_modes_file(path: &Path) -> bool {
+    let is_toml = path
+        .extension()
+        .is_some_and(|extension| extension == "toml");
+    !is_toml && !is_built_in(path) && !path.is_dir()
+}
+
+/// Reads the modes of a file, with the geometry that it holds.
+///
+/// # Errors
+/// [`SceneError`] with the place, for a file that is damaged, and for one that holds no modes.
+pub fn load_modes(path: &Path, format: Option<&str>) -> Result<(ModalModel, Geometry), SceneError> {
+    let name = path.display().to_string();
+    let format = format_of(path, format)?;
+    if format.name() == "modes" {
+        let modes = modes_from_json(&read_text(path)?, &name)?;
+        return Ok((modes, Geometry::default()));
+    }
+    let hints = Hints {
+        path: name.clone(),
+        table: None,
+    };
+    let mut source = open_path(path, &hints, Some(format.name()))?;
+    if let Some(damage) = source.take_damage().into_iter().next() {
+        return Err(damage.into());
+    }
+    let catalog = source.catalog();
+    if catalog.modes.is_empty() {
+        return Err(SceneError::Io(IoError::NotStated {
+            path: name,
+            what: format!(
+                "a mode (the file holds {} records and functions)",
+                catalog.entries.len()
+            ),
+            expected: "mode shapes, such as universal datasets 55 or 2414 or a modes.json"
+                .to_owned(),
+        }));
+    }
+    let input = InputFile {
+        path: name,
+        sha256: sha256_hex(path)?,
+    };
+    Ok((modes_of(catalog, vec![input]), catalog.geometry.clone()))
+}

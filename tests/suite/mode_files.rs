@@ -1,0 +1,198 @@
+//! Modes in universal files: inspected, compared, and tied to a model whose points have other names.
+
+use std::path::Path;
+
+use crate::command::{fail, json, root, shared_data, succeed, write};
+
+const LMS: &str = "lms-testlab-modes/OOP_inb_new_attach_0_30Hz_no euler.unv";
+
+fn close(got: &serde_json::Value, expected: &serde_json::Value, relative: f64) -> bool {
+    let (got, expected) = (got.as_f64().unwrap(), expected.as_f64().unwrap());
+    (got - expected).abs() <= relative * expected.abs()
+}
+
+#[test]
+fn the_modes_of_a_commercial_system_have_their_natural_frequencies() {
+    let Some(data) = shared_data() else { return };
+    let expected = json(&data.join("expected.json"))[LMS].clone();
+    let text = succeed(["inspect", data.join(LMS).to_str().unwrap(), "--json"]);
+    let inspected: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let file = &inspected["files"][0];
+    let modes = file["modes"].as_array().unwrap();
+    assert_eq!(modes.len() as u64, expected["n_modes"].as_u64().unwrap());
+    for (number, mode) in modes.iter().enumerate() {
+        let pole = &expected["eigenvalue"][number];
+        assert!(
+            close(
+                &mode["frequency_hz"],
+                &expected["undamped_hz"][number],
+                5e-6
+            ),
+            "{mode}"
+        );
+        for part in 0..2 {
+            assert!(
+                close(&mode["pole_rad_s"][part], &pole[part], 1e-5),
+                "{mode}"
+            );
+        }
+        let header = expected["header_damping"][number].as_f64().unwrap();
+        let damping = mode["damping_ratio"].as_f64().unwrap();
+        assert!((damping - header).abs() < 6e-7, "{damping} {header}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("modes.json");
+    succeed([
+        "convert",
+        data.join(LMS).to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+    ]);
+    let written = json(&out);
+    assert_eq!(written["schema"], "modalign-modes/1");
+    for (node, values) in expected["mode1_first_node_in_file"].as_object().unwrap() {
+        for (axis, value) in ["X", "Y", "Z"].iter().zip(values.as_array().unwrap()) {
+            let got = &written["modes"][0]["shape"][format!("{node}:+{axis}")];
+            let missing = got.is_null() && value[0] == 0.0 && value[1] == 0.0;
+            assert!(missing || got == value, "{node} {axis}: {got} {value}");
+        }
+    }
+    let there = data.join(LMS);
+    let there = there.to_str().unwrap();
+    let table = succeed([
+        "correlate",
+        "--test",
+        there,
+        "--theory",
+        out.to_str().unwrap(),
+        "--json",
+    ]);
+    let table: serde_json::Value = serde_json::from_str(&table).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), modes.len());
+    for row in rows {
+        let mac = row["tests"][0]["mac"].as_f64().unwrap();
+        assert!((mac - 1.0).abs() < 1e-9, "{row}");
+    }
+}
+
+/// Two modes at three points as a universal file with nodes, its labels counted from `first`.
+fn universal(first: i64, sign: f64) -> String {
+    let mut text = String::from("    -1\n   164\n         1SI                          2\n");
+    text += "  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00\n";
+    text += "  0.00000000000000000D+00\n    -1\n    -1\n  2411\n";
+    for k in 0..3 {
+        let x = 0.1 * k as f64;
+        text += &format!("{:>10}         0         0         0\n", first + k);
+        text += &format!("{x:25.16E}{:25.16E}{:25.16E}\n", 0.0, 0.0);
+    }
+    text += "    -1\n";
+    for (number, (hz, shape)) in [(50.0, [1.0, 2.0, 3.0]), (90.0, [1.0, -1.0, 0.5])]
+        .iter()
+        .enumerate()
+    {
+        text += "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n";
+        text += "         1         2         2         8         2         3\n";
+        text += &format!("         2         4         1{:>10}\n", number + 1);
+        text += &format!("{hz:13.5E}{:13.5E}{:13.5E}{:13.5E}\n", 1.0, 0.01, 0.0);
+        for (k, value) in shape.iter().enumerate() {
+            text += &format!("{:>10}\n", first + k as i64);
+            text += &format!("{:13.5E}{:13.5E}{:13.5E}\n", 0.0, 0.0, sign * value);
+        }
+        text += "    -1\n";
+    }
+    text
+}
+
+fn macs(arguments: &[&str]) -> Vec<f64> {
+    let table = succeed([arguments, &["--json"]].concat());
+    let table: serde_json::Value = serde_json::from_str(&table).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    rows.iter()
+        .map(|row| row["tests"][0]["mac"].as_f64().unwrap())
+        .collect()
+}
+
+fn both(folder: &Path) -> [String; 2] {
+    let files = [
+        ("test.unv", universal(1, 1.0)),
+        ("theory.uff", universal(101, -1.0)),
+    ];
+    write(
+        folder,
+        &files.each_ref().map(|(name, text)| (*name, text.as_str())),
+    );
+    files.map(|(name, _)| folder.join(name).to_str().unwrap().to_owned())
+}
+
+#[test]
+fn points_of_other_names_meet_by_nearest_node_or_by_a_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let [test, theory] = both(folder.path());
+    let files = ["correlate", "--test", &test, "--theory", &theory];
+    let nearest = macs(&[&files[..], &["--nearest-node", "0.01"]].concat());
+    assert_eq!(nearest.len(), 2);
+    assert!(
+        nearest.iter().all(|mac| (mac - 1.0).abs() < 1e-9),
+        "{nearest:?}"
+    );
+    let list = folder.path().join("map.csv");
+    std::fs::write(
+        &list,
+        "test,theory\n1:+Z,101:+Z\n2:+Z,102:+Z\n3:+Z,103:-Z\n",
+    )
+    .unwrap();
+    let by_list = ["--dof-map", list.to_str().unwrap(), "--min-mac", "0"];
+    let listed = macs(&[&files[..], &by_list].concat());
+    // The third sensor is said to point the other way: (1 + 4 - 9)^2/14^2 and (1 + 1 - 0.25)^2/2.25^2.
+    assert_eq!(listed.len(), 2);
+    for (mac, expected) in listed.iter().zip([16.0 / 196.0, 3.0625 / 5.0625]) {
+        assert!((mac - expected).abs() < 1e-9, "{mac} {expected}");
+    }
+    let said = fail(files);
+    assert!(
+        said.contains("--dof-map") && said.contains("101:"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_list_that_is_none_and_points_without_a_place_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let [test, theory] = both(folder.path());
+    let list = folder.path().join("map.csv");
+    std::fs::write(&list, "test,theory\n1:+Z;101:+Z\n").unwrap();
+    let files = ["correlate", "--test", &test, "--theory", &theory];
+    let said = fail([&files[..], &["--dof-map", list.to_str().unwrap()]].concat());
+    assert!(
+        said.contains("map.csv") && said.contains("line 2"),
+        "{said}"
+    );
+    let modes = folder.path().join("modes.json");
+    succeed(["convert", &test, "-o", modes.to_str().unwrap()]);
+    let without = [
+        "correlate",
+        "--test",
+        modes.to_str().unwrap(),
+        "--theory",
+        &theory,
+    ];
+    let said = fail([&without[..], &["--nearest-node", "0.01"]].concat());
+    assert!(
+        said.contains("--nearest-node") && said.contains("modes.json"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_recorded_function_is_no_mode() {
+    let file = root().join("tests/reference/exchange.uff");
+    let said = fail([
+        "correlate",
+        "--test",
+        "no-such.unv",
+        "--theory",
+        file.to_str().unwrap(),
+    ]);
+    assert!(said.contains("no-such.unv"), "{said}");
+}
