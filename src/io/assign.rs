@@ -1,5 +1,7 @@
 //! Columns of numbers that a scene describes become records and functions: the common end of text tables and of arrays.
 
+use std::borrow::Cow;
+
 use num_complex::Complex64;
 
 use crate::axis::{FrequencyAxis, TimeAxis};
@@ -160,13 +162,16 @@ fn not_real(path: &str, what: &'static str) -> IoError {
     }
 }
 
+/// A factor, and the values that it belongs to.
+type Scaled<'a> = (f64, Cow<'a, [f64]>);
+
 /// Scale and values of the first column in a role; complex values whose imaginary part is 0 are real.
-fn column_of(
+fn column_of<'a>(
     spec: &TableSpec,
-    columns: &Columns,
+    columns: &'a Columns,
     role: &ColumnRole,
     path: &str,
-) -> Result<Option<(f64, Vec<f64>)>, IoError> {
+) -> Result<Option<Scaled<'a>>, IoError> {
     let index = spec.columns.iter().position(|column| column.role == *role);
     index
         .map(|index| {
@@ -177,10 +182,10 @@ fn column_of(
         .transpose()
 }
 
-fn real(block: &Block) -> Option<Vec<f64>> {
+fn real(block: &Block) -> Option<Cow<'_, [f64]>> {
     match block {
         Block::F32(values) => Some(values.iter().map(|v| f64::from(*v)).collect()),
-        Block::F64(values) => Some(values.clone()),
+        Block::F64(values) => Some(Cow::Borrowed(values)),
         Block::Complex(values) => values
             .iter()
             .map(|v| (v.im.abs() <= f64::EPSILON * v.re.abs()).then_some(v.re))
@@ -280,7 +285,7 @@ fn frf_entries(
                 line,
                 ..base
             };
-            let values = values.into_iter().map(|v| column.scale * v).collect();
+            let values = values.iter().map(|v| column.scale * v).collect();
             source.push(entry, Block::F64(values), Vec::new());
             continue;
         }
@@ -334,14 +339,16 @@ fn frf_column(
                 unit: *unit,
             };
             let (factor, imaginary) = partner(spec, columns, &wanted, path)?;
-            let parts = own()?.into_iter().zip(imaginary);
+            let own = own()?;
+            let parts = own.iter().zip(imaginary.iter());
             let values = parts.map(|(re, im)| Complex64::new(column.scale * re, factor * im));
             (dof, unit, values.collect())
         }
         ColumnRole::Magnitude { dof, unit } => {
             let wanted = ColumnRole::PhaseDegrees { dof: dof.clone() };
             let (factor, phase) = partner(spec, columns, &wanted, path)?;
-            let parts = own()?.into_iter().zip(phase);
+            let own = own()?;
+            let parts = own.iter().zip(phase.iter());
             let values = parts.map(|(magnitude, degrees)| {
                 Complex64::from_polar(column.scale * magnitude, (factor * degrees).to_radians())
             });
@@ -352,12 +359,12 @@ fn frf_column(
     Ok(Some((dof.clone(), *unit, values)))
 }
 
-fn partner(
+fn partner<'a>(
     spec: &TableSpec,
-    columns: &Columns,
+    columns: &'a Columns,
     wanted: &ColumnRole,
     path: &str,
-) -> Result<(f64, Vec<f64>), IoError> {
+) -> Result<Scaled<'a>, IoError> {
     column_of(spec, columns, wanted, path)?.ok_or_else(|| {
         let (what, expected) = match wanted {
             ColumnRole::PhaseDegrees { .. } => (

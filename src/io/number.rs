@@ -21,6 +21,7 @@ const SAFE_DIGITS: usize = 19;
 ///
 /// The exponent letter may be `E`, `e`, `D` or `d`. `decimal` is the decimal mark, `.` or `,`. Digits that overflow a double
 /// are no number; `NaN` and `Inf` are not read here.
+#[inline(always)]
 pub(super) fn prefix(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> {
     read::<false>(bytes, decimal)
 }
@@ -30,13 +31,13 @@ pub(super) fn fortran_prefix(bytes: &[u8]) -> Option<(f64, usize)> {
     read::<true>(bytes, b'.')
 }
 
-#[inline]
+#[inline(always)]
 fn read<const FORTRAN: bool>(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> {
     let negative = bytes.first() == Some(&b'-');
     let start = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
     // Digits that are too many for the mantissa wrap around; their number says so.
     let mut mantissa = 0u64;
-    let mut at = digits(bytes, start, &mut mantissa);
+    let mut at = few_digits(bytes, start, &mut mantissa);
     let mut seen = at - start;
     let mut scale = 0i64;
     if bytes.get(at) == Some(&decimal) {
@@ -75,14 +76,41 @@ fn read<const FORTRAN: bool>(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> 
     value.map(|value| (value, end))
 }
 
-/// Adds the digits at `at` to `mantissa` and says where they end.
-#[inline]
+/// Whole powers of ten.
+const TENS: [u64; 8] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000];
+
+/// Adds digits that are mostly few, as those before the decimal mark, to `mantissa` and says where they end.
+#[inline(always)]
+fn few_digits(bytes: &[u8], start: usize, mantissa: &mut u64) -> usize {
+    let mut at = start;
+    while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
+        if at == start + 4 {
+            return digits(bytes, at, mantissa);
+        }
+        *mantissa = 10 * *mantissa + u64::from(digit - b'0');
+        at += 1;
+    }
+    at
+}
+
+/// Adds the digits at `at` to `mantissa` and says where they end: eight bytes at a time, so that no branch depends on how
+/// many digits the last ones hold.
+#[inline(always)]
 fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     while let Some(eight) = bytes.get(at..).and_then(<[u8]>::first_chunk::<8>) {
-        let Some(value) = eight_digits(u64::from_le_bytes(*eight)) else {
-            break;
-        };
-        *mantissa = mantissa.wrapping_mul(100_000_000).wrapping_add(value);
+        let text = u64::from_le_bytes(*eight);
+        let count = leading_digits(text);
+        if count < 8 {
+            // Zeros take the places of what is behind the digits.
+            let value = eight_digits(text << 8 << (56 - 8 * count));
+            *mantissa = mantissa
+                .wrapping_mul(TENS[count as usize])
+                .wrapping_add(value);
+            return at + count as usize;
+        }
+        *mantissa = mantissa
+            .wrapping_mul(100_000_000)
+            .wrapping_add(eight_digits(text));
         at += 8;
     }
     while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
@@ -94,20 +122,26 @@ fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     at
 }
 
-/// The value of eight digits, the first in the lowest byte; `None` when one of them is no digit.
+/// How many of eight bytes, the first in the lowest byte, are digits before the first that is none.
+#[inline]
+fn leading_digits(text: u64) -> u32 {
+    const HIGH: u64 = 0xf0f0_f0f0_f0f0_f0f0;
+    const ZEROS: u64 = 0x3030_3030_3030_3030;
+    // A carry goes to later bytes alone, from a byte that is no digit.
+    let above = text.wrapping_add(0x0606_0606_0606_0606);
+    let others = ((text & HIGH) ^ ZEROS) | ((above & HIGH) ^ ZEROS);
+    others.trailing_zeros() / 8
+}
+
+/// The value of eight digits, the first in the lowest byte; a byte 0 counts as the digit 0.
 ///
 /// Neighbours are put together in three steps: digits to pairs, pairs to fours, fours to the whole.
 #[inline]
-fn eight_digits(text: u64) -> Option<u64> {
-    const NIBBLES: u64 = 0xf0f0_f0f0_f0f0_f0f0;
-    let above = text.wrapping_add(0x0606_0606_0606_0606);
-    if (text & NIBBLES) | ((above & NIBBLES) >> 4) != 0x3333_3333_3333_3333 {
-        return None;
-    }
+fn eight_digits(text: u64) -> u64 {
     let digits = text & 0x0f0f_0f0f_0f0f_0f0f;
     let pairs = digits.wrapping_mul(2561) >> 8 & 0x00ff_00ff_00ff_00ff;
     let fours = pairs.wrapping_mul(6_553_601) >> 16 & 0x0000_ffff_0000_ffff;
-    Some(fours.wrapping_mul(42_949_672_960_001) >> 32)
+    fours.wrapping_mul(42_949_672_960_001) >> 32
 }
 
 /// Exponent at `at` and where it ends; 0 and `at` where there is none.
@@ -172,27 +206,28 @@ fn scaled(mantissa: u64, power: i32) -> Option<f64> {
     if mantissa == 0 {
         return Some(0.0);
     }
+    /// Bits of the upper half of the product that a double has not.
+    const CUT: u32 = u64::BITS - f64::MANTISSA_DIGITS;
+    const HALF: u64 = 1 << (CUT - 1);
     let above = mantissa.leading_zeros();
     let (five, exponent) = FIVES[(power + MOST_POWER as i32) as usize];
     let normal = u128::from(mantissa << above);
-    // What is cut off here, and what the power lacks, is less than 2 in the last place.
-    let low = normal * (five & u128::from(u64::MAX));
-    let product = normal * (five >> 64) + (low >> 64);
-    let cut = 128 - product.leading_zeros() - f64::MANTISSA_DIGITS;
-    let (kept, rest, half) = (
-        (product >> cut) as u64,
-        product & ((1 << cut) - 1),
-        1 << (cut - 1),
-    );
+    // What is cut off here, and what the power lacks, is less than 2 in the last place; after the shift less than 4.
+    let product = normal * (five >> 64) + ((normal * (five & u128::from(u64::MAX))) >> 64);
+    let gap = product.leading_zeros();
+    let product = product << gap;
+    let (top, bottom) = ((product >> 64) as u64, product as u64);
+    let (kept, rest) = (top >> CUT, top & ((1 << CUT) - 1));
+    let just_below = rest & (HALF - 1) == HALF - 1 && bottom >= u64::MAX - 3;
+    let seems_tie = rest == HALF && bottom == 0;
     let exact = power >= 0;
-    let unclear = (rest <= half && rest + 2 > half) || rest + 2 >= 2 * half;
-    if unclear && !exact {
+    if (just_below || seems_tie) && !exact {
         return None;
     }
-    let up = rest > half || (rest == half && kept & 1 == 1);
+    let up = rest > HALF || (rest == HALF && (bottom > 0 || kept & 1 == 1));
     let kept = kept + u64::from(up);
-    // product 2^64 = (mantissa 2^above) five, and five is 5^power 2^(127 − exponent).
-    let binary = cut as i32 + 64 - 127 + exponent + power - above as i32;
+    // product 2^(64 − gap) = (mantissa 2^above) five, and five is 5^power 2^(127 − exponent).
+    let binary = (CUT + 1) as i32 - gap as i32 + exponent + power - above as i32;
     // A power of two within the normal range, so that the product is exact.
     Some(kept as f64 * f64::from_bits(((binary + 1023) as u64) << 52))
 }

@@ -103,22 +103,23 @@ impl TextBlocks {
         Ok(Some((self.line, line.strip_suffix(b"\r").unwrap_or(line))))
     }
 
-    /// The lines of the block that were not taken yet, in one piece, and the number of the first from 1; those of the next
-    /// block where all were taken; `None` at the end of the file.
+    /// Lines that [`TextBlocks::next_line`] took.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// The lines of the block that were not taken yet, in one piece; those of the next block where all were taken; `None`
+    /// at the end of the file.
     ///
     /// # Errors
     /// [`IoError::System`] when the file cannot be read.
-    pub fn next_lines(&mut self) -> Result<Option<(u64, &[u8])>, IoError> {
+    pub fn rest_of_block(&mut self) -> Result<Option<&[u8]>, IoError> {
         if self.taken == self.given && !self.advance()? {
             return Ok(None);
         }
-        let first = self.line + 1;
         let rest = &self.buffer[self.taken..self.given];
-        let end = self.line_end.unwrap_or(b'\n');
-        let open = u64::from(rest.last().is_some_and(|byte| *byte != end));
-        self.line += memchr::memchr_iter(end, rest).count() as u64 + open;
         self.taken = self.given;
-        Ok(Some((first, rest)))
+        Ok(Some(rest))
     }
 
     /// Fills the buffer; where it is full already it becomes twice as long.

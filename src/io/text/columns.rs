@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{TextBlocks, lines};
+use super::blocks::TextBlocks;
 use super::layout::{Layout, places_of};
 use super::row::{RowFault, RowShape};
 use crate::io::assign::{Columns, RowLines};
@@ -69,8 +69,9 @@ pub(super) fn read_rows(
         ..Rows::default()
     };
     let (file_len, line_end) = (text.file_len(), text.line_end());
+    let mut line = text.line() + 1;
     while read.damage.is_none() {
-        let Some((mut line, block)) = text.next_lines()? else {
+        let Some(block) = text.rest_of_block()? else {
             break;
         };
         let pieces = pieces(block, line_end);
@@ -83,12 +84,7 @@ pub(super) fn read_rows(
                 column.reserve_exact(expected);
             }
         }
-        for part in parts {
-            line = read.add(part, line, path);
-            if read.damage.is_some() {
-                break;
-            }
-        }
+        line = read.add(parts, line, path);
     }
     Ok(read)
 }
@@ -125,26 +121,34 @@ impl Part {
     fn read(piece: &[u8], line_end: u8, shape: &RowShape, keep: bool) -> Self {
         let count = shape.slots.iter().flatten().count();
         let mut row = vec![0.0; count];
-        // A row has a line, and a number with its separator two bytes.
-        let line_ends = memchr::memchr_iter(line_end, piece).count();
-        let most_rows = line_ends.min(piece.len() / (2 * count.max(1))) + 1;
+        // The rows that the first line promises; a number with its separator has two bytes.
+        let first = memchr::memchr(line_end, piece).unwrap_or(piece.len());
+        let rows = piece.len() / (first + 1).max(2 * count) + 1;
         let kept = if keep { count } else { 0 };
         let mut part = Self {
-            columns: (0..kept).map(|_| Vec::with_capacity(most_rows)).collect(),
+            columns: (0..kept).map(|_| Vec::with_capacity(rows)).collect(),
             rows: 0,
             lines: RowLines::default(),
             line_count: 0,
             fault: None,
         };
-        for line in lines(piece, line_end) {
+        let mut rest = piece;
+        while !rest.is_empty() {
             let number = part.line_count;
             part.line_count += 1;
-            match shape.read(line, &mut row) {
-                Ok(true) => {}
-                Ok(false) => continue,
-                Err(fault) => {
-                    part.fault = Some((number, fault));
-                    break;
+            if let Some(used) = shape.plain(rest, line_end, &mut row) {
+                rest = &rest[used..];
+            } else {
+                let end = memchr::memchr(line_end, rest);
+                let line = &rest[..end.unwrap_or(rest.len())];
+                rest = end.map_or(&[], |end| &rest[end + 1..]);
+                match shape.read(line.strip_suffix(b"\r").unwrap_or(line), &mut row) {
+                    Ok(true) => {}
+                    Ok(false) => continue,
+                    Err(fault) => {
+                        part.fault = Some((number, fault));
+                        break;
+                    }
                 }
             }
             part.lines.push(part.rows, number);
@@ -158,16 +162,25 @@ impl Part {
 }
 
 impl Rows {
-    /// Adds the rows of a piece whose first line has this number, and gives that of the next piece.
-    fn add(&mut self, part: Part, line: u64, path: &str) -> u64 {
-        for (column, values) in self.columns.iter_mut().zip(&part.columns) {
-            column.extend_from_slice(values);
+    /// Adds the rows of pieces up to the first fault; the first line has this number. Gives that of the line behind them.
+    fn add(&mut self, mut parts: Vec<Part>, mut line: u64, path: &str) -> u64 {
+        let faulty = parts.iter().position(|part| part.fault.is_some());
+        parts.truncate(faulty.map_or(parts.len(), |part| part + 1));
+        self.columns
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(number, column)| {
+                for part in &parts {
+                    column.extend_from_slice(&part.columns[number]);
+                }
+            });
+        for part in parts {
+            self.lines.append(&part.lines, self.rows, line);
+            self.rows += part.rows;
+            self.damage = part.fault.map(|(at, fault)| fault.at(path, line + at));
+            line += part.line_count;
         }
-        self.lines.append(&part.lines, self.rows, line);
-        self.rows += part.rows;
-        let fault = part.fault.map(|(at, fault)| fault.at(path, line + at));
-        self.damage = fault;
-        line + part.line_count
+        line
     }
 }
 

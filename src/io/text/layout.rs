@@ -3,7 +3,7 @@
 //! Every notation is tried. One whose rows of numbers go on while those of another break off is taken; notations that read
 //! the same numbers are the same; where two read different numbers, as `1,5` alone in a line, the scene must say.
 
-use super::blocks::{lines, text_of};
+use super::blocks::{self, text_of};
 use super::row::{Notation, fields, is_passed_over, row_of};
 use crate::io::{ColumnName, Delimiter, IoError, TableSpec};
 use crate::quantity::{FrfUnit, Unit};
@@ -27,6 +27,9 @@ const fn notation(delimiter: Delimiter, decimal: u8) -> Notation {
 
 /// Rows that make a beginning: fewer may be numbers in the header.
 const BEGINNING: usize = 3;
+
+/// Bytes that settle the layout where one notation alone makes a beginning in them; else the whole block is looked at.
+const HEAD: usize = 1 << 17;
 
 /// Most columns: as many as a spreadsheet has.
 pub(super) const MOST_COLUMNS: usize = 16_384;
@@ -100,16 +103,27 @@ pub(super) fn layout_of(
     spec: Option<&TableSpec>,
     path: &str,
 ) -> Result<Layout, IoError> {
-    let lines: Vec<&[u8]> = lines(block, line_end).collect();
+    let head = memchr::memchr(line_end, &block[HEAD.min(block.len())..]);
+    let head = &block[..head.map_or(block.len(), |end| HEAD + end + 1)];
+    let mut lines: Vec<&[u8]> = blocks::lines(head, line_end).collect();
     let skipped = spec.map_or(0, |spec| spec.skip_lines);
     let stated = spec.and_then(|spec| spec.delimiter);
     let names = spec.map_or_else(Vec::new, names_of);
     let tried = NOTATIONS
         .iter()
         .filter(|own| stated.is_none_or(|delimiter| own.delimiter == delimiter));
-    let readings: Vec<Reading> = tried
-        .filter_map(|own| reading(&lines, skipped, *own))
-        .collect();
+    let read = |lines: &[&[u8]]| -> Vec<Reading> {
+        let readings = tried
+            .clone()
+            .filter_map(|own| reading(lines, skipped, *own));
+        readings.collect()
+    };
+    let mut readings = read(&lines);
+    let begun = readings.iter().filter(|own| own.rows >= BEGINNING).count();
+    if begun != 1 && head.len() < block.len() {
+        lines = blocks::lines(block, line_end).collect();
+        readings = read(&lines);
+    }
     if readings.is_empty() {
         return Err(IoError::Text {
             path: path.to_owned(),

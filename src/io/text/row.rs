@@ -127,7 +127,7 @@ impl RowShape {
     /// # Errors
     /// What is wrong with it: what it is about, got, expected.
     pub fn read(&self, line: &[u8], row: &mut [f64]) -> Result<bool, RowFault> {
-        if self.plain(line, row).is_some() {
+        if self.plain(line, b'\n', row) == Some(line.len()) {
             return Ok(true);
         }
         if is_passed_over(line) {
@@ -136,31 +136,41 @@ impl RowShape {
         self.careful(line, row).map(|()| true)
     }
 
-    /// Reads a row that is written plainly: numbers and the separator alone; `None` for anything else.
-    fn plain(&self, bytes: &[u8], row: &mut [f64]) -> Option<()> {
+    /// Reads a row that is written plainly, numbers and the separator alone, and says where its line ends in the text that
+    /// begins with it, the line end included; `None` for anything else.
+    pub fn plain(&self, text: &[u8], line_end: u8, row: &mut [f64]) -> Option<usize> {
         let separator = self.notation.delimiter.byte();
         let mut at = 0;
         for (column, slot) in self.slots.iter().enumerate() {
-            at += blanks(&bytes[at..], separator);
+            at += blanks(&text[at..], separator);
             match slot {
                 Some(slot) => {
-                    let (value, len) = number::prefix(&bytes[at..], self.notation.decimal)?;
+                    let (value, len) = number::prefix(&text[at..], self.notation.decimal)?;
                     row[*slot] = value;
                     at += len;
                 }
-                None => at += passed_over(&bytes[at..], separator)?,
+                None if column == 0 && matches!(text.get(at), Some(b'#' | b'%')) => return None,
+                None => at += passed_over(&text[at..], separator, line_end)?,
             }
-            let gap = blanks(&bytes[at..], separator);
+            let gap = blanks(&text[at..], separator);
             at += gap;
             if column + 1 < self.width {
                 match separator {
-                    Some(separator) if bytes.get(at) == Some(&separator) => at += 1,
+                    Some(separator) if text.get(at) == Some(&separator) => at += 1,
                     None if gap > 0 => {}
                     _ => return None,
                 }
             }
         }
-        (at == bytes.len()).then_some(())
+        let rest = &text[at..];
+        let behind = rest.strip_prefix(b"\r").unwrap_or(rest);
+        match behind.first() {
+            None => Some(text.len()),
+            Some(byte) if *byte == line_end => Some(text.len() - behind.len() + 1),
+            // A lone CR that ends the line.
+            Some(_) if rest.first() == Some(&line_end) => Some(at + 1),
+            Some(_) => None,
+        }
     }
 
     /// Reads a row in any of the ways that it can be written.
@@ -224,19 +234,24 @@ impl RowFault {
 }
 
 /// Blanks before or behind a number, the separator not among them.
+#[inline]
 fn blanks(bytes: &[u8], separator: Option<u8>) -> usize {
-    let blank = |byte: &&u8| **byte == b' ' || (**byte == b'\t' && separator != Some(b'\t'));
-    bytes.iter().take_while(blank).count()
+    let blank = |byte: &u8| *byte == b' ' || (*byte == b'\t' && separator != Some(b'\t'));
+    let mut count = 0;
+    while bytes.get(count).is_some_and(blank) {
+        count += 1;
+    }
+    count
 }
 
 /// Length of a field that is not wanted; `None` where a quote makes it a matter for the careful way.
-fn passed_over(bytes: &[u8], separator: Option<u8>) -> Option<usize> {
+fn passed_over(text: &[u8], separator: Option<u8>, line_end: u8) -> Option<usize> {
     let end = match separator {
-        Some(separator) => memchr::memchr(separator, bytes),
-        None => memchr::memchr2(b' ', b'\t', bytes),
+        Some(separator) => memchr::memchr2(separator, line_end, text),
+        None => memchr::memchr3(b' ', b'\t', line_end, text),
     };
-    let field = &bytes[..end.unwrap_or(bytes.len())];
-    (!field.is_empty() && !field.contains(&b'"')).then_some(field.len())
+    let field = &text[..end.unwrap_or(text.len())];
+    (!field.trim_ascii().is_empty() && !field.contains(&b'"')).then_some(field.len())
 }
 
 #[cfg(test)]
@@ -285,11 +300,25 @@ mod tests {
         ] {
             let shape = shape(delimiter, decimal, &all);
             let (mut fast, mut slow) = ([0.0; 2], [0.0; 2]);
-            shape.plain(text.as_bytes(), &mut fast).unwrap();
+            for (end, line_end) in [("", b'\n'), ("\n7", b'\n'), ("\r\n", b'\n'), ("\r7", b'\r')] {
+                let whole = format!("{text}{end}");
+                let used = shape.plain(whole.as_bytes(), line_end, &mut fast);
+                assert_eq!(used, Some(whole.trim_end_matches('7').len()), "{whole:?}");
+            }
             shape.careful(text.as_bytes(), &mut slow).unwrap();
             assert_eq!(fast.map(f64::to_bits), [1.5f64, -2.0].map(f64::to_bits));
             assert_eq!(fast.map(f64::to_bits), slow.map(f64::to_bits));
         }
+    }
+
+    #[test]
+    fn a_comment_is_no_row_also_where_its_first_field_is_not_wanted() {
+        let shape = shape(Delimiter::Comma, b'.', &[None, Some(0)]);
+        let mut row = [0.0];
+        assert!(!shape.read(b"# 1,2", &mut row).unwrap());
+        assert_eq!(shape.plain(b"# 1,2\n3,4\n", b'\n', &mut row), None);
+        assert_eq!(shape.plain(b"x\n3,4\n", b'\n', &mut row), None);
+        assert_eq!(shape.plain(b"3,4\n5,6\n", b'\n', &mut row), Some(4));
     }
 
     #[test]
