@@ -47,6 +47,13 @@ pub enum Place {
     },
     /// A hit, by its number from 1.
     Hit(usize),
+    /// A response of a hit.
+    HitChannel {
+        /// Number of the hit, from 1.
+        hit: usize,
+        /// Response degree of freedom.
+        dof: Dof,
+    },
     /// A channel or a function by its response and, for FRFs, its reference.
     Function {
         /// Response degree of freedom.
@@ -70,6 +77,7 @@ impl fmt::Display for Place {
                 byte.map_or(Ok(()), |n| write!(f, " at byte {n}"))
             }
             Place::Hit(n) => write!(f, "hit {n}"),
+            Place::HitChannel { hit, dof } => write!(f, "hit {hit} {dof}"),
             Place::Function {
                 response,
                 reference,
@@ -185,14 +193,62 @@ codes! {
     SpacingRounded: "the sampling rate was restored from a spacing printed with few digits",
         "Universal files print the spacing with six digits. Where exactly one whole number of samples per second lies within the rounding, that rate is taken.";
     /// One average gives no coherence.
-    CoherenceAbsent: "coherence and variance are absent, because there is only one average",
-        "With a single hit the coherence is identically one and says nothing. Record three hits or more at each point.";
+    CoherenceAbsent: "coherence is absent, because there is only one average",
+        "With a single hit the coherence is identically one and says nothing, and the variance rests on the noise before the hit alone. Record three hits or more at each point.";
     /// The record ends before the response has decayed.
     Truncated: "the response has not decayed when the record ends; H is wrong near resonance by up to this fraction",
         "A record that captures n time constants of the slowest mode makes H wrong by about exp(-n) of its peak: 2.5e-3 at 6, 7.5e-5 at 9.5. Record longer, or use an exponential window.";
     /// The decay cannot be measured because noise fills the tail.
     TruncationNotDecidable: "the truncation error cannot be told from the record, because its tail is noise",
         "The bound is taken from the fall of the response's energy over the last quarters of the record. Where those are noise, the response has decayed into it, and the noise limits H, not the truncation.";
+    /// The hammer touched twice.
+    DoubleHit: "the hammer touched the structure a second time",
+        "A second contact makes the force spectrum a comb: the quotient of its peak to the first one's is the depth of the dips, at a spacing of one over the delay. The hit is left out when the dips are deep; `--accept` uses it all the same.";
+    /// A channel at its rail.
+    Overload: "a channel ran into the rail of its converter",
+        "Three or more samples lie at the largest value that the converter holds. A clipped force is too small at every frequency, a clipped response puts harmonics into the spectrum. Lower the gain and hit again. A clipped response alone is left out of its own function; a clipped force leaves out the hit.";
+    /// A hit much weaker or stronger than the others.
+    HitLevel: "this hit is much weaker or stronger than the others at its point",
+        "The value is its peak over the median peak of the point's hits. A weak hit has less signal over the noise, a strong one may reach into nonlinear behaviour.";
+    /// Something rings before the hit.
+    PreTriggerNotQuiet: "the channel is not quiet before the hit",
+        "The structure still rang from the hit before, or something else excites it. What rings before the hit adds to the response to it. Wait longer between hits.";
+    /// The response has not decayed.
+    NotDecayed: "the response has not decayed when the record ends",
+        "The value is the rms of the last part of the record over its largest value, the noise taken off.";
+    /// The force spectrum falls inside the band.
+    ForceRollOff: "the force spectrum falls by 20 dB inside the band of the analyser",
+        "Above that frequency the hammer excites little and the noise takes over. A harder tip or a lighter hammer reaches higher. The usable band ends there.";
+    /// A channel without signal.
+    DeadChannel: "a channel holds no signal",
+        "It is constant, or does not rise above its own noise when the hammer hits. Look at the cable, the range and the sensor.";
+    /// The pulse is negative.
+    NegativeForce: "the pulse of the force is negative",
+        "Hammers are calibrated so that a push is positive. A negative pulse turns the phase of every function by 180 degrees, unless the hit point's direction says so.";
+    /// Offset or drift.
+    ChannelDrift: "a channel has an offset or drifts",
+        "The value is in parts of the peak. The mean before the hit is taken off each channel; a drift is not, and disturbs the lowest lines.";
+    /// A hit unlike the others.
+    OddOneOut: "the FRF of this hit is unlike those of the other hits at its point",
+        "The deviation from the average of the others is far beyond what their own scatter explains: another place or direction was hit, or a sensor was disturbed. The hit is left out; `--accept` uses it all the same.";
+    /// The level that begins a hit.
+    TriggerLevel: "hits were cut from a continuous recording where the force leaves its level by this much",
+        "Without a stated level it is 5 % of the largest pulse, or what noise alone does not reach. Weaker hits are not seen: state `level_n` in [test.trigger] (--trigger-level).";
+    /// The length of the records that were cut.
+    HitLength: "the records of all hits that were cut have this length",
+        "Without a stated length it is the smallest distance between two hits, so that one late bounce that counts as a hit shortens all records: state `length_s` in [test.trigger] (--hit-length).";
+    /// A hit at the edge of a continuous recording.
+    HitCutOff: "hits at the start or end of a continuous recording were left out, because their record is not whole",
+        "All hits of a test have records of one length. State a shorter `length_s` (--hit-length) or `pretrigger_s` (--pretrigger) to keep them.";
+    /// No record of a function passed.
+    NoRecordPassed: "every record of this function ran into the rail or holds nothing; they are used all the same, because there would be none",
+        "A function made of such records says little. Look at the range, the cable and the sensor, and measure it again.";
+    /// No hit at a point passed.
+    NoHitPassed: "no hit at this point passes the rules; they are used all the same, because there would be none",
+        "Each has its own finding. The functions of this point are no better than these hits: measure the point again.";
+    /// An exponential window was needed.
+    WindowAdded: "an exponential window was put on force and responses, because a response has not decayed to 1 % when its record ends",
+        "One window serves all hits of the test; its added damping travels with the functions and is taken out of every pole. The records begin at their pulse, so that the end of the record changes no pole. `--response-window none` leaves it away; a longer record needs none.";
     /// The force window is too short.
     ForceWindowCuts: "the force window cuts off part of the force: of the pulse itself, or of the anti-alias filter's ringing after it",
         "What follows the pulse is not noise alone. An anti-alias filter rings for some tens of samples, the same in force and response; cutting that off the force alone makes H wrong, most near the filter's edge. The value is the rms of what was cut off, beyond the noise, over the rms of the force. Hold the window longer.";
@@ -202,6 +258,24 @@ codes! {
     /// Usable band ends.
     BandLimited: "the band was limited to where the force excites and the anti-alias filter is open",
         "Lines above 0.4 of the sampling rate, or where the force spectrum is more than 20 dB below its maximum, are not used for identification. The value is the upper edge.";
+    /// The power into a driving point is negative.
+    DrivingPointSign: "the real part of the mobility at a driving point is negative at resonances, which no passive structure allows",
+        "Where force and response meet, power flows into the structure at every frequency: the real part of the mobility is not negative. The value is the share of energy with the wrong sign between the half-power points, the limit half of one resonance. Near 1 the sign of a channel is wrong, or the direction of the hit or the sensor. In between it is another point than the label says (some modes have the other sign there), or the response is late: see channel-delay.";
+    /// Two reciprocal functions differ.
+    NotReciprocal: "this function and its reciprocal differ by more than noise and calibration explain",
+        "Response at i to a hit at j equals response at j to a hit at i while the structure is linear. The value is the rms difference over the rms of both, noise taken off: 0.1 is 10 %, 2 is a wrong sign. Look at the sensitivities, at whether hits and sensors were at the same points and along the same axes, at sensors that load the structure, and at loose parts.";
+    /// Two measurements of one pair differ.
+    RepeatsDiffer: "this function differs from the first measurement of the same pair by more than noise explains",
+        "The pair is in the set more than once (#2, or the sensor turned round). The value is the rms difference over the rms of both, noise taken off; 2 is a wrong sign. The structure, the hit point or a sensitivity changed between the two, or one of them was made at another point.";
+    /// Force and response are out of step.
+    ChannelDelay: "the response is out of step with the force by a constant delay",
+        "The phases of the residues fall in proportion to frequency, as a delay makes them. A positive value is a late response. The limit is a quarter of the sampling interval or what scattered phases explain. The whole test is named when every response is late (or early) alike, which points to the force channel: unsynchronised or multiplexed converters, another anti-alias filter on one channel, a trigger offset. Frequencies and damping stand; signs and phases of shapes, residues and driving points do not.";
+    /// Resonances move with the position of the sensor.
+    MassLoading: "a resonance moves with the position of the sensor, the more the more the sensor moves: the mass of the sensor loads the structure",
+        "The value is how far the frequency of this run lies from the mean of all runs, the limit a tenth of the half-power width or what noise explains. A sensor of mass m lowers a mode by half of m times the square of its mass-normalised component there. Poles and shapes from all runs together are a mixture. Use a lighter sensor, rove the hammer, or put dummy masses at the other positions.";
+    /// Resonances move from run to run.
+    RunsDisagree: "a resonance has another frequency in this run than in the others",
+        "The value is how far the frequency of this run lies from the mean of all runs, the limit a tenth of the half-power width or what noise explains. The structure changed between runs (temperature, boundary, a joint, level of the hits) or a sensor was moved. Identify the runs one by one, or measure this one again.";
     /// Too few lines across a half-power band.
     FewLines: "the half-power band holds too few frequency lines for a damping value",
         "Peak-picking needs about five lines across the half-power band; with fewer, damping is quantised by the line spacing. Record longer or fit a curve.";

@@ -19,6 +19,13 @@ pub struct Scratch {
     work: Vec<Complex64>,
 }
 
+impl Scratch {
+    /// Where the samples to transform are put.
+    pub fn samples(&mut self) -> &mut [f64] {
+        &mut self.input
+    }
+}
+
 impl ForwardPlan {
     /// A plan for records of `len` samples.
     pub fn new(len: usize) -> Self {
@@ -66,6 +73,14 @@ impl ForwardPlan {
             count += 1;
         }
         assert_eq!(count, self.len(), "samples for the plan");
+        self.run(output, scratch);
+    }
+
+    /// Transforms what [`Scratch::samples`] holds, which is lost, into `output`.
+    ///
+    /// # Panics
+    /// When the number of output places is not that of the plan, or the scratch is of another plan.
+    pub fn run(&self, output: &mut [Complex64], scratch: &mut Scratch) {
         self.transform
             .process_with_scratch(&mut scratch.input, output, &mut scratch.work)
             .expect("buffer lengths come from the plan");

@@ -13,7 +13,9 @@
 //! | [`Dof`] | point, axis and sign of a sensor or hit | `dof` |
 //! | [`Finding`] | what the data says that is not a failure | `finding` |
 //! | [`io::Format`], [`io::Source`] | a file format; an opened file read in blocks | `io` |
-//! | [`record::Hit`] | one hit: a force and its responses | `record` |
+//! | [`record::Hit`], [`record::Recording`] | one hit: a force and its responses; hits read as they are needed | `record` |
+//! | [`signal::Check`] | what one rule says of one channel of one hit | `signal` |
+//! | [`frf::HammerOptions`] | how recorded hits are judged, windowed and averaged | `frf` |
 //! | [`FrfSet`] | FRFs on one axis, with coherence and variance | `frf` |
 //! | [`identify::PoleEstimator`] | a method that finds poles | `identify` |
 //! | [`ModalModel`] | modes of a test or of a model | `modal` |

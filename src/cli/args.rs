@@ -129,18 +129,38 @@ pub struct FrfArgs {
     /// Force window: seconds kept after the pulse, the rest is set to zero.
     #[arg(long, value_name = "SECONDS")]
     pub force_window: Option<f64>,
-    /// Exponential window on force and response: its value at the record's end, e.g. 0.01.
-    #[arg(long, value_name = "END")]
-    pub response_window: Option<f64>,
+    /// Exponential window on force and response: its value at the record's end, e.g. 0.01; auto: where the responses have
+    /// not decayed to 1 %.
+    #[arg(long, value_name = "auto|none|END")]
+    pub response_window: Option<String>,
+    /// Hits that are used whatever the rules say, by number: 2,5.
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub accept: Vec<usize>,
+    /// Hits that are not used whatever the rules say.
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub reject: Vec<usize>,
+    /// Judge the hits, but use all that --reject does not name.
+    #[arg(long)]
+    pub keep_all: bool,
     /// Response over force noise variance for hv, in SI units.
     #[arg(long, value_name = "RATIO")]
     pub noise_ratio: Option<f64>,
-    /// Remove the mean before the hit from every channel.
+    /// Insist on removing the mean before the hit from every channel; without it that is done where it can be measured.
     #[arg(long)]
     pub remove_offset: bool,
-    /// records: a further force record opens the next hit; files: each file is one hit.
-    #[arg(long, value_name = "records|files")]
+    /// records: a further force record opens the next hit; files: each file is one hit; trigger: each record is continuous
+    /// and holds several hits.
+    #[arg(long, value_name = "records|files|trigger")]
     pub hits: Option<String>,
+    /// With --hits trigger: distance of the force from its level that begins a hit, N; found from the record.
+    #[arg(long, value_name = "N")]
+    pub trigger_level: Option<f64>,
+    /// With --hits trigger: time before the hit that belongs to it; 2 % of the length.
+    #[arg(long, value_name = "SECONDS")]
+    pub pretrigger: Option<f64>,
+    /// With --hits trigger: length of the record of each hit; the smallest distance between hits.
+    #[arg(long, value_name = "SECONDS")]
+    pub hit_length: Option<f64>,
     /// Hit point of files that do not name it.
     #[arg(long, value_name = "DOF")]
     pub reference: Option<Dof>,

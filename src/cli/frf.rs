@@ -1,16 +1,20 @@
 //! `modalign frf`: recorded hits to FRFs.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::axis::Band;
 use crate::error::Error;
-use crate::frf::{EstimateOptions, Estimator, FrfSet};
-use crate::io::{HitGrouping, WriteOptions, frf_source, write_path};
-use crate::report::frf_block;
-use crate::scene::{
-    FilePlan, IngestOptions, Ingested, Scene, TestSource, estimate_hits, force_window,
-    ingest_files, with_response_window,
+use crate::frf::{
+    EstimateOptions, Estimator, FrfSet, HammerOptions, Hammered, HitReport, ResponseWindow, hammer,
 };
+use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
+use crate::report::{frf_block, hits_block, json};
+use crate::scene::{
+    FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files, offset,
+};
+
+use crate::signal::{Offset, TriggerOptions};
 
 use super::Outcome;
 use super::args::FrfArgs;
@@ -21,23 +25,35 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     let grouping = match args.hits.as_deref() {
         None => HitGrouping::Records,
         Some(name) => HitGrouping::from_name(name)
-            .ok_or_else(|| argument("--hits", name, "records or files"))?,
+            .ok_or_else(|| argument("--hits", name, "records, files or trigger"))?,
     };
     check_extension(args.output.as_deref(), FUNCTIONS)?;
     let scene = scene(args)?;
+    check_arguments(args, scene.is_some())?;
     let data = match &scene {
         Some(scene) => scene_files(args, scene, format)?,
         None => files(args, grouping, format)?,
     };
-    let options = options(args, scene.as_ref(), &data)?;
-    let (set, usable) = estimate_hits(&data.hits, &options)?;
+    let options = options(args, scene.as_ref())?;
+    let mut recording = data.recording.ok_or_else(no_records)?;
+    let Hammered {
+        estimated,
+        hits,
+        usable,
+        estimate,
+    } = hammer(recording.as_mut(), &options)?;
+    let set = estimated.set;
     if let Some(path) = &args.output {
         let mut source = frf_source(&set, "FRFs");
         source.catalog.geometry = data.geometry.clone();
+        let window = window_of(&estimate);
+        for entry in &mut source.catalog.entries {
+            entry.note.window = window;
+        }
         output.findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
-    output.blocks(&[frf_block(&set, usable, data.hits.len())]);
-    output.json(&set_json(&set, usable));
+    output.blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);
+    output.json(&set_json(&set, usable, &hits));
     output.findings(&data.findings);
     output.findings(&set.findings);
     Ok(Outcome::missed_if(data.partly_bad))
@@ -58,7 +74,13 @@ fn scene(args: &FrfArgs) -> Result<Option<Scene>, Error> {
 /// The files of a scene's first test, as the scene describes them.
 fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<Ingested, Error> {
     let test = &scene.tests[0];
-    let TestSource::Files { files, hits, typed } = &test.source else {
+    let TestSource::Files {
+        files,
+        hits,
+        trigger,
+        typed,
+    } = &test.source
+    else {
         return Err(argument(
             "INPUT",
             &scene.path,
@@ -66,10 +88,11 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
         ));
     };
     let partial = args.partial || test.partial;
-    recorded(ingest_files(
+    Ok(ingest_files(
         files,
         &IngestOptions {
             hits: *hits,
+            trigger: *trigger,
             typed: Some(typed),
             partial,
             format,
@@ -87,47 +110,115 @@ fn files(args: &FrfArgs, grouping: HitGrouping, format: Option<&str>) -> Result<
     let plans: Vec<FilePlan> = args.inputs.iter().map(|path| plan(path)).collect();
     let options = IngestOptions {
         hits: grouping,
+        trigger: TriggerOptions {
+            level_n: args.trigger_level,
+            pretrigger_s: args.pretrigger,
+            length_s: args.hit_length,
+        },
         partial: args.partial,
         format,
         ..IngestOptions::default()
     };
-    recorded(ingest_files(&plans, &options)?)
+    Ok(ingest_files(&plans, &options)?)
 }
 
-fn recorded(data: Ingested) -> Result<Ingested, Error> {
-    if data.hits.is_empty() {
-        return Err(argument(
-            "INPUT",
-            "files without time records",
-            "recorded hits",
-        ));
+/// The window of the records, as files name it.
+fn window_of(options: &EstimateOptions) -> Option<Window> {
+    match (options.force_window, options.exponential) {
+        (None, None) => None,
+        (Some(_), None) => Some(Window::Force),
+        (None, Some(_)) => Some(Window::Exponential),
+        (Some(_), Some(_)) => Some(Window::ForceAndExponential),
     }
-    Ok(data)
+}
+
+fn no_records() -> Error {
+    argument("INPUT", "files without time records", "recorded hits")
 }
 
 /// What the command line states, else the scene, else the defaults.
-fn options(
-    args: &FrfArgs,
-    scene: Option<&Scene>,
-    data: &Ingested,
-) -> Result<EstimateOptions, Error> {
-    let base = scene.map_or_else(EstimateOptions::default, |scene| scene.estimate);
+fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error> {
+    let default = HammerOptions {
+        estimate: EstimateOptions {
+            offset: offset(None),
+            ..EstimateOptions::default()
+        },
+        ..HammerOptions::default()
+    };
+    let base = scene.map_or(default, |scene| {
+        scene.tests[0].hammer_options(&scene.hammer)
+    });
     let estimator = match args.estimator.as_deref() {
-        None => base.estimator,
+        None => base.estimate.estimator,
         Some(name) => Estimator::from_name(name)
             .ok_or_else(|| argument("--estimator", name, "h1, h2 or hv"))?,
     };
-    let stated = EstimateOptions {
-        estimator,
-        force_window: args.force_window.map(force_window).or(base.force_window),
-        noise_ratio: args.noise_ratio.or(base.noise_ratio),
-        remove_offset: args.remove_offset || base.remove_offset,
+    let own = base.estimate;
+    Ok(HammerOptions {
+        estimate: EstimateOptions {
+            estimator,
+            force_window: args.force_window.map(force_window).or(own.force_window),
+            noise_ratio: args.noise_ratio.or(own.noise_ratio),
+            offset: if args.remove_offset {
+                Offset::Remove
+            } else {
+                own.offset
+            },
+            ..own
+        },
+        response_window: match args.response_window.as_deref() {
+            None => base.response_window,
+            Some(text) => response_window(text)?,
+        },
+        // The command line's word goes before the scene's.
+        accept: joined(&base.accept, &args.accept, &args.reject),
+        reject: joined(&base.reject, &args.reject, &args.accept),
+        keep_all: base.keep_all || args.keep_all,
         ..base
-    };
-    let end = args
-        .response_window
-        .or(scene.and_then(|scene| scene.response_window_end));
-    Ok(with_response_window(stated, end, &data.hits)?)
+    })
+}
+
+/// The numbers of a scene and those that are added to them, without those that now stand on the other side.
+fn joined(scene: &BTreeSet<usize>, added: &[usize], other: &[usize]) -> BTreeSet<usize> {
+    let kept = scene.iter().filter(|number| !other.contains(number));
+    kept.chain(added).copied().collect()
+}
+
+/// Options that a scene states itself, and options of the trigger without it.
+fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
+    let stated = [
+        ("--hits", args.hits.is_some()),
+        ("--reference", args.reference.is_some()),
+        ("--trigger-level", args.trigger_level.is_some()),
+        ("--pretrigger", args.pretrigger.is_some()),
+        ("--hit-length", args.hit_length.is_some()),
+    ];
+    let by_trigger = args.hits.as_deref() == Some("trigger");
+    let mut stated = stated.into_iter().filter(|(_, is_stated)| *is_stated);
+    if of_scene {
+        return match stated.next() {
+            None => Ok(()),
+            Some((name, _)) => Err(argument(
+                name,
+                "a scene",
+                "recordings; a scene states it in [[test]]",
+            )),
+        };
+    }
+    match stated.find(|(name, _)| !by_trigger && !["--hits", "--reference"].contains(name)) {
+        None => Ok(()),
+        Some((name, _)) => Err(argument(name, "no trigger", "--hits trigger")),
+    }
+}
+
+fn response_window(text: &str) -> Result<ResponseWindow, Error> {
+    let expected = "auto, none, or the value at the record's end, such as 0.01";
+    match (text, text.parse()) {
+        ("auto", _) => Ok(ResponseWindow::Auto),
+        ("none", _) => Ok(ResponseWindow::Off),
+        (_, Ok(end)) => Ok(ResponseWindow::End(end)),
+        _ => Err(argument("--response-window", text, expected)),
+    }
 }
 
 fn argument(argument: &'static str, got: &str, expected: &str) -> Error {
@@ -138,14 +229,15 @@ fn argument(argument: &'static str, got: &str, expected: &str) -> Error {
     }
 }
 
-fn set_json(set: &FrfSet, usable: Band) -> String {
+fn set_json(set: &FrfSet, usable: Band, hits: &[HitReport]) -> String {
     let axis = set.axis();
     let functions: Vec<_> = set
         .functions()
         .iter()
         .map(|function| {
             serde_json::json!({ "response": function.response, "reference": function.reference, "kind": function.kind,
-                "averages": function.averages, "estimator": function.estimator.map(Estimator::name) })
+                "averages": function.averages, "estimator": function.estimator.map(Estimator::name),
+                "variance_degrees_of_freedom": function.variance_dof })
         })
         .collect();
     let result = serde_json::json!({
@@ -154,6 +246,7 @@ fn set_json(set: &FrfSet, usable: Band) -> String {
         "usable_band_hz": [usable.lo_hz, usable.hi_hz],
         "added_damping_rad_s": set.added_damping_rad_s,
         "functions": functions,
+        "hits": json::hits(hits),
         "findings": set.findings,
     });
     format!("{result:#}")

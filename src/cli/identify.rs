@@ -32,8 +32,8 @@ pub fn identify(
             ..IngestOptions::default()
         },
     )?;
-    if !data.hits.is_empty() {
-        let got = format!("{} recorded hits", data.hits.len());
+    if let Some(recording) = &data.recording {
+        let got = format!("{} recorded hits", recording.hits().len());
         let expected = "FRFs; make them with `modalign frf`".to_owned();
         return Err(Error::Argument {
             argument: "FRF",

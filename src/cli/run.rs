@@ -121,6 +121,10 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
             stem
         };
         files.push((format!("{stem}.modes.json"), test.modes_json().into_bytes()));
+        if !test.hits.is_empty() {
+            let text = format!("{:#}\n", json::hits(&test.hits));
+            files.push((format!("{stem}.hits.json"), text.into_bytes()));
+        }
         for (number, set) in test.frfs.iter().enumerate() {
             let name = match number {
                 0 => format!("{stem}.frf.uff"),

@@ -46,6 +46,7 @@ fn frfs(text: &[(&str, &str)], kind: FrfKind, variance: Option<f64>, step_hz: f6
             kind,
             averages: Some(5),
             estimator: None,
+            variance_dof: None,
         };
         let data = FunctionData {
             values: vec![Complex64::ZERO; axis.len],

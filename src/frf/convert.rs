@@ -30,6 +30,11 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
     out.record_duration_s = set.record_duration_s;
     out.valid_band = set.valid_band;
     out.excited_band = set.excited_band;
+    out.multiple_coherence = set
+        .multiple_coherence
+        .iter()
+        .map(|(dof, values)| (dof.clone(), values[first..].to_vec()))
+        .collect();
     out.findings.clone_from(&set.findings);
     let lines = first..set.axis().len;
     for (i, function) in set.functions().iter().enumerate() {
@@ -90,6 +95,7 @@ mod tests {
                 kind: *kind,
                 averages: Some(3),
                 estimator: None,
+                variance_dof: None,
             };
             let data = FunctionData {
                 values: (0..4).map(|k| Complex64::new(f64::from(k), 1.0)).collect(),

@@ -2,6 +2,7 @@
 
 use crate::dof::Dof;
 use crate::quantity::Quantity;
+use crate::record::ReadError;
 use crate::signal::SignalError;
 
 use super::SetError;
@@ -22,6 +23,35 @@ pub enum FrfError {
     /// One hit could not be conditioned.
     #[error(transparent)]
     Signal(#[from] SignalError),
+    /// A record that is over before its response begins, once all are cut to one length.
+    #[error(
+        "{origin}: got {got} samples from the hit to the end of the shortest record, expected at least {expected}; reject the hit that comes late in its record, or state cut_pretrigger = false"
+    )]
+    PulseAtEnd {
+        /// Origin of the hit.
+        origin: String,
+        /// Samples, got.
+        got: usize,
+        /// Samples, expected.
+        expected: usize,
+    },
+    /// A hit that the user names and that is not there.
+    #[error("got hit {got} to accept or reject, expected 1 to {expected}")]
+    HitNumber {
+        /// Number, got.
+        got: usize,
+        /// Number of hits.
+        expected: usize,
+    },
+    /// A hit that is both to be used and not.
+    #[error("got hit {got} to accept and to reject, expected one of them")]
+    HitInBoth {
+        /// Number.
+        got: usize,
+    },
+    /// Samples that could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// A function that the set refuses.
     #[error(transparent)]
     Set(#[from] SetError),

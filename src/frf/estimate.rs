@@ -2,81 +2,84 @@
 //!
 //! Roving hammer and roving accelerometer are the same thing here. Degrees of freedom keep the signs of their
 //! sensors and the samples are taken as they are. It does not choose hits: what comes in is averaged.
+//!
+//! Point after point the forces are transformed and kept; then response after response its records are read from all
+//! hits, transformed and summed, so that nothing larger than the forces of one point, a few records and the finished
+//! functions is held. While some responses are transformed the next ones are read.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::axis::TimeAxis;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::ForwardPlan;
-use crate::quantity::{FrfKind, Quantity};
-use crate::record::Hit;
-use crate::signal::{
-    ConditionedChannel, Conditioning, ExponentialWindow, ForceWindow, HitSpectra, SignalError,
-    condition, hit_spectra,
-};
+use crate::record::{ChannelPlace, Hit, HitInfo, InMemory, Recording, Samples, Stretch};
 
-use super::coherence::coherence;
-use super::sums::{LineError, LineSums};
+use crate::signal::JudgeLimits;
+
+use super::force::{Extent, ForceHit, read_force};
+use super::function::{Estimation, Finished, Group, Task, Work};
+use super::preconditions::check;
 use super::truncation::{QuarterEnergies, truncation_finding};
-use super::usable::{band_of, excited_band_of};
-use super::variance::variance;
-use super::{Estimator, FrfError, FrfSet, Function, FunctionData, Truncation};
+use super::usable::ForcePower;
+use super::variance::independent_lines;
+use super::{EstimateOptions, FrfError, FrfSet, Truncation};
 
-/// How hits become FRFs. The default is H1 of the records as they are: no window, no offset removed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimateOptions {
-    /// Estimator of every function.
-    pub estimator: Estimator,
-    /// Window of the force alone.
-    pub force_window: Option<ForceWindow>,
-    /// Window of force and responses; its decay rate becomes [`FrfSet::added_damping_rad_s`].
-    pub exponential: Option<ExponentialWindow>,
-    /// Noise power in the response spectrum over that in the force spectrum, SI units squared, for Hv.
-    /// `None` takes it from the samples before each hit.
-    pub noise_ratio: Option<f64>,
-    /// Take the mean before the hit off each channel.
-    pub remove_offset: bool,
+/// FRFs with what the records say of them.
+#[derive(Clone, Debug)]
+pub struct Estimated {
+    /// The functions.
+    pub set: FrfSet,
+    /// How wrong each is because its records end: see [`Truncation`].
+    pub truncation: BTreeMap<(Dof, Dof), Truncation>,
 }
 
-impl Default for EstimateOptions {
-    fn default() -> Self {
+/// Which hits are averaged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// Their numbers, from 0.
+    pub hits: Vec<usize>,
+    /// Limits by which a single response that ran into the rail is left out of its own function; `None` leaves none out.
+    pub overloads: Option<JudgeLimits>,
+    /// Hits of which no response is left out, from 0.
+    pub accepted: BTreeSet<usize>,
+}
+
+impl Selection {
+    /// So many hits from the first on, all of them as they are.
+    pub fn all(count: usize) -> Self {
         Self {
-            estimator: Estimator::H1,
-            force_window: None,
-            exponential: None,
-            noise_ratio: None,
-            remove_offset: false,
+            hits: (0..count).collect(),
+            overloads: None,
+            accepted: BTreeSet::new(),
         }
     }
 }
 
-impl EstimateOptions {
-    /// Checks the windows and the noise ratio.
-    ///
-    /// # Errors
-    /// [`FrfError::Signal`] for a window; [`FrfError::NoiseRatio`] unless it is positive and finite.
-    pub fn validate(&self) -> Result<(), FrfError> {
-        self.conditioning().validate()?;
-        match self.noise_ratio {
-            Some(got) if !(got > 0.0 && got.is_finite()) => Err(FrfError::NoiseRatio { got }),
-            _ => Ok(()),
-        }
-    }
-
-    /// The part that is done to each hit alone.
-    pub fn conditioning(&self) -> Conditioning {
-        Conditioning {
-            force_window: self.force_window,
-            exponential: self.exponential,
-            remove_offset: self.remove_offset,
-        }
-    }
+/// Estimates the FRF of every (response, hit point) pair of hits in memory: [`estimate_recording`] of all of them.
+///
+/// # Errors
+/// As [`estimate_recording`].
+pub fn estimate(hits: &[Hit], options: &EstimateOptions) -> Result<FrfSet, FrfError> {
+    let all = Selection::all(hits.len());
+    Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.set)
 }
 
-/// Estimates the FRF of every (response, hit point) pair, ordered by response and reference.
+/// What each record says of the truncation error of its function: see [`Truncation`].
+///
+/// # Errors
+/// As [`estimate_recording`].
+pub fn truncation_bounds(
+    hits: &[Hit],
+    options: &EstimateOptions,
+) -> Result<BTreeMap<(Dof, Dof), Truncation>, FrfError> {
+    let all = Selection::all(hits.len());
+    Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.truncation)
+}
+
+/// Estimates the FRF of every (response, hit point) pair of the selected hits, ordered by response and reference.
 ///
 /// Over the hits of a pair, with unscaled one-sided spectra F and X: `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X`;
 ///
@@ -87,105 +90,282 @@ impl EstimateOptions {
 ///   variances before the hits, each times the energy of its window and averaged over the hits; it carries the
 ///   units of both channels, so that Hv does not depend on them.
 ///
-/// Coherence and variance are there from two hits on. A response that is exactly 0 in every hit at a line gives 0
+/// Coherence is there from two hits on; the variance says how many degrees of freedom it has
+/// ([`super::Function::variance_dof`]). A response that is exactly 0 in every hit at a line gives 0
 /// there; a line that no hit excites is an error. Findings: [`Code::CoherenceAbsent`] (its value is the number of
 /// functions with one hit), [`Code::NoiseRatioFromRecord`] of each function, and [`Code::Truncated`] or
 /// [`Code::TruncationNotDecidable`]. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`FrfError`] for options out of range, no hits, hits of different axes, channels of a wrong quantity, a response
-/// that is twice in a hit, a hit that cannot be conditioned, an unknown noise ratio of Hv, and a line without value.
+/// that is twice in a hit, samples that cannot be read or used, an unknown noise ratio of Hv, and a line without value.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6; Rocklin, Crowley and Vold (1985), A comparison of
 /// H1, H2 and Hv frequency response functions, IMAC 3.
-pub fn estimate(hits: &[Hit], options: &EstimateOptions) -> Result<FrfSet, FrfError> {
-    check(hits, options)?;
-    let analyses = analyse(hits, options)?;
-    let pairs: Vec<_> = pairs(hits).into_iter().collect();
-    let functions: Vec<Result<_, FrfError>> = pairs
-        .par_iter()
-        .map(|(pair, members)| {
-            Pair {
-                pair,
-                members,
-                hits,
-                analyses: &analyses,
-            }
-            .function(options)
-        })
-        .collect();
-    let mut set = FrfSet::new(hits[0].axis.spectrum_axis());
-    set.added_damping_rad_s = options.exponential.map_or(0.0, |w| w.decay_rad_s);
-    set.record_duration_s = Some(hits[0].axis.duration_s());
-    set.valid_band = band_of(&analyses, &hits[0].axis).ok();
-    set.excited_band = excited_band_of(&analyses, &hits[0].axis).ok();
-    for function in functions {
-        let (function, data, finding) = function?;
-        set.push(function, data)?;
-        set.findings.extend(finding);
-    }
-    let single = pairs.iter().filter(|(_, members)| members.len() == 1);
-    set.findings.extend(coherence_absent(single.count()));
-    set.findings.extend(force_window_cuts(&analyses));
-    let low = low_coherence(&set);
-    set.findings.extend(low);
-    set.findings
-        .push(truncation_finding(&bounds(&pairs, &analyses)));
-    Ok(set)
-}
-
-/// What each record says of the truncation error of its function: see [`Truncation`].
-///
-/// # Errors
-/// As [`estimate`], except those of single lines.
-pub fn truncation_bounds(
-    hits: &[Hit],
+pub fn estimate_recording(
+    recording: &mut dyn Recording,
+    selection: &Selection,
     options: &EstimateOptions,
-) -> Result<BTreeMap<(Dof, Dof), Truncation>, FrfError> {
-    check(hits, options)?;
-    let pairs: Vec<_> = pairs(hits).into_iter().collect();
-    Ok(bounds(&pairs, &analyse(hits, options)?))
-}
-
-/// What is kept of one hit: its spectra, and of each channel the noise energy and the fall of the energy.
-pub(super) struct HitAnalysis {
-    pub spectra: HitSpectra,
-    force_cut: Option<f64>,
-    force_noise: Option<f64>,
-    response_noise: Vec<Option<f64>>,
-    quarters: Vec<Option<QuarterEnergies>>,
-}
-
-/// Conditions and transforms every hit once, on all threads; the first bad hit in order is the error.
-pub(super) fn analyse(
-    hits: &[Hit],
-    options: &EstimateOptions,
-) -> Result<Vec<HitAnalysis>, FrfError> {
-    let plan = ForwardPlan::new(hits[0].axis.len);
-    let conditioning = options.conditioning();
-    let analyses: Vec<Result<_, SignalError>> = hits
-        .par_iter()
-        .map_init(
-            || plan.scratch(),
-            |scratch, hit| {
-                let hit = condition(hit, &conditioning)?;
-                let responses = 0..hit.responses.len();
-                Ok(HitAnalysis {
-                    spectra: hit_spectra(&hit, &plan, scratch),
-                    force_cut: hit.force_cut,
-                    force_noise: noise_energy(&hit.force, &hit.force_weights),
-                    response_noise: hit
-                        .responses
-                        .iter()
-                        .map(|channel| noise_energy(channel, &hit.response_weights))
-                        .collect(),
-                    quarters: responses.map(|r| QuarterEnergies::of(&hit, r)).collect(),
-                })
+) -> Result<Estimated, FrfError> {
+    let chosen = selection.hits.as_slice();
+    let infos: Vec<HitInfo> = recording.hits().to_vec();
+    let hits: Vec<&HitInfo> = chosen.iter().map(|hit| &infos[*hit]).collect();
+    check(&hits, options)?;
+    let extent = Extent::of(recording, chosen, options)?;
+    let plan = ForwardPlan::new(extent.len);
+    let axis = TimeAxis {
+        len: extent.len,
+        ..hits[0].axis
+    };
+    let mut power = ForcePower::new(axis);
+    let mut cuts: Vec<(usize, f64)> = Vec::new();
+    let mut finished = Vec::new();
+    let groups = by_reference(&infos, chosen);
+    let mut explained = (groups.len() > 1).then(Explained::default);
+    for (reference, members) in groups {
+        let forces = forces(recording, &infos, &members, &extent, &plan, options)?;
+        for (force, hit) in forces.iter().zip(&members) {
+            power.add(&force.spectrum, force.noise);
+            cuts.extend(force.cut.map(|cut| (*hit, cut)));
+        }
+        let weights = forces[0].frame.response_weights.clone();
+        let estimation = Estimation {
+            group: Group {
+                reference,
+                numbers: &members,
+                hits: members.iter().map(|hit| &infos[*hit]).collect(),
+                forces,
             },
+            plan: &plan,
+            pooled_lines: independent_lines(weights.as_deref()),
+            selection,
+            options,
+        };
+        let own = functions(recording, &estimation, &members, &mut explained)?;
+        finished.extend(own);
+    }
+    let mut estimated = collect(finished, &power, &cuts, options)?;
+    estimated.set.multiple_coherence = explained.map(Explained::coherence).unwrap_or_default();
+    Ok(estimated)
+}
+
+/// Power of each response over all references, and the part of it that they explain.
+#[derive(Default)]
+struct Explained {
+    responses: BTreeMap<Dof, Powers>,
+}
+
+#[derive(Default)]
+struct Powers {
+    all: Vec<f64>,
+    explained: Vec<f64>,
+    references: usize,
+}
+
+impl Explained {
+    /// Adds a function; one without coherence explains all of itself and says nothing, so it is left out.
+    fn add(&mut self, own: &Finished) {
+        let Some(coherence) = &own.data.coherence else {
+            return;
+        };
+        let powers = self.responses.entry(own.function.response.clone());
+        let powers = powers.or_default();
+        powers.all.resize(coherence.len(), 0.0);
+        powers.explained.resize(coherence.len(), 0.0);
+        powers.references += 1;
+        let lines = coherence.iter().zip(&own.response_power);
+        let sums = powers.all.iter_mut().zip(&mut powers.explained);
+        for ((all, explained), (coherence, power)) in sums.zip(lines) {
+            *all += power;
+            *explained += coherence * power;
+        }
+    }
+
+    /// Of the responses with several references.
+    fn coherence(self) -> BTreeMap<Dof, Vec<f64>> {
+        let several = self.responses.into_iter();
+        let several = several.filter(|(_, powers)| powers.references > 1);
+        let of = |powers: Powers| {
+            let lines = powers.explained.iter().zip(&powers.all);
+            lines
+                .map(|(explained, all)| if *all > 0.0 { explained / all } else { 0.0 })
+                .collect()
+        };
+        several.map(|(dof, powers)| (dof, of(powers))).collect()
+    }
+}
+
+/// The chosen hits of each hit point, in order.
+fn by_reference<'a>(infos: &'a [HitInfo], chosen: &[usize]) -> BTreeMap<&'a Dof, Vec<usize>> {
+    let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
+    for hit in chosen {
+        groups.entry(&infos[*hit].force.dof).or_default().push(*hit);
+    }
+    groups
+}
+
+/// The forces of these hits; the first bad hit in order is the error.
+fn forces(
+    recording: &mut dyn Recording,
+    infos: &[HitInfo],
+    hits: &[usize],
+    extent: &Extent,
+    plan: &ForwardPlan,
+    options: &EstimateOptions,
+) -> Result<Vec<ForceHit>, FrfError> {
+    let mut scratch = plan.scratch();
+    let mut samples = Samples::F64(Vec::new());
+    let conditioning = options.conditioning();
+    let force = |hit: &usize| {
+        read_force(recording, *hit, &mut samples)?;
+        let range = extent.range(*hit);
+        ForceHit::new(
+            &infos[*hit],
+            &samples,
+            range,
+            &conditioning,
+            (plan, &mut scratch),
+        )
+    };
+    hits.iter().map(force).collect()
+}
+
+/// Stored samples that are held at a time, but at least one response for each thread.
+const HELD_SAMPLES: usize = 1 << 21;
+
+/// Every function of a hit point.
+fn functions(
+    recording: &mut dyn Recording,
+    estimation: &Estimation,
+    hits: &[usize],
+    explained: &mut Option<Explained>,
+) -> Result<Vec<Finished>, FrfError> {
+    let tasks = tasks(&estimation.group);
+    let len = estimation.group.hits[0].axis.len;
+    let batches = batches(&tasks, len);
+    let mut finished = Vec::with_capacity(tasks.len());
+    let mut read: Vec<Vec<Samples>> = Vec::new();
+    for step in 0..=batches.len() {
+        let now = step.checked_sub(1).map_or(&[][..], |now| batches[now]);
+        let next = batches.get(step).copied().unwrap_or_default();
+        let records = std::mem::take(&mut read);
+        let (done, ahead) = rayon::join(
+            || transform(estimation, now, &records),
+            || read_batch(recording, next, hits, len),
+        );
+        for mut own in done? {
+            if let Some(explained) = explained {
+                explained.add(&own);
+            }
+            own.response_power = Vec::new();
+            finished.push(own);
+        }
+        read = ahead?;
+    }
+    Ok(finished)
+}
+
+/// One task for each response of a group, in order.
+fn tasks(group: &Group) -> Vec<Task> {
+    let mut members: BTreeMap<&Dof, Vec<(usize, usize)>> = BTreeMap::new();
+    for (h, hit) in group.hits.iter().enumerate() {
+        for (r, response) in hit.responses.iter().enumerate() {
+            members.entry(&response.dof).or_default().push((h, r));
+        }
+    }
+    let task = |(response, members): (&Dof, Vec<(usize, usize)>)| Task {
+        response: response.clone(),
+        members,
+    };
+    members.into_iter().map(task).collect()
+}
+
+/// Tasks in pieces that are read and held together.
+fn batches(tasks: &[Task], len: usize) -> Vec<&[Task]> {
+    let largest = tasks.iter().map(|task| task.members.len()).max();
+    let fitting = HELD_SAMPLES / (len * largest.unwrap_or(1)).max(1);
+    tasks
+        .chunks(fitting.max(rayon::current_num_threads()))
+        .collect()
+}
+
+fn read_batch(
+    recording: &mut dyn Recording,
+    tasks: &[Task],
+    hits: &[usize],
+    len: usize,
+) -> Result<Vec<Vec<Samples>>, FrfError> {
+    let mut record = |(h, r): &(usize, usize)| {
+        let mut samples = Samples::F32(Vec::new());
+        let stretch = Stretch {
+            hit: hits[*h],
+            channel: ChannelPlace::Response(*r),
+            samples: 0..len,
+        };
+        recording.read(&stretch, &mut samples)?;
+        Ok(samples)
+    };
+    tasks
+        .iter()
+        .map(|task| task.members.iter().map(&mut record).collect())
+        .collect()
+}
+
+fn transform(
+    estimation: &Estimation,
+    tasks: &[Task],
+    records: &[Vec<Samples>],
+) -> Result<Vec<Finished>, FrfError> {
+    let done: Vec<Result<Finished, FrfError>> = tasks
+        .par_iter()
+        .zip(records)
+        .map_init(
+            || Work::new(estimation.plan),
+            |work, (task, records)| estimation.finish(task, records, work),
         )
         .collect();
-    Ok(analyses.into_iter().collect::<Result<_, _>>()?)
+    done.into_iter().collect()
+}
+
+/// The set of all functions with its findings.
+fn collect(
+    mut finished: Vec<Finished>,
+    power: &ForcePower,
+    cuts: &[(usize, f64)],
+    options: &EstimateOptions,
+) -> Result<Estimated, FrfError> {
+    let key = |own: &Finished| {
+        (
+            own.function.response.clone(),
+            own.function.reference.clone(),
+        )
+    };
+    finished.sort_by_cached_key(key);
+    let mut set = FrfSet::new(power.axis().spectrum_axis());
+    set.added_damping_rad_s = options.exponential.map_or(0.0, |w| w.decay_rad_s);
+    set.record_duration_s = Some(power.axis().duration_s());
+    set.valid_band = power.valid_band().ok();
+    set.excited_band = power.excited_band().ok();
+    let mut truncation = BTreeMap::new();
+    let mut single = 0;
+    for own in finished {
+        let bound = own
+            .energies
+            .map_or(Truncation::NOT_DECIDABLE, |e: QuarterEnergies| {
+                e.truncation()
+            });
+        truncation.insert(key(&own), bound);
+        single += usize::from(own.function.averages == Some(1));
+        set.findings.extend(own.findings);
+        set.push(own.function, own.data)?;
+    }
+    set.findings.extend(coherence_absent(single));
+    set.findings.extend(force_window_cuts(cuts));
+    let low = low_coherence(&set);
+    set.findings.extend(low);
+    set.findings.push(truncation_finding(&truncation));
+    Ok(Estimated { set, truncation })
 }
 
 /// Median coherence over the valid band below which a set says so.
@@ -214,170 +394,14 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
 const MOST_CUT: f64 = 0.01;
 
 /// One finding for the hit of which the force window cuts off most.
-fn force_window_cuts(analyses: &[HitAnalysis]) -> Option<Finding> {
-    let cuts = analyses
-        .iter()
-        .enumerate()
-        .filter_map(|(index, hit)| Some((index, hit.force_cut?)));
-    let (index, cut) = cuts.max_by(|a, b| a.1.total_cmp(&b.1))?;
+fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
+    let (index, cut) = cuts.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let finding = Finding::new(
         Severity::Warning,
         Code::ForceWindowCuts,
         Place::Hit(index + 1),
     );
-    (cut > MOST_CUT).then(|| finding.value(cut, "").limit(MOST_CUT))
-}
-
-/// Expected energy of a channel's noise under its window: per line of the spectrum, that is its power too.
-fn noise_energy(channel: &ConditionedChannel, weights: &[f64]) -> Option<f64> {
-    let window: f64 = weights.iter().map(|w| w * w).sum();
-    channel.pre_trigger.map(|quiet| quiet.variance * window)
-}
-
-/// Hit and response numbers of every (response, reference) pair.
-type Members = Vec<(usize, usize)>;
-
-fn pairs(hits: &[Hit]) -> BTreeMap<(Dof, Dof), Members> {
-    let mut pairs: BTreeMap<(Dof, Dof), Members> = BTreeMap::new();
-    for (h, hit) in hits.iter().enumerate() {
-        for (r, response) in hit.responses.iter().enumerate() {
-            let pair = (response.dof.clone(), hit.force.dof.clone());
-            pairs.entry(pair).or_default().push((h, r));
-        }
-    }
-    pairs
-}
-
-fn bounds(
-    pairs: &[((Dof, Dof), Members)],
-    analyses: &[HitAnalysis],
-) -> BTreeMap<(Dof, Dof), Truncation> {
-    let of = |members: &Members| {
-        let quarters = members.iter().map(|(h, r)| analyses[*h].quarters[*r]);
-        QuarterEnergies::sum(quarters).map_or(Truncation::NOT_DECIDABLE, |e| e.truncation())
-    };
-    pairs
-        .iter()
-        .map(|(pair, members)| (pair.clone(), of(members)))
-        .collect()
-}
-
-/// One pair with what its hits gave.
-struct Pair<'a> {
-    pair: &'a (Dof, Dof),
-    members: &'a Members,
-    hits: &'a [Hit],
-    analyses: &'a [HitAnalysis],
-}
-
-impl Pair<'_> {
-    fn function(
-        &self,
-        options: &EstimateOptions,
-    ) -> Result<(Function, FunctionData, Option<Finding>), FrfError> {
-        let (kappa, finding) = self.noise_ratio(options)?;
-        let sums = self.sums();
-        let estimate = |(line, sums): (usize, &LineSums)| {
-            sums.estimate(options.estimator, kappa)
-                .map_err(|error| self.line_error(error, line, options.estimator))
-        };
-        let values: Vec<Complex64> = sums
-            .iter()
-            .enumerate()
-            .map(estimate)
-            .collect::<Result<_, _>>()?;
-        let n = self.members.len();
-        let (h, r) = self.members[0];
-        let function = Function {
-            response: self.pair.0.clone(),
-            reference: self.pair.1.clone(),
-            kind: response_kind(&self.hits[h], r)?,
-            averages: u32::try_from(n).ok(),
-            estimator: Some(options.estimator),
-        };
-        let data = FunctionData {
-            coherence: (n > 1).then(|| sums.iter().map(coherence).collect()),
-            variance: sums
-                .iter()
-                .zip(&values)
-                .map(|(sums, value)| variance(sums, *value, n))
-                .collect(),
-            values,
-        };
-        Ok((function, data, finding))
-    }
-
-    fn sums(&self) -> Vec<LineSums> {
-        let lines = self.analyses[0].spectra.force.len();
-        let mut sums = vec![LineSums::default(); lines];
-        for &(h, r) in self.members {
-            let HitSpectra { force, responses } = &self.analyses[h].spectra;
-            let lines = force.iter().zip(&responses[r]);
-            sums.iter_mut()
-                .zip(lines)
-                .for_each(|(sum, (f, x))| sum.add(*f, *x));
-        }
-        sums
-    }
-
-    /// The ratio of Hv with the finding that says where it came from; 0 and nothing for H1 and H2, which do not use it.
-    fn noise_ratio(&self, options: &EstimateOptions) -> Result<(f64, Option<Finding>), FrfError> {
-        match (options.estimator, options.noise_ratio) {
-            (Estimator::H1 | Estimator::H2, _) => return Ok((0.0, None)),
-            (Estimator::Hv, Some(stated)) => return Ok((stated, None)),
-            (Estimator::Hv, None) => {}
-        }
-        let of = |&(h, r): &(usize, usize)| self.analyses[h].response_noise[r];
-        let response_noise = mean(self.members.iter().filter_map(of));
-        let force = self
-            .members
-            .iter()
-            .map(|(h, _)| self.analyses[*h].force_noise);
-        let force_noise = mean(force.flatten());
-        let (response, reference) = self.pair.clone();
-        let ratio = response_noise.zip(force_noise).map(|(x, f)| x / f);
-        match ratio.filter(|kappa| *kappa > 0.0 && kappa.is_finite()) {
-            Some(kappa) => {
-                let place = Place::Function {
-                    response: Some(response),
-                    reference: Some(reference),
-                };
-                let finding = Finding::new(Severity::Info, Code::NoiseRatioFromRecord, place);
-                Ok((kappa, Some(finding.value(kappa, ""))))
-            }
-            None => Err(FrfError::NoiseUnknown {
-                response,
-                reference,
-                response_noise,
-                force_noise,
-            }),
-        }
-    }
-
-    fn line_error(&self, error: LineError, line: usize, estimator: Estimator) -> FrfError {
-        let (response, reference) = self.pair.clone();
-        let frequency_hz = self.hits[0].axis.spectrum_axis().hz(line);
-        match error {
-            LineError::NoForce => FrfError::NoForce {
-                response,
-                reference,
-                line,
-                frequency_hz,
-            },
-            LineError::NotCorrelated => FrfError::NotCorrelated {
-                estimator: estimator.name(),
-                response,
-                reference,
-                line,
-                frequency_hz,
-            },
-        }
-    }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let values: Vec<f64> = values.collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    (*cut > MOST_CUT).then(|| finding.value(*cut, "").limit(MOST_CUT))
 }
 
 fn coherence_absent(functions: usize) -> Option<Finding> {
@@ -385,79 +409,4 @@ fn coherence_absent(functions: usize) -> Option<Finding> {
         Finding::new(Severity::Warning, Code::CoherenceAbsent, Place::Whole)
             .value(functions as f64, "functions")
     })
-}
-
-fn response_kind(hit: &Hit, response: usize) -> Result<FrfKind, FrfError> {
-    let channel = &hit.responses[response];
-    FrfKind::from_response(channel.quantity).ok_or_else(|| FrfError::NotAResponse {
-        origin: hit.origin.clone(),
-        dof: channel.dof.clone(),
-        got: channel.quantity,
-    })
-}
-
-/// All argument checks of this stage that need more than one hit.
-pub(super) fn check(hits: &[Hit], options: &EstimateOptions) -> Result<(), FrfError> {
-    options.validate()?;
-    let first = hits.first().ok_or(FrfError::NoHits)?;
-    let mut quantities = BTreeMap::new();
-    for hit in hits {
-        check_axis(hit, first)?;
-        if hit.force.quantity != Quantity::Force {
-            return Err(FrfError::NotAForce {
-                origin: hit.origin.clone(),
-                dof: hit.force.dof.clone(),
-                got: hit.force.quantity,
-            });
-        }
-        if hit.responses.is_empty() {
-            return Err(FrfError::NoResponse {
-                origin: hit.origin.clone(),
-            });
-        }
-        check_responses(hit, &mut quantities)?;
-    }
-    Ok(())
-}
-
-/// One axis for all: as many samples, and steps that differ by less than a thousandth of a sample over the record.
-fn check_axis(hit: &Hit, first: &Hit) -> Result<(), FrfError> {
-    let drift = (hit.axis.step_s - first.axis.step_s).abs() * hit.axis.len as f64;
-    // A step that is not a number does not differ here: the signal stage tells it.
-    let differs = drift > 1e-3 * first.axis.step_s.abs();
-    if hit.axis.len == first.axis.len && !differs {
-        return Ok(());
-    }
-    Err(FrfError::AxisMismatch {
-        origin: hit.origin.clone(),
-        got_len: hit.axis.len,
-        got_step_s: hit.axis.step_s,
-        expected_len: first.axis.len,
-        expected_step_s: first.axis.step_s,
-        first: first.origin.clone(),
-    })
-}
-
-fn check_responses<'a>(
-    hit: &'a Hit,
-    quantities: &mut BTreeMap<&'a Dof, Quantity>,
-) -> Result<(), FrfError> {
-    let mut seen = BTreeSet::new();
-    for (r, channel) in hit.responses.iter().enumerate() {
-        response_kind(hit, r)?;
-        let (origin, dof) = (hit.origin.clone(), channel.dof.clone());
-        if !seen.insert(&channel.dof) {
-            return Err(FrfError::DuplicateResponse { origin, dof });
-        }
-        let expected = *quantities.entry(&channel.dof).or_insert(channel.quantity);
-        if expected != channel.quantity {
-            return Err(FrfError::QuantityMismatch {
-                origin,
-                dof,
-                got: channel.quantity,
-                expected,
-            });
-        }
-    }
-    Ok(())
 }

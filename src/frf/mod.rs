@@ -3,18 +3,27 @@
 //! | type or function | what |
 //! |---|---|
 //! | [`FrfSet`] | functions on one axis with coherence and variance |
-//! | [`estimate`] | hits to a set: H1, H2, Hv (Bendat and Piersol 2010; Rocklin, Crowley and Vold 1985) |
+//! | [`estimate_recording`] | hits to a set, read as they are needed; [`estimate()`] those in memory: H1, H2, Hv (Bendat and Piersol 2010; Rocklin, Crowley and Vold 1985) |
+//! | [`hammer()`] | a whole test: hits judged, window decided, FRFs estimated |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
 //! | [`convert`] | receptance, mobility and accelerance into each other |
+//! | [`check_set`] | signs, reciprocity, repeats, delays, frequencies that move from run to run |
 //! | [`synthesise`] | poles and residues to a set |
 //!
 //! Values are SI in the kind that the function states. It identifies no mode and reads no file.
 
+mod checks;
 mod coherence;
 mod convert;
 mod error;
 mod estimate;
+mod force;
+mod function;
+mod hammer;
+mod judged;
+mod options;
+mod preconditions;
 mod set;
 mod sums;
 mod synthesise;
@@ -27,11 +36,17 @@ mod decay_tests;
 #[cfg(test)]
 mod estimate_tests;
 #[cfg(test)]
+mod hammer_tests;
+#[cfg(test)]
 mod recording_tests;
 
+pub use checks::check_set;
 pub use convert::convert;
 pub use error::FrfError;
-pub use estimate::{EstimateOptions, estimate, truncation_bounds};
+pub use estimate::{Estimated, Selection, estimate, estimate_recording, truncation_bounds};
+pub use hammer::{HammerOptions, Hammered, ResponseWindow, hammer};
+pub use judged::HitReport;
+pub use options::EstimateOptions;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};
 pub use synthesise::{Residues, modal_terms, synthesise};
 pub use truncation::{TRUNCATION_LIMIT, Truncation};

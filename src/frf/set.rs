@@ -1,6 +1,6 @@
 //! The FRF set: functions on one frequency axis.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
 
@@ -51,6 +51,8 @@ pub struct Function {
     pub averages: Option<u32>,
     /// Estimator; `None` when the file does not say.
     pub estimator: Option<Estimator>,
+    /// Degrees of freedom of the variance: real numbers of which each line's is the mean square; `None` when nobody says.
+    pub variance_dof: Option<f64>,
 }
 
 /// Values of one function with what is known of their quality, each of the axis's length.
@@ -100,7 +102,7 @@ pub struct FrfSet {
     axis: FrequencyAxis,
     functions: Vec<Function>,
     pairs: BTreeSet<(Dof, Dof)>,
-    values: Vec<Complex64>,
+    values: Vec<Vec<Complex64>>,
     coherence: Vec<Option<Vec<f64>>>,
     variance: Vec<Option<Vec<f64>>>,
     /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
@@ -111,6 +113,10 @@ pub struct FrfSet {
     pub valid_band: Option<Band>,
     /// Where the force excites at all, up to half the sampling rate; above the valid band at the reader's own risk.
     pub excited_band: Option<Band>,
+    /// Multiple coherence of each response that was measured with several references:
+    /// `Σ_j γ_j² Gxx_j / Σ_j Gxx_j`, the part of its power that all references together explain. Hits come one at a time, so
+    /// that references never act together and their matrix of powers is diagonal (Bendat and Piersol 2010, section 7.3).
+    pub multiple_coherence: BTreeMap<Dof, Vec<f64>>,
     /// What the data said on the way.
     pub findings: Vec<Finding>,
 }
@@ -129,6 +135,7 @@ impl FrfSet {
             record_duration_s: None,
             valid_band: None,
             excited_band: None,
+            multiple_coherence: BTreeMap::new(),
             findings: Vec::new(),
         }
     }
@@ -165,7 +172,7 @@ impl FrfSet {
             });
         }
         self.functions.push(function);
-        self.values.extend(data.values);
+        self.values.push(data.values);
         self.coherence.push(data.coherence);
         self.variance.push(data.variance);
         Ok(())
@@ -183,7 +190,7 @@ impl FrfSet {
 
     /// Values of function `i`, one per line.
     pub fn values(&self, i: usize) -> &[Complex64] {
-        &self.values[i * self.axis.len..(i + 1) * self.axis.len]
+        &self.values[i]
     }
 
     /// Coherence of function `i`.

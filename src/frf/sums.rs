@@ -28,6 +28,7 @@ pub(super) enum LineError {
 
 impl LineSums {
     /// Adds one hit.
+    #[cfg(test)]
     pub fn add(&mut self, force: Complex64, response: Complex64) {
         self.gff += force.norm_sqr();
         self.gxx += response.norm_sqr();

@@ -66,6 +66,7 @@ pub fn synthesise(
             kind,
             averages: None,
             estimator: None,
+            variance_dof: None,
         };
         let data = FunctionData {
             values: (0..axis.len).map(value).collect(),

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::signal::ConditionedHit;
+use crate::signal::{lane_sum, lane_sum_of_pairs};
 
 /// The limit of the bound: six time constants in the record, `e^-6` = 2.5e-3.
 pub const TRUNCATION_LIMIT: f64 = 0.002_478_752_176_666_358_5;
@@ -61,27 +61,36 @@ pub(super) struct QuarterEnergies {
 }
 
 impl QuarterEnergies {
-    /// Of one response of one hit; `None` when a quarter is too short.
-    pub fn of(hit: &ConditionedHit, response: usize) -> Option<Self> {
-        let quarter = (hit.axis.len - hit.pulse.onset) / 4;
+    /// Of a response as transformed; `onset` is where its hit begins, `weights` the window, `noise` the variance of the
+    /// channel before the hit. `None` when a quarter is too short.
+    pub fn of(
+        samples: &[f64],
+        onset: usize,
+        weights: Option<&[f64]>,
+        noise: Option<f64>,
+    ) -> Option<Self> {
+        let len = samples.len();
+        let quarter = len.checked_sub(onset)? / 4;
         if quarter < SHORTEST_QUARTER {
             return None;
         }
-        let channel = &hit.responses[response];
         let mut signal = [0.0; 4];
-        let mut window = [0.0; 4];
+        let mut window = [quarter as f64; 4];
         for q in 0..4 {
-            let begin = hit.axis.len - (4 - q) * quarter;
-            let samples = &channel.samples[begin..begin + quarter];
-            let weights = &hit.response_weights[begin..begin + quarter];
-            window[q] = dot(weights, weights);
-            signal[q] = energy_without_offset(samples, weights);
+            let begin = len - (4 - q) * quarter;
+            let samples = &samples[begin..begin + quarter];
+            match weights {
+                None => signal[q] = energy_about_mean(samples),
+                Some(weights) => {
+                    let weights = &weights[begin..begin + quarter];
+                    window[q] = lane_sum(weights, |w| w * w);
+                    signal[q] = energy_without_offset(samples, weights);
+                }
+            }
         }
         Some(Self {
             signal,
-            noise: channel
-                .pre_trigger
-                .map(|quiet| window.map(|w| w * quiet.variance)),
+            noise: noise.map(|variance| window.map(|w| w * variance)),
         })
     }
 
@@ -116,20 +125,21 @@ impl QuarterEnergies {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// `Σ(x - c)²` with the mean `c`.
+fn energy_about_mean(samples: &[f64]) -> f64 {
+    let mean = lane_sum(samples, |x| x) / samples.len() as f64;
+    lane_sum(samples, |x| (x - mean) * (x - mean))
 }
 
 /// `Σ(x - c w)²` with the constant `c` under the window `w` that makes it least.
 fn energy_without_offset(samples: &[f64], weights: &[f64]) -> f64 {
-    let window = dot(weights, weights);
+    let window = lane_sum(weights, |w| w * w);
     let offset = if window > 0.0 {
-        dot(samples, weights) / window
+        lane_sum_of_pairs(samples, weights, |x, w| x * w) / window
     } else {
         0.0
     };
-    let rest = samples.iter().zip(weights);
-    rest.map(|(x, w)| (x - offset * w).powi(2)).sum()
+    lane_sum_of_pairs(samples, weights, |x, w| (x - offset * w) * (x - offset * w))
 }
 
 /// The one finding of a set: its worst bound, or that none can be told.
@@ -257,6 +267,7 @@ mod tests {
         let wave = |n: usize| (TAU * n as f64 / 10.0).sin();
         let offset_wave: Vec<f64> = (0..50).map(|n| 3.0 + wave(n)).collect();
         assert!((energy_without_offset(&offset_wave, &[1.0; 50]) - 25.0).abs() < 1e-12);
+        assert!((energy_about_mean(&offset_wave) - 25.0).abs() < 1e-12);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! The band that the hammer excites and the anti-alias filter passes.
 
+use num_complex::Complex64;
+
 use crate::axis::{Band, TimeAxis};
 use crate::record::Hit;
 
-use super::estimate::{HitAnalysis, analyse, check};
+use super::estimate::estimate;
 use super::{EstimateOptions, FrfError};
 
 /// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in most analysers).
@@ -12,48 +14,103 @@ const FILTER_FRACTION: f64 = 0.4;
 /// The force spectrum may fall this far below its maximum as a power ratio: 20 dB.
 const LOWEST_POWER: f64 = 1e-2;
 
-/// From the first line above 0 Hz to the lower of 0.4 of the sampling rate and the last line up to which the force
-/// power, summed over all hits, stays within 20 dB of its maximum (without a gap, from the maximum upwards).
-///
-/// The maximum is sought above 0 Hz and below 0.4 of the sampling rate, so that an offset of the force does not count.
+/// Lines of a running median: hum and drift fill less than half of them.
+const SMOOTHED: usize = 9;
+
+/// The valid band of hits in memory, see [`super::FrfSet::valid_band`].
 ///
 /// # Errors
-/// As [`super::estimate`], except those of single lines; [`FrfError::BandEmpty`] when less than two lines are left.
+/// As [`super::estimate()`]; [`FrfError::BandEmpty`] when less than two lines are left.
 pub fn usable_band(hits: &[Hit], options: &EstimateOptions) -> Result<Band, FrfError> {
-    check(hits, options)?;
-    band_of(&analyse(hits, options)?, &hits[0].axis)
+    let set = estimate(hits, options)?;
+    set.valid_band.ok_or(FrfError::BandEmpty {
+        lo_hz: set.axis().hz(1),
+        hi_hz: 0.0,
+    })
 }
 
-/// The band from spectra that are already there.
-pub(super) fn band_of(analyses: &[HitAnalysis], record: &TimeAxis) -> Result<Band, FrfError> {
-    let end = FILTER_FRACTION * record.sampling_rate_hz() / record.spectrum_axis().step_hz;
-    excited(analyses, record, (end + 1e-6).floor() as usize + 1)
+/// Power of the force at every line, summed over hits.
+pub(super) struct ForcePower {
+    record: TimeAxis,
+    lines: Vec<f64>,
+    /// What the noise of the force adds to each line.
+    noise: f64,
 }
 
-/// The same up to half the sampling rate: how far the force itself excites, whatever the filter does there.
-pub(super) fn excited_band_of(
-    analyses: &[HitAnalysis],
-    record: &TimeAxis,
-) -> Result<Band, FrfError> {
-    excited(analyses, record, record.spectrum_axis().len)
-}
+impl ForcePower {
+    /// Of no hit yet; the axis is that of what is transformed.
+    pub fn new(record: TimeAxis) -> Self {
+        Self {
+            record,
+            lines: vec![0.0; record.spectrum_axis().len],
+            noise: 0.0,
+        }
+    }
 
-/// The lines below `end` that the force excites.
-fn excited(analyses: &[HitAnalysis], record: &TimeAxis, end: usize) -> Result<Band, FrfError> {
-    let axis = record.spectrum_axis();
-    let power = |k: usize| -> f64 {
-        let lines = analyses.iter().map(|hit| hit.spectra.force[k].norm_sqr());
-        lines.sum()
-    };
-    let power: Vec<f64> = (0..end.min(axis.len)).map(power).collect();
-    let maximum = (1..power.len())
-        .rev()
-        .max_by(|a, b| power[*a].total_cmp(&power[*b]))
-        .unwrap_or(0);
-    let excited = (maximum..power.len())
-        .take_while(|k| power[*k] >= LOWEST_POWER * power[maximum])
-        .last()
-        .unwrap_or(0);
-    let (lo_hz, hi_hz) = (axis.hz(1), axis.hz(excited));
-    Band::new(lo_hz, hi_hz).map_err(|_| FrfError::BandEmpty { lo_hz, hi_hz })
+    /// The axis of what is transformed.
+    pub fn axis(&self) -> &TimeAxis {
+        &self.record
+    }
+
+    /// Adds a hit; `noise` is the expected power of its noise at a line.
+    pub fn add(&mut self, force: &[Complex64], noise: Option<f64>) {
+        self.noise += noise.unwrap_or(0.0);
+        for (power, force) in self.lines.iter_mut().zip(force) {
+            *power += force.norm_sqr();
+        }
+    }
+
+    /// From the first line above 0 Hz to the lower of 0.4 of the sampling rate and the last line up to which the force
+    /// power, summed over all hits, stays within 20 dB of its maximum (without a gap, from the maximum upwards).
+    ///
+    /// The power is the median over nine lines, less that of the noise before the hit, so that neither hum nor a drift of the
+    /// force sets the maximum, nor noise keeps the band open. The maximum is sought above 0 Hz and below 0.4 of the sampling
+    /// rate, so that an offset does not count.
+    ///
+    /// # Errors
+    /// [`FrfError::BandEmpty`] when less than two lines are left.
+    pub fn valid_band(&self) -> Result<Band, FrfError> {
+        let step_hz = self.record.spectrum_axis().step_hz;
+        let end = FILTER_FRACTION * self.record.sampling_rate_hz() / step_hz;
+        self.excited((end + 1e-6).floor() as usize + 1)
+    }
+
+    /// The same up to half the sampling rate: how far the force itself excites, whatever the filter does there.
+    ///
+    /// # Errors
+    /// As [`ForcePower::valid_band`].
+    pub fn excited_band(&self) -> Result<Band, FrfError> {
+        self.excited(self.lines.len())
+    }
+
+    /// Median over the neighbours of each line up to `end`, 0 Hz left out, less the noise.
+    fn smoothed(&self, end: usize) -> Vec<f64> {
+        let median = |line: usize| {
+            let reach = (SMOOTHED / 2)
+                .min(line.saturating_sub(1))
+                .min(end - 1 - line);
+            let mut near = self.lines[line - reach..=line + reach].to_vec();
+            near.sort_unstable_by(f64::total_cmp);
+            (near[reach] - self.noise).max(0.0)
+        };
+        (0..end)
+            .map(|line| if line == 0 { 0.0 } else { median(line) })
+            .collect()
+    }
+
+    /// The lines below `end` that the force excites.
+    fn excited(&self, end: usize) -> Result<Band, FrfError> {
+        let axis = self.record.spectrum_axis();
+        let power = self.smoothed(end.min(self.lines.len()));
+        let maximum = (1..power.len())
+            .rev()
+            .max_by(|a, b| power[*a].total_cmp(&power[*b]))
+            .unwrap_or(0);
+        let excited = (maximum..power.len())
+            .take_while(|k| power[*k] > 0.0 && power[*k] >= LOWEST_POWER * power[maximum])
+            .last()
+            .unwrap_or(0);
+        let (lo_hz, hi_hz) = (axis.hz(1), axis.hz(excited));
+        Band::new(lo_hz, hi_hz).map_err(|_| FrfError::BandEmpty { lo_hz, hi_hz })
+    }
 }

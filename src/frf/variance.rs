@@ -1,11 +1,87 @@
-//! Variance of an averaged FRF value from the scatter of its hits.
+//! Variance of an averaged FRF value: from the scatter of its hits, or from the noise before them.
+
+use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use super::coherence::coherence;
 use super::sums::LineSums;
 
-/// `E|H - E H|²` of the average over `n` hits, `|H|² (1 - γ²) / (γ² (n - 1))`; `None` for one hit.
+/// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with three hits a line has
+/// four degrees of freedom, and its stated deviation is off by a third.
+const FEW_HITS: usize = 3;
+
+/// Lines that are pooled: the noise of a sensor, unlike a resonance, does not change within so few.
+const POOLED: usize = 5;
+
+/// Mean expected energies of the noise under the windows of a function's hits; per line of the spectrum, that is the
+/// noise's power too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NoisePowers {
+    /// Of the response; `None` without quiet samples.
+    pub response: Option<f64>,
+    /// Of the force.
+    pub force: Option<f64>,
+    /// Quiet samples of the response.
+    pub samples: usize,
+}
+
+/// Variances of all lines of a function.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Variances {
+    /// One per line, SI unit squared.
+    pub values: Vec<f64>,
+    /// Degrees of freedom of each, real numbers.
+    pub degrees_of_freedom: f64,
+}
+
+/// Variance of every line with its degrees of freedom; `pooled_lines` are the [`independent_lines`] of the window.
+///
+/// - More than three hits: the scatter of each line ([`scatter`]), 2(n − 1) degrees of freedom.
+/// - Two or three: the residual power `(1 − γ²) Gxx` of five neighbouring lines is pooled before it is divided by
+///   `Gff (n − 1)`; degrees of freedom 2(n − 1) times the lines, fewer where a window makes neighbours alike.
+/// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is not known.
+pub(super) fn variances(
+    sums: &[LineSums],
+    values: &[Complex64],
+    averages: usize,
+    pooled_lines: f64,
+    noise: &NoisePowers,
+) -> Option<Variances> {
+    let lines = || sums.iter().zip(values);
+    match averages {
+        0 => None,
+        1 => {
+            let (response, force) = (noise.response?, noise.force?);
+            let of = |(sums, value): (&LineSums, &Complex64)| {
+                (response + value.norm_sqr() * force) / sums.gff
+            };
+            Some(Variances {
+                values: lines().map(of).collect(),
+                degrees_of_freedom: noise.samples as f64 - 1.0,
+            })
+        }
+        _ if averages <= FEW_HITS && sums.len() > POOLED + 2 => {
+            let powers: Vec<f64> = sums.iter().map(residual_power).collect();
+            let pooled = pooled(&powers);
+            let of = |((sums, value), power): ((&LineSums, &Complex64), f64)| {
+                power / (sums.gff * (averages as f64 - 1.0)) * over_h1(sums, *value)
+            };
+            Some(Variances {
+                values: lines().zip(pooled).map(of).collect(),
+                degrees_of_freedom: 2.0 * (averages as f64 - 1.0) * pooled_lines,
+            })
+        }
+        _ => Some(Variances {
+            values: lines()
+                .map(|(sums, value)| scatter(sums, *value, averages))
+                .collect(),
+            degrees_of_freedom: 2.0 * (averages as f64 - 1.0),
+        }),
+    }
+}
+
+/// `E|H - E H|²` of the average over `n` hits, `|H|² (1 - γ²) / (γ² (n - 1))`.
 ///
 /// For H1 this is the force-weighted scatter `Σ|X_i - H F_i|² / ((n - 1) Σ|F_i|²)`: a least-squares slope through
 /// the origin with `n - 1` complex degrees of freedom, so that it is unbiased for noise on the responses of equal
@@ -16,14 +92,57 @@ use super::sums::LineSums;
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., chapter 9 (gain factor estimates): the normalised random error
 /// `sqrt(1 - γ²) / (γ sqrt(2 n))` of the magnitude, whose square is half of this over `|H|²` for large `n`.
-pub(super) fn variance(sums: &LineSums, value: Complex64, averages: usize) -> Option<f64> {
-    if averages < 2 {
-        return None;
-    }
-    let of_h1 = (1.0 - coherence(sums)) * sums.gxx / (sums.gff * (averages as f64 - 1.0));
+fn scatter(sums: &LineSums, value: Complex64, averages: usize) -> f64 {
+    residual_power(sums) / (sums.gff * (averages as f64 - 1.0)) * over_h1(sums, value)
+}
+
+/// `(1 − γ²) Gxx`: the power of the response that the force does not explain, times n.
+fn residual_power(sums: &LineSums) -> f64 {
+    (1.0 - coherence(sums)) * sums.gxx
+}
+
+/// `|H|² / |H1|²`; 1 where H1 is 0.
+fn over_h1(sums: &LineSums, value: Complex64) -> f64 {
     let h1 = sums.gfx.norm_sqr() / (sums.gff * sums.gff);
-    let ratio = if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 };
-    Some(of_h1 * ratio)
+    if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 }
+}
+
+/// Mean over the neighbours of each line, as many at the ends, where they lie on one side. The first and the last line are
+/// real, with half the degrees of freedom, and the first holds the offsets: they are in no mean.
+fn pooled(powers: &[f64]) -> impl Iterator<Item = f64> {
+    let last = powers.len() - POOLED - 1;
+    (0..powers.len()).map(move |line| {
+        let first = line.saturating_sub(POOLED / 2).clamp(1, last);
+        powers[first..first + POOLED].iter().sum::<f64>() / POOLED as f64
+    })
+}
+
+/// How many of the pooled lines count: `K² / Σ ρ²(i − j)`, with the squared correlation ρ² of white noise under the window
+/// between lines that far apart, `|Σ w² e^{−2πimn/N}|² / (Σ w²)²`.
+pub(super) fn independent_lines(weights: Option<&[f64]>) -> f64 {
+    let Some(weights) = weights else {
+        return POOLED as f64;
+    };
+    let correlation = |apart: usize| {
+        let turn = -TAU * apart as f64 / weights.len() as f64;
+        let terms = weights.iter().enumerate();
+        let sum: Complex64 = terms
+            .map(|(n, w)| w * w * Complex64::cis(turn * n as f64))
+            .sum();
+        sum.norm_sqr()
+    };
+    let alone = correlation(0);
+    let pairs = |apart: usize| {
+        if apart == 0 {
+            POOLED
+        } else {
+            2 * (POOLED - apart)
+        }
+    };
+    let alike: f64 = (0..POOLED)
+        .map(|apart| pairs(apart) as f64 * correlation(apart) / alone)
+        .sum();
+    (POOLED * POOLED) as f64 / alike
 }
 
 #[cfg(test)]
@@ -57,12 +176,12 @@ mod tests {
         let hits = hits();
         let sums = sums(&hits);
         let h = sums.estimate(Estimator::H1, 0.0).unwrap();
-        let scatter: f64 = hits
+        let by_hit: f64 = hits
             .iter()
             .map(|(f, x)| f.norm_sqr() * (x / f - h).norm_sqr())
             .sum();
-        let expected = scatter / (5.0 * sums.gff);
-        let got = variance(&sums, h, 6).unwrap();
+        let expected = by_hit / (5.0 * sums.gff);
+        let got = scatter(&sums, h, 6);
         assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
         let gamma_squared = coherence(&sums);
         let textbook = h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * 5.0);
@@ -74,7 +193,7 @@ mod tests {
         let sums = sums(&hits());
         let (h1, h2) = (Estimator::H1, Estimator::H2);
         let value = |e| sums.estimate(e, 0.0).unwrap();
-        let of = |e| variance(&sums, value(e), 6).unwrap() / value(e).norm_sqr();
+        let of = |e| scatter(&sums, value(e), 6) / value(e).norm_sqr();
         assert!((of(h2) / of(h1) - 1.0).abs() < 1e-13);
     }
 
@@ -83,7 +202,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let h = Complex64::new(0.6, -1.1);
-        let (mut scatter, mut stated) = (0.0, 0.0);
+        let (mut observed, mut stated) = (0.0, 0.0);
         let draws = 20_000;
         for _ in 0..draws {
             let mut sums = LineSums::default();
@@ -92,24 +211,78 @@ mod tests {
                 sums.add(force.into(), h * force + noise);
             }
             let estimate = sums.estimate(Estimator::H1, 0.0).unwrap();
-            scatter += (estimate - h).norm_sqr() / f64::from(draws);
-            stated += variance(&sums, estimate, 3).unwrap() / f64::from(draws);
+            observed += (estimate - h).norm_sqr() / f64::from(draws);
+            stated += scatter(&sums, estimate, 3) / f64::from(draws);
         }
         // Noise power 2 over Gff = 3.33. Relative deviations of the two means: 1 and 1/sqrt(2) over sqrt(draws).
         let expected = 2.0 / 3.33;
-        assert!((scatter / expected - 1.0).abs() < 4.0 * 0.0071);
+        assert!((observed / expected - 1.0).abs() < 4.0 * 0.0071);
         assert!((stated / expected - 1.0).abs() < 4.0 * 0.005);
     }
 
     #[test]
-    fn one_hit_has_none_and_pure_noise_has_its_power() {
+    fn pure_noise_has_its_power() {
         let sums = LineSums {
             gff: 4.0,
             gxx: 6.0,
             gfx: Complex64::ZERO,
         };
-        assert_eq!(variance(&sums, Complex64::ZERO, 1), None);
-        let got = variance(&sums, Complex64::ZERO, 4).unwrap();
-        assert!((got - 0.5).abs() < 1e-15);
+        assert!((scatter(&sums, Complex64::ZERO, 4) - 0.5).abs() < 1e-15);
+    }
+
+    const UNKNOWN: NoisePowers = NoisePowers {
+        response: None,
+        force: None,
+        samples: 0,
+    };
+
+    #[test]
+    fn one_hit_has_that_of_the_noise_before_it_or_none() {
+        let sums = [LineSums {
+            gff: 4.0,
+            gxx: 36.0,
+            gfx: Complex64::new(12.0, 0.0),
+        }];
+        let h = [Complex64::new(3.0, 0.0)];
+        assert_eq!(variances(&sums, &h, 1, 5.0, &UNKNOWN), None);
+        let noise = NoisePowers {
+            response: Some(0.02),
+            force: Some(0.01),
+            samples: 51,
+        };
+        let own = variances(&sums, &h, 1, 5.0, &noise).unwrap();
+        assert!((own.values[0] - (0.02 + 9.0 * 0.01) / 4.0).abs() < 1e-15);
+        assert!((own.degrees_of_freedom - 50.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn few_hits_pool_their_neighbours_and_say_how_many_count() {
+        let sums: Vec<LineSums> = (0..20)
+            .map(|line| LineSums {
+                gff: 2.0,
+                gxx: 1.0 + f64::from(line % 2),
+                gfx: Complex64::ZERO,
+            })
+            .collect();
+        let h = [Complex64::ZERO; 20];
+        let own = variances(&sums, &h, 3, 5.0, &UNKNOWN).unwrap();
+        // Residual powers 1 2 1 2 1 about an even line, 2 1 2 1 2 about an odd one.
+        assert!((own.values[10] - 7.0 / 5.0 / 4.0).abs() < 1e-15);
+        assert!((own.values[11] - 8.0 / 5.0 / 4.0).abs() < 1e-15);
+        // The first line is in no mean: lines 1 to 5 stand for it.
+        assert!((own.values[0] - own.values[3]).abs() < 1e-15);
+        assert!((own.degrees_of_freedom - 20.0).abs() < 1e-12);
+        let many = variances(&sums, &h, 4, 5.0, &UNKNOWN).unwrap();
+        assert!((many.values[11] - 2.0 / (2.0 * 3.0)).abs() < 1e-15);
+        assert!((many.degrees_of_freedom - 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_window_makes_neighbours_alike() {
+        assert!((independent_lines(Some(&[1.0; 64])) - 5.0).abs() < 1e-9);
+        // A window that leaves a tenth of the record widens each line by ten: nearly one independent line.
+        let short: Vec<f64> = (0..640).map(|n| f64::from(n < 64)).collect();
+        let lines = independent_lines(Some(&short));
+        assert!((1.0..1.3).contains(&lines), "{lines}");
     }
 }

@@ -59,6 +59,7 @@ fn beam(folder: &std::path::Path) -> FrfSet {
             kind: FrfKind::Accelerance,
             averages: None,
             estimator: None,
+            variance_dof: None,
         };
         let data = FunctionData {
             values: values(&file),

@@ -243,6 +243,7 @@ impl IdentifyOptions {
 ///     kind: FrfKind::Receptance,
 ///     averages: None,
 ///     estimator: None,
+///     variance_dof: None,
 /// };
 /// let values = (0..axis.len).map(receptance).collect();
 /// let mut set = FrfSet::new(axis);

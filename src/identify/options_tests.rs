@@ -131,6 +131,7 @@ fn bad_sets_are_errors() {
         kind: FrfKind::Mobility,
         averages: None,
         estimator: None,
+        variance_dof: None,
     };
     let mut values = set(0.01).values(0).to_vec();
     values[700].im = f64::NAN;

@@ -18,6 +18,7 @@ fn functions() -> Vec<Function> {
         kind: FrfKind::Receptance,
         averages: None,
         estimator: None,
+        variance_dof: None,
     };
     let pairs = (1..=ROWS).flat_map(|r| (1..=COLUMNS).map(move |k| (r, k)));
     pairs.map(function).collect()

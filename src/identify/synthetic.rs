@@ -107,6 +107,7 @@ impl Structure {
                 kind: how.kind,
                 averages: None,
                 estimator: None,
+                variance_dof: None,
             };
             set.push(function, data).unwrap();
         }

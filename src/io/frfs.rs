@@ -325,6 +325,11 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     let coherence = of_axis(beside.coherence).filter(|values| !says_nothing(values));
     let stated = of_axis(beside.variance);
     let averages = note.averages.or(file.averages);
+    // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them too.
+    let variance_dof = match &stated {
+        Some(_) => note.variance_dof,
+        None => averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1)),
+    };
     let averages_assumed = stated.is_none() && coherence.is_some() && averages.is_none();
     let variance = stated.or_else(|| {
         let averages = averages.unwrap_or(ASSUMED_AVERAGES);
@@ -336,6 +341,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         kind,
         averages,
         estimator: note.estimator,
+        variance_dof: variance_dof.filter(|_| variance.is_some()),
     };
     Ok(Read {
         path,

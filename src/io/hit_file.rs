@@ -14,6 +14,8 @@ pub enum HitGrouping {
     Records,
     /// Each file is one hit.
     Files,
+    /// As records, but each is a continuous recording of several hits.
+    Trigger,
 }
 
 impl HitGrouping {
@@ -22,6 +24,7 @@ impl HitGrouping {
         match name {
             "records" => Some(HitGrouping::Records),
             "files" => Some(HitGrouping::Files),
+            "trigger" => Some(HitGrouping::Trigger),
             _ => None,
         }
     }
@@ -40,6 +43,8 @@ pub struct ChannelOverride {
     pub unit: Option<Unit>,
     /// Calibration: value in the stated unit = `scale` × number in the file.
     pub scale: Option<f64>,
+    /// Largest magnitude that the converter can hold, in the stated unit.
+    pub full_scale: Option<f64>,
 }
 
 /// One opened file with what the scene says of it.

@@ -9,20 +9,84 @@ use crate::axis::TimeAxis;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::quantity::Quantity;
-use crate::record::{Channel, Hit, Role, Samples};
+use crate::record::{
+    ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
+};
 
 use super::hit_groups::{Group, Roles, channel_override};
 use super::{
-    Block, ChannelOverride, Entry, EntryAxis, FunctionType, HitFile, HitGrouping, IoError, Source,
+    Block, ChannelOverride, Entry, EntryAxis, FunctionType, HitFile, HitGrouping, IoError,
+    SampleFormat, Source,
 };
 
 /// Hits with what was said on the way.
-#[derive(Clone, Debug, Default)]
 pub struct HitSet {
-    /// Hits in file order.
-    pub hits: Vec<Hit>,
+    /// Hits in file order, their samples still in the files.
+    pub recording: FileRecording,
     /// Findings.
     pub findings: Vec<Finding>,
+}
+
+impl std::fmt::Debug for HitSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let hits = &self.recording.hits;
+        write!(f, "{hits:?} {:?}", self.findings)
+    }
+}
+
+/// Hits whose samples are in files.
+#[derive(Default)]
+pub struct FileRecording {
+    files: Vec<HitFile>,
+    hits: Vec<HitInfo>,
+    /// File of each hit, and the entries of its force and its responses.
+    places: Vec<(usize, usize, Vec<usize>)>,
+}
+
+impl FileRecording {
+    /// States the range of the converter of the forces, or of the responses at a degree of freedom (at all without one),
+    /// SI unit.
+    pub fn state_full_scale(&mut self, role: Role, dof: Option<&Dof>, full_scale: f64) {
+        for hit in &mut self.hits {
+            match role {
+                Role::Force => hit.force.full_scale = Some(full_scale),
+                Role::Response => {
+                    let own = hit.responses.iter_mut();
+                    let own = own.filter(|channel| dof.is_none_or(|dof| *dof == channel.dof));
+                    own.for_each(|channel| channel.full_scale = Some(full_scale));
+                }
+            }
+        }
+    }
+}
+
+impl Recording for FileRecording {
+    fn hits(&self) -> &[HitInfo] {
+        &self.hits
+    }
+
+    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
+        let (file, force, responses) = &self.places[stretch.hit];
+        let entry = match stretch.channel {
+            ChannelPlace::Force => *force,
+            ChannelPlace::Response(number) => responses[number],
+        };
+        let mut block = match std::mem::replace(samples, Samples::F64(Vec::new())) {
+            Samples::F32(values) => Block::F32(values),
+            Samples::F64(values) => Block::F64(values),
+        };
+        let source = &mut self.files[*file].source;
+        source
+            .read(entry, stretch.samples.clone(), &mut block)
+            .map_err(ReadError::new)?;
+        *samples = match block {
+            Block::F32(values) => Samples::F32(values),
+            Block::F64(values) => Samples::F64(values),
+            // Grouping refuses complex records.
+            Block::Complex(values) => Samples::F64(values.iter().map(|v| v.re).collect()),
+        };
+        Ok(())
+    }
 }
 
 /// Whether a file holds time records.
@@ -34,71 +98,82 @@ pub fn has_time_records(source: &dyn Source) -> bool {
         .any(|entry| entry.function_type == FunctionType::Time)
 }
 
-/// Groups the time records of files into hits and reads their samples.
+/// Groups the time records of files into hits; their samples are read when they are asked for.
 ///
 /// # Errors
 /// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a quantity, a response
-/// or a hit point that neither file nor scene states; reading errors with their place.
+/// or a hit point that neither file nor scene states.
 pub fn group_hits(
-    files: &mut [HitFile],
+    files: Vec<HitFile>,
     grouping: HitGrouping,
     overrides: &[ChannelOverride],
 ) -> Result<HitSet, IoError> {
-    let mut set = HitSet::default();
-    for file in files {
+    let mut findings = Vec::new();
+    let (mut hits, mut places) = (Vec::new(), Vec::new());
+    for (number, file) in files.iter().enumerate() {
         let roles = Roles { overrides, file };
         let groups = match grouping {
             HitGrouping::Files => roles.one_hit()?,
-            HitGrouping::Records => roles.hits(&mut set.findings)?,
+            HitGrouping::Records | HitGrouping::Trigger => roles.hits(&mut findings)?,
         };
         for group in groups {
-            let hit = read_hit(file, &group, overrides, &mut set.findings)?;
-            set.hits.push(hit);
+            let (hit, force, responses) = hit_of(file, &group, overrides, &mut findings)?;
+            hits.push(hit);
+            places.push((number, force, responses));
         }
     }
-    Ok(set)
+    let recording = FileRecording {
+        files,
+        hits,
+        places,
+    };
+    Ok(HitSet {
+        recording,
+        findings,
+    })
 }
 
-fn read_hit(
-    file: &mut HitFile,
+/// A hit with the entries of its force and its responses.
+fn hit_of(
+    file: &HitFile,
     group: &Group,
     overrides: &[ChannelOverride],
     findings: &mut Vec<Finding>,
-) -> Result<Hit, IoError> {
-    let roles: Vec<Role> = {
-        let judge = Roles { overrides, file };
-        group
-            .iter()
-            .enumerate()
-            .map(|(place, index)| judge.role(*index, place + 1))
-            .collect()
-    };
-    let axis = common_axis(
-        file.source.catalog().entries.as_slice(),
-        group,
-        &file.source.catalog().path,
-    )?;
+) -> Result<(HitInfo, usize, Vec<usize>), IoError> {
+    let judge = Roles { overrides, file };
+    let numbered = group.iter().enumerate();
+    let roles: Vec<Role> = numbered
+        .map(|(place, index)| judge.role(*index, place + 1))
+        .collect();
+    let catalog = file.source.catalog();
+    let axis = common_axis(catalog.entries.as_slice(), group, &catalog.path)?;
     let hit_point = hit_point(file, group, &roles, overrides, findings)?;
-    let (mut force, mut responses) = (None, Vec::new());
+    let (mut force, mut responses, mut entries) = (None, Vec::new(), Vec::new());
     for (place, (&index, &role)) in group.iter().zip(&roles).enumerate() {
         let own = channel_override(overrides, place + 1);
-        let dof = match role {
-            Role::Force => hit_point.clone(),
-            Role::Response => response_point(file, index, own)?,
-        };
-        let channel = read_channel(file, index, role, dof, own)?;
         match role {
-            Role::Force => force = Some(channel),
-            Role::Response => responses.push(channel),
+            Role::Force => {
+                force = Some((
+                    channel_info(file, index, role, hit_point.clone(), own)?,
+                    index,
+                ));
+            }
+            Role::Response => {
+                let dof = response_point(file, index, own)?;
+                responses.push(channel_info(file, index, role, dof, own)?);
+                entries.push(index);
+            }
         }
     }
-    let origin = format!("{} record {}", file.source.catalog().path, group[0] + 1);
-    Ok(Hit {
+    let (force, force_entry) = force.expect("every group was checked to hold one force");
+    let origin = format!("{} record {}", catalog.path, group[0] + 1);
+    let hit = HitInfo {
         axis,
-        force: force.expect("every group was checked to hold one force"),
+        force,
         responses,
         origin,
-    })
+    };
+    Ok((hit, force_entry, entries))
 }
 
 /// Channels may begin apart by this fraction of a sample.
@@ -202,23 +277,23 @@ fn response_point(
     })
 }
 
-fn read_channel(
-    file: &mut HitFile,
+fn channel_info(
+    file: &HitFile,
     index: usize,
     role: Role,
     dof: Dof,
     own: Option<&ChannelOverride>,
-) -> Result<Channel, IoError> {
-    let entry = file.source.catalog().entries[index].clone();
-    let path = file.source.catalog().path.clone();
-    let (quantity, to_si) = calibration(&entry, role, own).ok_or_else(|| {
+) -> Result<ChannelInfo, IoError> {
+    let entry = &file.source.catalog().entries[index];
+    let path = &file.source.catalog().path;
+    let (quantity, to_si) = calibration(entry, role, own).ok_or_else(|| {
         let label = if entry.unit_label.is_empty() {
             "an empty unit label".to_owned()
         } else {
             format!("unit label {:?}", entry.unit_label)
         };
         IoError::NotStated {
-            path: place(&path, &entry),
+            path: place(path, entry),
             what: format!("quantity and unit of record {} ({label})", index + 1),
             expected: format!(
                 "a {} unit in the file or `unit` in [[test.channel]]",
@@ -230,26 +305,24 @@ fn read_channel(
             ),
         }
     })?;
-    let mut block = Block::F64(Vec::new());
-    file.source.read(index, 0..entry.len(), &mut block)?;
-    let samples = match block {
-        Block::F32(values) => Samples::F32(values),
-        Block::F64(values) => Samples::F64(values),
-        Block::Complex(_) => {
-            return Err(IoError::Grouping {
-                path: place(&path, &entry),
-                what: "reading a time record",
-                got: "complex values".to_owned(),
-                expected: "real values".to_owned(),
-            });
-        }
-    };
-    Ok(Channel {
-        role,
+    if matches!(
+        entry.format,
+        SampleFormat::ComplexF32 | SampleFormat::ComplexF64
+    ) {
+        return Err(IoError::Grouping {
+            path: place(path, entry),
+            what: "reading a time record",
+            got: "complex values".to_owned(),
+            expected: "real values".to_owned(),
+        });
+    }
+    let scale = own.and_then(|own| own.scale).unwrap_or(1.0);
+    let full_scale = own.and_then(|own| own.full_scale);
+    Ok(ChannelInfo {
         dof,
         quantity,
         to_si,
-        samples,
+        full_scale: full_scale.map(|stated| stated * (to_si / scale).abs()),
     })
 }
 

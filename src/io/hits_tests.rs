@@ -4,7 +4,7 @@ use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::dof::Dof;
 use crate::finding::Code;
 use crate::quantity::Quantity;
-use crate::record::{Role, Samples};
+use crate::record::{Recording, Role, Samples};
 
 use super::*;
 
@@ -81,18 +81,18 @@ fn file(entries: Vec<Entry>) -> HitFile {
 }
 
 fn group(entries: Vec<Entry>) -> Result<HitSet, IoError> {
-    group_hits(&mut [file(entries)], HitGrouping::Records, &[])
+    group_hits(vec![file(entries)], HitGrouping::Records, &[])
 }
 
 /// Force point and response points of each hit.
 fn points(set: &HitSet) -> Vec<(String, Vec<String>)> {
-    let of = |hit: &crate::record::Hit| {
+    let of = |hit: &crate::record::HitInfo| {
         (
             hit.force.dof.to_string(),
             hit.responses.iter().map(|r| r.dof.to_string()).collect(),
         )
     };
-    set.hits.iter().map(of).collect()
+    set.recording.hits().iter().map(of).collect()
 }
 
 fn expected(hits: &[(&str, &[&str])]) -> Vec<(String, Vec<String>)> {
@@ -103,7 +103,7 @@ fn expected(hits: &[(&str, &[&str])]) -> Vec<(String, Vec<String>)> {
 
 #[test]
 fn the_version_number_makes_the_hit_whatever_the_order() {
-    let set = group(vec![
+    let mut set = group(vec![
         response(1, "2:+Z", None),
         response(2, "2:+Z", None),
         force(1, dof("1:+Z")),
@@ -117,8 +117,9 @@ fn the_version_number_makes_the_hit_whatever_the_order() {
         expected(&[("1:+Z", &["2:+Z", "3:+Z"]), ("5:-Z", &["2:+Z", "3:+Z"])])
     );
     assert!(set.findings.is_empty(), "{:?}", set.findings);
+    let hits = crate::record::collect(&mut set.recording).unwrap();
     assert_eq!(
-        set.hits[0].responses[1].samples,
+        hits[0].responses[1].samples,
         Samples::F32(vec![500.0, 501.0, 502.0, 503.0])
     );
 }
@@ -167,13 +168,13 @@ fn the_hit_point_is_the_force_then_the_reference_then_the_scene() {
     assert_eq!(points(&with_reference), expected(&[("7:-Z", &["2:+Z"])]));
     assert_eq!(with_reference.findings[0].code, Code::HitPointAssumed);
     let silent = || file(vec![force(1, None), response(1, "2:+Z", None)]);
-    let mut stated = HitFile {
+    let stated = HitFile {
         reference: dof("9:+X"),
         ..silent()
     };
-    let set = group_hits(std::slice::from_mut(&mut stated), HitGrouping::Records, &[]).unwrap();
+    let set = group_hits(vec![stated], HitGrouping::Records, &[]).unwrap();
     assert_eq!(points(&set), expected(&[("9:+X", &["2:+Z"])]));
-    let error = group_hits(&mut [silent()], HitGrouping::Records, &[])
+    let error = group_hits(vec![silent()], HitGrouping::Records, &[])
         .unwrap_err()
         .to_string();
     assert!(
@@ -209,19 +210,20 @@ fn overrides_name_roles_points_and_units_by_the_number_within_the_hit() {
         dof: dof(at),
         unit: Some(unit.parse().unwrap()),
         scale: Some(2.0),
+        full_scale: None,
     };
     let overrides = [
         channel(1, Role::Force, "4:+Z", "kN"),
         channel(2, Role::Response, "5:+Z", "g"),
         channel(3, Role::Response, "6:-Z", "mm/s2"),
     ];
-    let set = group_hits(&mut [file(entries)], HitGrouping::Records, &overrides).unwrap();
+    let set = group_hits(vec![file(entries)], HitGrouping::Records, &overrides).unwrap();
     assert_eq!(
         points(&set),
         expected(&[("4:+Z", &["5:+Z", "6:-Z"]), ("4:+Z", &["5:+Z", "6:-Z"])])
     );
-    assert!((set.hits[0].force.to_si - 2000.0).abs() < 1e-9);
-    assert!((set.hits[1].responses[0].to_si - 2.0 * 9.80665).abs() < 1e-12);
+    assert!((set.recording.hits()[0].force.to_si - 2000.0).abs() < 1e-9);
+    assert!((set.recording.hits()[1].responses[0].to_si - 2.0 * 9.80665).abs() < 1e-12);
 }
 
 #[test]
@@ -300,8 +302,8 @@ fn a_record_on_a_frequency_axis_or_one_that_starts_later_makes_no_hit() {
         (spectrum, "record 2 on a frequency axis"),
         (late, "from 0.0005 s"),
     ] {
-        let mut files = [file(vec![force(1, dof("1:+Z")), other])];
-        let error = group_hits(&mut files, HitGrouping::Files, &[])
+        let files = vec![file(vec![force(1, dof("1:+Z")), other])];
+        let error = group_hits(files, HitGrouping::Files, &[])
             .unwrap_err()
             .to_string();
         assert!(error.contains(got), "{error}");
@@ -311,15 +313,15 @@ fn a_record_on_a_frequency_axis_or_one_that_starts_later_makes_no_hit() {
 #[test]
 fn each_file_is_one_hit_when_told_so() {
     let one = || file(vec![response(3, "2:+Z", None), force(4, dof("1:+Z"))]);
-    let set = group_hits(&mut [one(), one()], HitGrouping::Files, &[]).unwrap();
-    assert_eq!(set.hits.len(), 2);
+    let set = group_hits(vec![one(), one()], HitGrouping::Files, &[]).unwrap();
+    assert_eq!(set.recording.hits().len(), 2);
     let two_forces = file(vec![
         force(0, dof("1:+Z")),
         response(0, "2:+Z", None),
         force(0, dof("1:+Z")),
     ]);
     assert!(
-        group_hits(&mut [two_forces], HitGrouping::Files, &[])
+        group_hits(vec![two_forces], HitGrouping::Files, &[])
             .unwrap_err()
             .to_string()
             .contains("got 2 force")
@@ -334,8 +336,8 @@ fn channels_of_one_hit_must_be_sampled_alike() {
         step_s: 0.002,
         len: 4,
     });
-    let mut files = [file(vec![force(1, dof("1:+Z")), other])];
-    let error = group_hits(&mut files, HitGrouping::Files, &[])
+    let files = vec![file(vec![force(1, dof("1:+Z")), other])];
+    let error = group_hits(files, HitGrouping::Files, &[])
         .unwrap_err()
         .to_string();
     assert!(
@@ -356,16 +358,11 @@ fn a_response_of_another_hit_point_is_not_taken_for_this_hit() {
     ];
     // The force of hit 2 is not there: its response belongs to no hit.
     assert!(group(records.clone()).is_err());
-    let mut partial = HitFile {
+    let partial = HitFile {
         partial: true,
         ..file(records)
     };
-    let set = group_hits(
-        std::slice::from_mut(&mut partial),
-        HitGrouping::Records,
-        &[],
-    )
-    .unwrap();
+    let set = group_hits(vec![partial], HitGrouping::Records, &[]).unwrap();
     assert_eq!(
         points(&set),
         expected(&[("1:+Z", &["8:+Z"]), ("3:+Z", &["8:+Z"])])

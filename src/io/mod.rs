@@ -44,14 +44,14 @@ pub use files::{
 pub use frfs::frf_sets;
 pub use hdf5::Hdf5;
 pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
-pub use hits::{HitSet, group_hits, has_time_records};
+pub use hits::{FileRecording, HitSet, group_hits, has_time_records};
 pub use matlab5::Matlab5;
 pub use memory::{MemorySource, Merged};
 pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};
 pub use note::{FunctionNote, Window};
 pub use numpy::{Npy, Npz};
-pub use sources::{frf_source, hit_source};
+pub use sources::{FrfSource, frf_source, hit_source};
 pub use table_spec::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 pub use text::{Pulse, SignalCalc, Table};
 pub use uff::{FileLabel, Uff, write_frfs, write_time_records};

@@ -15,6 +15,8 @@ pub struct FunctionNote {
     pub record_s: Option<f64>,
     /// Where the function is valid, Hz.
     pub valid_hz: Option<(f64, f64)>,
+    /// Degrees of freedom of the variance that belongs to it; modalign's layout alone holds it, as it does the variance.
+    pub variance_dof: Option<f64>,
     /// Window of the records; `None` where there was none or nobody says.
     pub window: Option<Window>,
 }
@@ -167,7 +169,7 @@ mod tests {
             added_damping_rad_s: Some(12.5),
             record_s: Some(1.28),
             valid_hz: Some((0.25, 3276.5)),
-            window: None,
+            ..FunctionNote::default()
         };
         let lines = note.to_lines();
         assert_eq!(FunctionNote::from_lines(&lines), note);

@@ -1,46 +1,119 @@
 //! Recorded hits and FRF sets as sources in memory, so that every writer takes them as it takes an opened file.
 
+use std::ops::Range;
+
+use super::memory::check_range;
 use super::{
-    Block, Entry, EntryAxis, FunctionNote, FunctionType, Identification, MemorySource, SampleFormat,
+    Block, Catalog, Entry, EntryAxis, FunctionNote, FunctionType, Identification, IoError,
+    MemorySource, SampleFormat, Source,
 };
 use crate::frf::{FrfSet, Function};
 use crate::quantity::{Quantity, Unit};
 use crate::record::{Channel, Hit, Role, Samples};
 
-/// An FRF set as a source: every function (complex, 64 bits), then the coherences that there are, then the variances
-/// ([`FunctionType::Variance`], SI unit squared). Values are in SI units; each entry has the note of its function.
-pub fn frf_source(set: &FrfSet, title: &str) -> MemorySource {
-    let mut source = titled(title);
+/// Type of a multiple coherence in dataset 58.
+const MULTIPLE_COHERENCE: i32 = 26;
+
+/// An FRF set as a source, its values where they are: every function (complex, 64 bits), then the coherences that there
+/// are, those of several references, then the variances ([`FunctionType::Variance`], SI unit squared). Values are in SI units; each entry has the note
+/// of its function.
+pub struct FrfSource<'a> {
+    /// What it holds; geometry may be added.
+    pub catalog: Catalog,
+    set: &'a FrfSet,
+    /// Function of each entry; the number of the response for a multiple coherence.
+    functions: Vec<usize>,
+}
+
+/// The source of a set.
+pub fn frf_source<'a>(set: &'a FrfSet, title: &str) -> FrfSource<'a> {
+    let mut source = FrfSource {
+        catalog: titled(title).catalog,
+        set,
+        functions: Vec::new(),
+    };
     let functions = || set.functions().iter().enumerate();
     for (i, function) in functions() {
         let mut entry = function_entry(set, function, title);
         entry.unit_label = function.kind.si_unit().to_owned();
-        source.push(entry, Block::Complex(set.values(i).to_vec()), Vec::new());
+        source.push(entry, i);
     }
-    for (i, function) in functions() {
-        if let Some(coherence) = set.coherence(i) {
-            let entry = Entry {
-                function_type: FunctionType::Coherence,
-                quantity: None,
-                denominator: None,
-                format: SampleFormat::RealF64,
-                ..function_entry(set, function, title)
-            };
-            source.push(entry, Block::F64(coherence.to_vec()), Vec::new());
-        }
+    for (i, function) in functions().filter(|(i, _)| set.coherence(*i).is_some()) {
+        let entry = Entry {
+            function_type: FunctionType::Coherence,
+            quantity: None,
+            denominator: None,
+            format: SampleFormat::RealF64,
+            ..function_entry(set, function, title)
+        };
+        source.push(entry, i);
     }
-    for (i, function) in functions() {
-        if let Some(variance) = set.variance(i) {
-            let entry = Entry {
-                function_type: FunctionType::Variance,
-                format: SampleFormat::RealF64,
-                unit_label: format!("({})^2", function.kind.si_unit()),
-                ..function_entry(set, function, title)
-            };
-            source.push(entry, Block::F64(variance.to_vec()), Vec::new());
-        }
+    for (i, response) in set.multiple_coherence.keys().enumerate() {
+        let axis = EntryAxis::Frequency(*set.axis());
+        let entry = Entry {
+            identification: identification(title),
+            response: Some(response.clone()),
+            to_si: Some(1.0),
+            axis_label: "Hz".to_owned(),
+            ..Entry::new(
+                FunctionType::Other(MULTIPLE_COHERENCE),
+                axis,
+                SampleFormat::RealF64,
+            )
+        };
+        source.push(entry, i);
+    }
+    for (i, function) in functions().filter(|(i, _)| set.variance(*i).is_some()) {
+        let entry = Entry {
+            function_type: FunctionType::Variance,
+            format: SampleFormat::RealF64,
+            unit_label: format!("({})^2", function.kind.si_unit()),
+            ..function_entry(set, function, title)
+        };
+        source.push(entry, i);
     }
     source
+}
+
+impl FrfSource<'_> {
+    fn push(&mut self, entry: Entry, function: usize) {
+        self.catalog.entries.push(entry);
+        self.functions.push(function);
+    }
+}
+
+impl Source for FrfSource<'_> {
+    fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    fn take_damage(&mut self) -> Vec<IoError> {
+        std::mem::take(&mut self.catalog.damage)
+    }
+
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        let function = self.functions[entry];
+        let real = match self.catalog.entries[entry].function_type {
+            FunctionType::Coherence => self.set.coherence(function),
+            FunctionType::Variance => self.set.variance(function),
+            FunctionType::Other(MULTIPLE_COHERENCE) => {
+                let mut values = self.set.multiple_coherence.values();
+                values.nth(function).map(Vec::as_slice)
+            }
+            _ => None,
+        };
+        *block = match real {
+            Some(values) => Block::F64(values[range].to_vec()),
+            None => Block::Complex(self.set.values(function)[range].to_vec()),
+        };
+        Ok(())
+    }
 }
 
 /// Hits as a source: hit after hit the force and then the responses, with the hit's number as version and load case 1.
@@ -98,6 +171,7 @@ fn function_entry(set: &FrfSet, function: &Function, title: &str) -> Entry {
             estimator: function.estimator,
             added_damping_rad_s: Some(set.added_damping_rad_s).filter(|decay| *decay > 0.0),
             record_s: set.record_duration_s,
+            variance_dof: function.variance_dof,
             valid_hz: set.valid_band.map(|band| (band.lo_hz, band.hi_hz)),
             ..FunctionNote::default()
         },
@@ -130,7 +204,6 @@ mod tests {
     use super::*;
     use crate::axis::{FrequencyAxis, TimeAxis};
     use crate::frf::{Estimator, FunctionData};
-    use crate::io::Source;
     use crate::quantity::FrfKind;
 
     #[test]
@@ -149,6 +222,7 @@ mod tests {
                 kind: FrfKind::Mobility,
                 averages: Some(3),
                 estimator: Some(Estimator::H1),
+                variance_dof: None,
             };
             let data = FunctionData {
                 values: vec![Complex64::new(1.0, 2.0), Complex64::new(3.0, 4.0)],

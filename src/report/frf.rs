@@ -1,12 +1,14 @@
 //! FRFs as a table of what was estimated.
 
 use crate::axis::Band;
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, HitReport};
+use crate::signal::{Check, Outcome, Rule};
 
 use super::{Block, Cell, Column, Table};
 
 /// One row per function, with the median coherence over the usable band.
-pub fn frf_block(set: &FrfSet, usable: Band, hits: usize) -> Block {
+pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
+    let used = hits.iter().filter(|hit| hit.used).count();
     let lines = set.axis().lines(&usable);
     let row = |index: usize| {
         let function = &set.functions()[index];
@@ -37,7 +39,7 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: usize) -> Block {
         "estimator",
     ];
     Block::Table(Table {
-        caption: format!("{} FRFs from {hits} hits", set.len()),
+        caption: format!("{} FRFs from {used} of {} hits", set.len(), hits.len()),
         columns: heads
             .map(Column::text)
             .into_iter()
@@ -52,6 +54,69 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: usize) -> Block {
             usable.hi_hz
         )],
     })
+}
+
+/// One row per hit: whether it is used, and what the rules that it does not pass found.
+pub fn hits_block(hits: &[HitReport]) -> Block {
+    let row = |hit: &HitReport| {
+        vec![
+            Cell::text(hit.number.to_string()),
+            Cell::text(hit.reference.to_string()),
+            Cell::number(Some(hit.peak_n), 2),
+            Cell::text(verdict(hit)),
+            Cell::text(reasons(hit)),
+        ]
+    };
+    Block::Table(Table {
+        caption: "Hits".to_owned(),
+        columns: vec![
+            Column::text("hit"),
+            Column::text("at"),
+            Column::number("peak, N"),
+            Column::text("verdict"),
+            Column::text("why"),
+        ],
+        rows: hits.iter().map(row).collect(),
+        footnotes: vec![
+            "A rule that is not passed stands with its value and, in brackets, its limit."
+                .to_owned(),
+        ],
+    })
+}
+
+fn verdict(hit: &HitReport) -> String {
+    let used = if hit.used { "used" } else { "left out" };
+    if hit.stated {
+        format!("{used} (stated)")
+    } else {
+        used.to_owned()
+    }
+}
+
+/// Rule, channel, value and limit of what a hit does not pass.
+fn reasons(hit: &HitReport) -> String {
+    let told = hit.checks.iter().filter(|check| match check.outcome {
+        Outcome::Passed => false,
+        // Too few hits to compare with: that shows in the table itself.
+        Outcome::NotDecidable => !matches!(check.rule, Rule::Level | Rule::OddOneOut),
+        Outcome::Noted | Outcome::Rejected => true,
+    });
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.3}"));
+    let text = |check: &Check| {
+        let channel = check
+            .dof
+            .as_ref()
+            .map_or_else(String::new, |dof| format!(" {dof}"));
+        let (value, limit) = (number(check.value), number(check.limit));
+        let what = match (check.outcome, check.rule, check.at) {
+            (Outcome::NotDecidable, ..) => "not decidable".to_owned(),
+            (_, Rule::RollOff, Some(hz)) => format!("from {hz:.1} Hz"),
+            (_, Rule::DoubleHit, Some(s)) => format!("{value} ({limit}) after {:.2} ms", 1e3 * s),
+            _ => format!("{value} ({limit})"),
+        };
+        format!("{}{channel} {what}", check.rule.name())
+    };
+    told.map(text).collect::<Vec<_>>().join("; ")
 }
 
 fn median(values: &[f64]) -> Option<f64> {

@@ -19,7 +19,7 @@ pub use comparison::{
     TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
 };
 pub use csv_text::CsvText;
-pub use frf::frf_block;
+pub use frf::{frf_block, hits_block};
 pub use latex::Latex;
 pub use markdown::Markdown;
 pub use modes::{modes_block, roots_block, theory_block};

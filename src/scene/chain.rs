@@ -7,22 +7,20 @@ use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::{EstimateOptions, FrfError, FrfSet, estimate, usable_band};
+use crate::frf::{FrfError, FrfSet, HitReport, hammer};
 use crate::identify::{IdentifyOptions, identify};
 use crate::io::{modes_to_json, sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
-use crate::record::Hit;
-use crate::signal::ExponentialWindow;
 use crate::theory::{ModeOptions, ModelRoot};
 
 use super::SceneError;
 use super::expected::ExpectedResult;
-use super::hammer::{Recording, hammer_test, load_synth, record};
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
 use super::modes_file::load_modes;
 use super::plan::{Scene, TestPlan, TestSource};
+use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 
 /// What one test came to.
 #[derive(Clone, Debug)]
@@ -31,10 +29,12 @@ pub struct TestResult {
     pub name: String,
     /// Its FRFs, one set per axis; none for a test of finished modes.
     pub frfs: Vec<FrfSet>,
+    /// Its hits with what the rules said of them.
+    pub hits: Vec<HitReport>,
     /// Its modes.
     pub modes: ModalModel,
     /// The recording, when it is synthetic.
-    pub recording: Option<Recording>,
+    pub recording: Option<SyntheticRecording>,
     /// Whether part of the input was bad and left out.
     pub partly_bad: bool,
 }
@@ -216,7 +216,12 @@ fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
                 ..result
             })
         }
-        TestSource::Files { files, hits, typed } => {
+        TestSource::Files {
+            files,
+            hits,
+            trigger,
+            typed,
+        } => {
             let inputs = files
                 .iter()
                 .map(|file| input_file(&file.path))
@@ -224,6 +229,7 @@ fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
             let (typed, partial) = (Some(typed.as_ref()), test.partial);
             let options = IngestOptions {
                 hits: *hits,
+                trigger: *trigger,
                 typed,
                 partial,
                 format: scene.format.as_deref(),
@@ -248,6 +254,7 @@ fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError
     Ok(TestResult {
         name: test.name.clone(),
         frfs: Vec::new(),
+        hits: Vec::new(),
         modes,
         recording: None,
         partly_bad: false,
@@ -265,14 +272,18 @@ fn identify_test(
         source: Box::new(source),
     };
     let mut findings = data.findings;
-    let (frfs, band) = if data.hits.is_empty() {
-        (data.frfs, test.band)
-    } else {
-        let options = with_response_window(scene.estimate, scene.response_window_end, &data.hits)
-            .map_err(of_test)?;
-        let (set, usable) = estimate_hits(&data.hits, &options).map_err(of_test)?;
-        let band = band_to_search(&set, usable, test.band, &mut findings).map_err(of_test)?;
-        (vec![set], Some(band))
+    let mut hits = Vec::new();
+    let (frfs, band) = match data.recording {
+        None => (data.frfs, test.band),
+        Some(mut recording) => {
+            let options = test.hammer_options(&scene.hammer);
+            let own = hammer(recording.as_mut(), &options).map_err(of_test)?;
+            let set = own.estimated.set;
+            let band =
+                band_to_search(&set, own.usable, test.band, &mut findings).map_err(of_test)?;
+            hits = own.hits;
+            (vec![set], Some(band))
+        }
     };
     let mut options = IdentifyOptions {
         band,
@@ -286,6 +297,7 @@ fn identify_test(
     Ok(TestResult {
         name: test.name.clone(),
         frfs,
+        hits,
         modes,
         recording: None,
         partly_bad: data.partly_bad,
@@ -339,35 +351,6 @@ fn outside_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
 /// The roots of a model; `None` for finished modes, which have none of their own.
 fn known_roots(theory: &Theory) -> Option<&[ModelRoot]> {
     (!theory.roots.is_empty()).then_some(theory.roots.as_slice())
-}
-
-/// Options with the exponential window that falls to `end` within one record length of the hit.
-///
-/// # Errors
-/// [`FrfError`] for an end value outside 0 to 1.
-pub fn with_response_window(
-    options: EstimateOptions,
-    end: Option<f64>,
-    hits: &[Hit],
-) -> Result<EstimateOptions, FrfError> {
-    let record_s = hits.first().map_or(0.0, |hit| hit.axis.duration_s());
-    let window = |end| ExponentialWindow::from_end_value(end, record_s);
-    Ok(EstimateOptions {
-        exponential: end.map(window).transpose()?,
-        ..options
-    })
-}
-
-/// FRFs of recorded hits and the band in which the hammer excites.
-///
-/// # Errors
-/// [`FrfError`].
-pub fn estimate_hits(hits: &[Hit], options: &EstimateOptions) -> Result<(FrfSet, Band), FrfError> {
-    let set = estimate(hits, options)?;
-    let usable = set
-        .valid_band
-        .map_or_else(|| usable_band(hits, options), Ok)?;
-    Ok((set, usable))
 }
 
 /// Modes of the FRFs of one test, in the band of the options or else in the valid band of the set.

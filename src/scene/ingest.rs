@@ -8,16 +8,18 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::geometry::{Geometry, Node};
 use crate::io::{
-    Catalog, ChannelOverride, Entry, FunctionType, Hints, HitFile, HitGrouping, Merged, Source,
-    format_of, frf_sets, group_hits, has_time_records, open_bytes, open_path,
+    Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
+    Merged, Source, format_of, frf_sets, group_hits, has_time_records, open_bytes, open_path,
 };
 use crate::quantity::{FrfUnit, Unit};
-use crate::record::{Hit, Role};
+use crate::record::{Recording, Role};
+use crate::signal::TriggerOptions;
 
 use super::SceneError;
 use super::columns::table_spec;
 use super::model::value_error;
 use super::plan::FilePlan;
+use super::trigger::cut;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
 /// Name of the format whose channels the scene describes column by column.
@@ -42,10 +44,10 @@ const COLUMN_ROLES: [&str; 8] = [
 ];
 
 /// What a test's files hold.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Ingested {
-    /// Hits, for recordings.
-    pub hits: Vec<Hit>,
+    /// The hits, for recordings; their samples are still in the files.
+    pub recording: Option<Box<dyn Recording>>,
     /// FRFs, for files that hold no time records.
     pub frfs: Vec<FrfSet>,
     /// Nodes and what else the files say of the points.
@@ -61,6 +63,8 @@ pub struct Ingested {
 pub struct IngestOptions<'a> {
     /// How hits are told apart.
     pub hits: HitGrouping,
+    /// How hits are cut from continuous records.
+    pub trigger: TriggerOptions,
     /// The test as typed: what its channels are, where the files do not say.
     pub typed: Option<&'a TestTable>,
     /// Whether the good part of a partly bad file will do.
@@ -201,13 +205,45 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     {
         let overrides = overrides_of(&files, options)?;
         data.findings.extend(passed_over(&files));
-        let set = group_hits(&mut files, options.hits, &overrides)?;
-        data.hits = set.hits;
+        let mut set = group_hits(files, options.hits, &overrides)?;
+        if let Some(typed) = options.typed.filter(|_| overrides.is_empty()) {
+            state_full_scales(&mut set.recording, &typed.channel);
+        }
         data.findings.extend(set.findings);
+        let mut recording: Box<dyn Recording> = Box::new(set.recording);
+        if options.hits == HitGrouping::Trigger {
+            let (hits, findings) =
+                cut(recording, &options.trigger).map_err(|error| SceneError::Frf {
+                    test: "hits by trigger".to_owned(),
+                    source: Box::new(error),
+                })?;
+            data.findings.extend(findings);
+            recording = Box::new(hits);
+        }
+        data.recording = Some(recording);
     } else {
         data.frfs = frf_sets(&mut files)?;
     }
     Ok(data)
+}
+
+/// The ranges of converters that a scene states for the columns of tables; their units were checked when they were opened.
+fn state_full_scales(recording: &mut FileRecording, channels: &[ChannelTable]) {
+    for channel in channels {
+        let unit = channel
+            .unit
+            .as_deref()
+            .and_then(|unit| unit.parse::<Unit>().ok());
+        let Some((full_scale, unit)) = channel.full_scale.zip(unit) else {
+            continue;
+        };
+        let role = match channel.role.as_deref() {
+            Some("force") => Role::Force,
+            Some("response") => Role::Response,
+            _ => continue,
+        };
+        recording.state_full_scale(role, channel.dof.as_ref(), full_scale * unit.to_si);
+    }
 }
 
 /// Sensors and hits of records and FRFs at nodes whose displacement system is turned against the global frame.
@@ -366,6 +402,7 @@ fn channel_override(channel: &ChannelTable, path: &str) -> Result<ChannelOverrid
         dof: channel.dof.clone(),
         unit,
         scale: channel.scale,
+        full_scale: channel.full_scale,
     })
 }
 

@@ -6,34 +6,34 @@ mod chain;
 mod columns;
 mod error;
 mod expected;
-mod hammer;
 mod ingest;
 mod limits;
 mod model;
 mod modes_file;
 mod plan;
+mod recording;
 mod synth_spec;
 mod synth_truth;
 mod toml_text;
+mod trigger;
 mod typed;
 
 #[cfg(test)]
 mod expected_tests;
 
 pub use chain::{
-    Comparison, NamedTest, SceneResult, TestResult, compare_tests, estimate_hits, identify_sets,
-    run, with_response_window,
+    Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets, run,
 };
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
-pub use hammer::{Recording, hammer_test, load_synth, record};
 pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, theory};
 pub use modes_file::{is_modes_file, load_modes};
-pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window};
+pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
+pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{parse, read_text};
 pub use typed::{ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable};

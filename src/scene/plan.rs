@@ -1,14 +1,15 @@
 //! A scene as meant: paths resolved, names turned into options, everything checked that can be before data is read.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
 use crate::correlate::PairOptions;
 use crate::dof::Dof;
-use crate::frf::{EstimateOptions, Estimator};
+use crate::frf::{EstimateOptions, Estimator, HammerOptions, ResponseWindow};
 use crate::geometry::Sensor;
 use crate::io::{HitGrouping, IoError};
-use crate::signal::ForceWindow;
+use crate::signal::{ForceWindow, Offset, TriggerOptions};
 
 use super::SceneError;
 use super::expected::{Expected, beside};
@@ -39,10 +40,8 @@ pub struct Scene {
     pub sensors: Vec<Sensor>,
     /// The model; a scene without one compares nothing.
     pub model: Option<ModelTable>,
-    /// FRF estimation, except the exponential window, which depends on the record's length.
-    pub estimate: EstimateOptions,
-    /// Value of the exponential window at the record's end.
-    pub response_window_end: Option<f64>,
+    /// How recorded hits become FRFs, except what a test says of its own hits.
+    pub hammer: HammerOptions,
     /// Identification method.
     pub method: Option<String>,
     /// Pairing.
@@ -66,6 +65,10 @@ pub struct TestPlan {
     pub band: Option<Band>,
     /// Whether the good part of a partly bad file will do.
     pub partial: bool,
+    /// Numbers, from 1, of hits that are used whatever the rules say.
+    pub accept: BTreeSet<usize>,
+    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    pub reject: BTreeSet<usize>,
 }
 
 /// Where a test's data come from.
@@ -77,6 +80,8 @@ pub enum TestSource {
         files: Vec<FilePlan>,
         /// How hits are told apart.
         hits: HitGrouping,
+        /// How they are cut from continuous records.
+        trigger: TriggerOptions,
         /// The test as typed: what its channels are, where the files do not say.
         typed: Box<TestTable>,
     },
@@ -95,6 +100,17 @@ pub struct FilePlan {
     pub response: Option<Dof>,
     /// The scene's word for its reference (hit point).
     pub reference: Option<Dof>,
+}
+
+impl TestPlan {
+    /// The options of the scene with what this test says of its own hits.
+    pub fn hammer_options(&self, scene: &HammerOptions) -> HammerOptions {
+        HammerOptions {
+            accept: self.accept.clone(),
+            reject: self.reject.clone(),
+            ..scene.clone()
+        }
+    }
 }
 
 impl Scene {
@@ -138,8 +154,7 @@ impl Scene {
         Ok(Self {
             tests,
             sensors: sensors(&typed.sensor, &name)?,
-            estimate: estimate_options(&typed.frf, &name)?,
-            response_window_end: typed.frf.response_window_end,
+            hammer: hammer_options(&typed.frf, &name)?,
             pair: typed.pair,
             first_root: typed.report.first_root.unwrap_or(1),
             tables,
@@ -252,6 +267,8 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
         source,
         band,
         partial: test.partial,
+        accept: test.accept.clone(),
+        reject: test.reject.clone(),
     })
 }
 
@@ -308,13 +325,19 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
                 path,
                 "[[test]] hits",
                 &format!("{name:?}"),
-                "\"records\" or \"files\"",
+                "\"records\", \"files\" or \"trigger\"",
             )
         })?,
+    };
+    let trigger = TriggerOptions {
+        level_n: test.trigger.level_n,
+        pretrigger_s: test.trigger.pretrigger_s,
+        length_s: test.trigger.length_s,
     };
     Ok(TestSource::Files {
         files,
         hits,
+        trigger,
         typed: Box::new(test.clone()),
     })
 }
@@ -357,7 +380,7 @@ fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, Scen
     Ok(files)
 }
 
-fn estimate_options(table: &FrfTable, path: &str) -> Result<EstimateOptions, SceneError> {
+fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneError> {
     let estimator = match table.estimator.as_deref() {
         None => Estimator::H1,
         Some(name) => Estimator::from_name(name).ok_or_else(|| {
@@ -369,13 +392,39 @@ fn estimate_options(table: &FrfTable, path: &str) -> Result<EstimateOptions, Sce
             )
         })?,
     };
-    Ok(EstimateOptions {
-        estimator,
-        force_window: table.force_window_s.map(force_window),
-        exponential: None,
-        noise_ratio: table.noise_ratio,
-        remove_offset: table.remove_offset,
+    let window = |got: &str| {
+        let expected = "\"auto\" or \"none\", or a number as response_window_end";
+        value_error(path, "[frf] response_window", got, expected)
+    };
+    let response_window = match (table.response_window.as_deref(), table.response_window_end) {
+        (None | Some("auto"), None) => ResponseWindow::Auto,
+        (Some("none"), None) => ResponseWindow::Off,
+        (None, Some(end)) => ResponseWindow::End(end),
+        (Some(name), None) => return Err(window(&format!("{name:?}"))),
+        (Some(_), Some(_)) => return Err(window("response_window_end beside it")),
+    };
+    Ok(HammerOptions {
+        estimate: EstimateOptions {
+            estimator,
+            force_window: table.force_window_s.map(force_window),
+            noise_ratio: table.noise_ratio,
+            offset: offset(table.remove_offset),
+            ..EstimateOptions::default()
+        },
+        response_window,
+        cut_pretrigger: table.cut_pretrigger,
+        keep_all: table.keep_all,
+        ..HammerOptions::default()
     })
+}
+
+/// What is done with the mean before the hit, as stated.
+pub fn offset(remove: Option<bool>) -> Offset {
+    match remove {
+        None => Offset::RemoveIfQuiet,
+        Some(true) => Offset::Remove,
+        Some(false) => Offset::Keep,
+    }
 }
 
 /// A force window that holds for this long after the pulse.

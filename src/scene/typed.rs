@@ -1,6 +1,6 @@
 //! `scene.toml` as typed: its tables and keys, with nothing decided yet.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
@@ -59,8 +59,17 @@ pub struct TestTable {
     pub synth: Option<String>,
     /// Finished modes (`modes.json`), relative to the scene.
     pub modes: Option<String>,
-    /// How hits are told apart: `records` (default) or `files`.
+    /// How hits are told apart: `records` (default), `files`, or `trigger` for continuous records.
     pub hits: Option<String>,
+    /// How hits are cut from continuous records; found from the records where not stated.
+    #[serde(default)]
+    pub trigger: TriggerTable,
+    /// Numbers, from 1, of hits that are used whatever the rules say.
+    #[serde(default)]
+    pub accept: BTreeSet<usize>,
+    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    #[serde(default)]
+    pub reject: BTreeSet<usize>,
     /// Band of identification, `[lo, hi]` in Hz.
     pub band_hz: Option<[f64; 2]>,
     /// Whether the good part of a partly bad file will do.
@@ -84,6 +93,18 @@ pub struct TestTable {
     /// What single files are, where they do not say.
     #[serde(default)]
     pub file: Vec<FileTable>,
+}
+
+/// `[test.trigger]`.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TriggerTable {
+    /// Distance of the force from its level that begins a hit, N.
+    pub level_n: Option<f64>,
+    /// Time before the hit that belongs to it, s.
+    pub pretrigger_s: Option<f64>,
+    /// Length of the record of each hit, s.
+    pub length_s: Option<f64>,
 }
 
 /// A column by heading or number.
@@ -121,6 +142,8 @@ pub struct ChannelTable {
     pub unit: Option<String>,
     /// Calibration factor, 1 when not stated.
     pub scale: Option<f64>,
+    /// Largest magnitude that the converter can hold, in the stated unit.
+    pub full_scale: Option<f64>,
 }
 
 /// The scene's word for the degrees of freedom of one file.
@@ -194,13 +217,19 @@ pub struct FrfTable {
     pub estimator: Option<String>,
     /// Length of the force window after the pulse, s.
     pub force_window_s: Option<f64>,
+    /// `auto` (default: an exponential window where the responses have not decayed when the record ends) or `none`.
+    pub response_window: Option<String>,
     /// Value of the exponential window at the record's end (a fraction, e.g. 0.01).
     pub response_window_end: Option<f64>,
+    /// Whether what lies before the pulse of each hit is left out; with an exponential window alone when not stated.
+    pub cut_pretrigger: Option<bool>,
     /// Response over force noise variance for `hv`, SI units.
     pub noise_ratio: Option<f64>,
-    /// Whether the mean before the hit is removed from every channel.
+    /// Whether the mean before the hit is removed from every channel; where it can be measured when not stated.
+    pub remove_offset: Option<bool>,
+    /// Judge the hits, but use all that `reject` does not name.
     #[serde(default)]
-    pub remove_offset: bool,
+    pub keep_all: bool,
 }
 
 /// `[identify]`.

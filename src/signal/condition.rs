@@ -1,12 +1,29 @@
-//! One hit in SI units with its pulse, its pre-trigger noise, and what was asked for: offset removal and windows.
+//! One channel of one hit in SI units, its offset before the hit, and how the hit is framed: which samples are transformed
+//! and under which weights.
 //!
-//! Without options the samples come out as they went in. The hit itself is never changed.
+//! Without options all samples come out as they went in.
+
+use std::ops::Range;
 
 use crate::axis::TimeAxis;
-use crate::record::{Channel, Hit};
+use crate::record::{ChannelInfo, HitInfo, Samples};
 
 use super::pulse::FEWEST_QUIET;
-use super::{ExponentialWindow, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError};
+use super::{
+    ExponentialWindow, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError, lane_sum,
+};
+
+/// What is done with the mean of a channel before the hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Offset {
+    /// It stays.
+    #[default]
+    Keep,
+    /// It is taken off; too few quiet samples are an error.
+    Remove,
+    /// It is taken off where there are quiet samples enough.
+    RemoveIfQuiet,
+}
 
 /// What is done to every hit before it is transformed. The default is nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -15,8 +32,8 @@ pub struct Conditioning {
     pub force_window: Option<ForceWindow>,
     /// Window of force and responses.
     pub exponential: Option<ExponentialWindow>,
-    /// Take the mean before the hit off each channel.
-    pub remove_offset: bool,
+    /// Whether the mean before the hit is taken off each channel.
+    pub offset: Offset,
 }
 
 impl Conditioning {
@@ -30,95 +47,161 @@ impl Conditioning {
     }
 }
 
-/// One channel after conditioning.
+/// Which samples of a hit are transformed, and under which weights.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ConditionedChannel {
-    /// Samples in SI units, offset removed and windowed as asked.
-    pub samples: Vec<f64>,
-    /// Mean and noise before the hit, from the samples as they were; `None` for fewer than eight quiet samples.
-    pub pre_trigger: Option<PreTrigger>,
-}
-
-/// One hit after conditioning.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConditionedHit {
-    /// Common time axis.
-    pub axis: TimeAxis,
-    /// Where the pulse is.
+pub struct Frame {
+    /// Where the pulse is, in samples of the record.
     pub pulse: Pulse,
-    /// Force, N.
-    pub force: ConditionedChannel,
-    /// Responses in the order of the hit.
-    pub responses: Vec<ConditionedChannel>,
-    /// What the force window cut off, rms beyond the noise over the rms of the force; `None` without a force window or
-    /// without quiet samples.
-    pub force_cut: Option<f64>,
-    /// Window weight of every force sample (1 without windows).
-    pub force_weights: Vec<f64>,
-    /// Window weight of every response sample (1 without windows).
-    pub response_weights: Vec<f64>,
+    /// Samples of the record that are transformed.
+    pub range: Range<usize>,
+    /// Weight of each of them in the force; `None` without a window.
+    pub force_weights: Option<Vec<f64>>,
+    /// Weight of each of them in the responses; `None` without a window.
+    pub response_weights: Option<Vec<f64>>,
 }
 
-/// Finds the pulse of a hit, measures the noise before it, removes offsets and applies windows as asked.
+impl Frame {
+    /// The frame of a hit whose samples `range` are transformed.
+    pub fn new(
+        axis: &TimeAxis,
+        pulse: Pulse,
+        range: Range<usize>,
+        conditioning: &Conditioning,
+    ) -> Self {
+        let response_weights = conditioning
+            .exponential
+            .map(|window| window.weights(axis, &pulse)[range.clone()].to_vec());
+        let force = conditioning
+            .force_window
+            .map(|window| window.weights(axis, &pulse)[range.clone()].to_vec());
+        let force_weights = match (force, &response_weights) {
+            (Some(force), Some(both)) => Some(force.iter().zip(both).map(|(a, b)| a * b).collect()),
+            (force, both) => force.or_else(|| both.clone()),
+        };
+        Self {
+            pulse,
+            range,
+            force_weights,
+            response_weights,
+        }
+    }
+
+    /// Puts the framed samples of a whole record where they are transformed: `(x − offset) w`.
+    pub fn apply(&self, record: &[f64], offset: f64, weights: Option<&[f64]>, out: &mut [f64]) {
+        let samples = &record[self.range.clone()];
+        match weights {
+            None => {
+                for (out, sample) in out.iter_mut().zip(samples) {
+                    *out = sample - offset;
+                }
+            }
+            Some(weights) => {
+                for ((out, sample), weight) in out.iter_mut().zip(samples).zip(weights) {
+                    *out = (sample - offset) * weight;
+                }
+            }
+        }
+    }
+
+    /// Sum of the squared weights: the energy of noise of unit variance under them.
+    pub fn noise_gain(&self, weights: Option<&[f64]>) -> f64 {
+        weights.map_or(self.range.len() as f64, |weights| {
+            weights.iter().map(|w| w * w).sum()
+        })
+    }
+}
+
+/// Where the pulse of a force is.
 ///
 /// # Errors
-/// [`SignalError`] for a bad time step, sample count, calibration factor or sample, a force without a pulse,
-/// an offset that is to be removed but has fewer than eight quiet samples, and a window out of range.
-pub fn condition(hit: &Hit, conditioning: &Conditioning) -> Result<ConditionedHit, SignalError> {
-    check(hit, conditioning)?;
-    let force = hit.force.si();
-    let pulse = Pulse::locate(&force, ONSET_FRACTION).ok_or_else(|| SignalError::NoPulse {
+/// [`SignalError::NoPulse`] for a constant force.
+pub fn locate(hit: &HitInfo, force_n: &[f64]) -> Result<Pulse, SignalError> {
+    Pulse::locate(force_n, ONSET_FRACTION).ok_or_else(|| SignalError::NoPulse {
         origin: hit.origin.clone(),
         dof: hit.force.dof.clone(),
-        got_n: force[0],
-    })?;
-    let response_weights = conditioning.exponential.map_or_else(
-        || vec![1.0; hit.axis.len],
-        |window| window.weights(&hit.axis, &pulse),
-    );
-    let window = conditioning.force_window;
-    let window = window.map(|window| window.weights(&hit.axis, &pulse));
-    let quiet = PreTrigger::of(&force[pulse.quiet()]);
-    let force_cut = window
-        .as_ref()
-        .zip(quiet)
-        .map(|(window, quiet)| cut_off(&force, window, &quiet));
-    let force_weights = match window {
-        Some(window) => product(window, &response_weights),
-        None => response_weights.clone(),
-    };
-    let prepare = |channel: &Channel, samples: Vec<f64>, weights: &[f64]| {
-        let pre_trigger = PreTrigger::of(&samples[pulse.quiet()]);
-        let offset = match pre_trigger {
-            _ if !conditioning.remove_offset => 0.0,
-            Some(quiet) => quiet.mean,
-            None => return Err(no_pre_trigger(hit, channel, &pulse)),
-        };
-        let samples = samples.iter().zip(weights);
-        Ok(ConditionedChannel {
-            samples: samples.map(|(x, w)| (x - offset) * w).collect(),
-            pre_trigger,
-        })
-    };
-    Ok(ConditionedHit {
-        axis: hit.axis,
-        pulse,
-        force: prepare(&hit.force, force, &force_weights)?,
-        responses: hit
-            .responses
-            .iter()
-            .map(|channel| prepare(channel, channel.si(), &response_weights))
-            .collect::<Result<_, _>>()?,
-        force_cut,
-        force_weights,
-        response_weights,
+        got_n: force_n.first().copied().unwrap_or(0.0),
     })
 }
 
-/// `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over `sqrt(Σx²)`, the mean before the hit taken off; 0 where noise explains it all.
-fn cut_off(force: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
+/// The samples of one channel in SI units, in place of what `out` held.
+///
+/// # Errors
+/// [`SignalError`] for a sample count that is not the hit's, a calibration factor or a sample that is no finite number.
+pub fn to_si(
+    hit: &HitInfo,
+    channel: &ChannelInfo,
+    samples: &Samples,
+    out: &mut Vec<f64>,
+) -> Result<(), SignalError> {
+    let (origin, dof) = (|| hit.origin.clone(), || channel.dof.clone());
+    if samples.len() != hit.axis.len {
+        return Err(SignalError::SampleCount {
+            origin: origin(),
+            dof: dof(),
+            got: samples.len(),
+            expected: hit.axis.len,
+        });
+    }
+    let factor = channel.to_si;
+    if !factor.is_finite() || factor.abs() <= 0.0 {
+        return Err(SignalError::Calibration {
+            origin: origin(),
+            dof: dof(),
+            got: factor,
+        });
+    }
+    out.clear();
+    match samples {
+        Samples::F32(values) => out.extend(values.iter().map(|v| f64::from(*v) * factor)),
+        Samples::F64(values) => out.extend(values.iter().map(|v| v * factor)),
+    }
+    // A sum is finite only if all samples are; an overflow of finite ones is decided one by one.
+    if lane_sum(out, |x| x).is_finite() {
+        return Ok(());
+    }
+    match out.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(sample) => Err(SignalError::NotFinite {
+            origin: origin(),
+            dof: dof(),
+            sample,
+            got: samples.iter().nth(sample).unwrap_or(f64::NAN),
+        }),
+    }
+}
+
+/// Mean and noise of a channel before the hit, and what is to be taken off it.
+///
+/// # Errors
+/// [`SignalError::NoPreTrigger`] when the offset must be removed and cannot be measured.
+pub fn offset_of(
+    hit: &HitInfo,
+    channel: &ChannelInfo,
+    record: &[f64],
+    pulse: &Pulse,
+    offset: Offset,
+) -> Result<(Option<PreTrigger>, f64), SignalError> {
+    let quiet = PreTrigger::of(&record[pulse.quiet()]);
+    let taken = match (offset, &quiet) {
+        (Offset::Keep, _) | (Offset::RemoveIfQuiet, None) => 0.0,
+        (_, Some(quiet)) => quiet.mean,
+        (Offset::Remove, None) => {
+            return Err(SignalError::NoPreTrigger {
+                origin: hit.origin.clone(),
+                dof: channel.dof.clone(),
+                got: pulse.quiet().len(),
+                expected: FEWEST_QUIET,
+            });
+        }
+    };
+    Ok((quiet, taken))
+}
+
+/// What a force window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over `sqrt(Σx²)`, the mean before the hit taken off; 0 where
+/// noise explains it all.
+pub fn force_cut(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
-    for (x, w) in force.iter().zip(window) {
+    for (x, w) in force_n.iter().zip(window) {
         let (x, lost) = (x - quiet.mean, (1.0 - w) * (1.0 - w));
         cut += lost * x * x;
         noise += lost * quiet.variance;
@@ -129,118 +212,72 @@ fn cut_off(force: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
     (beyond / all).sqrt()
 }
 
-fn product(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a *= b);
-    a
-}
-
-fn no_pre_trigger(hit: &Hit, channel: &Channel, pulse: &Pulse) -> SignalError {
-    SignalError::NoPreTrigger {
-        origin: hit.origin.clone(),
-        dof: channel.dof.clone(),
-        got: pulse.quiet().len(),
-        expected: FEWEST_QUIET,
-    }
-}
-
-/// All argument checks of this stage.
-fn check(hit: &Hit, conditioning: &Conditioning) -> Result<(), SignalError> {
-    conditioning.validate()?;
-    let origin = || hit.origin.clone();
+/// The axis of a hit must have a step and samples.
+///
+/// # Errors
+/// [`SignalError::TimeStep`] and [`SignalError::TooShort`].
+pub fn check_axis(hit: &HitInfo) -> Result<(), SignalError> {
     if !(hit.axis.step_s > 0.0 && hit.axis.step_s.is_finite()) {
         return Err(SignalError::TimeStep {
-            origin: origin(),
+            origin: hit.origin.clone(),
             got_s: hit.axis.step_s,
         });
     }
     if hit.axis.len < 2 {
         return Err(SignalError::TooShort {
-            origin: origin(),
+            origin: hit.origin.clone(),
             got: hit.axis.len,
             expected: 2,
         });
     }
-    std::iter::once(&hit.force)
-        .chain(&hit.responses)
-        .try_for_each(|channel| check_channel(channel, hit))
-}
-
-fn check_channel(channel: &Channel, hit: &Hit) -> Result<(), SignalError> {
-    let (origin, dof) = (hit.origin.clone(), channel.dof.clone());
-    if channel.samples.len() != hit.axis.len {
-        return Err(SignalError::SampleCount {
-            origin,
-            dof,
-            got: channel.samples.len(),
-            expected: hit.axis.len,
-        });
-    }
-    if !channel.to_si.is_finite() || channel.to_si.abs() <= 0.0 {
-        return Err(SignalError::Calibration {
-            origin,
-            dof,
-            got: channel.to_si,
-        });
-    }
-    let bad = channel
-        .samples
-        .iter()
-        .enumerate()
-        .find(|(_, v)| !(v * channel.to_si).is_finite());
-    bad.map_or(Ok(()), |(sample, got)| {
-        Err(SignalError::NotFinite {
-            origin,
-            dof,
-            sample,
-            got,
-        })
-    })
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::quantity::Quantity;
-    use crate::record::{Role, Samples};
 
-    fn channel(role: Role, quantity: Quantity, to_si: f64, samples: Vec<f64>) -> Channel {
-        Channel {
-            role,
+    fn hit() -> (HitInfo, Vec<f64>, Vec<f64>) {
+        let channel = |quantity, to_si| ChannelInfo {
             dof: "1:+Z".parse().unwrap(),
             quantity,
             to_si,
-            samples: Samples::F64(samples),
-        }
-    }
-
-    fn hit() -> Hit {
+            full_scale: None,
+        };
+        let axis = TimeAxis {
+            start_s: 0.0,
+            step_s: 0.1,
+            len: 24,
+        };
+        let info = HitInfo {
+            axis,
+            force: channel(Quantity::Force, 2.0),
+            responses: vec![channel(Quantity::Acceleration, 10.0)],
+            origin: "test".to_owned(),
+        };
         let mut force = vec![0.5; 24];
         force[14] = 10.5;
-        let response = (0..24).map(f64::from).collect();
-        Hit {
-            axis: TimeAxis {
-                start_s: 0.0,
-                step_s: 0.1,
-                len: 24,
-            },
-            force: channel(Role::Force, Quantity::Force, 2.0, force),
-            responses: vec![channel(
-                Role::Response,
-                Quantity::Acceleration,
-                10.0,
-                response,
-            )],
-            origin: "test".to_owned(),
-        }
+        (info, force, (0..24).map(f64::from).collect())
+    }
+
+    fn si(info: &HitInfo, channel: &ChannelInfo, samples: Vec<f64>) -> Vec<f64> {
+        let mut out = Vec::new();
+        to_si(info, channel, &Samples::F64(samples), &mut out).unwrap();
+        out
     }
 
     #[test]
     fn without_options_the_samples_are_the_si_samples() {
-        let hit = hit();
-        let out = condition(&hit, &Conditioning::default()).unwrap();
-        assert_eq!(out.force.samples, hit.force.si());
-        assert_eq!(out.responses[0].samples, hit.responses[0].si());
-        assert_eq!(out.pulse.quiet(), 0..12);
+        let (info, force, response) = hit();
+        let pulse = locate(&info, &si(&info, &info.force, force)).unwrap();
+        assert_eq!(pulse.quiet(), 0..12);
+        let response = si(&info, &info.responses[0], response);
+        let frame = Frame::new(&info.axis, pulse, 0..24, &Conditioning::default());
+        let mut out = [0.0; 24];
+        frame.apply(&response, 0.0, None, &mut out);
+        assert_eq!(out.as_slice(), response);
+        assert!((frame.noise_gain(None) - 24.0).abs() < 1e-15);
     }
 
     #[test]
@@ -251,24 +288,44 @@ mod tests {
                 flank_s: 0.0,
             }),
             exponential: Some(ExponentialWindow { decay_rad_s: 2.0 }),
-            remove_offset: true,
+            offset: Offset::Remove,
         };
-        let out = condition(&hit(), &conditioning).unwrap();
-        assert!((out.force.samples[14] - 20.0).abs() < 1e-12);
-        let rest = out.force.samples.iter().map(|v| v.abs()).sum::<f64>() - 20.0;
+        let (info, force, response) = hit();
+        let force = si(&info, &info.force, force);
+        let pulse = locate(&info, &force).unwrap();
+        let frame = Frame::new(&info.axis, pulse, 4..24, &conditioning);
+        let (_, offset) = offset_of(&info, &info.force, &force, &pulse, Offset::Remove).unwrap();
+        let mut out = [0.0; 20];
+        frame.apply(&force, offset, frame.force_weights.as_deref(), &mut out);
+        assert!((out[10] - 20.0).abs() < 1e-12);
+        let rest = out.iter().map(|v| v.abs()).sum::<f64>() - 20.0;
         assert!(rest.abs() < 1e-12);
         // The mean of 0, 10, ..., 110 is 55; sample 19 lies 0.5 s after the hit.
+        let response = si(&info, &info.responses[0], response);
+        let channel = &info.responses[0];
+        let (_, offset) = offset_of(&info, channel, &response, &pulse, Offset::Remove).unwrap();
+        frame.apply(
+            &response,
+            offset,
+            frame.response_weights.as_deref(),
+            &mut out,
+        );
         let expected = (190.0 - 55.0) * (-1f64).exp();
-        assert!((out.responses[0].samples[19] - expected).abs() < 1e-11);
+        assert!((out[15] - expected).abs() < 1e-11);
     }
 
     #[test]
     fn bad_hits_are_errors_that_say_what_is_wrong() {
-        let run = |change: fn(&mut Hit)| {
-            let mut hit = hit();
-            change(&mut hit);
-            condition(&hit, &Conditioning::default()).unwrap_err()
+        let (info, force, _) = hit();
+        let with = |change: fn(&mut HitInfo), samples: Vec<f64>| {
+            let mut info = info.clone();
+            change(&mut info);
+            let mut out = Vec::new();
+            check_axis(&info)?;
+            to_si(&info, &info.force, &Samples::F64(samples), &mut out)?;
+            locate(&info, &out)
         };
+        let run = |change: fn(&mut HitInfo)| with(change, force.clone()).unwrap_err();
         assert!(matches!(
             run(|h| h.axis.step_s = 0.0),
             SignalError::TimeStep { .. }
@@ -286,37 +343,35 @@ mod tests {
             }
         ));
         assert!(matches!(
-            run(|h| h.responses[0].to_si = 0.0),
+            run(|h| h.force.to_si = 0.0),
             SignalError::Calibration { .. }
         ));
+        let constant = with(|_| {}, vec![1.0; 24]).unwrap_err();
+        assert!(matches!(constant, SignalError::NoPulse { .. }));
+        let mut bad = force.clone();
+        bad[7] = f64::NAN;
+        let not_finite = with(|_| {}, bad).unwrap_err();
         assert!(matches!(
-            run(|h| h.force.samples = Samples::F32(vec![1.0; 24])),
-            SignalError::NoPulse { .. }
-        ));
-        assert!(matches!(
-            run(|h| {
-                let mut bad = h.responses[0].samples.to_f64();
-                bad[7] = f64::NAN;
-                h.responses[0].samples = Samples::F64(bad);
-            }),
+            not_finite,
             SignalError::NotFinite { sample: 7, .. }
         ));
+        let mut large = vec![0.0; 24];
+        large[3..7].fill(1.7e308 / 2.0);
+        assert!(with(|_| {}, large).is_ok(), "finite samples, infinite sum");
     }
 
     #[test]
-    fn an_offset_without_quiet_samples_is_an_error() {
-        let mut hit = hit();
+    fn an_offset_without_quiet_samples_is_an_error_or_stays() {
+        let (info, _, _) = hit();
         let mut force = vec![0.0; 24];
         force[9] = 1.0;
-        hit.force.samples = Samples::F64(force);
-        let conditioning = Conditioning {
-            remove_offset: true,
-            ..Conditioning::default()
-        };
-        let error = condition(&hit, &conditioning).unwrap_err();
+        let pulse = locate(&info, &force).unwrap();
+        let of = |offset| offset_of(&info, &info.force, &force, &pulse, offset);
+        let error = of(Offset::Remove).unwrap_err();
         assert!(
             matches!(error, SignalError::NoPreTrigger { got: 7, .. }),
             "{error}"
         );
+        assert_eq!(of(Offset::RemoveIfQuiet).unwrap(), (None, 0.0));
     }
 }

@@ -70,6 +70,26 @@ pub enum SignalError {
         /// The constant, N.
         got_n: f64,
     },
+    /// A continuous record in which nothing stands above the trigger level.
+    #[error(
+        "got a largest force of {largest_n} N from its level over noise of {noise_n} N, expected a pulse above the trigger level of {level_n} N"
+    )]
+    NoHit {
+        /// The sample furthest from the level of the force, with its sign, N.
+        largest_n: f64,
+        /// Standard deviation of the noise, N.
+        noise_n: f64,
+        /// Trigger level, N.
+        level_n: f64,
+    },
+    /// A sample of a continuous force record that is not a number.
+    #[error("got a force of {got} N at sample {sample}, expected a finite number")]
+    ForceNotFinite {
+        /// Sample, from 0.
+        sample: usize,
+        /// Got.
+        got: f64,
+    },
     /// An offset that is to be removed but cannot be measured.
     #[error(
         "{origin}, channel {dof}: got {got} quiet samples before the hit, expected at least {expected} to remove the offset"
@@ -95,5 +115,15 @@ pub enum SignalError {
         unit: &'static str,
         /// What would have been accepted.
         expected: &'static str,
+    },
+    /// A limit of the hit judging outside its range.
+    #[error(
+        "got limit {parameter} = {got}, expected a positive finite one (a probability below 1, a factor of 1 or more, a limit of rejection not below that of a note)"
+    )]
+    JudgeLimit {
+        /// Name of the limit.
+        parameter: &'static str,
+        /// Got.
+        got: f64,
     },
 }

@@ -65,7 +65,7 @@ impl Pulse {
 }
 
 /// Median by selection; the mean of the two middle values for an even count.
-fn median(values: &[f64]) -> Option<f64> {
+pub(super) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     let half = sorted.len() / 2;
     if sorted.is_empty() {

@@ -11,15 +11,17 @@ use crate::axis::TimeAxis;
 
 use super::{Pulse, SignalError};
 
-/// Flat from the start of the record to `hold_s` after the pulse, then half a cosine down to zero over `flank_s`.
+/// Flat from `hold_s` before the pulse to `hold_s` after it, with half a cosine from and to zero over `flank_s` on both
+/// sides.
 ///
-/// Everything after the flank is zero. A force with an offset keeps it inside the window alone, which adds a
-/// rectangle to the pulse: remove the offset first ([`super::Conditioning::remove_offset`]).
+/// Everything beyond the flanks is zero. A force with an offset keeps it inside the window alone, which adds a
+/// rectangle to the pulse: remove the offset first ([`super::Offset`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceWindow {
-    /// Guard between the end of the pulse and the flank, s.
+    /// Guard between the pulse and either flank, s; the one before the pulse is longer by the pulse's rise time, because it
+    /// begins below the threshold that finds it.
     pub hold_s: f64,
-    /// Length of the cosine flank, s; 0 for a rectangular end.
+    /// Length of each cosine flank, s; 0 for rectangular ends.
     pub flank_s: f64,
 }
 
@@ -33,22 +35,28 @@ impl ForceWindow {
         not_negative("flank_s of the force window", self.flank_s)
     }
 
-    /// Weight of every sample: `1` for `t <= t_end + hold`, then `(1 + cos(π τ / flank)) / 2`, then `0`,
-    /// with `t_end` the last sample of the pulse and `τ` counted from the end of the hold.
+    /// Weight of every sample: `1` up to `hold_s` away from the pulse, then `(1 + cos(π τ / flank)) / 2`, then `0`, with `τ`
+    /// counted from the end of the hold.
     pub fn weights(&self, axis: &TimeAxis, pulse: &Pulse) -> Vec<f64> {
+        let first = pulse.onset as f64 - (pulse.peak - pulse.onset) as f64;
         let last = pulse.end.saturating_sub(1) as f64;
         (0..axis.len)
             .map(|n| {
-                let after_s = (n as f64 - last) * axis.step_s - self.hold_s;
-                if after_s <= 1e-9 * axis.step_s {
-                    1.0
-                } else if after_s < self.flank_s {
-                    0.5 * (1.0 + (PI * after_s / self.flank_s).cos())
-                } else {
-                    0.0
-                }
+                let away = (n as f64 - last).max(first - n as f64);
+                self.weight(away * axis.step_s - self.hold_s, axis.step_s)
             })
             .collect()
+    }
+
+    /// Weight at this time beyond the hold.
+    fn weight(&self, beyond_s: f64, step_s: f64) -> f64 {
+        if beyond_s <= 1e-9 * step_s {
+            1.0
+        } else if beyond_s < self.flank_s {
+            0.5 * (1.0 + (PI * beyond_s / self.flank_s).cos())
+        } else {
+            0.0
+        }
     }
 }
 
@@ -174,8 +182,11 @@ mod tests {
             flank_s: 0.0,
         };
         let weights = window.weights(&AXIS, &PULSE);
-        assert!(weights[..5].iter().all(|w| (w - 1.0).abs() < 1e-15));
-        assert!(weights[5..].iter().all(|w| w.abs() < 1e-15));
+        // The rise of one sample before the onset at 2 belongs to the pulse.
+        for (n, weight) in weights.iter().enumerate() {
+            let expected = f64::from((1..5).contains(&n));
+            assert!((weight - expected).abs() < 1e-15, "{n}");
+        }
     }
 
     #[test]

@@ -2,12 +2,15 @@
 //! many of its modes the present method finds. And every reader on damaged files.
 
 mod finding;
+mod hits;
 mod judge;
 mod mutants;
 mod mutation;
 mod pipeline;
 mod recording;
 mod seeds;
+mod variance;
+mod window;
 
 use modalign::synth::population::Member;
 use rayon::prelude::*;

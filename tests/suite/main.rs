@@ -7,6 +7,8 @@ mod cycloid_ball;
 mod exchange;
 mod free_free_beam;
 mod gate;
+mod hit_command;
+mod hits;
 mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]

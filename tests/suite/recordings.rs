@@ -6,6 +6,8 @@ use std::path::Path;
 use modalign::frf::FrfSet;
 use modalign::io::{Hints, HitFile, frf_sets, open_path};
 
+use serde_json::Value;
+
 use crate::command::{json, modalign, shared_data, succeed, write};
 
 /// Reads a FRF file that the program wrote.
@@ -67,22 +69,57 @@ fn five_single_hits_of_a_plate_give_the_expected_h1_h2_and_coherence() {
             "-o",
             out.to_str().unwrap(),
         ]);
-        let set = read_frfs(&out);
-        for line in expected.as_array().unwrap() {
-            let index = line["index"].as_u64().unwrap() as usize;
-            let wanted = &line[estimator.to_uppercase()];
-            let (re, im) = (wanted[0].as_f64().unwrap(), wanted[1].as_f64().unwrap());
-            let got = set.values(0)[index];
-            let error = ((got.re - re).powi(2) + (got.im - im).powi(2)).sqrt() / re.hypot(im);
-            assert!(
-                error < 1e-6,
-                "{estimator} line {index}: {got} differs by {error}"
+        assert_listed(&read_frfs(&out), estimator, &expected);
+    }
+}
+
+/// The only function of a set against the listed lines of a recording.
+fn assert_listed(set: &FrfSet, estimator: &str, expected: &Value) {
+    for line in expected.as_array().unwrap() {
+        let index = line["index"].as_u64().unwrap() as usize;
+        let wanted = &line[estimator.to_uppercase()];
+        let (re, im) = (wanted[0].as_f64().unwrap(), wanted[1].as_f64().unwrap());
+        let got = set.values(0)[index];
+        let error = ((got.re - re).powi(2) + (got.im - im).powi(2)).sqrt() / re.hypot(im);
+        assert!(
+            error < 1e-6,
+            "{estimator} line {index}: {got} differs by {error}"
+        );
+        let coherence = set.coherence(0).unwrap()[index];
+        assert!(
+            (coherence - line["coh"].as_f64().unwrap()).abs() < 1e-6,
+            "{coherence}"
+        );
+    }
+}
+
+#[test]
+fn three_hits_in_an_array_are_all_kept_and_give_the_expected_h1_h2_and_coherence() {
+    let Some(data) = shared_data() else { return };
+    let data = data.canonicalize().unwrap();
+    let expected = json(&data.join("expected.json"));
+    for name in ["F1", "F2", "F3"] {
+        let listed = &expected[&format!("dewesoft-hammer/{name}.npy")];
+        for estimator in ["h1", "h2"] {
+            let folder = tempfile::tempdir().unwrap();
+            let scene = format!(
+                "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"t\"\n\
+                 files = [\"{}/dewesoft-hammer/{name}.npy\"]\ndimensions = [\"hit\", \"channel\", \"sample\"]\n\
+                 sampling_rate_hz = {}\n\
+                 [[test.channel]]\ncolumn = 1\nrole = \"force\"\ndof = \"1:+Z\"\nunit = \"N\"\n\
+                 [[test.channel]]\ncolumn = 4\nrole = \"response\"\ndof = \"2:+Z\"\nunit = \"m/s2\"\n",
+                data.display(),
+                listed["fs_hz"]
             );
-            let coherence = set.coherence(0).unwrap()[index];
-            assert!(
-                (coherence - line["coh"].as_f64().unwrap()).abs() < 1e-6,
-                "{coherence}"
-            );
+            write(folder.path(), &[("scene.toml", &scene)]);
+            let out = folder.path().join("frf.uff");
+            let (scene, out_text) = (folder.path().to_str().unwrap(), out.to_str().unwrap());
+            let options = ["--json", "frf", scene, "--estimator", estimator];
+            let summary = succeed(options.into_iter().chain(["-o", out_text]));
+            let summary: Value = serde_json::from_str(&summary).unwrap();
+            let hits = summary["hits"].as_array().unwrap();
+            assert!(hits.len() == 3 && hits.iter().all(|hit| hit["used"] == true));
+            assert_listed(&read_frfs(&out), estimator, &listed["ch3"]);
         }
     }
 }

@@ -301,6 +301,10 @@ impl Content {
     pub fn append(&self, bytes: &[u8], stride: usize, out: &mut Elements) {
         let elements = bytes.chunks_exact(stride);
         match (self, out) {
+            (Content::Single(scalar), Elements::F32(out)) if stride == 4 => {
+                let big_endian = scalar.big_endian;
+                out.extend(elements.map(|element| four_bytes(element, big_endian)));
+            }
             (Content::Single(scalar), Elements::F32(out)) => {
                 out.extend(elements.map(|element| scalar.single(element)));
             }
@@ -320,6 +324,15 @@ impl Content {
             }
             _ => {}
         }
+    }
+}
+
+fn four_bytes(element: &[u8], big_endian: bool) -> f32 {
+    let bytes: [u8; 4] = element.try_into().unwrap_or_default();
+    if big_endian {
+        f32::from_be_bytes(bytes)
+    } else {
+        f32::from_le_bytes(bytes)
     }
 }
 

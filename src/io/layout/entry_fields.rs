@@ -135,6 +135,11 @@ pub(super) const NUMBERS: &[NumberField] = &[
         get: |entry| entry.note.record_s.unwrap_or(f64::NAN),
         set: |entry, value| put(&mut entry.note.record_s, Some(value)),
     },
+    NumberField {
+        name: "variance_degrees_of_freedom",
+        get: |entry| entry.note.variance_dof.unwrap_or(f64::NAN),
+        set: |entry, value| put(&mut entry.note.variance_dof, Some(value)),
+    },
 ];
 
 fn put<T>(place: &mut Option<T>, value: Option<T>) -> bool {

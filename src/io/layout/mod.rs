@@ -42,6 +42,7 @@
 //! | `G/window` | \[function\] text | window of the records: `hann-narrow`, `exponential`, `force`, `force-and-exponential`, ... |
 //! | `G/added_damping_rad_s` | \[function\] | decay rate of the exponential window still in the values, rad/s |
 //! | `G/record_s` | \[function\] | length of the records, s |
+//! | `G/variance_degrees_of_freedom` | \[function\] | degrees of freedom of the variance of a function, real numbers |
 //! | `G/valid_hz` | \[function, 2\] | where the function is valid, Hz |
 //! | `G/values` | \[function, line\] | real values, as stored |
 //! | `G/re`, `G/im` | \[function, line\] | complex values, as stored |

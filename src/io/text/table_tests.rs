@@ -220,10 +220,8 @@ fn five_single_hits_of_a_plate_are_read_and_grouped() {
             table: Some(hammer_spec()),
         };
         let source = open_path(&path, &hints, None).unwrap();
-        let mut files = [HitFile::new(source)];
-        let hits = group_hits(&mut files, HitGrouping::Files, &[])
-            .unwrap()
-            .hits;
+        let mut set = group_hits(vec![HitFile::new(source)], HitGrouping::Files, &[]).unwrap();
+        let hits = crate::record::collect(&mut set.recording).unwrap();
         assert_eq!((hits.len(), hits[0].axis.len), (1, 96_000));
         let largest = hits[0].force.si().into_iter().fold(0.0, f64::max);
         assert!((largest - peak).abs() < 1e-6, "{largest} {peak}");

@@ -6,8 +6,8 @@ use super::heading::{abscissa_heading, entry_heading, same_axis, unit_text};
 use crate::finding::Finding;
 use crate::io::not_carried::NotCarried;
 use crate::io::{
-    Block, Catalog, Entry, FunctionNote, IoError, Precision, SampleFormat, Source, WriteOptions,
-    WriteSeek,
+    Block, Catalog, Entry, FunctionNote, FunctionType, IoError, Precision, SampleFormat, Source,
+    WriteOptions, WriteSeek,
 };
 
 /// Rows that are read and written at a time.
@@ -40,6 +40,7 @@ pub(super) fn write(
         });
     };
     let catalog = source.catalog();
+    check_window(catalog, &chosen, options)?;
     let findings = not_carried(catalog, &chosen);
     let mut columns: Vec<Column> = chosen
         .iter()
@@ -153,6 +154,29 @@ fn header(catalog: &Catalog, columns: &[Column]) -> String {
     headings.join(",") + "\n"
 }
 
+/// Functions that carry the decay of a window would be read back as if the structure damped by so much more.
+fn check_window(
+    catalog: &Catalog,
+    chosen: &[usize],
+    options: &WriteOptions,
+) -> Result<(), IoError> {
+    let entries = chosen.iter().map(|index| &catalog.entries[*index]);
+    let windowed = entries.filter(|entry| entry.function_type == FunctionType::Frf);
+    let mut decays = windowed.filter_map(|entry| entry.note.added_damping_rad_s);
+    match decays.find(|decay| *decay > 0.0) {
+        None => Ok(()),
+        Some(decay) => Err(IoError::Unwritable {
+            path: options.path.clone(),
+            what: "a table",
+            got: format!(
+                "FRFs with the added damping of an exponential window, {decay} rad/s, for which a table has no place"
+            ),
+            expected: "FRFs without it (--response-window none), or .uff, .h5, .mat, .npz"
+                .to_owned(),
+        }),
+    }
+}
+
 /// What a table has no place for.
 fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
     let count = |lost: fn(&Entry) -> bool| {
@@ -170,9 +194,7 @@ fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
         ("units", count(|entry| unit_text(entry).is_none())),
         (
             "roles",
-            count(|entry| {
-                entry.role.is_some() && entry.function_type != crate::io::FunctionType::Time
-            }),
+            count(|entry| entry.role.is_some() && entry.function_type != FunctionType::Time),
         ),
         (
             "load cases",

@@ -253,6 +253,7 @@ fn frf_set(values: Vec<Complex64>, coherence: Option<Vec<f64>>) -> FrfSet {
         kind,
         averages,
         estimator: averages.map(|_| Estimator::Hv),
+        variance_dof: None,
     };
     let data = |coherence| FunctionData {
         values: values.clone(),

@@ -19,8 +19,7 @@ use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::io::not_carried::NotCarried;
 use crate::io::{
-    Encoding, FunctionType, IoError, MemorySource, Precision, Source, WriteOptions, frf_source,
-    hit_source,
+    Encoding, FunctionType, IoError, Precision, Source, WriteOptions, frf_source, hit_source,
 };
 use crate::record::{Channel, Hit};
 
@@ -130,7 +129,7 @@ pub fn write_frfs(
         encoding,
         precision: None,
     };
-    let mut source: MemorySource = frf_source(set, label.title);
+    let mut source = frf_source(set, label.title);
     let number = source.catalog.entries.iter().position(is_variance);
     if let Some(first) = number {
         source.catalog.entries.truncate(first);

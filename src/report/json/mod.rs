@@ -1,8 +1,10 @@
 //! The JSON files that others may rely on; a change that breaks a reader raises the number in the schema's name.
 
 mod comparison;
+mod hits;
 
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
     comparison_from_json, comparison_to_json,
 };
+pub use hits::hits;

@@ -17,7 +17,7 @@ use super::toml_text::{parse, read_text};
 
 /// A synthetic recording with its truth.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub struct SyntheticRecording {
     /// Title of the spec.
     pub title: String,
     /// The universal file, byte for byte.
@@ -107,7 +107,11 @@ fn response_quantity(name: &str, path: &str) -> Result<Quantity, SceneError> {
 ///
 /// # Errors
 /// The synthetic test's own reasons, or a degree of freedom that a universal file cannot name.
-pub fn record(spec: &SynthFile, test: &HammerTest, path: &Path) -> Result<Recording, SceneError> {
+pub fn record(
+    spec: &SynthFile,
+    test: &HammerTest,
+    path: &Path,
+) -> Result<SyntheticRecording, SceneError> {
     let hits = test.generate()?;
     let precision = match spec.record.precision.as_deref() {
         None | Some("single") => Precision::Single,
@@ -151,7 +155,7 @@ pub fn record(spec: &SynthFile, test: &HammerTest, path: &Path) -> Result<Record
             "poles_rad_s": poles,
         },
     });
-    Ok(Recording {
+    Ok(SyntheticRecording {
         title: spec.title.clone(),
         uff,
         truth_json: modes_to_json(&truth, Some(synthetic)),

@@ -1,0 +1,313 @@
+//! Resonances that move from run to run: by the mass of a roving sensor, or because the structure changed.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Severity};
+
+use super::delay::{FEWEST_LINES, reach};
+use super::driving::CLEAR;
+use super::local::{LocalPole, Window};
+use super::mobility::{Mobilities, site};
+use super::peaks::{Peak, clear_peaks};
+
+/// Half-power widths between an isolated resonance and the next; the slope of its fit then holds the other to 1 %.
+const APART_WIDTHS: f64 = 5.0;
+/// Power of a clear peak per function, over its noise: 13 dB above the sum of all noise, whose scatter is then nothing.
+const NOISE_SUM: f64 = 20.0;
+/// Other modes over the own peak above which a function says little about this one.
+const MOST_BACKGROUND: f64 = 0.5;
+/// Shift in half-power widths: at a half-power point it changes the function by `2 · 0.15/√2`, 21 %; what the flanks of other
+/// modes leave in a local fit stays below.
+const LIMIT_WIDTHS: f64 = 0.15;
+/// Standard deviations of a run's frequency: with variances of 20 degrees of freedom one of 14,000 by chance.
+const DEVIATIONS: f64 = 5.0;
+/// Share of the scatter between runs that the sensor's mass must explain to be named.
+const EXPLAINED: f64 = 0.5;
+/// Runs at which a proportion can be told from two points on a line.
+const FEWEST_RUNS_OF_MASS: usize = 3;
+
+/// One resonance in one run.
+struct Run {
+    /// A function of the run, the one that knows the frequency best.
+    function: usize,
+    /// Weighted mean frequency, rad/s, and its variance.
+    omega: f64,
+    variance: f64,
+    /// Weighted mean `|R|²` of its functions.
+    power: f64,
+}
+
+/// One resonance in all runs.
+struct Resonance {
+    runs: Vec<Run>,
+    /// Weighted mean frequency, rad/s.
+    omega: f64,
+    /// Half-power width, rad/s.
+    width: f64,
+}
+
+/// Local frequencies of each clear and isolated resonance of the summed power, run by run, against their mean.
+///
+/// A run is the functions of one response point where the responses outnumber the references (a roving sensor), else those
+/// of one reference (a roving hammer). The worst run is named where it is off by more than 0.15 of the half-power width
+/// and more than the noise explains. A mass `m` at a sensor lowers mode `r` by `½ m φ²` of its frequency, so that the
+/// shift is proportional to `|R|²` of the run: where that explains half of the scatter, the sensor's mass is named.
+///
+/// # Reference
+/// Ewins (2000), Modal Testing, 2nd ed., section 3.6 (mass loading); Stetson and Palma (1976), first-order perturbation.
+pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
+    let (runs, roving_sensor) = runs(data);
+    if runs.len() < 2 {
+        return Vec::new();
+    }
+    let summed = Summed::new(data);
+    let peaks = summed.isolated_peaks();
+    let resonances: Vec<Resonance> = peaks
+        .iter()
+        .filter_map(|peak| summed.resonance(peak, &runs))
+        .collect();
+    let worst = resonances
+        .iter()
+        .flat_map(|resonance| resonance.runs.iter().map(move |run| (resonance, run)))
+        .filter(|(resonance, run)| resonance.shift(run).abs() > resonance.limit(run))
+        .max_by(|a, b| a.0.in_widths(a.1).total_cmp(&b.0.in_widths(b.1)));
+    let code = match roving_sensor && by_mass(&resonances) {
+        true => Code::MassLoading,
+        false => Code::RunsDisagree,
+    };
+    let finding = |(resonance, run): (&Resonance, &Run)| {
+        let percent = 100.0 / resonance.omega;
+        let place = data.place(run.function);
+        Finding::new(Severity::Warning, code, place)
+            .value(percent * resonance.shift(run), "%")
+            .limit(percent * resonance.limit(run))
+    };
+    worst.map(finding).into_iter().collect()
+}
+
+/// Functions by run, and whether the sensor roves.
+fn runs(data: &Mobilities) -> (Vec<Vec<usize>>, bool) {
+    let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
+    let mut references = BTreeMap::<Dof, Vec<usize>>::new();
+    for (i, function) in data.functions().iter().enumerate() {
+        let response = responses.entry(site(&function.response));
+        response.or_default().push(i);
+        let reference = references.entry(site(&function.reference));
+        reference.or_default().push(i);
+    }
+    let roving_sensor = responses.len() > references.len();
+    let groups = if roving_sensor { responses } else { references };
+    (groups.into_values().collect(), roving_sensor)
+}
+
+/// All functions with their summed power in units of their noise.
+struct Summed<'a> {
+    omega: &'a [f64],
+    values: Vec<Vec<Complex64>>,
+    variance: Vec<Vec<f64>>,
+    power: Vec<f64>,
+}
+
+impl<'a> Summed<'a> {
+    fn new(data: &'a Mobilities) -> Self {
+        let functions = 0..data.functions().len();
+        let values: Vec<_> = functions.clone().map(|i| data.values(i)).collect();
+        let variance: Vec<_> = functions.map(|i| data.variance(i)).collect();
+        let mut power = vec![0.0; data.omega.len()];
+        for (values, variance) in values.iter().zip(&variance) {
+            let mean = variance.iter().sum::<f64>() / variance.len() as f64;
+            let weight = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+            let lines = power.iter_mut().zip(values);
+            lines.for_each(|(sum, y)| *sum += weight * y.norm_sqr());
+        }
+        Self {
+            omega: &data.omega,
+            values,
+            variance,
+            power,
+        }
+    }
+
+    /// Clear peaks with five lines, far from each other.
+    fn isolated_peaks(&self) -> Vec<Peak> {
+        let floor = vec![CLEAR + NOISE_SUM * self.values.len() as f64; self.power.len()];
+        let all = clear_peaks(&self.power, &floor, 0.0);
+        let alone = |peak: &&Peak| {
+            let near = APART_WIDTHS * peak.width();
+            let others = all.iter().filter(|other| other.line != peak.line);
+            peak.width() >= FEWEST_LINES
+                && others
+                    .clone()
+                    .all(|other| other.line.abs_diff(peak.line) as f64 >= near)
+        };
+        all.iter().filter(alone).copied().collect()
+    }
+
+    /// The frequency of one resonance in every run that shows it; `None` when less than two do.
+    fn resonance(&self, peak: &Peak, runs: &[Vec<usize>]) -> Option<Resonance> {
+        let lines = reach(peak, self.power.len())?;
+        let fit = |i: &usize| {
+            let whole = (self.omega, &self.values[*i][..], &self.variance[*i][..]);
+            let pole = Window::of(lines.clone(), whole).fit()?;
+            (pole.background < MOST_BACKGROUND).then_some((*i, pole))
+        };
+        let run =
+            |functions: &Vec<usize>| run(&functions.iter().filter_map(fit).collect::<Vec<_>>());
+        let runs: Vec<Run> = runs.iter().filter_map(run).collect();
+        let step = self.omega[1] - self.omega[0];
+        let omega = weighted_mean(runs.iter().map(|run| (run.omega, run.variance)));
+        let width = peak.width() * step;
+        let enough = runs.len() >= 2;
+        enough.then_some(Resonance { runs, omega, width })
+    }
+}
+
+/// The functions of one run together.
+fn run(poles: &[(usize, LocalPole)]) -> Option<Run> {
+    let variance = |pole: &LocalPole| pole.frequency_variance.max(f64::MIN_POSITIVE);
+    let best = poles
+        .iter()
+        .min_by(|a, b| variance(&a.1).total_cmp(&variance(&b.1)))?;
+    let pairs = poles.iter().map(|(_, p)| (p.lambda.im, variance(p)));
+    let weights: f64 = poles.iter().map(|(_, p)| 1.0 / variance(p)).sum();
+    let power = poles.iter().map(|(_, p)| p.residue.norm_sqr()).sum::<f64>();
+    Some(Run {
+        function: best.0,
+        omega: weighted_mean(pairs),
+        variance: 1.0 / weights,
+        power: power / poles.len() as f64,
+    })
+}
+
+/// Mean by one over the variance.
+fn weighted_mean(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, weights) = pairs.fold((0.0, 0.0), |(sum, weights), (value, variance)| {
+        (sum + value / variance, weights + 1.0 / variance)
+    });
+    sum / weights
+}
+
+impl Resonance {
+    /// Frequency of a run less the mean of all, rad/s.
+    fn shift(&self, run: &Run) -> f64 {
+        run.omega - self.omega
+    }
+
+    fn limit(&self, run: &Run) -> f64 {
+        (LIMIT_WIDTHS * self.width).max(DEVIATIONS * run.variance.sqrt())
+    }
+
+    fn in_widths(&self, run: &Run) -> f64 {
+        self.shift(run).abs() / self.width
+    }
+
+    /// `Σ w d²` over the runs, and the part of it that a shift `d = −b (|R|² − mean)` explains, 0 for `b < 0`.
+    fn scatter(&self) -> (f64, f64) {
+        let power = weighted_mean(self.runs.iter().map(|run| (run.power, run.variance)));
+        let (mut all, mut cross, mut square) = (0.0, 0.0, 0.0);
+        for run in &self.runs {
+            let (d, x) = (self.shift(run), run.power - power);
+            all += d * d / run.variance;
+            cross -= d * x / run.variance;
+            square += x * x / run.variance;
+        }
+        let explained = if cross > 0.0 {
+            cross * cross / square
+        } else {
+            0.0
+        };
+        (all, explained)
+    }
+}
+
+/// Whether shifts against the power of the runs explain enough of the scatter.
+fn by_mass(resonances: &[Resonance]) -> bool {
+    let wide = resonances
+        .iter()
+        .filter(|r| r.runs.len() >= FEWEST_RUNS_OF_MASS);
+    let (all, explained) = wide.fold((0.0, 0.0), |(all, explained), resonance| {
+        let one = resonance.scatter();
+        (all + one.0, explained + one.1)
+    });
+    explained > EXPLAINED * all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frf::FrfSet;
+    use crate::frf::checks::synthetic::{Beam, add_noise, component, dof, joined};
+
+    fn found(set: &FrfSet) -> Vec<Finding> {
+        findings(&Mobilities::new(set).unwrap())
+    }
+
+    /// Every point from 1 to 8 in a run of its own, mode `m` of point `p` with its frequency times `1 + shift(p, m)`.
+    fn roving(shift: impl Fn(usize, usize) -> f64, hammer: bool) -> FrfSet {
+        let run = |point: usize| {
+            let beam = Beam {
+                shift: std::array::from_fn(|mode| 1.0 + shift(point, mode)),
+                ..Beam::default()
+            };
+            let roving = format!("{point}:+Z");
+            let pair = (roving.as_str(), "1:+Z");
+            beam.set(&[if hammer { (pair.1, pair.0) } else { pair }])
+        };
+        let mut set = joined(&(1..=8).map(run).collect::<Vec<_>>());
+        add_noise(&mut set, 40.0, 21);
+        set
+    }
+
+    /// A mass of `mass` (modal mass 1) at the roving sensor.
+    fn loaded(mass: f64) -> impl Fn(usize, usize) -> f64 {
+        move |point, mode| {
+            let phi = component(mode, &dof(&format!("{point}:+Z")));
+            -0.5 * mass * phi * phi
+        }
+    }
+
+    #[test]
+    fn the_mass_of_a_roving_sensor_is_named() {
+        let findings = found(&roving(loaded(0.01), false));
+        assert_eq!(findings.len(), 1);
+        assert_eq!(findings[0].code, Code::MassLoading);
+        assert!(findings[0].value.unwrap().abs() > findings[0].limit.unwrap());
+        assert!(found(&roving(loaded(0.0003), false)).is_empty());
+    }
+
+    #[test]
+    fn one_run_that_changed_is_named_with_its_shift() {
+        // 0.5 % up in one of eight runs of about equal weight: 7/8 of it against the mean.
+        let changed = |point: usize, _: usize| if point == 5 { 0.005 } else { 0.0 };
+        for hammer in [false, true] {
+            let findings = found(&roving(changed, hammer));
+            assert_eq!(findings.len(), 1);
+            assert_eq!(findings[0].code, Code::RunsDisagree);
+            let place = if hammer { "1:+Z|5:+Z" } else { "5:+Z|1:+Z" };
+            assert_eq!(findings[0].place.to_string(), place);
+            let value = findings[0].value.unwrap();
+            assert!((0.3..0.5).contains(&value), "{value}");
+        }
+    }
+
+    #[test]
+    fn a_fixed_sensor_with_a_roving_hammer_cannot_load_differently() {
+        let findings = found(&roving(loaded(0.01), true));
+        assert_eq!(findings[0].code, Code::RunsDisagree);
+    }
+
+    #[test]
+    fn noise_alone_and_one_run_say_nothing() {
+        assert!(found(&roving(|_, _| 0.0, false)).is_empty());
+        assert!(found(&Beam::default().set(&[("1:+Z", "1:+Z")])).is_empty());
+    }
+
+    #[test]
+    fn a_weighted_mean_is_that_of_its_weights() {
+        let mean = weighted_mean([(1.0, 1.0), (4.0, 0.5)].into_iter());
+        assert!((mean - 3.0).abs() < 1e-15);
+    }
+}

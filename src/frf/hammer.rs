@@ -1,0 +1,239 @@
+//! A hammer test from its recording to its FRFs: every hit judged, the window decided once for the whole test, the hits
+//! that stand averaged.
+
+use std::collections::BTreeSet;
+
+use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::record::Recording;
+use crate::signal::{ExponentialWindow, JudgeLimits, Outcome, Rule};
+
+use super::checks::check_set;
+use super::estimate::{Estimated, Selection, estimate_recording};
+use super::judged::{HitReport, judge};
+use super::{EstimateOptions, FrfError};
+
+/// The exponential window on force and responses.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum ResponseWindow {
+    /// None where the responses have decayed to 1 % when their records end; else one that falls to 1 %.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// One that falls to this fraction at the end of the record.
+    End(f64),
+}
+
+/// Value at the record's end of a window that nobody states (Fladung and Rost 1997, Application and correction of the
+/// exponential window for frequency response functions: about 1 %).
+const WINDOW_END: f64 = 0.01;
+
+/// Truncation error of H above which its sign at a resonance is not judged: two degrees of phase.
+const MOST_TRUNCATED: f64 = 0.035;
+
+/// How a recorded hammer test becomes FRFs.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct HammerOptions {
+    /// Estimator, force window, offsets. Exponential window and cut are decided here.
+    pub estimate: EstimateOptions,
+    /// The exponential window.
+    pub response_window: ResponseWindow,
+    /// Whether what lies before each pulse is left out; with an exponential window alone when not stated.
+    pub cut_pretrigger: Option<bool>,
+    /// Limits of the rules.
+    pub limits: JudgeLimits,
+    /// Numbers, from 1, of hits that are used whatever the rules say.
+    pub accept: BTreeSet<usize>,
+    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    pub reject: BTreeSet<usize>,
+    /// Judge, but use every hit that `reject` does not name.
+    pub keep_all: bool,
+}
+
+/// What a hammer test came to.
+#[derive(Clone, Debug)]
+pub struct Hammered {
+    /// FRFs.
+    pub estimated: Estimated,
+    /// Every hit with what the rules said of it, in order.
+    pub hits: Vec<HitReport>,
+    /// The band in which the hammer excites and the filter is open.
+    pub usable: Band,
+    /// The options as decided, with the exponential window that was used.
+    pub estimate: EstimateOptions,
+}
+
+/// Judges every hit, decides the window and estimates the FRFs of the hits that stand.
+///
+/// One exponential window serves the whole test, so that every pole gets the same added damping. With it the records
+/// begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the rules would leave a hit point without a
+/// hit, its hits stay, with a finding.
+///
+/// # Errors
+/// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there; [`FrfError::BandEmpty`] when
+/// the force excites no band.
+pub fn hammer(
+    recording: &mut dyn Recording,
+    options: &HammerOptions,
+) -> Result<Hammered, FrfError> {
+    options.limits.validate()?;
+    check_numbers(recording.hits().len(), options)?;
+    let mut hits = judge(recording, options)?;
+    let mut findings = decide(&mut hits, options);
+    let selection = Selection {
+        hits: (0..hits.len()).filter(|hit| hits[*hit].used).collect(),
+        overloads: (!options.keep_all).then_some(options.limits),
+        accepted: options.accept.iter().map(|number| number - 1).collect(),
+    };
+    let (estimate, finding) = windowed(recording, &hits, options)?;
+    findings.extend(finding);
+    let mut estimated = estimate_recording(recording, &selection, &estimate)?;
+    let usable = estimated.set.valid_band.ok_or(FrfError::BandEmpty {
+        lo_hz: estimated.set.axis().hz(1),
+        hi_hz: 0.0,
+    })?;
+    let own = std::mem::take(&mut estimated.set.findings);
+    // A response on the rail is found when it is judged and when it is transformed.
+    let new: Vec<Finding> = own.into_iter().filter(|f| !findings.contains(f)).collect();
+    findings.extend(new);
+    // A response that is cut off turns phases at its resonances, as a wrong sign does.
+    let cut_off = |f: &Finding| f.code == Code::Truncated && f.value > Some(MOST_TRUNCATED);
+    let truncated = findings.iter().any(cut_off);
+    let checks = check_set(&estimated.set).into_iter();
+    findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
+    estimated.set.findings = findings;
+    Ok(Hammered {
+        estimated,
+        hits,
+        usable,
+        estimate,
+    })
+}
+
+/// The hits that the user names must be there, and some must be left.
+fn check_numbers(expected: usize, options: &HammerOptions) -> Result<(), FrfError> {
+    let stated = options.accept.iter().chain(&options.reject);
+    let mut absent = stated.filter(|number| !(1..=expected).contains(*number));
+    if let Some(got) = absent.next() {
+        return Err(FrfError::HitNumber {
+            got: *got,
+            expected,
+        });
+    }
+    if let Some(both) = options.accept.intersection(&options.reject).next() {
+        return Err(FrfError::HitInBoth { got: *both });
+    }
+    if options.reject.len() == expected {
+        return Err(FrfError::NoHits);
+    }
+    Ok(())
+}
+
+/// Says of every hit whether it is used; the findings of those that the rules do not pass.
+fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
+    for (index, hit) in hits.iter_mut().enumerate() {
+        let number = index + 1;
+        let rejected = hit.checks.iter().any(|check| hit.rejects(check));
+        hit.stated = options.accept.contains(&number) || options.reject.contains(&number);
+        hit.used = options.accept.contains(&number)
+            || !(options.reject.contains(&number) || (rejected && !options.keep_all));
+    }
+    let mut findings = Vec::new();
+    let points: BTreeSet<_> = hits.iter().map(|hit| hit.reference.clone()).collect();
+    for point in points {
+        let own = || {
+            hits.iter()
+                .filter(|hit| hit.reference == point && !hit.stated)
+        };
+        let none_left = !hits.iter().any(|hit| hit.reference == point && hit.used);
+        if none_left && own().count() > 0 {
+            let place = Place::Function {
+                response: None,
+                reference: Some(point.clone()),
+            };
+            let count = own().count() as f64;
+            findings.push(
+                Finding::new(Severity::Warning, Code::NoHitPassed, place).value(count, "hits"),
+            );
+            for hit in hits.iter_mut().filter(|hit| hit.reference == point) {
+                hit.used = !options.reject.contains(&hit.number);
+            }
+        }
+    }
+    findings.extend(hits.iter().flat_map(HitReport::findings));
+    findings.extend(roll_off(hits));
+    findings
+}
+
+/// One finding for the hit of which the force spectrum falls off first.
+fn roll_off(hits: &[HitReport]) -> Option<Finding> {
+    let noted = hits.iter().filter(|hit| hit.used).flat_map(|hit| {
+        let own = hit.checks.iter();
+        let own =
+            own.filter(|check| check.rule == Rule::RollOff && check.outcome == Outcome::Noted);
+        own.filter_map(|check| Some((hit.number, check.at?)))
+    });
+    let (number, at_hz) = noted.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let finding = Finding::new(Severity::Info, Code::ForceRollOff, Place::Hit(number));
+    Some(finding.value(at_hz, "Hz"))
+}
+
+/// The options with the window that the responses need, and the finding that says so.
+fn windowed(
+    recording: &dyn Recording,
+    hits: &[HitReport],
+    options: &HammerOptions,
+) -> Result<(EstimateOptions, Option<Finding>), FrfError> {
+    let (end, finding) = match options.response_window {
+        ResponseWindow::Off => (None, largest_left(hits).map(not_decayed)),
+        ResponseWindow::End(end) => (Some(end), None),
+        ResponseWindow::Auto => match largest_left(hits) {
+            None => (None, None),
+            Some(left) => {
+                let finding = Finding::new(Severity::Info, Code::WindowAdded, Place::Whole);
+                (
+                    Some(WINDOW_END),
+                    Some(finding.value(left, "").limit(WINDOW_END)),
+                )
+            }
+        },
+    };
+    let cut = options.cut_pretrigger.unwrap_or(end.is_some());
+    let stretch_s = stretch_s(recording, hits);
+    let window = |end| ExponentialWindow::from_end_value(end, stretch_s);
+    let estimate = EstimateOptions {
+        exponential: end.map(window).transpose()?,
+        cut_pretrigger: cut,
+        ..options.estimate
+    };
+    Ok((estimate, finding))
+}
+
+/// A response still rings at the end of its record and nobody wants a window.
+fn not_decayed(left: f64) -> Finding {
+    Finding::new(Severity::Warning, Code::NotDecayed, Place::Whole)
+        .value(left, "")
+        .limit(WINDOW_END)
+}
+
+/// The largest amplitude that is left at the end of a used record, where it is above its limit.
+fn largest_left(hits: &[HitReport]) -> Option<f64> {
+    hits.iter()
+        .filter(|hit| hit.used)
+        .flat_map(|hit| &hit.checks)
+        .filter(|check| check.rule == Rule::Decay && check.outcome != Outcome::Passed)
+        .filter(|check| check.outcome != Outcome::NotDecidable)
+        .filter_map(|check| check.value)
+        .max_by(f64::total_cmp)
+}
+
+/// From the hit to the end of the record, s: the shortest of the used hits.
+fn stretch_s(recording: &dyn Recording, hits: &[HitReport]) -> f64 {
+    let of = |hit: &HitReport| {
+        let axis = recording.hits()[hit.number - 1].axis;
+        (axis.len - hit.onset) as f64 * axis.step_s
+    };
+    let used = hits.iter().filter(|hit| hit.used);
+    used.map(of).fold(f64::INFINITY, f64::min)
+}

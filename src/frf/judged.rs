@@ -1,0 +1,311 @@
+//! Every hit held against the rules, before any is averaged.
+//!
+//! The force is judged, and as many responses as tell whether the hit was good; of a test with many sensors the other
+//! responses are read once only, when they are transformed.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::fourier::{ForwardPlan, Scratch};
+use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
+use crate::signal::{
+    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, judge_force,
+    judge_levels, judge_response, odd_one_out, to_si,
+};
+
+use super::preconditions::check;
+use super::{FrfError, HammerOptions};
+
+/// Responses of a hit that are judged.
+const JUDGED_RESPONSES: usize = 4;
+
+/// Hits that are read and judged at a time.
+const AT_A_TIME: usize = 8;
+
+/// End of the band in which the force spectrum is judged, as a fraction of the sampling rate; anti-alias filters are
+/// flat up to about there.
+const BAND_END: f64 = 0.4;
+
+/// One hit with what the rules say of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HitReport {
+    /// Number in the test, from 1.
+    pub number: usize,
+    /// Where it came from.
+    pub origin: String,
+    /// The hit point.
+    pub reference: Dof,
+    /// Height of the pulse with its sign, N.
+    pub peak_n: f64,
+    /// First sample of the pulse.
+    pub onset: usize,
+    /// What each rule found.
+    pub checks: Vec<Check>,
+    /// Whether it is averaged.
+    pub used: bool,
+    /// Whether the user decided that, not the rules.
+    pub stated: bool,
+}
+
+impl HitReport {
+    /// Whether a check leaves out the whole hit: a single response that is bad leaves out that response alone.
+    pub(super) fn rejects(&self, check: &Check) -> bool {
+        // What rings before the hit does so at every sensor.
+        let of_hit = matches!(check.rule, Rule::OddOneOut | Rule::PreTrigger);
+        check.outcome == Outcome::Rejected && (check.dof.is_none() || of_hit)
+    }
+
+    /// A finding for each rule that the hit does not pass.
+    pub(super) fn findings(&self) -> impl Iterator<Item = Finding> + '_ {
+        let told = |check: &&Check| match check.outcome {
+            Outcome::Passed | Outcome::NotDecidable => false,
+            // The window and the usable band are those of the whole test, which says so once.
+            Outcome::Noted => !matches!(check.rule, Rule::Decay | Rule::RollOff),
+            Outcome::Rejected => true,
+        };
+        self.checks
+            .iter()
+            .filter(told)
+            .map(|check| self.finding(check))
+    }
+
+    fn finding(&self, check: &Check) -> Finding {
+        let severity = match check.outcome {
+            Outcome::Rejected => Severity::Warning,
+            _ => Severity::Info,
+        };
+        let place = match &check.dof {
+            None => Place::Hit(self.number),
+            Some(dof) => Place::HitChannel {
+                hit: self.number,
+                dof: dof.clone(),
+            },
+        };
+        let mut finding = Finding::new(severity, code(check.rule), place);
+        if let Some(value) = check.value {
+            finding = finding.value(value, check.unit);
+        }
+        match check.limit {
+            Some(limit) => finding.limit(limit),
+            None => finding,
+        }
+    }
+}
+
+fn code(rule: Rule) -> Code {
+    match rule {
+        Rule::DoubleHit => Code::DoubleHit,
+        Rule::Overload => Code::Overload,
+        Rule::Level => Code::HitLevel,
+        Rule::PreTrigger => Code::PreTriggerNotQuiet,
+        Rule::Decay => Code::NotDecayed,
+        Rule::RollOff => Code::ForceRollOff,
+        Rule::Dead => Code::DeadChannel,
+        Rule::Sign => Code::NegativeForce,
+        Rule::Drift => Code::ChannelDrift,
+        Rule::OddOneOut => Code::OddOneOut,
+    }
+}
+
+/// What is kept of a hit until the series is judged.
+struct Judged {
+    report: HitReport,
+    /// Force, and the response of which FRFs are compared, at the judged lines.
+    spectra: (Vec<Complex64>, Vec<Complex64>),
+    /// That response.
+    compared: Dof,
+}
+
+/// Judges every hit by itself and against the others of its point.
+///
+/// # Errors
+/// [`FrfError`] for hits that cannot be averaged, and for samples that cannot be read or used.
+pub(super) fn judge(
+    recording: &mut dyn Recording,
+    options: &HammerOptions,
+) -> Result<Vec<HitReport>, FrfError> {
+    let infos: Vec<HitInfo> = recording.hits().to_vec();
+    // What the user rejects is not even read: it may be what cannot be read.
+    let wanted: Vec<usize> = (0..infos.len())
+        .filter(|hit| !options.reject.contains(&(hit + 1)))
+        .collect();
+    let of_wanted: Vec<&HitInfo> = wanted.iter().map(|hit| &infos[*hit]).collect();
+    check(&of_wanted, &options.estimate)?;
+    let plan = ForwardPlan::new(of_wanted[0].axis.len);
+    let mut judged = Vec::with_capacity(wanted.len());
+    for hits in wanted.chunks(AT_A_TIME) {
+        let read: Vec<Read> = hits
+            .iter()
+            .map(|hit| Read::of(recording, *hit, &infos[*hit]))
+            .collect::<Result<_, FrfError>>()?;
+        let own: Vec<Result<Judged, FrfError>> = read
+            .par_iter()
+            .map_init(
+                || plan.scratch(),
+                |scratch, read| read.judge(&infos[read.hit], &options.limits, (&plan, scratch)),
+            )
+            .collect();
+        for own in own {
+            judged.push(own?);
+        }
+    }
+    series(&mut judged, &options.limits);
+    let mut reports: Vec<HitReport> = judged.into_iter().map(|own| own.report).collect();
+    for hit in (0..infos.len()).filter(|hit| !wanted.contains(hit)) {
+        reports.push(report(hit, &infos[hit], None, Vec::new()));
+    }
+    reports.sort_by_key(|report| report.number);
+    Ok(reports)
+}
+
+/// The samples of a hit that are judged.
+struct Read {
+    hit: usize,
+    force: Samples,
+    responses: Vec<(usize, Samples)>,
+}
+
+impl Read {
+    fn of(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Result<Self, FrfError> {
+        let mut read = |channel: ChannelPlace| {
+            let mut samples = Samples::F32(Vec::new());
+            let stretch = Stretch {
+                hit,
+                channel,
+                samples: 0..info.axis.len,
+            };
+            recording.read(&stretch, &mut samples)?;
+            Ok::<Samples, FrfError>(samples)
+        };
+        // Spread over the channels: neighbours in a file often sit side by side.
+        let count = info.responses.len();
+        let step = count.div_ceil(JUDGED_RESPONSES);
+        let force = read(ChannelPlace::Force)?;
+        let responses = (0..count).step_by(step.max(1));
+        let responses = responses.map(|r| Ok((r, read(ChannelPlace::Response(r))?)));
+        Ok(Self {
+            hit,
+            force,
+            responses: responses.collect::<Result<_, FrfError>>()?,
+        })
+    }
+
+    fn judge(
+        &self,
+        info: &HitInfo,
+        limits: &JudgeLimits,
+        (plan, scratch): (&ForwardPlan, &mut Scratch),
+    ) -> Result<Judged, FrfError> {
+        let step_s = info.axis.step_s;
+        let (mut force, mut response) = (Vec::new(), Vec::new());
+        to_si(info, &info.force, &self.force, &mut force)?;
+        let Some(pulse) = Pulse::locate(&force, ONSET_FRACTION) else {
+            return Ok(self.without_pulse(info));
+        };
+        let band_end_hz = BAND_END / step_s;
+        let full_scale = info.force.full_scale;
+        let mut checks = judge_force(&force, step_s, &pulse, full_scale, band_end_hz, limits);
+        let mut compared: Option<(Dof, Vec<Complex64>)> = None;
+        for (number, samples) in &self.responses {
+            let channel = &info.responses[*number];
+            to_si(info, channel, samples, &mut response)?;
+            let record = ResponseRecord {
+                samples: &response,
+                step_s,
+                dof: &channel.dof,
+                full_scale: channel.full_scale,
+            };
+            checks.extend(judge_response(&record, &pulse, limits));
+            // FRFs are compared at the first response: the same one in every hit of a point.
+            if compared.is_none() {
+                let lines = spectrum(&response, (plan, scratch));
+                compared = Some((channel.dof.clone(), lines));
+            }
+        }
+        let (compared, response) = compared.ok_or_else(|| FrfError::NoResponse {
+            origin: info.origin.clone(),
+        })?;
+        let force = spectrum(&force, (plan, scratch));
+        Ok(Judged {
+            report: report(self.hit, info, Some(&pulse), checks),
+            spectra: (force, response),
+            compared,
+        })
+    }
+}
+
+impl Read {
+    /// A force that is constant: a hit that nobody made.
+    fn without_pulse(&self, info: &HitInfo) -> Judged {
+        let check = Check::new(Rule::Dead, Outcome::Rejected);
+        Judged {
+            report: report(self.hit, info, None, vec![check]),
+            spectra: (Vec::new(), Vec::new()),
+            compared: info.responses[0].dof.clone(),
+        }
+    }
+}
+
+fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>) -> HitReport {
+    HitReport {
+        number: hit + 1,
+        origin: info.origin.clone(),
+        reference: info.force.dof.clone(),
+        peak_n: pulse.map_or(0.0, |pulse| pulse.height_n),
+        onset: pulse.map_or(0, |pulse| pulse.onset),
+        checks,
+        used: true,
+        stated: false,
+    }
+}
+
+/// Lines of a hit that are kept until all of its point are there: enough to tell another point, few enough for thousands of hits.
+const KEPT_LINES: usize = 2048;
+
+/// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many lines an even choice.
+fn spectrum(record: &[f64], (plan, scratch): (&ForwardPlan, &mut Scratch)) -> Vec<Complex64> {
+    let mut lines = vec![Complex64::ZERO; plan.lines()];
+    plan.forward(record.iter().copied(), &mut lines, scratch);
+    let end = (BAND_END * plan.len() as f64) as usize;
+    let end = end.max(2).min(lines.len());
+    let step = (end - 1).div_ceil(KEPT_LINES).max(1);
+    lines[1..end].iter().step_by(step).copied().collect()
+}
+
+/// Holds the hits of each point that stand by themselves against each other.
+fn series(judged: &mut [Judged], limits: &JudgeLimits) {
+    let mut points: BTreeMap<(Dof, Dof), Vec<usize>> = BTreeMap::new();
+    let stands = |own: &Judged| {
+        !own.report
+            .checks
+            .iter()
+            .any(|check| own.report.rejects(check))
+    };
+    for (index, own) in judged.iter().enumerate().filter(|(_, own)| stands(own)) {
+        let key = (own.report.reference.clone(), own.compared.clone());
+        points.entry(key).or_default().push(index);
+    }
+    for hits in points.values() {
+        let peaks: Vec<f64> = hits.iter().map(|hit| judged[*hit].report.peak_n).collect();
+        let forces: Vec<&[Complex64]> = hits
+            .iter()
+            .map(|hit| judged[*hit].spectra.0.as_slice())
+            .collect();
+        let responses: Vec<&[Complex64]> = hits
+            .iter()
+            .map(|hit| judged[*hit].spectra.1.as_slice())
+            .collect();
+        let levels = judge_levels(&peaks, limits);
+        let odd = odd_one_out(&forces, &responses, limits);
+        for (hit, check) in hits.iter().zip(levels) {
+            judged[*hit].report.checks.push(check);
+        }
+        for (hit, check) in hits.iter().zip(odd) {
+            judged[*hit].report.checks.push(check);
+        }
+    }
+}

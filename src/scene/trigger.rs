@@ -1,0 +1,162 @@
+//! Continuous recordings to hits: the force is read whole and cut by trigger; the responses are read hit by hit.
+
+use std::ops::Range;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::FrfError;
+use crate::record::{ChannelPlace, Cut, HitInfo, Recording, Samples, Stretch};
+use crate::signal::{Segments, TriggerOptions, segments, to_si};
+
+/// The hits of continuous records, all of one length, with what was left out.
+///
+/// # Errors
+/// [`FrfError`] for records that cannot be read, and as [`segments`].
+pub(super) fn cut(
+    mut whole: Box<dyn Recording>,
+    options: &TriggerOptions,
+) -> Result<(Cut, Vec<Finding>), FrfError> {
+    let infos: Vec<HitInfo> = whole.hits().to_vec();
+    let mut found = Vec::with_capacity(infos.len());
+    for (record, info) in infos.iter().enumerate() {
+        found.push(hits_of(whole.as_mut(), record, info, options)?);
+    }
+    // Without a stated length each record has its own; the shortest is that of all.
+    let all = || found.iter().flat_map(|own| &own.segments);
+    let before = all().map(|hit| hit.onset - hit.range.start).min();
+    let before = before.unwrap_or(0);
+    let after = all().map(|hit| hit.range.end - hit.onset).min();
+    let shortest = before + after.unwrap_or(0);
+    let mut pieces: Vec<(usize, Range<usize>)> = Vec::new();
+    let mut findings = Vec::new();
+    for (record, own) in found.iter().enumerate() {
+        let pieces_of = own.segments.iter().map(|hit| {
+            let start = hit.onset - before;
+            (record, start..start + shortest)
+        });
+        pieces.extend(pieces_of);
+        let left_out = own.cut_off + own.too_early;
+        let place = Place::File {
+            path: infos[record].origin.clone(),
+            line: None,
+            byte: None,
+        };
+        let level = Finding::new(Severity::Info, Code::TriggerLevel, place.clone());
+        findings.push(level.value(own.level_n, "N"));
+        let length_s = shortest as f64 * infos[record].axis.step_s;
+        let length = Finding::new(Severity::Info, Code::HitLength, place.clone());
+        findings.push(length.value(length_s, "s"));
+        if left_out > 0 {
+            let finding = Finding::new(Severity::Warning, Code::HitCutOff, place);
+            findings.push(finding.value(left_out as f64, "hits"));
+        }
+    }
+    Ok((Cut::new(whole, &pieces), findings))
+}
+
+fn hits_of(
+    whole: &mut dyn Recording,
+    record: usize,
+    info: &HitInfo,
+    options: &TriggerOptions,
+) -> Result<Segments, FrfError> {
+    let (mut samples, mut force) = (Samples::F32(Vec::new()), Vec::new());
+    let stretch = Stretch {
+        hit: record,
+        channel: ChannelPlace::Force,
+        samples: 0..info.axis.len,
+    };
+    whole.read(&stretch, &mut samples)?;
+    to_si(info, &info.force, &samples, &mut force)?;
+    Ok(segments(&force, info.axis.step_s, options)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::TimeAxis;
+    use crate::quantity::Quantity;
+    use crate::record::{Channel, Hit, Role, collect};
+
+    const STEP_S: f64 = 1e-3;
+
+    /// A record with pulses at these samples; sample n of the response is n.
+    fn record(pulses: &[usize], len: usize) -> Hit {
+        let mut force: Vec<f64> = (0..len).map(|n| 1e-3 * (0.7 * n as f64).sin()).collect();
+        for pulse in pulses {
+            for (n, height) in [3.0, 10.0, 3.0].into_iter().enumerate() {
+                force[pulse + n] += height;
+            }
+        }
+        let channel = |role, quantity, samples| Channel {
+            role,
+            dof: "1:+Z".parse().unwrap(),
+            quantity,
+            to_si: 2.0,
+            samples: Samples::F64(samples),
+        };
+        Hit {
+            axis: TimeAxis {
+                start_s: 0.0,
+                step_s: STEP_S,
+                len,
+            },
+            force: channel(Role::Force, Quantity::Force, force),
+            responses: vec![channel(
+                Role::Response,
+                Quantity::Velocity,
+                (0..len).map(|n| n as f64).collect(),
+            )],
+            origin: "long".to_owned(),
+        }
+    }
+
+    /// Hits in memory that own themselves.
+    struct Owned(Vec<Hit>, Vec<HitInfo>);
+
+    impl Recording for Owned {
+        fn hits(&self) -> &[HitInfo] {
+            &self.1
+        }
+
+        fn read(
+            &mut self,
+            stretch: &Stretch,
+            samples: &mut Samples,
+        ) -> Result<(), crate::record::ReadError> {
+            crate::record::InMemory::new(&self.0).read(stretch, samples)
+        }
+    }
+
+    #[test]
+    fn the_hits_of_long_records_have_one_length_and_their_own_samples() {
+        let records = vec![
+            record(&[500, 2500, 4500], 6500),
+            record(&[700, 2300, 3900], 5500),
+        ];
+        let infos = records.iter().map(Hit::info).collect();
+        let whole = Box::new(Owned(records, infos));
+        let (mut cut, findings) = cut(whole, &TriggerOptions::default()).unwrap();
+        let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
+        let each = [Code::TriggerLevel, Code::HitLength];
+        assert_eq!(codes, [each, each].concat());
+        let hits = collect(&mut cut).unwrap();
+        assert_eq!(hits.len(), 6);
+        let len = hits[0].axis.len;
+        assert!((1500..=1600).contains(&len), "{len}");
+        for (hit, onset) in hits.iter().zip([500, 2500, 4500, 700, 2300, 3900]) {
+            assert_eq!(hit.axis.len, len);
+            let force = hit.force.samples.to_f64();
+            let peak = force.iter().position(|f| *f > 9.0).unwrap();
+            // The response says which sample of the long record that is.
+            let Samples::F64(response) = &hit.responses[0].samples else {
+                panic!("double precision stays");
+            };
+            assert_eq!(response[peak] as usize, onset + 1);
+        }
+        assert!(
+            hits[3].origin.starts_with("long at 0.6"),
+            "{}",
+            hits[3].origin
+        );
+    }
+}

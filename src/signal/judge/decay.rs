@@ -1,0 +1,117 @@
+//! What is left of a response at the end of the record, and the offset and drift of a channel.
+
+use super::super::pulse::FEWEST_QUIET;
+use super::super::{PreTrigger, Pulse};
+use super::quiet::{VARIANCE_DEVIATIONS, rms_about};
+use super::{Check, JudgeLimits, Outcome, Rule, beyond};
+
+/// The last part of the record by which its end is judged, and the first and last by which its drift is: an eighth.
+const END_PART: usize = 8;
+/// Standard deviations of a drift that count: one in 10^6 by chance.
+const DRIFT_DEVIATIONS: f64 = 5.0;
+
+/// Amplitude at the end over the maximum: `sqrt(2 (s_end² - σ²)) / max|x|`, s_end the rms of the last eighth.
+///
+/// σ² is the variance before the hit. Where the end does not stand out of it by more than both variances scatter, the
+/// value is what could be hidden in that scatter, and the rule decides only when this is below the limit.
+pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
+    let limit = limits.decay;
+    let after = &response[pulse.onset..];
+    let last = &after[after.len() - after.len() / END_PART..];
+    let quiet = PreTrigger::of(&response[pulse.quiet()]);
+    let (Some(quiet), true) = (quiet, last.len() >= FEWEST_QUIET) else {
+        return Check::new(Rule::Decay, Outcome::NotDecidable);
+    };
+    let largest = after.iter().map(|x| (x - quiet.mean).abs());
+    let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
+    let mean = last.iter().sum::<f64>() / last.len() as f64;
+    let power = rms_about(last, mean).powi(2);
+    let scatter = (2.0 / quiet.samples as f64 + 2.0 / last.len() as f64).sqrt();
+    let hidden = VARIANCE_DEVIATIONS * scatter * quiet.variance;
+    let left = |power: f64| (2.0 * power).sqrt() / largest;
+    let stands_out = power - quiet.variance > hidden;
+    let value = left(if stands_out {
+        power - quiet.variance
+    } else {
+        hidden
+    });
+    let otherwise = if stands_out {
+        Outcome::Noted
+    } else {
+        Outcome::NotDecidable
+    };
+    Check::new(Rule::Decay, beyond(value, limit, otherwise)).value(value, limit, "")
+}
+
+/// A straight line under a channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// At the onset of the hit, SI unit of the channel.
+    pub offset: f64,
+    /// Slope, SI unit of the channel per second.
+    pub slope_per_s: f64,
+    /// Standard error of the difference between the end and the start that the slope stands for, SI unit of the channel.
+    pub error: f64,
+}
+
+/// Offset and drift of a channel from its mean before the hit and that of the last eighth of the record.
+///
+/// `None` for fewer than eight samples in either. The line to take off is `offset + slope_per_s (t - t_onset)`. A response
+/// that still rings at the end leaves of its amplitude A about `A/(ω T/8)` in the mean.
+pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
+    let quiet = PreTrigger::of(samples.get(pulse.quiet())?)?;
+    let part = samples.len().saturating_sub(pulse.end) / END_PART;
+    let last = PreTrigger::of(&samples[samples.len() - part..])?;
+    let middle = |start: usize, count: usize| start as f64 + 0.5 * (count as f64 - 1.0);
+    let from = middle(0, quiet.samples);
+    let to = middle(samples.len() - part, part);
+    let slope = (last.mean - quiet.mean) / (to - from);
+    let error =
+        (quiet.variance / quiet.samples as f64 + last.variance / last.samples as f64).sqrt();
+    Some(Drift {
+        offset: quiet.mean + slope * (pulse.onset as f64 - from),
+        slope_per_s: slope / step_s,
+        error,
+    })
+}
+
+/// The larger end of the line over the peak.
+fn judge(samples: &[f64], step_s: f64, pulse: &Pulse, (peak, limit): (f64, f64)) -> Check {
+    let Some(drift) = drift_of(samples, step_s, pulse) else {
+        return Check::new(Rule::Drift, Outcome::NotDecidable);
+    };
+    let at =
+        |sample: f64| drift.offset + drift.slope_per_s * step_s * (sample - pulse.onset as f64);
+    let excursion = at(0.0).abs().max(at(samples.len() as f64).abs());
+    let value = excursion / peak.max(f64::MIN_POSITIVE);
+    let sure = excursion > DRIFT_DEVIATIONS * drift.error;
+    let otherwise = if sure {
+        Outcome::Noted
+    } else {
+        Outcome::NotDecidable
+    };
+    Check::new(Rule::Drift, beyond(value, limit, otherwise)).value(value, limit, "")
+}
+
+/// Offset and drift of the force over its peak.
+pub(super) fn force_drift(
+    force_n: &[f64],
+    step_s: f64,
+    pulse: &Pulse,
+    limits: &JudgeLimits,
+) -> Check {
+    judge(force_n, step_s, pulse, (pulse.height_n.abs(), limits.drift))
+}
+
+/// Offset and drift of a response over its largest value.
+pub(super) fn response_drift(
+    response: &[f64],
+    step_s: f64,
+    pulse: &Pulse,
+    limits: &JudgeLimits,
+) -> Check {
+    let offset = PreTrigger::of(&response[pulse.quiet()]).map_or(0.0, |quiet| quiet.mean);
+    let peak = response.iter().map(|x| (x - offset).abs());
+    let peak = peak.fold(0.0, f64::max);
+    judge(response, step_s, pulse, (peak, limits.drift))
+}

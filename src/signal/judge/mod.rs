@@ -1,0 +1,255 @@
+//! Whether a hit can be trusted: each rule looks at the samples of one hit, or at one number per hit of a series.
+//!
+//! Every rule yields a [`Check`] with its value, its limit and an [`Outcome`], also when it passed, so that each hit stays
+//! listed with the reason. What the noise does not let a rule decide is [`Outcome::NotDecidable`], never passed.
+//! Nothing here removes a hit or changes a sample.
+//!
+//! | file | rules |
+//! |---|---|
+//! | `contact` | double hit: matched filter of the pulse's own shape |
+//! | `rail` | overload |
+//! | `quiet` | pre-trigger, dead channel, sign |
+//! | `decay` | what is left at the end of the record; offset and drift |
+//! | `roll_off` | how far the force spectrum falls inside the band |
+//! | `series` | level, odd one out |
+
+mod contact;
+mod decay;
+mod limits;
+mod quiet;
+mod rail;
+mod roll_off;
+mod series;
+
+#[cfg(test)]
+mod contact_tests;
+#[cfg(test)]
+mod tests;
+
+use crate::dof::Dof;
+
+use super::Pulse;
+
+pub use contact::least_delay_samples;
+pub use decay::{Drift, drift_of};
+pub use limits::JudgeLimits;
+pub use series::{judge_levels, odd_one_out};
+
+/// What a check looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rule {
+    /// A second contact of the hammer.
+    DoubleHit,
+    /// Samples on the rail of the converter.
+    Overload,
+    /// Peak force against the median of the series.
+    Level,
+    /// A channel that is not quiet before the hit.
+    PreTrigger,
+    /// A response that has not decayed at the end of the record.
+    Decay,
+    /// The force spectrum falls too far inside the band.
+    RollOff,
+    /// A channel without signal.
+    Dead,
+    /// A force pulse of negative sign.
+    Sign,
+    /// Offset and drift of a channel.
+    Drift,
+    /// An FRF unlike that of the other hits.
+    OddOneOut,
+}
+
+impl Rule {
+    /// The name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rule::DoubleHit => "double-hit",
+            Rule::Overload => "overload",
+            Rule::Level => "level",
+            Rule::PreTrigger => "pre-trigger",
+            Rule::Decay => "decay",
+            Rule::RollOff => "roll-off",
+            Rule::Dead => "dead",
+            Rule::Sign => "sign",
+            Rule::Drift => "drift",
+            Rule::OddOneOut => "odd-one-out",
+        }
+    }
+}
+
+/// What a rule says of a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    /// Within the limit.
+    Passed,
+    /// Worth knowing; the hit is kept.
+    Noted,
+    /// The hit, or the channel that the check names, should not be used.
+    Rejected,
+    /// The noise, or too few samples or hits, hides what the limit asks for.
+    NotDecidable,
+}
+
+impl Outcome {
+    /// The name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Passed => "passed",
+            Outcome::Noted => "noted",
+            Outcome::Rejected => "rejected",
+            Outcome::NotDecidable => "not-decidable",
+        }
+    }
+}
+
+/// One rule applied to one channel of one hit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Which rule.
+    pub rule: Rule,
+    /// The response; `None` for the force.
+    pub dof: Option<Dof>,
+    /// What was found; `None` where there is nothing to measure it from.
+    pub value: Option<f64>,
+    /// What it was held against.
+    pub limit: Option<f64>,
+    /// Unit of value and limit, empty for a plain number.
+    pub unit: &'static str,
+    /// What follows.
+    pub outcome: Outcome,
+    /// Double hit: onset to onset, s (negative: before the pulse). Roll-off: where the spectrum passes the limit, Hz.
+    pub at: Option<f64>,
+    /// Double hit: `ratio sqrt(Σp²) / σ` of the contact found, or of one of the limit's ratio where none was found.
+    pub detectability: Option<f64>,
+}
+
+impl Check {
+    /// A check without numbers.
+    pub fn new(rule: Rule, outcome: Outcome) -> Self {
+        Self {
+            rule,
+            dof: None,
+            value: None,
+            limit: None,
+            unit: "",
+            outcome,
+            at: None,
+            detectability: None,
+        }
+    }
+
+    pub(super) fn value(mut self, value: f64, limit: f64, unit: &'static str) -> Self {
+        (self.value, self.limit, self.unit) = (Some(value), Some(limit), unit);
+        self
+    }
+}
+
+/// Passed up to the limit, else what was asked for.
+pub(super) fn beyond(value: f64, limit: f64, otherwise: Outcome) -> Outcome {
+    if value <= limit {
+        Outcome::Passed
+    } else {
+        otherwise
+    }
+}
+
+/// What is judged of a force, in this order.
+const FORCE_RULES: [Rule; 7] = [
+    Rule::DoubleHit,
+    Rule::Overload,
+    Rule::PreTrigger,
+    Rule::RollOff,
+    Rule::Dead,
+    Rule::Sign,
+    Rule::Drift,
+];
+
+/// What is judged of a response, in this order.
+const RESPONSE_RULES: [Rule; 5] = [
+    Rule::Overload,
+    Rule::PreTrigger,
+    Rule::Decay,
+    Rule::Dead,
+    Rule::Drift,
+];
+
+/// The checks of a record that does not hold the pulse it is judged with.
+fn undecided(rules: &[Rule], dof: Option<&Dof>) -> Vec<Check> {
+    let check = |rule: &Rule| Check {
+        dof: dof.cloned(),
+        ..Check::new(*rule, Outcome::NotDecidable)
+    };
+    rules.iter().map(check).collect()
+}
+
+/// Judges the force of one hit: double hit, overload, pre-trigger, roll-off, dead channel, sign, drift.
+///
+/// `force_n` are the samples before any window, `step_s` their spacing, `pulse` as [`Pulse::locate`] finds it.
+/// `full_scale_n` is the range of the channel where it is known, `band_end_hz` the highest frequency of interest.
+/// A pulse of another, longer record leaves all of them not decidable.
+pub fn judge_force(
+    force_n: &[f64],
+    step_s: f64,
+    pulse: &Pulse,
+    full_scale_n: Option<f64>,
+    band_end_hz: f64,
+    limits: &JudgeLimits,
+) -> Vec<Check> {
+    if force_n.len() < pulse.end {
+        return undecided(&FORCE_RULES, None);
+    }
+    vec![
+        contact::double_hit(force_n, step_s, pulse, limits),
+        rail::overload(force_n, full_scale_n, limits),
+        quiet::force_pre_trigger(force_n, pulse, limits),
+        roll_off::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
+        quiet::dead_force(force_n, pulse),
+        quiet::sign(pulse),
+        decay::force_drift(force_n, step_s, pulse, limits),
+    ]
+}
+
+/// One response of a hit, before any window.
+#[derive(Clone, Copy, Debug)]
+pub struct ResponseRecord<'a> {
+    /// Samples, SI unit.
+    pub samples: &'a [f64],
+    /// Their spacing, s.
+    pub step_s: f64,
+    /// Where it measures.
+    pub dof: &'a Dof,
+    /// Range of the channel, SI unit, where it is known.
+    pub full_scale: Option<f64>,
+}
+
+/// Judges one response of a hit: overload, pre-trigger, decay, dead channel, drift. `pulse` is that of the force.
+///
+/// A response that ends before the pulse does has all of them not decidable.
+pub fn judge_response(
+    record: &ResponseRecord<'_>,
+    pulse: &Pulse,
+    limits: &JudgeLimits,
+) -> Vec<Check> {
+    if record.samples.len() < pulse.end {
+        return undecided(&RESPONSE_RULES, Some(record.dof));
+    }
+    let checks = [
+        rail::overload(record.samples, record.full_scale, limits),
+        quiet::response_pre_trigger(record.samples, pulse, limits),
+        decay::decay(record.samples, pulse, limits),
+        quiet::dead_response(record.samples, pulse),
+        decay::response_drift(record.samples, record.step_s, pulse, limits),
+    ];
+    let named = checks.into_iter().map(|check| Check {
+        dof: Some(record.dof.clone()),
+        ..check
+    });
+    named.collect()
+}
+
+/// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any other.
+pub fn overloaded(samples: &[f64], full_scale: Option<f64>, limits: &JudgeLimits) -> Option<Check> {
+    let check = rail::overload(samples, full_scale, limits);
+    (check.outcome == Outcome::Rejected).then_some(check)
+}

@@ -1,0 +1,132 @@
+//! Rules that hold a hit against the others of its series: level and odd one out.
+
+use num_complex::Complex64;
+
+use super::{Check, JudgeLimits, Outcome, Rule};
+
+/// Fewest hits of which one can be far from the median.
+const FEWEST_FOR_LEVEL: usize = 3;
+/// Fewest hits of which one can be rejected as odd: the others then show their scatter with two degrees of freedom.
+const FEWEST_FOR_ODD: usize = 4;
+
+/// Peak force of each hit over the median of the series, one check per hit; the signs do not matter.
+///
+/// Noted beyond a factor (structures and noise are not linear), rejected beyond a larger one, see [`JudgeLimits`].
+pub fn judge_levels(peaks_n: &[f64], limits: &JudgeLimits) -> Vec<Check> {
+    let sizes: Vec<f64> = peaks_n.iter().map(|p| p.abs()).collect();
+    let middle = median(&sizes);
+    let judge = |size: &f64| {
+        let value = size / middle;
+        let factor = value.max(1.0 / value);
+        // A comparison with NaN (all peaks 0) is false: not decidable.
+        let outcome = if sizes.len() < FEWEST_FOR_LEVEL || factor.is_nan() {
+            Outcome::NotDecidable
+        } else if factor > limits.level_rejected {
+            Outcome::Rejected
+        } else if factor > limits.level_noted {
+            Outcome::Noted
+        } else {
+            Outcome::Passed
+        };
+        let check = Check::new(Rule::Level, outcome);
+        if value.is_finite() {
+            check.value(value, limits.level_noted, "")
+        } else {
+            check
+        }
+    };
+    sizes.iter().map(judge).collect()
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let half = sorted.len() / 2;
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 0 => 0.5 * (sorted[half - 1] + sorted[half]),
+        _ => sorted[half],
+    }
+}
+
+/// Each hit's response against what H1 of the other hits makes of its force, one check per hit.
+///
+/// `force[i]` and `response[i]` are spectra of hit i at the usable lines. With `H` and `S = Σ|F|²` from the other hits,
+/// `e_i = X_i - H F_i` has `1 + |F_i|²/S` times the variance of the noise, which the others show as `Q/(n-2)`, `Q` their
+/// residual. The value is
+///
+/// `R = (n-2) Σ_k |e_i|²/(1 + |F_i|²/S) / Σ_k Q`,
+///
+/// the sums over lines, so that lines count by their energy. How many degrees of freedom lines have together is not known
+/// (a hit beside its point differs at all lines at once), so the fewest are taken: `F(2, 2(n-2))`, exact for a scatter that is one
+/// complex Gaussian factor of a common shape, and further from the limit for any that is not. Its quantile is
+/// `(n-2) (p^(-1/(n-2)) - 1)`, p the allowed false alarms over n. A hit is rejected when R is beyond it and
+/// `Σ|e_i|² > d² Σ|X_i|²`, d the least difference that matters. Three hits are not decidable, and of fewer nothing is measured.
+///
+/// # Reference
+/// Bendat and Piersol (2010), Random Data, 4th ed., section 9.1 (variance of H); Johnson, Kotz and Balakrishnan (1995), Continuous
+/// Univariate Distributions 2, chapter 27 (F with two degrees of freedom in closed form).
+pub fn odd_one_out(
+    force: &[&[Complex64]],
+    response: &[&[Complex64]],
+    limits: &JudgeLimits,
+) -> Vec<Check> {
+    let n = force.len().min(response.len());
+    let judge = |hit: usize| {
+        let Some(residual) = Residual::of(hit, &force[..n], &response[..n]) else {
+            return Check::new(Rule::OddOneOut, Outcome::NotDecidable);
+        };
+        let others = (n - 2) as f64;
+        let limit = others * ((limits.odd_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
+        let outcome = if n < FEWEST_FOR_ODD {
+            Outcome::NotDecidable
+        } else if residual.ratio <= limit {
+            Outcome::Passed
+        } else if residual.difference > limits.odd_difference {
+            Outcome::Rejected
+        } else {
+            Outcome::Noted
+        };
+        Check::new(Rule::OddOneOut, outcome).value(residual.ratio, limit, "")
+    };
+    (0..n).map(judge).collect()
+}
+
+struct Residual {
+    /// R of [`odd_one_out`].
+    ratio: f64,
+    /// `sqrt(Σ|e|²/Σ|X|²)`.
+    difference: f64,
+}
+
+impl Residual {
+    /// `None` for fewer than three hits, and where nothing scatters or nothing is there.
+    fn of(hit: usize, force: &[&[Complex64]], response: &[&[Complex64]]) -> Option<Self> {
+        let n = force.len();
+        if n < 3 {
+            return None;
+        }
+        let lines = force.iter().chain(response).map(|x| x.len()).min()?;
+        let (mut own, mut plain, mut all, mut others) = (0.0, 0.0, 0.0, 0.0);
+        for k in 0..lines {
+            let pairs = (0..n).filter(|j| *j != hit);
+            let (mut s, mut cross, mut power) = (0.0, Complex64::ZERO, 0.0);
+            for j in pairs {
+                s += force[j][k].norm_sqr();
+                cross += force[j][k].conj() * response[j][k];
+                power += response[j][k].norm_sqr();
+            }
+            if s <= 0.0 {
+                continue;
+            }
+            let e = (response[hit][k] - cross / s * force[hit][k]).norm_sqr();
+            own += e / (1.0 + force[hit][k].norm_sqr() / s);
+            plain += e;
+            all += response[hit][k].norm_sqr();
+            others += (power - cross.norm_sqr() / s).max(0.0);
+        }
+        let ratio = (n - 2) as f64 * own / others;
+        let difference = (plain / all).sqrt();
+        (ratio.is_finite() && difference.is_finite()).then_some(Self { ratio, difference })
+    }
+}
