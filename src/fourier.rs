@@ -1,9 +1,10 @@
-//! The only place that names an FFT crate: one-sided transforms of real records with a shared plan.
+//! The only place that names an FFT crate: one-sided transforms of real records and complex ones of lines, with shared plans.
 
 use std::sync::Arc;
 
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner};
 
 /// Forward transform of real records of one length, `X_k = sum_n x_n exp(-2 pi i k n / N)`, `k = 0 ..= N/2`, unscaled.
 ///
@@ -17,13 +18,6 @@ pub struct ForwardPlan {
 pub struct Scratch {
     input: Vec<f64>,
     work: Vec<Complex64>,
-}
-
-impl Scratch {
-    /// Where the samples to transform are put.
-    pub fn samples(&mut self) -> &mut [f64] {
-        &mut self.input
-    }
 }
 
 impl ForwardPlan {
@@ -73,16 +67,20 @@ impl ForwardPlan {
             count += 1;
         }
         assert_eq!(count, self.len(), "samples for the plan");
-        self.run(output, scratch);
+        self.process(&mut scratch.input, output, &mut scratch.work);
     }
 
-    /// Transforms what [`Scratch::samples`] holds, which is lost, into `output`.
+    /// Transforms samples into `output`; the samples are lost.
     ///
     /// # Panics
-    /// When the number of output places is not that of the plan, or the scratch is of another plan.
-    pub fn run(&self, output: &mut [Complex64], scratch: &mut Scratch) {
+    /// When the number of samples or of output places is not that of the plan, or the scratch is of another plan.
+    pub fn run(&self, samples: &mut [f64], output: &mut [Complex64], scratch: &mut Scratch) {
+        self.process(samples, output, &mut scratch.work);
+    }
+
+    fn process(&self, samples: &mut [f64], output: &mut [Complex64], work: &mut [Complex64]) {
         self.transform
-            .process_with_scratch(&mut scratch.input, output, &mut scratch.work)
+            .process_with_scratch(samples, output, work)
             .expect("buffer lengths come from the plan");
     }
 
@@ -91,6 +89,44 @@ impl ForwardPlan {
         let mut output = vec![Complex64::ZERO; self.lines()];
         self.forward(samples.iter().copied(), &mut output, &mut self.scratch());
         output
+    }
+}
+
+/// Inverse transform of complex lines, `x_m = Σ_k X_k exp(2πi k m / N)`, unscaled.
+#[derive(Clone)]
+pub struct ComplexPlan {
+    transform: Arc<dyn Fft<f64>>,
+}
+
+impl ComplexPlan {
+    /// A plan for `len` lines.
+    pub fn inverse(len: usize) -> Self {
+        Self {
+            transform: FftPlanner::<f64>::new().plan_fft_inverse(len),
+        }
+    }
+
+    /// Number of lines.
+    pub fn len(&self) -> usize {
+        self.transform.len()
+    }
+
+    /// Whether the plan is for no lines.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Working memory for [`Self::run`].
+    pub fn scratch(&self) -> Vec<Complex64> {
+        vec![Complex64::ZERO; self.transform.get_inplace_scratch_len()]
+    }
+
+    /// Transforms in place.
+    ///
+    /// # Panics
+    /// When the number of lines is not that of the plan.
+    pub fn run(&self, lines: &mut [Complex64], scratch: &mut [Complex64]) {
+        self.transform.process_with_scratch(lines, scratch);
     }
 }
 

@@ -45,7 +45,7 @@ pub fn convert(
     output.blocks(&[Block::Text(summary(written.catalog(), &damage))]);
     let findings = [findings, lost].concat();
     let json = summary_json(written.catalog(), &damage, &findings);
-    output.json(&format!("{json:#}"));
+    output.json(|| format!("{json:#}"));
     output.findings(&findings);
     Ok(Outcome::missed_if(!damage.is_empty()))
 }

@@ -52,7 +52,7 @@ pub fn correlate(
         write_whole(path, text)?;
     }
     output.blocks(&blocks);
-    output.json(&json);
+    output.json(|| json);
     for model in tests
         .iter()
         .map(|(_, test)| &test.modes)

@@ -53,7 +53,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         output.findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
     output.blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);
-    output.json(&set_json(&set, usable, &hits));
+    output.json(|| set_json(&set, usable, &hits));
     output.findings(&data.findings);
     output.findings(&set.findings);
     Ok(Outcome::missed_if(data.partly_bad))

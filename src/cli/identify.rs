@@ -67,7 +67,7 @@ pub fn identify(
         output.findings(&lost);
     }
     output.blocks(&[modes_block(&name, &modes)]);
-    output.json(&json);
+    output.json(|| json);
     output.findings(&modes.findings);
     Ok(Outcome::missed_if(data.partly_bad))
 }

@@ -46,13 +46,17 @@ pub fn inspect(
         output.blocks(&blocks(catalog));
         output.findings(&catalog.findings);
         damaged |= !catalog.damage.is_empty();
-        files.push(catalog_json(catalog));
+        if output.wants_json() {
+            files.push(catalog_json(catalog));
+        }
     }
     if let (0, Some(error)) = (opened, first_error.take()) {
         return Err(error.into());
     }
-    let result = json!({ "schema": "modalign-inspect/1", "files": files });
-    output.json(&format!("{result:#}"));
+    output.json(|| {
+        let result = json!({ "schema": "modalign-inspect/1", "files": files });
+        format!("{result:#}")
+    });
     Ok(Outcome::missed_if(damaged || opened < args.files.len()))
 }
 

@@ -87,10 +87,15 @@ impl Output {
         }
     }
 
+    /// Whether the result is wanted as JSON.
+    pub fn wants_json(&self) -> bool {
+        self.json
+    }
+
     /// Adds JSON to the result, when it is wanted.
-    pub fn json(&mut self, text: &str) {
+    pub fn json(&mut self, text: impl FnOnce() -> String) {
         if self.json {
-            self.text(text);
+            self.text(&text());
         }
     }
 

@@ -29,8 +29,8 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     }
     output.blocks(&blocks);
     match &result.table {
-        Some(table) => output.json(&json::comparison_to_json(table)),
-        None => output.json(&modes_of_tests(&result)),
+        Some(table) => output.json(|| json::comparison_to_json(table)),
+        None => output.json(|| modes_of_tests(&result)),
     }
     for (test, findings) in result.findings_by_test() {
         output.findings_of(&test, &findings);

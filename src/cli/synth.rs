@@ -31,6 +31,6 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
         Block::Text(summary),
         theory_block("Truth of the synthetic test", &recording.truth),
     ]);
-    output.json(&recording.truth_json);
+    output.json(|| recording.truth_json.clone());
     Ok(Outcome::Done)
 }

@@ -29,7 +29,7 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         roots_block(&format!("Roots of {name}"), &result.roots, args.band)
     });
     output.blocks(&blocks);
-    output.json(&json);
+    output.json(|| json);
     output.findings(&result.modes.findings);
     Ok(Outcome::Done)
 }

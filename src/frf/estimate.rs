@@ -20,7 +20,7 @@ use crate::record::{ChannelPlace, Hit, HitInfo, InMemory, Recording, Samples, St
 use crate::signal::JudgeLimits;
 
 use super::force::{Extent, ForceHit, read_force};
-use super::function::{Estimation, Finished, Group, Task, Work};
+use super::function::{Estimation, Finished, Group, Task, Work, force_power};
 use super::preconditions::check;
 use super::truncation::{QuarterEnergies, truncation_finding};
 use super::usable::ForcePower;
@@ -135,6 +135,7 @@ pub fn estimate_recording(
                 reference,
                 numbers: &members,
                 hits: members.iter().map(|hit| &infos[*hit]).collect(),
+                power: force_power(&forces, plan.lines()),
                 forces,
             },
             plan: &plan,
@@ -245,14 +246,14 @@ fn functions(
     let len = estimation.group.hits[0].axis.len;
     let batches = batches(&tasks, len);
     let mut finished = Vec::with_capacity(tasks.len());
-    let mut read: Vec<Vec<Samples>> = Vec::new();
+    // Records that are transformed, and memory for those that are read meanwhile.
+    let (mut records, mut ahead): (Vec<Vec<Samples>>, Vec<Vec<Samples>>) = Default::default();
     for step in 0..=batches.len() {
         let now = step.checked_sub(1).map_or(&[][..], |now| batches[now]);
         let next = batches.get(step).copied().unwrap_or_default();
-        let records = std::mem::take(&mut read);
-        let (done, ahead) = rayon::join(
+        let (done, read) = rayon::join(
             || transform(estimation, now, &records),
-            || read_batch(recording, next, hits, len),
+            || read_batch(recording, (next, hits), len, &mut ahead),
         );
         for mut own in done? {
             if let Some(explained) = explained {
@@ -261,7 +262,8 @@ fn functions(
             own.response_power = Vec::new();
             finished.push(own);
         }
-        read = ahead?;
+        read?;
+        std::mem::swap(&mut records, &mut ahead);
     }
     Ok(finished)
 }
@@ -290,26 +292,26 @@ fn batches(tasks: &[Task], len: usize) -> Vec<&[Task]> {
         .collect()
 }
 
+/// Reads the records of some tasks in place of what `out` held, whose memory is used again.
 fn read_batch(
     recording: &mut dyn Recording,
-    tasks: &[Task],
-    hits: &[usize],
+    (tasks, hits): (&[Task], &[usize]),
     len: usize,
-) -> Result<Vec<Vec<Samples>>, FrfError> {
-    let mut record = |(h, r): &(usize, usize)| {
-        let mut samples = Samples::F32(Vec::new());
-        let stretch = Stretch {
-            hit: hits[*h],
-            channel: ChannelPlace::Response(*r),
-            samples: 0..len,
-        };
-        recording.read(&stretch, &mut samples)?;
-        Ok(samples)
-    };
-    tasks
-        .iter()
-        .map(|task| task.members.iter().map(&mut record).collect())
-        .collect()
+    out: &mut Vec<Vec<Samples>>,
+) -> Result<(), FrfError> {
+    out.resize_with(tasks.len(), Vec::new);
+    for (task, records) in tasks.iter().zip(out) {
+        records.resize_with(task.members.len(), || Samples::F32(Vec::new()));
+        for ((h, r), samples) in task.members.iter().zip(records) {
+            let stretch = Stretch {
+                hit: hits[*h],
+                channel: ChannelPlace::Response(*r),
+                samples: 0..len,
+            };
+            recording.read(&stretch, samples)?;
+        }
+    }
+    Ok(())
 }
 
 fn transform(
@@ -376,8 +378,8 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let median = |index: usize| {
         let mut values = set.coherence(index)?[lines.clone()].to_vec();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
+        let middle = values.len() / 2;
+        (middle < values.len()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
     };
     let medians = (0..set.len()).filter_map(|index| Some((index, median(index)?)));
     let (index, worst) = medians.min_by(|a, b| a.1.total_cmp(&b.1))?;

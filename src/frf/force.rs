@@ -41,9 +41,9 @@ impl ForceHit {
         let range = range.unwrap_or(0..hit.axis.len);
         let frame = Frame::new(&hit.axis, pulse, range, conditioning);
         let weights = frame.force_weights.as_deref();
-        frame.apply(&force, offset, weights, scratch.samples());
+        frame.apply(&mut force, offset, weights);
         let mut spectrum = vec![Complex64::ZERO; plan.lines()];
-        plan.run(&mut spectrum, scratch);
+        plan.run(&mut force, &mut spectrum, scratch);
         Ok(Self {
             cut,
             noise: quiet

@@ -6,7 +6,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{HitInfo, Samples};
-use crate::signal::{offset_of, overloaded, to_si};
+use crate::signal::{Extent, offset_of, overloaded, to_si, vectorised};
 
 use super::coherence::coherence;
 use super::force::ForceHit;
@@ -23,6 +23,22 @@ pub(super) struct Group<'a> {
     pub numbers: &'a [usize],
     pub hits: Vec<&'a HitInfo>,
     pub forces: Vec<ForceHit>,
+    /// Power of all its forces.
+    pub power: Vec<f64>,
+}
+
+/// `Σ|F|²` at every line.
+pub(super) fn force_power<'a>(
+    forces: impl IntoIterator<Item = &'a ForceHit>,
+    lines: usize,
+) -> Vec<f64> {
+    let mut power = vec![0.0; lines];
+    for force in forces {
+        for (sum, f) in power.iter_mut().zip(&force.spectrum) {
+            *sum += f.norm_sqr();
+        }
+    }
+    power
 }
 
 /// One response and the hits of its group that hold it: number within the group, number of the response within the hit.
@@ -47,7 +63,6 @@ pub(super) struct Work {
     scratch: Scratch,
     record: Vec<f64>,
     spectrum: Vec<Complex64>,
-    gff: Vec<f64>,
     gxx: Vec<f64>,
     gfx: Vec<Complex64>,
 }
@@ -58,17 +73,12 @@ impl Work {
             scratch: plan.scratch(),
             record: Vec::new(),
             spectrum: vec![Complex64::ZERO; plan.lines()],
-            gff: Vec::new(),
             gxx: Vec::new(),
             gfx: Vec::new(),
         }
     }
-}
 
-impl Work {
     fn clear(&mut self, lines: usize) {
-        self.gff.clear();
-        self.gff.resize(lines, 0.0);
         self.gxx.clear();
         self.gxx.resize(lines, 0.0);
         self.gfx.clear();
@@ -77,29 +87,37 @@ impl Work {
 
     /// Adds the spectrum of a response to the sums, with that of its force.
     fn add(&mut self, force: &[Complex64]) {
-        let sums = self.gff.iter_mut().zip(&mut self.gxx).zip(&mut self.gfx);
-        let spectra = force.iter().zip(&self.spectrum);
-        for (((gff, gxx), gfx), (f, x)) in sums.zip(spectra) {
-            *gff += f.norm_sqr();
-            *gxx += x.norm_sqr();
-            *gfx += f.conj() * x;
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                let sums = self.gxx.iter_mut().zip(&mut self.gfx);
+                let spectra = force.iter().zip(&self.spectrum);
+                for ((gxx, gfx), (f, x)) in sums.zip(spectra) {
+                    *gxx += x.re * x.re + x.im * x.im;
+                    gfx.re += f.re * x.re + f.im * x.im;
+                    gfx.im += f.re * x.im - f.im * x.re;
+                }
+            },
+        );
     }
 
-    fn sums(&self) -> impl Iterator<Item = LineSums> {
-        let sums = self.gff.iter().zip(&self.gxx).zip(&self.gfx);
-        sums.map(|((gff, gxx), gfx)| LineSums {
+    /// The sums with the power of the force.
+    fn sums(&self, force_power: &[f64]) -> Vec<LineSums> {
+        let sums = force_power.iter().zip(&self.gxx).zip(&self.gfx);
+        let line = |((gff, gxx), gfx): ((&f64, &f64), &Complex64)| LineSums {
             gff: *gff,
             gxx: *gxx,
             gfx: *gfx,
-        })
+        };
+        sums.map(line).collect()
     }
 }
 
 /// What the records of a function say besides their sums.
 #[derive(Default)]
 struct Totals {
-    hits: usize,
+    /// Numbers of the hits within the group.
+    hits: Vec<usize>,
     energies: Vec<Option<QuarterEnergies>>,
     /// Expected energies of the noise under the window, per record.
     response_noise: Vec<f64>,
@@ -143,20 +161,25 @@ impl Estimation<'_> {
         let mut findings = Vec::new();
         work.clear(self.plan.lines());
         for (member, samples) in task.members.iter().zip(records) {
-            self.to_si(*member, samples, work)?;
-            match self.unusable(*member, &work.record) {
+            let extent = self.to_si(*member, samples, work)?;
+            match self.unusable(*member, &work.record, extent) {
                 Some(finding) => findings.push(finding),
                 None => self.add(*member, work, &mut totals)?,
             }
         }
-        if totals.hits == 0 {
+        if totals.hits.is_empty() {
             findings = vec![self.none_left(task)];
             for (member, samples) in task.members.iter().zip(records) {
                 self.to_si(*member, samples, work)?;
                 self.add(*member, work, &mut totals)?;
             }
         }
-        let sums: Vec<LineSums> = work.sums().collect();
+        let sums = if totals.hits.len() == self.group.forces.len() {
+            work.sums(&self.group.power)
+        } else {
+            let own = totals.hits.iter().map(|hit| &self.group.forces[*hit]);
+            work.sums(&force_power(own, self.plan.lines()))
+        };
         let finished = self.estimate(task, &sums, totals)?;
         findings.extend(finished.findings);
         Ok(Finished {
@@ -180,13 +203,13 @@ impl Estimation<'_> {
         (h, r): (usize, usize),
         samples: &Samples,
         work: &mut Work,
-    ) -> Result<(), FrfError> {
+    ) -> Result<Extent, FrfError> {
         let hit = self.group.hits[h];
         Ok(to_si(hit, &hit.responses[r], samples, &mut work.record)?)
     }
 
-    /// The finding of a response that holds nothing, or ran into the rail.
-    fn unusable(&self, (h, r): (usize, usize), record: &[f64]) -> Option<Finding> {
+    /// The finding of a response of this extent that holds nothing, or ran into the rail.
+    fn unusable(&self, (h, r): (usize, usize), record: &[f64], extent: Extent) -> Option<Finding> {
         let number = self.group.numbers[h];
         let limits = self.selection.overloads.as_ref()?;
         if self.selection.accepted.contains(&number) {
@@ -197,10 +220,10 @@ impl Estimation<'_> {
             hit: number + 1,
             dof: channel.dof.clone(),
         };
-        if record.iter().all(|x| x.to_bits() == record[0].to_bits()) {
+        if extent.range() <= 0.0 {
             return Some(Finding::new(Severity::Warning, Code::DeadChannel, place));
         }
-        let check = overloaded(record, channel.full_scale, limits)?;
+        let check = overloaded(record, extent, channel.full_scale, limits)?;
         let finding = Finding::new(Severity::Warning, Code::Overload, place);
         Some(
             finding
@@ -221,14 +244,14 @@ impl Estimation<'_> {
         let policy = self.options.offset;
         let (quiet, offset) = offset_of(hit, channel, &work.record, &frame.pulse, policy)?;
         let weights = frame.response_weights.as_deref();
-        let framed = work.scratch.samples();
-        frame.apply(&work.record, offset, weights, framed);
+        frame.apply(&mut work.record, offset, weights);
         let onset = frame.pulse.onset.saturating_sub(frame.range.start);
         let variance = quiet.map(|quiet| quiet.variance);
-        let energies = QuarterEnergies::of(framed, onset, weights, variance);
-        self.plan.run(&mut work.spectrum, &mut work.scratch);
+        let energies = QuarterEnergies::of(&work.record, onset, weights, variance);
+        let (spectrum, scratch) = (&mut work.spectrum, &mut work.scratch);
+        self.plan.run(&mut work.record, spectrum, scratch);
         work.add(&force.spectrum);
-        totals.hits += 1;
+        totals.hits.push(h);
         totals.energies.push(energies);
         totals.force_noise.extend(force.noise);
         // Exact zeros before the hit are a gate, not the absence of noise.
@@ -257,7 +280,7 @@ impl Estimation<'_> {
                     .map_err(|error| self.line_error(error, task, line))
             })
             .collect::<Result<_, _>>()?;
-        let n = totals.hits;
+        let n = totals.hits.len();
         let (h, r) = task.members[0];
         let variances = variances(sums, &values, n, self.pooled_lines, powers);
         let function = Function {

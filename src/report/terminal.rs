@@ -1,6 +1,6 @@
 //! Plain text with aligned columns, for a terminal.
 
-use comfy_table::{CellAlignment, ContentArrangement, presets};
+use unicode_width::UnicodeWidthStr;
 
 use super::{Align, Block, Column, Renderer, Table};
 
@@ -40,41 +40,61 @@ fn block_text(block: &Block) -> String {
 }
 
 fn table_text(table: &Table) -> String {
-    let mut grid = comfy_table::Table::new();
-    grid.load_preset(presets::NOTHING)
-        .set_content_arrangement(ContentArrangement::Disabled);
-    grid.set_header(table.columns.iter().map(|column| &column.head));
-    for row in &table.rows {
-        grid.add_row(row.iter().map(|cell| cell.display()));
-    }
-    for (index, column) in table.columns.iter().enumerate() {
-        if let (Align::Right, Some(place)) = (column.align, grid.column_mut(index)) {
-            place.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let lines: Vec<String> = grid
-        .lines()
-        .map(|line| line.trim_end().to_owned())
-        .collect();
-    let width = lines
+    let head: Vec<&str> = table.columns.iter().map(|c| c.head.as_str()).collect();
+    let rows: Vec<Vec<String>> = table
+        .rows
         .iter()
-        .map(|line| line.chars().count())
-        .max()
-        .unwrap_or(0);
-    let rule = "-".repeat(width);
-    let mut text = format!("{}\n{rule}\n", table.caption);
-    let head_lines = |column: &Column| column.head.lines().count();
-    let head = table.columns.iter().map(head_lines).max().unwrap_or(1);
-    for (number, line) in (1..).zip(&lines) {
-        text += line;
-        text += "\n";
-        if number == head {
-            text += &format!("{rule}\n");
-        }
+        .map(|row| row.iter().map(|cell| cell.display()).collect())
+        .collect();
+    let widths = widths(&head, &rows);
+    let mut lines = Vec::new();
+    push_row(&mut lines, &head, (&table.columns, &widths));
+    let head_lines = lines.len();
+    for row in &rows {
+        push_row(&mut lines, row, (&table.columns, &widths));
     }
-    text += &rule;
+    let width = lines.iter().map(|line| line.width()).max().unwrap_or(0);
+    let rule = "-".repeat(width);
+    lines.insert(head_lines, rule.clone());
+    let mut text = format!("{}\n{rule}\n{}\n{rule}", table.caption, lines.join("\n"));
     for note in &table.footnotes {
         text += &format!("\n{note}");
     }
     text
+}
+
+/// Width of each column on a screen.
+fn widths(head: &[&str], rows: &[Vec<String>]) -> Vec<usize> {
+    let widest = |text: &str| text.lines().map(UnicodeWidthStr::width).max().unwrap_or(0);
+    let mut widths: Vec<usize> = head.iter().map(|text| widest(text)).collect();
+    for row in rows {
+        for (width, text) in widths.iter_mut().zip(row) {
+            *width = (*width).max(widest(text));
+        }
+    }
+    widths
+}
+
+/// Adds the lines of one row, whose cells may have several.
+fn push_row<T: AsRef<str>>(
+    lines: &mut Vec<String>,
+    cells: &[T],
+    (columns, widths): (&[Column], &[usize]),
+) {
+    let count = cells.iter().map(|cell| cell.as_ref().lines().count());
+    for number in 0..count.max().unwrap_or(0).max(1) {
+        let mut line = String::new();
+        for ((cell, column), width) in cells.iter().zip(columns).zip(widths) {
+            let text = cell.as_ref().lines().nth(number).unwrap_or_default();
+            let missing = " ".repeat(width - text.width());
+            line += " ";
+            match column.align {
+                Align::Right => line.extend([&missing, text]),
+                Align::Left => line.extend([text, &missing]),
+            }
+            line += " ";
+        }
+        line.truncate(line.trim_end().len());
+        lines.push(line);
+    }
 }

@@ -10,7 +10,7 @@ use crate::record::{ChannelInfo, HitInfo, Samples};
 
 use super::pulse::FEWEST_QUIET;
 use super::{
-    ExponentialWindow, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError, lane_sum,
+    ExponentialWindow, Extent, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError,
 };
 
 /// What is done with the mean of a channel before the hit.
@@ -86,18 +86,16 @@ impl Frame {
         }
     }
 
-    /// Puts the framed samples of a whole record where they are transformed: `(x − offset) w`.
-    pub fn apply(&self, record: &[f64], offset: f64, weights: Option<&[f64]>, out: &mut [f64]) {
-        let samples = &record[self.range.clone()];
+    /// The framed samples of a whole record as they are transformed, `(x − offset) w`, in place of the record.
+    pub fn apply(&self, record: &mut Vec<f64>, offset: f64, weights: Option<&[f64]>) {
+        record.truncate(self.range.end);
+        record.drain(..self.range.start);
         match weights {
-            None => {
-                for (out, sample) in out.iter_mut().zip(samples) {
-                    *out = sample - offset;
-                }
-            }
+            None if offset.abs() <= 0.0 => {}
+            None => record.iter_mut().for_each(|x| *x -= offset),
             Some(weights) => {
-                for ((out, sample), weight) in out.iter_mut().zip(samples).zip(weights) {
-                    *out = (sample - offset) * weight;
+                for (x, weight) in record.iter_mut().zip(weights) {
+                    *x = (*x - offset) * weight;
                 }
             }
         }
@@ -123,7 +121,7 @@ pub fn locate(hit: &HitInfo, force_n: &[f64]) -> Result<Pulse, SignalError> {
     })
 }
 
-/// The samples of one channel in SI units, in place of what `out` held.
+/// The samples of one channel in SI units, in place of what `out` held; their extent.
 ///
 /// # Errors
 /// [`SignalError`] for a sample count that is not the hit's, a calibration factor or a sample that is no finite number.
@@ -132,7 +130,7 @@ pub fn to_si(
     channel: &ChannelInfo,
     samples: &Samples,
     out: &mut Vec<f64>,
-) -> Result<(), SignalError> {
+) -> Result<Extent, SignalError> {
     let (origin, dof) = (|| hit.origin.clone(), || channel.dof.clone());
     if samples.len() != hit.axis.len {
         return Err(SignalError::SampleCount {
@@ -150,17 +148,18 @@ pub fn to_si(
             got: factor,
         });
     }
-    out.clear();
-    match samples {
-        Samples::F32(values) => out.extend(values.iter().map(|v| f64::from(*v) * factor)),
-        Samples::F64(values) => out.extend(values.iter().map(|v| v * factor)),
-    }
+    let extent = match samples {
+        Samples::F32(values) => Extent::of_scaled(values, factor, out),
+        Samples::F64(values) => Extent::of_scaled(values, factor, out),
+    };
     // A sum is finite only if all samples are; an overflow of finite ones is decided one by one.
-    if lane_sum(out, |x| x).is_finite() {
-        return Ok(());
-    }
-    match out.iter().position(|v| !v.is_finite()) {
-        None => Ok(()),
+    let bad = if extent.sum.is_finite() {
+        None
+    } else {
+        out.iter().position(|v| !v.is_finite())
+    };
+    match bad {
+        None => Ok(extent),
         Some(sample) => Err(SignalError::NotFinite {
             origin: origin(),
             dof: dof(),
@@ -274,9 +273,9 @@ mod tests {
         assert_eq!(pulse.quiet(), 0..12);
         let response = si(&info, &info.responses[0], response);
         let frame = Frame::new(&info.axis, pulse, 0..24, &Conditioning::default());
-        let mut out = [0.0; 24];
-        frame.apply(&response, 0.0, None, &mut out);
-        assert_eq!(out.as_slice(), response);
+        let mut out = response.clone();
+        frame.apply(&mut out, 0.0, None);
+        assert_eq!(out, response);
         assert!((frame.noise_gain(None) - 24.0).abs() < 1e-15);
     }
 
@@ -295,8 +294,8 @@ mod tests {
         let pulse = locate(&info, &force).unwrap();
         let frame = Frame::new(&info.axis, pulse, 4..24, &conditioning);
         let (_, offset) = offset_of(&info, &info.force, &force, &pulse, Offset::Remove).unwrap();
-        let mut out = [0.0; 20];
-        frame.apply(&force, offset, frame.force_weights.as_deref(), &mut out);
+        let mut out = force.clone();
+        frame.apply(&mut out, offset, frame.force_weights.as_deref());
         assert!((out[10] - 20.0).abs() < 1e-12);
         let rest = out.iter().map(|v| v.abs()).sum::<f64>() - 20.0;
         assert!(rest.abs() < 1e-12);
@@ -304,12 +303,8 @@ mod tests {
         let response = si(&info, &info.responses[0], response);
         let channel = &info.responses[0];
         let (_, offset) = offset_of(&info, channel, &response, &pulse, Offset::Remove).unwrap();
-        frame.apply(
-            &response,
-            offset,
-            frame.response_weights.as_deref(),
-            &mut out,
-        );
+        let mut out = response.clone();
+        frame.apply(&mut out, offset, frame.response_weights.as_deref());
         let expected = (190.0 - 55.0) * (-1f64).exp();
         assert!((out[15] - expected).abs() < 1e-11);
     }

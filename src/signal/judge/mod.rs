@@ -28,7 +28,7 @@ mod tests;
 
 use crate::dof::Dof;
 
-use super::Pulse;
+use super::{Extent, Pulse};
 
 pub use contact::least_delay_samples;
 pub use decay::{Drift, drift_of};
@@ -201,7 +201,7 @@ pub fn judge_force(
     }
     vec![
         contact::double_hit(force_n, step_s, pulse, limits),
-        rail::overload(force_n, full_scale_n, limits),
+        rail::overload(force_n, Extent::of(force_n), full_scale_n, limits),
         quiet::force_pre_trigger(force_n, pulse, limits),
         roll_off::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
         quiet::dead_force(force_n, pulse),
@@ -235,7 +235,12 @@ pub fn judge_response(
         return undecided(&RESPONSE_RULES, Some(record.dof));
     }
     let checks = [
-        rail::overload(record.samples, record.full_scale, limits),
+        rail::overload(
+            record.samples,
+            Extent::of(record.samples),
+            record.full_scale,
+            limits,
+        ),
         quiet::response_pre_trigger(record.samples, pulse, limits),
         decay::decay(record.samples, pulse, limits),
         quiet::dead_response(record.samples, pulse),
@@ -249,7 +254,12 @@ pub fn judge_response(
 }
 
 /// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any other.
-pub fn overloaded(samples: &[f64], full_scale: Option<f64>, limits: &JudgeLimits) -> Option<Check> {
-    let check = rail::overload(samples, full_scale, limits);
+pub fn overloaded(
+    samples: &[f64],
+    extent: Extent,
+    full_scale: Option<f64>,
+    limits: &JudgeLimits,
+) -> Option<Check> {
+    let check = rail::overload(samples, extent, full_scale, limits);
     (check.outcome == Outcome::Rejected).then_some(check)
 }

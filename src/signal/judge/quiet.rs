@@ -34,11 +34,6 @@ pub(super) fn trimmed_deviation(samples: impl Iterator<Item = f64>) -> f64 {
 pub(super) fn converter_step(samples: &[f64]) -> f64 {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    least_step(&sorted)
-}
-
-/// As [`converter_step`], of ascending samples.
-pub(super) fn least_step(sorted: &[f64]) -> f64 {
     let range = sorted
         .last()
         .zip(sorted.first())

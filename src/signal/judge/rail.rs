@@ -8,32 +8,41 @@
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::super::{lane_bounds, lane_sum};
-use super::quiet::least_step;
+use super::super::{Extent, lane_count};
+use super::quiet::converter_step;
 use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.
 const RAIL_STEPS: f64 = 4.5;
 /// The rail is at least so deep, relative to the range: samples that went through single precision are on no clean raster.
 const LEAST_DEPTH: f64 = 1e-6;
-/// Samples from the start of the record that show the step of the converter, together with those in the upper half of a side.
-const STEP_SAMPLES: usize = 4096;
+/// Samples from the start of the record that show the step of the converter, together with as many of the upper half of each
+/// side.
+const STEP_SAMPLES: usize = 1024;
 /// The smallest K: samples within five depths.
 const FIRST_DEPTHS: f64 = 5.0;
 /// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail of a 12-bit converter with one in
 /// the upper half of the height beside them are at 0.0018 (K = 160); smooth tops are more even than random ones and stay far above.
 const RAIL_CHANCE: f64 = 2e-3;
 
+/// Samples that are passed over together when none of them is in the upper half.
+const PIECE: usize = 64;
+
 /// Part of the range below its end in which a clipped record has its samples: the jitter of a converter of 12 bits.
 const NEAR_THE_END: f64 = 2.5e-3;
 
 /// The rule; the value is the number of samples on the rail. A record with too few samples near its ends has passed at a
-/// glance.
-pub(super) fn overload(samples: &[f64], full_scale: Option<f64>, limits: &JudgeLimits) -> Check {
-    let count = if near_the_ends(samples, full_scale) < limits.overload_samples {
-        0
-    } else {
-        on_the_rail(samples, full_scale)
+/// glance. `extent` is that of the samples.
+pub(super) fn overload(
+    samples: &[f64],
+    extent: Extent,
+    full_scale: Option<f64>,
+    limits: &JudgeLimits,
+) -> Check {
+    let fewest = limits.overload_samples;
+    let count = match full_scale {
+        Some(rail) => on_a_known_rail(samples, extent, rail.abs(), fewest),
+        None => on_the_extremes(samples, extent, fewest),
     };
     let outcome = if count >= limits.overload_samples {
         Outcome::Rejected
@@ -49,57 +58,52 @@ pub(super) fn overload(samples: &[f64], full_scale: Option<f64>, limits: &JudgeL
     )
 }
 
-/// Samples near the rails, or near the extremes where the rails are not known.
-fn near_the_ends(samples: &[f64], full_scale: Option<f64>) -> usize {
-    let (lo, hi) = lane_bounds(samples);
-    let depth = NEAR_THE_END * (hi - lo);
-    let (low, high) = match full_scale {
-        Some(rail) => (-rail.abs() + depth, rail.abs() - depth),
-        None => (lo + depth, hi - depth),
-    };
-    samples.iter().filter(|x| **x >= high || **x <= low).count()
-}
-
-fn on_the_rail(samples: &[f64], full_scale: Option<f64>) -> usize {
-    let (lo, hi) = lane_bounds(samples);
-    if hi <= lo {
+fn on_a_known_rail(samples: &[f64], extent: Extent, rail: f64, fewest: usize) -> usize {
+    let near = rail - NEAR_THE_END * extent.range();
+    if extent.hi.max(-extent.lo) < near || lane_count(samples, |x| x.abs() >= near) < fewest {
         return 0;
     }
-    let depth = |mut upper: Vec<f64>| {
-        upper.extend_from_slice(&samples[..samples.len().min(STEP_SAMPLES)]);
-        (RAIL_STEPS * step_of(upper)).max(LEAST_DEPTH * (hi - lo))
-    };
-    if let Some(rail) = full_scale {
-        let rail = rail.abs() - depth(Vec::new());
-        return samples.iter().filter(|x| x.abs() >= rail).count();
-    }
-    let mean = lane_sum(samples, |x| x) / samples.len() as f64;
-    let side = |sign: f64| {
-        let highest = (sign * hi).max(sign * lo);
-        let height = highest - sign * mean;
-        // The other side of a pulse is its level: an extreme less than half as far from the mean as the other is none.
-        if height < 0.5 * (hi - lo - height) {
-            return 0;
-        }
-        let upper = samples.iter().copied();
-        let upper: Vec<f64> = upper
-            .filter(|x| highest - sign * x <= 0.5 * height)
-            .collect();
-        let depth = depth(upper.clone());
-        let below = upper.iter().map(|x| highest - sign * x).collect();
-        Upper { below, height }.piled_up(depth)
-    };
-    side(1.0).max(side(-1.0))
+    let rail = rail - depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
+    lane_count(samples, |x| x.abs() >= rail)
 }
 
-/// Least distance of two different samples of a few.
-fn step_of(mut samples: Vec<f64>) -> f64 {
-    samples.sort_unstable_by(f64::total_cmp);
-    least_step(&samples)
+fn on_the_extremes(samples: &[f64], extent: Extent, fewest: usize) -> usize {
+    let depth_of_search = NEAR_THE_END * extent.range();
+    let (high, low) = (extent.hi - depth_of_search, extent.lo + depth_of_search);
+    if extent.range() <= 0.0 || lane_count(samples, |x| x >= high || x <= low) < fewest {
+        return 0;
+    }
+    let crowded = [
+        (1.0, lane_count(samples, |x| x >= high)),
+        (-1.0, lane_count(samples, |x| x <= low)),
+    ];
+    let crowded = crowded.iter().filter(|(_, count)| *count >= fewest);
+    let sides: Vec<Upper> = crowded
+        .filter_map(|(sign, _)| Upper::of(samples, *sign, extent))
+        .collect();
+    if sides.is_empty() {
+        return 0;
+    }
+    let mut few = samples[..samples.len().min(STEP_SAMPLES)].to_vec();
+    for side in &sides {
+        few.extend(side.samples().take(STEP_SAMPLES));
+    }
+    let depth = depth(&few, extent);
+    let counts = sides.iter().map(|side| side.piled_up(depth));
+    counts.max().unwrap_or(0)
+}
+
+/// Depth of the rail, from a few samples.
+fn depth(few: &[f64], extent: Extent) -> f64 {
+    (RAIL_STEPS * converter_step(few)).max(LEAST_DEPTH * extent.range())
 }
 
 /// The upper half of one side of a record.
 struct Upper {
+    /// 1 or -1.
+    sign: f64,
+    /// The extreme times the sign.
+    highest: f64,
     /// How far each sample is below the extreme.
     below: Vec<f64>,
     /// From the mean to the extreme.
@@ -107,6 +111,32 @@ struct Upper {
 }
 
 impl Upper {
+    /// Of the positive or the negative side; `None` where that is but the level of a pulse of the other.
+    fn of(samples: &[f64], sign: f64, extent: Extent) -> Option<Self> {
+        let highest = (sign * extent.hi).max(sign * extent.lo);
+        let height = highest - sign * extent.sum / samples.len() as f64;
+        // An extreme less than half as far from the mean as the other is none.
+        if height < 0.5 * (extent.range() - height) {
+            return None;
+        }
+        let near = |x: &&f64| highest - sign * **x <= 0.5 * height;
+        let any = |piece: &&[f64]| piece.iter().fold(false, |any, x| any | near(&x));
+        let below = samples.chunks(PIECE).filter(any).flatten().filter(near);
+        let below = below.map(|x| highest - sign * x).collect();
+        Some(Self {
+            sign,
+            highest,
+            below,
+            height,
+        })
+    }
+
+    fn samples(&self) -> impl Iterator<Item = f64> {
+        self.below
+            .iter()
+            .map(|below| self.sign * (self.highest - below))
+    }
+
     /// Samples within `depth` of the extreme, 0 where they do not pile up.
     fn piled_up(&self, depth: f64) -> usize {
         if self.height <= 2.0 * FIRST_DEPTHS * depth {
