@@ -22,6 +22,12 @@ pub enum LinalgError {
         /// Its size.
         size: usize,
     },
+    /// A matrix that must be positive definite.
+    #[error("a matrix of size {size} is not positive definite to working precision")]
+    NotPositiveDefinite {
+        /// Its size.
+        size: usize,
+    },
     /// An iteration that did not converge.
     #[error("{what} of a {rows} x {columns} matrix did not converge")]
     NotConverged {
@@ -103,6 +109,103 @@ pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
 pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Vec<f64> {
     let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
     a.qr().solve_lstsq(&rhs).col(0).iter().copied().collect()
+}
+
+/// Lower Cholesky factor `L` of a Hermitian positive definite matrix, `A = L Lᴴ`.
+///
+/// # Errors
+/// [`LinalgError::NotPositiveDefinite`].
+pub fn cholesky(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
+    let factor = a.llt(Side::Lower);
+    let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
+    Ok(factor.L().to_owned())
+}
+
+/// `L⁻¹ B` of a lower triangular matrix.
+pub fn solve_lower(lower: &ComplexMatrix, right: &ComplexMatrix) -> ComplexMatrix {
+    let mut solution = right.clone();
+    let (left, out) = (lower.as_ref(), solution.as_mut());
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(left, out, faer::Par::Seq);
+    solution
+}
+
+/// `L⁻ᴴ B` of a lower triangular matrix.
+pub fn solve_lower_adjoint(lower: &ComplexMatrix, right: &ComplexMatrix) -> ComplexMatrix {
+    let mut solution = right.clone();
+    let (left, out) = (lower.adjoint(), solution.as_mut());
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(left, out, faer::Par::Seq);
+    solution
+}
+
+/// Eigenvalues of a general complex matrix, in no stated order.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgError> {
+    a.eigenvalues().map_err(|_| LinalgError::NotConverged {
+        what: "general eigenvalue iteration",
+        rows: a.nrows(),
+        columns: a.ncols(),
+    })
+}
+
+/// A tall complex matrix as `Q R` with orthonormal columns and a triangle.
+#[derive(Clone, Debug)]
+pub struct ThinQr {
+    /// Orthonormal columns.
+    pub q: ComplexMatrix,
+    /// Upper triangle.
+    pub r: ComplexMatrix,
+}
+
+/// `A = Q R` of a tall matrix by Householder reflections.
+pub fn thin_qr(a: &ComplexMatrix) -> ThinQr {
+    let qr = a.qr();
+    ThinQr {
+        q: qr.compute_thin_Q(),
+        r: qr.thin_R().to_owned(),
+    }
+}
+
+/// Inverse of an upper triangle; zero rows where a diagonal vanishes.
+pub fn inverse_upper(upper: &ComplexMatrix) -> ComplexMatrix {
+    let n = upper.ncols();
+    let mut inverse = complex_matrix(n, n, |i, j| {
+        if i == j {
+            Complex64::ONE
+        } else {
+            Complex64::ZERO
+        }
+    });
+    let (left, out) = (upper.get(..n, ..n), inverse.as_mut());
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(left, out, faer::Par::Seq);
+    inverse
+}
+
+/// Inverse of a Hermitian positive definite matrix, scaled to a unit diagonal for the factorisation; `None` when it is not
+/// definite to working precision.
+pub fn inverse_hermitian(a: &ComplexMatrix) -> Option<ComplexMatrix> {
+    let n = a.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| a[(i, i)].re.sqrt().recip()).collect();
+    if !scale.iter().all(|s| s.is_finite()) {
+        return None;
+    }
+    let lower = cholesky(&complex_matrix(n, n, |i, j| {
+        a[(i, j)] * (scale[i] * scale[j])
+    }))
+    .ok()?;
+    let identity = complex_matrix(n, n, |i, j| {
+        if i == j {
+            Complex64::ONE
+        } else {
+            Complex64::ZERO
+        }
+    });
+    let half = solve_lower(&lower, &identity);
+    let inverse = half.adjoint() * &half;
+    Some(complex_matrix(n, n, |i, j| {
+        inverse[(i, j)] * (scale[i] * scale[j])
+    }))
 }
 
 /// Singular values of a complex matrix, descending.

@@ -8,17 +8,22 @@
 //! |---|---|
 //! | `peak` | peak-picking with half-power damping (Ewins 2000) |
 //! | `circle` | circle fit with damping surface (Kennedy and Pancu 1947) |
+//! | `ml` | maximum likelihood from the poles of the polyreference LSCF that stay (Guillaume et al. 2003), with bounds (Golub and Pereyra 1973) |
 //!
 //! An estimator sees poles as they are in the data, the damping of an exponential window included; the window is taken
 //! out once, when candidates become modes. This stage reads no file and knows no model.
 //!
 //! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
-//! one group (`parts`). A single reference or response cannot show it, and a repeated root then gives one mode.
+//! one group (`parts`). `ml` tells close modes apart by the participation of several references, and says nothing yet of what it
+//! dropped; `auto` stays with the circle fit until it does. A single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
 mod accuracy_tests;
+mod automatic;
+mod background;
 #[cfg(test)]
 mod beam_tests;
+mod block;
 mod checks;
 mod circle;
 mod close;
@@ -28,27 +33,36 @@ mod error;
 #[cfg(test)]
 mod hump_tests;
 mod indicator;
+mod linearised;
+#[cfg(test)]
+mod ml_tests;
 mod noise;
+mod noise_profile;
 #[cfg(test)]
 mod options_tests;
 mod parts;
 #[cfg(test)]
 mod parts_tests;
 mod peak;
+mod plscf;
 #[cfg(test)]
 mod rank_tests;
 mod receptance;
+mod refine;
 mod repeated;
 #[cfg(test)]
 mod repeated_tests;
 mod residues;
+mod roots;
 mod search;
 mod selection;
 mod shape;
 #[cfg(test)]
 mod shape_tests;
+mod sides;
 mod single;
 mod spread;
+mod stable;
 #[cfg(test)]
 mod synthetic;
 
@@ -149,6 +163,10 @@ pub const ESTIMATORS: &[Entry] = &[
                 options: *options,
             })
         },
+    },
+    Entry {
+        name: "ml",
+        build: |options| Box::new(automatic::Automatic { options: *options }),
     },
 ];
 

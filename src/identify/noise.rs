@@ -48,6 +48,18 @@ pub(super) fn of_function(set: &FrfSet, i: usize, lines: Range<usize>) -> Noise 
         }
         None => from_second_differences(values),
     };
+    raise_to_floor(&mut variance, values);
+    Noise { variance, measured }
+}
+
+/// Variances of one function from what a fit leaves over of its values, as a function without measured variances has them.
+pub(super) fn of_rest(values: &[Complex64], rest: &[Complex64]) -> Vec<f64> {
+    let mut variance = from_second_differences(rest);
+    raise_to_floor(&mut variance, values);
+    variance
+}
+
+fn raise_to_floor(variance: &mut [f64], values: &[Complex64]) {
     let mean_square = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len() as f64;
     let floor = if mean_square > 0.0 {
         FLOOR * mean_square
@@ -55,7 +67,6 @@ pub(super) fn of_function(set: &FrfSet, i: usize, lines: Range<usize>) -> Noise 
         1.0
     };
     variance.iter_mut().for_each(|v| *v = v.max(floor));
-    Noise { variance, measured }
 }
 
 fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec<f64> {

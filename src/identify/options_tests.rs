@@ -44,7 +44,7 @@ fn has(model: &ModalModel, code: Code) -> bool {
 
 #[test]
 fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
-    assert_eq!(ESTIMATORS.len(), 2);
+    assert_eq!(ESTIMATORS.len(), 3);
     for name in ESTIMATORS.iter().map(|entry| entry.name).chain(["auto"]) {
         let options = IdentifyOptions {
             method: name.to_owned(),
@@ -68,7 +68,7 @@ fn an_unknown_method_is_told_the_known_ones() {
     };
     let text = identify(&set(0.01), &options).unwrap_err().to_string();
     assert!(
-        text.contains("`prony`") && text.ends_with("auto peak circle"),
+        text.contains("`prony`") && text.ends_with("auto peak circle ml"),
         "{text}"
     );
 }

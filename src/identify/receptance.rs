@@ -14,6 +14,8 @@ use crate::frf::FrfSet;
 use super::IdentifyError;
 use super::noise::{self, Noise};
 
+/// Lines beside a band that are used with it, as a share of its own.
+const GUARD: f64 = 0.05;
 /// Fewest lines in a band that are worth a search.
 const FEWEST_LINES: usize = 8;
 
@@ -39,6 +41,27 @@ impl Receptances {
     /// [`IdentifyError::OptionOutOfRange`] for an impossible added damping, [`IdentifyError::NotFinite`].
     pub fn new(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
         let lines = checked_lines(set, band)?;
+        Self::on_lines(set, lines)
+    }
+
+    /// As [`Self::new`], with [`GUARD`] of its lines more on each side as far as the set has them.
+    ///
+    /// # Errors
+    /// As [`Self::new`], for the band itself.
+    pub fn guarded(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
+        let lines = checked_lines(set, band)?;
+        let guard = (GUARD * lines.len() as f64).ceil() as usize;
+        let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
+        let start = lines
+            .start
+            .saturating_sub(guard)
+            .max(first.unwrap_or(lines.start));
+        let end = (lines.end + guard).min(set.axis().len);
+        // Outside the band nobody promised good values.
+        Self::on_lines(set, start..end).or_else(|_| Self::on_lines(set, lines))
+    }
+
+    fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
         let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
         let mut data = Self {
             step: std::f64::consts::TAU * set.axis().step_hz,

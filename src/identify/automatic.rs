@@ -1,0 +1,485 @@
+//! The default method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
+//!
+//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen.
+//! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
+//! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
+//!    half its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
+//!    cannot be told apart but have different participation factors are one repeated root.
+//! 4. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests.
+//!
+//! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
+//! variances in the data, the noise is told from the second differences of what the fit leaves over.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+use crate::linalg;
+use crate::modal::{Pole, mac};
+
+use super::block::Measured;
+use super::indicator::Indicator;
+use super::noise_profile::Profile;
+use super::plscf::{Lscf, LscfPole};
+use super::receptance::Receptances;
+use super::refine::{apart, left_over, refine, unsettle};
+use super::roots::Root;
+use super::search;
+use super::sides::Sides;
+use super::stable::{Seed, seeds};
+use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
+
+/// Poles of the highest order: so many for each peak that is seen, and beyond.
+const POLES_PER_PEAK: usize = 5;
+const POLES_BEYOND: usize = 30;
+/// Bounds of their number.
+const POLES: Range<usize> = 36..160;
+/// Orders that are looked at.
+const ORDERS: usize = 20;
+/// Widths of resonances that differ for noise, at each line.
+const WIDTHS: f64 = 16.0;
+/// Roots may lie outside the lines by this share of their range.
+const OUTSIDE: f64 = 0.05;
+/// Widest root as a share of the band; what is wider is background.
+const WIDEST: f64 = 0.5;
+/// Damping ratio of a root that is no resonance any more: it stays in the fit as background and is not reported.
+const MOST_DAMPING: f64 = 0.3;
+/// Narrowest half-power width, lines: what is narrower is a single line.
+const NARROWEST: f64 = 0.1;
+/// Deviation of a pole over its decay rate that is still a pole.
+const KNOWN: f64 = 0.5;
+/// Deviations by which two roots must be apart.
+const TOLD_APART: f64 = 2.0;
+/// Participation factors less alike than this can be two modes of one root.
+const INDEPENDENT: f64 = 0.95;
+/// Rounds of pruning after each refinement, and of the search in what is left over.
+const PRUNINGS: usize = 12;
+const SEARCHES: usize = 4;
+
+/// The default method.
+pub(super) struct Automatic {
+    /// Options of the run.
+    pub options: MethodOptions,
+}
+
+impl PoleEstimator for Automatic {
+    fn name(&self) -> &'static str {
+        "ml"
+    }
+
+    fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
+        let data = Receptances::guarded(set, band)?;
+        let sides = Sides::new(set.functions());
+        let sides = if sides.complete() {
+            sides
+        } else {
+            sides.as_one_input()
+        };
+        let mut fit = Fit::new(data, &sides, self.options);
+        fit.seed()?;
+        fit.settle();
+        for _ in 0..SEARCHES {
+            fit.measure_noise();
+            if !fit.search() {
+                break;
+            }
+        }
+        Ok(fit.table(band, self.options.max_modes))
+    }
+}
+
+struct Fit<'a> {
+    data: Receptances,
+    sides: &'a Sides,
+    options: MethodOptions,
+    roots: Vec<Root>,
+}
+
+impl<'a> Fit<'a> {
+    fn new(data: Receptances, sides: &'a Sides, options: MethodOptions) -> Self {
+        Self {
+            data,
+            sides,
+            options,
+            roots: Vec::new(),
+        }
+    }
+
+    /// Range of the lines, rad/s.
+    fn range(&self) -> f64 {
+        self.data.omega[self.data.lines() - 1] - self.data.omega[0]
+    }
+
+    fn limits(&self) -> (f64, f64) {
+        let outside = OUTSIDE * self.range();
+        let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
+        ((first - outside).max(0.5 * first), last + outside)
+    }
+
+    /// Roots from the poles that stay over the orders.
+    fn seed(&mut self) -> Result<(), IdentifyError> {
+        let indicator = Indicator::new(&self.data);
+        let alarm = self.options.false_alarm_probability;
+        let peaks = search::search(&self.data, &indicator, alarm).peaks.len();
+        let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(POLES.start, POLES.end);
+        let top = (poles / self.sides.inputs)
+            .min(self.data.lines() / 3)
+            .max(4);
+        let lscf = Lscf::new(&self.data, self.sides, top)?;
+        let lowest = (lscf.order() / 6).max(2);
+        let stride = (lscf.order() - lowest).div_ceil(ORDERS).max(1);
+        let orders: Vec<usize> = (lowest..=lscf.order()).step_by(stride).collect();
+        let tables: Vec<_> = orders
+            .par_iter()
+            .map(|order| Ok((*order, self.inside(lscf.poles(*order)?))))
+            .collect::<Vec<Result<_, IdentifyError>>>();
+        let tables: Vec<(usize, Vec<LscfPole>)> = tables.into_iter().collect::<Result<_, _>>()?;
+        let seeds = distinct(seeds(&tables, self.data.step));
+        let functions = self.data.functions();
+        let root =
+            |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
+        self.roots = seeds.iter().map(root).collect();
+        Ok(())
+    }
+
+    fn inside(&self, poles: Vec<LscfPole>) -> Vec<LscfPole> {
+        let (lo, hi) = self.limits();
+        let widest = WIDEST * self.range();
+        let keeps = |pole: &LscfPole| {
+            pole.lambda.im > lo && pole.lambda.im < hi && -2.0 * pole.lambda.re < widest
+        };
+        poles.into_iter().filter(keeps).collect()
+    }
+
+    fn refine(&mut self) {
+        let measured = measured(&self.data, self.sides);
+        let roots = std::mem::take(&mut self.roots);
+        self.roots = refine(&self.data, &measured, roots, self.limits());
+    }
+
+    /// Refines and drops roots until all that are left pass.
+    fn settle(&mut self) {
+        self.refine();
+        for _ in 0..PRUNINGS {
+            let unfit = self.unfit();
+            if unfit.is_empty() {
+                break;
+            }
+            for change in unfit {
+                self.apply(change);
+            }
+            self.roots.retain(|root| !root.parts.is_empty());
+            unsettle(&mut self.roots);
+            self.refine();
+        }
+    }
+
+    /// Roots that go lose their parts; they are taken out afterwards.
+    fn apply(&mut self, change: Change) {
+        match change {
+            Change::Drop(j) => self.roots[j].parts.clear(),
+            Change::Join(i, j) => {
+                let parts = std::mem::take(&mut self.roots[j].parts);
+                let other = self.roots[j].lambda;
+                self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
+                self.roots[i].join(parts);
+            }
+            Change::FewerParts(j) => {
+                let root = &self.roots[j];
+                let count = root.multiplicity() - 1;
+                let parts = strongest_inputs(self.sides, count, |f| root.residues[f]);
+                self.roots[j].parts.clear();
+                self.roots[j].join(parts);
+            }
+        }
+    }
+
+    /// What must change, at most one thing for roots that lean on each other.
+    fn unfit(&self) -> Vec<Change> {
+        let mut order: Vec<usize> = (0..self.roots.len()).collect();
+        order.sort_by(|a, b| {
+            let worth = |j: &usize| self.roots[*j].quality.significance;
+            worth(a).total_cmp(&worth(b))
+        });
+        let mut changes: Vec<Change> = Vec::new();
+        let mut touched: Vec<usize> = Vec::new();
+        for j in order {
+            let leans = |other: &usize| apart(&self.roots[j], &self.roots[*other]) < 1.0;
+            if touched.iter().any(leans) {
+                continue;
+            }
+            if let Some(change) = self.change_of(j) {
+                touched.push(j);
+                changes.push(change);
+            }
+        }
+        changes
+    }
+
+    fn change_of(&self, j: usize) -> Option<Change> {
+        let (root, quality) = (&self.roots[j], &self.roots[j].quality);
+        if let Some(twin) = self.twin(j) {
+            return Some(twin);
+        }
+        let width = root.width();
+        let fits = width < WIDEST * self.range()
+            && width > NARROWEST * self.data.step
+            && quality.pole_std < KNOWN * root.decay()
+            && self.significant(root);
+        if fits {
+            return None;
+        }
+        if root.multiplicity() > 1 {
+            return Some(Change::FewerParts(j));
+        }
+        Some(Change::Drop(j))
+    }
+
+    /// Whether a root is above what noise makes somewhere in the band, for some pole and some participation factors.
+    ///
+    /// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but for a probability p
+    /// (Davidson and Szarek 2001); with one input its square is a chi-squared of two degrees of freedom per output.
+    fn significant(&self, root: &Root) -> bool {
+        let (outputs, inputs) = (self.sides.outputs.len(), self.sides.inputs);
+        let chance = self.options.false_alarm_probability / (WIDTHS * self.data.lines() as f64);
+        let limit = |outputs: usize, chance: f64| match inputs {
+            1 => upper_quantile(2 * outputs, chance),
+            _ => {
+                let norm = (outputs as f64).sqrt() + (inputs as f64).sqrt() + (-chance.ln()).sqrt();
+                2.0 * norm * norm
+            }
+        };
+        let quality = &root.quality;
+        let whole = quality.significance > limit(outputs, chance);
+        // What one output shows says nothing of how many modes there are.
+        let alone = quality.largest > limit(1, chance / outputs as f64);
+        whole || (root.multiplicity() == 1 && alone)
+    }
+
+    /// A stronger root from which this one cannot be told.
+    fn twin(&self, j: usize) -> Option<Change> {
+        let near = |i: &usize| {
+            let (a, b) = (&self.roots[*i], &self.roots[j]);
+            let (p, q) = (a.quality.pole_std, b.quality.pole_std);
+            let apart = (a.lambda - b.lambda).norm();
+            *i != j && apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q)
+        };
+        let distance = |i: &usize| (self.roots[*i].lambda - self.roots[j].lambda).norm();
+        let i = (0..self.roots.len())
+            .filter(near)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let (a, b) = (&self.roots[i], &self.roots[j]);
+        let inputs = self.sides.inputs;
+        let modes = a.multiplicity() + b.multiplicity();
+        let alike = a
+            .parts
+            .iter()
+            .flat_map(|p| b.parts.iter().map(move |q| mac(p, q)));
+        let alike = alike.flatten().fold(0.0, f64::max);
+        Some(if modes <= inputs && alike < INDEPENDENT {
+            Change::Join(i, j)
+        } else {
+            Change::Drop(j)
+        })
+    }
+
+    /// Where the data brought no variances: second differences of what the fit leaves over.
+    fn measure_noise(&mut self) {
+        if self.data.variance_measured {
+            return;
+        }
+        let roots = &self.roots;
+        let omega = &self.data.omega;
+        let rest = |f: usize, values: &[Complex64]| -> Vec<Complex64> {
+            let left = |(w, h): (&f64, &Complex64)| {
+                let s = Complex64::new(0.0, *w);
+                let term = |root: &Root| {
+                    let a = root.residues[f];
+                    a / (s - root.lambda) + a.conj() / (s - root.lambda.conj())
+                };
+                h - roots.iter().map(term).sum::<Complex64>()
+            };
+            omega.iter().zip(values).map(left).collect()
+        };
+        let variance: Vec<Vec<f64>> = self
+            .data
+            .values
+            .par_iter()
+            .enumerate()
+            .map(|(f, values)| super::noise::of_rest(values, &rest(f, values)))
+            .collect();
+        self.data.variance = variance;
+        unsettle(&mut self.roots);
+    }
+
+    /// Tries roots where the fit leaves over what noise does not explain; whether any stayed.
+    fn search(&mut self) -> bool {
+        let found = self.unexplained();
+        if found.is_empty() {
+            return false;
+        }
+        let before = self.roots.len();
+        let modes: usize = self.roots.iter().map(Root::multiplicity).sum();
+        self.roots.extend(found);
+        unsettle(&mut self.roots);
+        self.settle();
+        self.roots.len() > before
+            || self.roots.iter().map(Root::multiplicity).sum::<usize>() > modes
+    }
+
+    /// Roots to try: the highest of the smoothed power of what is left over, where it is above what noise makes.
+    fn unexplained(&self) -> Vec<Root> {
+        let lines = 0..self.data.lines();
+        let profile = Profile::new(&self.data, lines.clone());
+        let measured = measured(&self.data, self.sides);
+        let rest = left_over(&measured, &self.roots, lines.clone(), &profile);
+        let functions = self.data.functions();
+        let power: Vec<f64> = lines
+            .clone()
+            .map(|k| (0..functions).map(|f| rest[(k, f)].norm_sqr()).sum::<f64>())
+            .collect();
+        let mut sums = vec![0.0; power.len() + 1];
+        for (k, p) in power.iter().enumerate() {
+            sums[k + 1] = sums[k] + p;
+        }
+        let mut tried: Vec<(f64, usize, usize)> = Vec::new();
+        let mut width = 1;
+        while width <= lines.len() / 8 {
+            let chance = self.options.false_alarm_probability / lines.len() as f64;
+            let freedom = 2 * functions * width;
+            let limit = upper_quantile(freedom, chance);
+            for start in (0..=lines.len() - width).step_by(width.div_ceil(2)) {
+                let value = 2.0 * (sums[start + width] - sums[start]);
+                if value > limit {
+                    let excess = (value - freedom as f64) / (2.0 * freedom as f64).sqrt();
+                    tried.push((excess, start + width / 2, width));
+                }
+            }
+            width *= 2;
+        }
+        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut chosen: Vec<(usize, usize)> = Vec::new();
+        for (_, top, width) in tried {
+            let clear = |(other, reach): &(usize, usize)| {
+                top.abs_diff(*other) > 4 * width.max(*reach).max(2)
+            };
+            if chosen.iter().all(clear) {
+                chosen.push((top, width));
+            }
+        }
+        chosen
+            .into_iter()
+            .map(|(top, width)| {
+                let decay = 0.5 * width.max(2) as f64 * self.data.step;
+                let lambda = Complex64::new(-decay, self.data.omega[top]);
+                let row = |f: usize| rest[(top, f)] * profile.level[f];
+                Root::single(lambda, &strongest_inputs(self.sides, 1, row)[0], functions)
+            })
+            .collect()
+    }
+
+    fn table(&self, band: Band, most: Option<usize>) -> PoleTable {
+        let tau = std::f64::consts::TAU;
+        let mut numbers: Vec<usize> = (0..self.roots.len())
+            .filter(|j| {
+                let root = &self.roots[*j];
+                let hz = root.lambda.norm() / tau;
+                let damping = root.decay() / root.lambda.norm();
+                hz >= band.lo_hz && hz <= band.hi_hz && damping < MOST_DAMPING
+            })
+            .collect();
+        if let Some(most) = most {
+            let worth = |j: &usize| self.roots[*j].quality.significance;
+            numbers.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+            numbers.truncate(most);
+            numbers.sort_unstable();
+        }
+        let candidates = numbers.iter().map(|j| self.candidate(*j)).collect();
+        PoleTable {
+            candidates,
+            findings: Vec::new(),
+        }
+    }
+
+    fn candidate(&self, j: usize) -> Candidate {
+        let (root, quality) = (&self.roots[j], &self.roots[j].quality);
+        let pole = Pole {
+            lambda: root.lambda,
+        };
+        let norm = root.lambda.norm();
+        Candidate {
+            order: None,
+            pole,
+            participation: None,
+            residues: Some(root.residues.clone()),
+            multiplicity: root.multiplicity(),
+            frequency_std_hz: Some(quality.pole_std / std::f64::consts::TAU),
+            damping_std: Some(quality.pole_std / norm),
+            quality: None,
+        }
+    }
+}
+
+enum Change {
+    Drop(usize),
+    /// The second becomes part of the first.
+    Join(usize, usize),
+    FewerParts(usize),
+}
+
+fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
+    Measured {
+        omega: &data.omega,
+        values: linalg::complex_matrix(data.lines(), data.functions(), |k, f| data.values[f][k]),
+        sides,
+    }
+}
+
+/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same participation.
+fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
+    let mut order: Vec<Seed> = seeds;
+    order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));
+    let mut kept: Vec<Seed> = Vec::new();
+    for seed in order {
+        let repeats = |other: &Seed| {
+            let (a, b) = (&seed.pole, &other.pole);
+            let decay = a.lambda.re.abs().max(b.lambda.re.abs());
+            (a.lambda - b.lambda).norm() < 0.2 * decay
+                && mac(&a.participation, &b.participation) > Some(0.9)
+        };
+        if !kept.iter().any(repeats) {
+            kept.push(seed);
+        }
+    }
+    kept
+}
+
+/// Participation factors of the strongest so many parts of a value per function: right singular vectors over the inputs.
+fn strongest_inputs(
+    sides: &Sides,
+    count: usize,
+    value: impl Fn(usize) -> Complex64,
+) -> Vec<Vec<Complex64>> {
+    let inputs = sides.inputs;
+    let matrix = linalg::complex_matrix(sides.outputs.len(), inputs, |o, i| {
+        value(sides.outputs[o][i].1)
+    });
+    let vector = |rank: usize| match linalg::singular_vectors(&matrix) {
+        // A = U S Vᴴ, so that the row space is that of conj(V).
+        Ok(svd) if rank < svd.values.len() => {
+            (0..inputs).map(|i| svd.right[(i, rank)].conj()).collect()
+        }
+        _ => vec![Complex64::ONE; inputs],
+    };
+    (0..count).map(vector).collect()
+}
+
+/// What a chi-squared of so many degrees of freedom exceeds with this probability.
+fn upper_quantile(freedom: usize, chance: f64) -> f64 {
+    let distribution = ChiSquared::new(freedom as f64);
+    distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
+}

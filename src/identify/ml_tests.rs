@@ -1,0 +1,143 @@
+//! The maximum likelihood method against known truth: exact without noise, at its bound with it, and silent without modes.
+
+use num_complex::Complex64;
+
+use crate::axis::{Band, FrequencyAxis};
+use crate::frf::FrfSet;
+use crate::modal::{ModalModel, Pole, mac};
+
+use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes};
+use super::{IdentifyOptions, identify};
+
+fn ml(set: &FrfSet) -> ModalModel {
+    let options = IdentifyOptions {
+        method: "ml".to_owned(),
+        ..IdentifyOptions::default()
+    };
+    identify(set, &options).unwrap()
+}
+
+/// Hits at the first so many sensors.
+fn with_references(measurement: &mut Measurement, count: usize) {
+    let sensors: Vec<_> = measurement
+        .pairs
+        .iter()
+        .map(|pair| pair.0.clone())
+        .collect();
+    let pairs = sensors[..count].iter().flat_map(|hit| {
+        sensors
+            .iter()
+            .map(move |sensor| (sensor.clone(), hit.clone()))
+    });
+    measurement.pairs = pairs.collect();
+}
+
+#[test]
+fn without_noise_every_pole_comes_back_to_eight_digits() {
+    for seed in 0..6 {
+        let (structure, mut how) = separated_modes(seed);
+        with_references(&mut how, 1 + seed as usize % 2);
+        let model = ml(&structure.measured(&how));
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        for (mode, (hz, zeta, shape)) in model.modes.iter().zip(&structure.modes) {
+            let truth = Pole::from_frequency(*hz, *zeta).lambda;
+            let pole = mode.pole().unwrap().lambda;
+            assert!(
+                (pole - truth).norm() < 1e-8 * truth.norm(),
+                "{pole} {truth}"
+            );
+            let found: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+            let known: Vec<Complex64> = shape.iter().map(|v| Complex64::from(*v)).collect();
+            // Degrees of freedom in numeric order, as the points.
+            assert!(mac(&found, &known).unwrap() > 1.0 - 1e-9);
+        }
+    }
+}
+
+#[test]
+fn with_noise_errors_are_what_the_stated_deviations_say() {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for seed in 0..12 {
+        let (structure, mut how) = separated_modes(seed);
+        how.snr_db = Some(50.0);
+        let model = ml(&structure.measured(&how));
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        for (mode, (hz, zeta, _)) in model.modes.iter().zip(&structure.modes) {
+            let frequency = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            let damping = (mode.damping_ratio.unwrap() - zeta) / mode.damping_std.unwrap();
+            squares += frequency * frequency + damping * damping;
+            count += 2.0;
+        }
+    }
+    // A chi-squared of so many degrees of freedom, over them: five deviations of sqrt(2/n).
+    let bound = 5.0 * (2.0f64 / count).sqrt();
+    assert!(
+        (squares / count - 1.0).abs() < bound,
+        "{} of {count}",
+        squares / count
+    );
+}
+
+#[test]
+fn two_references_tell_a_pair_within_a_half_power_width() {
+    for seed in 0..6 {
+        let pair = Pair {
+            spacing_widths: 0.3,
+            difference: None,
+            ratio: 1.0,
+            lines_per_width: (5.0, 10.0),
+        };
+        let (structure, mut how) = close_pair(seed, pair);
+        with_references(&mut how, 2);
+        how.snr_db = Some(60.0);
+        let model = ml(&structure.measured(&how));
+        assert_eq!(model.modes.len(), 3, "{seed}");
+        for (mode, (hz, zeta, _)) in model.modes.iter().zip(&structure.modes) {
+            assert!((mode.frequency_hz - hz).abs() < 0.05 * zeta * hz, "{seed}");
+        }
+    }
+}
+
+#[test]
+fn a_repeated_root_is_one_group_with_both_its_modes() {
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.1,
+        len: 1600,
+    };
+    let first = vec![1.0, 0.4, -0.7, 0.2];
+    let second = vec![-0.3, 0.9, 0.5, 0.8];
+    let far = vec![0.5, 0.5, -0.5, 0.7];
+    let structure = Structure {
+        modes: vec![
+            (80.0, 0.005, first),
+            (80.0, 0.005, second),
+            (120.0, 0.005, far),
+        ],
+    };
+    let mut how = Measurement {
+        snr_db: Some(55.0),
+        ..Measurement::of_sensors(4, axis)
+    };
+    with_references(&mut how, 3);
+    let model = ml(&structure.measured(&how));
+    let groups: Vec<Option<u32>> = model.modes.iter().map(|mode| mode.group).collect();
+    assert_eq!(groups, [Some(1), Some(1), None]);
+    assert!(model.modes.iter().all(|mode| mode.damping_std.is_some()));
+}
+
+#[test]
+fn noise_alone_has_no_modes() {
+    let (mut structure, mut how) = separated_modes(3);
+    structure.modes.truncate(1);
+    how.snr_db = Some(60.0);
+    let width = 2.0 * structure.modes[0].0 * structure.modes[0].1;
+    let lo = structure.modes[0].0 + 40.0 * width;
+    let set = structure.measured(&how);
+    let options = IdentifyOptions {
+        method: "ml".to_owned(),
+        band: Band::new(lo, 0.95 * how.axis.hz(how.axis.len - 1)).ok(),
+        ..IdentifyOptions::default()
+    };
+    assert!(identify(&set, &options).unwrap().modes.is_empty());
+}

@@ -1,0 +1,282 @@
+//! Maximum likelihood refinement of all roots of a band: blocks of roots in their windows, swept until nothing moves.
+//!
+//! A root is fitted on the lines within [`REACH`] half-power widths: with constant and slope left free this costs a tenth of its
+//! information at most against a band without end (a pole alone: `4/π ∫` of the courses with the background projected out).
+//! Roots that overlap share a block. All others in the window have their shapes fitted with it, and poles too where their
+//! skirts matter; what lies outside is subtracted as it is known. Blocks are independent within a sweep, so that they run in
+//! parallel.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::linalg::{self, ComplexMatrix};
+
+use super::background::Background;
+use super::block::{Block, Fitted, Measured, Unknown, fit};
+use super::noise_profile::Profile;
+use super::receptance::Receptances;
+use super::roots::{Progress, Quality, Root};
+
+/// Half of a window, half-power widths.
+const REACH: f64 = 20.0;
+/// Fewest lines on either side of a root.
+const SIDE_LINES: usize = 24;
+/// Roots within so many sums of their half-power widths decide together.
+const TOGETHER: f64 = 1.0;
+/// Poles of members within so many sums of half-power widths of a core root move with it.
+const MOVING: f64 = 4.0;
+/// Groups of roots share a block when one window is so little longer than theirs.
+const SAME_WINDOW: f64 = 1.5;
+/// Steps of each block in a sweep.
+const STEPS: usize = 3;
+/// Most sweeps.
+const SWEEPS: usize = 40;
+/// A step below this part of its standard deviation does not count either.
+const STILL_BY_BOUND: f64 = 1e-2;
+/// Largest step that still counts, in decay rates: far below any bound, near rounding for data without noise.
+const STILL: f64 = 1e-10;
+
+/// Moves all roots to the maximum of the likelihood and returns them in ascending frequency. `limits` is where they may lie,
+/// rad/s; what leaves them, or becomes unstable, is gone.
+///
+/// A block is fitted while one of its members moves; when none does, all are fitted once more, for what far roots changed.
+pub(super) fn refine(
+    data: &Receptances,
+    measured: &Measured,
+    mut roots: Vec<Root>,
+    limits: (f64, f64),
+) -> Vec<Root> {
+    let mut whole = false;
+    let mut plan: Option<Vec<Block>> = None;
+    for _ in 0..SWEEPS {
+        let fresh = roots
+            .iter()
+            .any(|root| matches!(root.progress, Progress::Fresh(_)));
+        // Windows that followed every step would let the roots follow the windows.
+        let blocks = plan.take().unwrap_or_else(|| {
+            roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+            blocks(data, &roots, fresh)
+        });
+        let moving = |root: &usize| roots[*root].progress != Progress::Settled;
+        let active: Vec<&Block> = blocks
+            .iter()
+            .filter(|block| whole || block.members.iter().any(moving))
+            .collect();
+        let steps = if fresh { 0 } else { STEPS };
+        let fitted: Vec<Fitted> = active
+            .par_iter()
+            .map(|block| {
+                let profile = Profile::new(data, block.lines.clone());
+                fit(measured, &roots, block, (&profile, steps))
+            })
+            .collect();
+        for (block, fitted) in active.iter().zip(&fitted) {
+            take(&mut roots, block, fitted);
+        }
+        let before = roots.len();
+        roots.retain(|root| stays(root, limits));
+        if roots.len() < before {
+            unsettle(&mut roots);
+        } else if !fresh {
+            plan = Some(blocks);
+        }
+        let settled = roots.iter().all(|root| root.progress == Progress::Settled);
+        if settled && whole {
+            break;
+        }
+        whole = settled;
+    }
+    roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+    roots
+}
+
+/// What was left out or put in changes what all others must explain.
+pub(super) fn unsettle(roots: &mut [Root]) {
+    for root in roots {
+        if root.progress == Progress::Settled {
+            root.progress = Progress::Moving;
+        }
+    }
+}
+
+fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
+    let lambda = root.lambda;
+    lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
+}
+
+/// Takes over the roots that a block decides.
+fn take(roots: &mut [Root], block: &Block, fitted: &Fitted) {
+    let deviations = deviations(fitted);
+    for &place in &block.core {
+        let root = &mut roots[block.members[place]];
+        let before = root.clone();
+        *root = fitted.members[place].clone();
+        let decay = root.decay().abs();
+        let (significance, largest) = fitted.significance[place];
+        root.quality = Quality {
+            pole_std: deviations[place] * decay,
+            significance,
+            largest,
+        };
+        let moved = (root.lambda - before.lambda).norm();
+        let still = moved <= STILL * decay || moved <= STILL_BY_BOUND * root.quality.pole_std;
+        root.progress = match before.progress {
+            Progress::Fresh(count) if count > 1 => Progress::Fresh(count - 1),
+            Progress::Fresh(_) => Progress::Moving,
+            _ if still => Progress::Settled,
+            _ => Progress::Moving,
+        };
+    }
+}
+
+/// Cramér-Rao deviation of real and imaginary part of each member's pole, in decay rates; infinite where it is not free or
+/// not known.
+fn deviations(step: &Fitted) -> Vec<f64> {
+    let mut deviations = vec![f64::INFINITY; step.members.len()];
+    if step.unknowns.is_empty() {
+        return deviations;
+    }
+    let inverse = linalg::inverse_hermitian(&step.information);
+    for (place, unknown) in step.unknowns.iter().enumerate() {
+        if let (Unknown::Pole(j), Some(inverse)) = (unknown, &inverse) {
+            let variance = inverse[(place, place)].re;
+            if variance > 0.0 {
+                deviations[*j] = (0.5 * variance).sqrt();
+            }
+        }
+    }
+    deviations
+}
+
+/// The blocks of roots in ascending frequency.
+fn blocks(data: &Receptances, roots: &[Root], linear: bool) -> Vec<Block> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (number, root) in roots.iter().enumerate() {
+        let near = |other: &usize| apart(root, &roots[*other]) < TOGETHER;
+        // Wide roots may overlap one that is not their neighbour.
+        let (mut own, rest): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.iter().any(near));
+        groups = rest;
+        let mut merged: Vec<usize> = own.drain(..).flatten().collect();
+        merged.push(number);
+        groups.push(merged);
+    }
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups.sort();
+    let groups = merged(data, roots, groups);
+    groups
+        .iter()
+        .map(|core| block(data, roots, core, linear))
+        .collect()
+}
+
+/// Groups whose windows are nearly the same decide together: that is less work than each alone.
+fn merged(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    let lines = |group: &[usize]| window(data, group.iter().map(|j| &roots[*j])).len();
+    let mut merged: Vec<Vec<usize>> = Vec::new();
+    for group in groups {
+        if let Some(last) = merged.last_mut() {
+            let longest = lines(last).max(lines(&group));
+            let both = [last.as_slice(), &group].concat();
+            if lines(&both) as f64 <= SAME_WINDOW * longest as f64 {
+                *last = both;
+                continue;
+            }
+        }
+        merged.push(group);
+    }
+    merged
+}
+
+/// Distance of two roots in sums of their half-power widths.
+pub(super) fn apart(a: &Root, b: &Root) -> f64 {
+    (a.lambda.im - b.lambda.im).abs() / (a.width() + b.width())
+}
+
+fn block(data: &Receptances, roots: &[Root], core: &[usize], linear: bool) -> Block {
+    let lines = window(data, core.iter().map(|j| &roots[*j]));
+    let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
+    let inside = |root: &Root| {
+        let skirt = root.width().max(2.0 * data.step);
+        root.lambda.im > lo - skirt && root.lambda.im < hi + skirt
+    };
+    let members: Vec<usize> = (0..roots.len())
+        .filter(|j| core.contains(j) || inside(&roots[*j]))
+        .collect();
+    let moving = |j: usize| {
+        core.iter()
+            .any(|own| apart(&roots[*own], &roots[j]) < MOVING)
+    };
+    let places = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+        (0..members.len())
+            .filter(|place| wanted(members[*place]))
+            .collect()
+    };
+    let (core, free) = (places(&|j| core.contains(&j)), places(&moving));
+    Block {
+        lines: enough(data, lines, members.len()),
+        members,
+        free: if linear { Vec::new() } else { free },
+        core,
+    }
+}
+
+/// Lines within reach of some roots.
+fn window<'a>(data: &Receptances, roots: impl Iterator<Item = &'a Root>) -> Range<usize> {
+    let (mut start, mut end) = (data.lines(), 0);
+    for root in roots {
+        let side = (REACH * root.width() / data.step).ceil() as usize;
+        let side = side.clamp(SIDE_LINES, data.lines());
+        let top = ((root.lambda.im - data.omega[0]) / data.step).round();
+        let top = (top.max(0.0) as usize).min(data.lines() - 1);
+        start = start.min(top.saturating_sub(side));
+        end = end.max((top + side + 1).min(data.lines()));
+    }
+    start..end
+}
+
+/// More lines where the members have as many unknowns as there are lines.
+fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usize> {
+    let wanted = 4 * members + 40;
+    let missing = wanted.saturating_sub(lines.len()).div_ceil(2);
+    let start = lines.start.saturating_sub(missing);
+    start..(lines.end + missing).min(data.lines())
+}
+
+/// What the model leaves over on some lines, every function without constant and slope, over its noise: lines × functions.
+pub(super) fn left_over(
+    measured: &Measured,
+    roots: &[Root],
+    lines: Range<usize>,
+    profile: &Profile,
+) -> ComplexMatrix {
+    let omega = &measured.omega[lines.clone()];
+    let functions = measured.values.ncols();
+    let courses = linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
+        let lambda = roots[place / 2].lambda;
+        let lambda = if place % 2 == 0 {
+            lambda
+        } else {
+            lambda.conj()
+        };
+        (Complex64::new(0.0, omega[k]) - lambda).inv()
+    });
+    let residues = linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
+        let residue = roots[place / 2].residues[f];
+        if place % 2 == 0 {
+            residue
+        } else {
+            residue.conj()
+        }
+    });
+    let model = courses * residues;
+    let rest = linalg::complex_matrix(omega.len(), functions, |k, f| {
+        (measured.values[(lines.start + k, f)] - model[(k, f)])
+            / (profile.course[k] * profile.level[f])
+    });
+    let background = Background::new(measured.omega, &lines);
+    let q = background.basis(omega, &profile.course);
+    &rest - &q * (q.adjoint() * &rest)
+}

@@ -1,0 +1,133 @@
+//! The roots of a fit: poles with participation factors, and the residues that belong to them.
+
+use num_complex::Complex64;
+
+/// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
+const FRESH: u8 = 2;
+
+/// One root of the model: a pole that one mode or several share.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Root {
+    /// λ as in the data, rad/s.
+    pub lambda: Complex64,
+    /// Participation factors of each of its modes: one value per input, 1 at the mode's own pivot and 0 at the pivots of the
+    /// others.
+    pub parts: Vec<Vec<Complex64>>,
+    /// Input that is 1 for each mode.
+    pub pivots: Vec<usize>,
+    /// Residue of each function, m/(N s).
+    pub residues: Vec<Complex64>,
+    /// How well it is known.
+    pub quality: Quality,
+    /// How far its fit is.
+    pub progress: Progress,
+}
+
+/// What a fit says of one root besides its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Quality {
+    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s.
+    pub pole_std: f64,
+    /// `2 Σ|ψ|²/var ψ` over outputs: chi-squared of two degrees of freedom per output and mode where there is no mode.
+    pub significance: f64,
+    /// The largest of one output.
+    pub largest: f64,
+}
+
+impl Quality {
+    /// Of a root that was not fitted yet.
+    pub const UNKNOWN: Self = Self {
+        pole_std: f64::INFINITY,
+        significance: 0.0,
+        largest: 0.0,
+    };
+}
+
+/// How far the fit of a root is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// Its residues must be found this many times before its pole moves.
+    Fresh(u8),
+    /// It moves.
+    Moving,
+    /// It stays where it is.
+    Settled,
+}
+
+impl Root {
+    /// A root of one mode, scaled to 1 at its largest factor.
+    pub fn single(lambda: Complex64, participation: &[Complex64], functions: usize) -> Self {
+        let size = |i: &usize| participation[*i].norm();
+        let pivot = (0..participation.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        let pivot = pivot.unwrap_or(0);
+        let scale = participation[pivot].inv();
+        Self {
+            lambda,
+            parts: vec![participation.iter().map(|l| l * scale).collect()],
+            pivots: vec![pivot],
+            residues: vec![Complex64::ZERO; functions],
+            quality: Quality::UNKNOWN,
+            progress: Progress::Fresh(FRESH),
+        }
+    }
+
+    /// Number of its modes.
+    pub fn multiplicity(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Decay rate −Re λ, rad/s.
+    pub fn decay(&self) -> f64 {
+        -self.lambda.re
+    }
+
+    /// Half-power width, rad/s.
+    pub fn width(&self) -> f64 {
+        2.0 * self.lambda.re.abs()
+    }
+
+    /// The inputs whose factors are free: those that are no pivot.
+    pub fn free_inputs(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.parts[0].len()).filter(|input| !self.pivots.contains(input))
+    }
+
+    /// Takes in the modes of another root: a basis of all participation factors with 1 at pivots of its own.
+    pub fn join(&mut self, parts: Vec<Vec<Complex64>>) {
+        self.parts.extend(parts);
+        self.residues.fill(Complex64::ZERO);
+        self.progress = Progress::Fresh(FRESH);
+        self.reduce();
+    }
+
+    /// Gauss-Jordan elimination with full pivoting: each part 1 at its pivot and 0 at those of the others; parts without
+    /// anything of their own go.
+    fn reduce(&mut self) {
+        let inputs = self.parts[0].len();
+        self.pivots.clear();
+        let mut done = 0;
+        while done < self.parts.len() {
+            let places = (done..self.parts.len()).flat_map(|p| (0..inputs).map(move |i| (p, i)));
+            let free = places.filter(|(_, i)| !self.pivots.contains(i));
+            let size = |(p, i): &(usize, usize)| self.parts[*p][*i].norm();
+            let best = free.max_by(|a, b| size(a).total_cmp(&size(b)));
+            let Some((row, input)) = best.filter(|place| size(place) > 1e-9) else {
+                self.parts.truncate(done);
+                break;
+            };
+            self.parts.swap(done, row);
+            let scale = self.parts[done][input].inv();
+            self.parts[done].iter_mut().for_each(|l| *l *= scale);
+            let pivot = self.parts[done].clone();
+            for (other, part) in self.parts.iter_mut().enumerate() {
+                if other != done {
+                    let factor = part[input];
+                    part.iter_mut()
+                        .zip(&pivot)
+                        .for_each(|(l, own)| *l -= factor * own);
+                }
+            }
+            self.pivots.push(input);
+            done += 1;
+        }
+    }
+}
