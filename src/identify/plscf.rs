@@ -13,14 +13,14 @@
 //! *Choices.* The coefficients are complex: a band of lines knows nothing of the conjugate poles, and of the poles of a complex
 //! denominator all lie in the band. The band takes [`ARC`] of the circle, so that its two ends are not neighbours and what lies
 //! outside the band can be followed by poles in the rest of the circle. With the *lowest* coefficient fixed the poles of noise
-//! come out unstable and those of modes stable (Cauberghe et al. 2004). A pole goes back by `λ = iω_0 + ln(z)/T`: the shift is
+//! come out unstable and those of modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 + ln(z)/T`: the shift is
 //! undone before a natural frequency is formed.
 //!
 //! *Limit.* These are normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not
 //! consistent (noise is on the regressors), which is why it only starts a refinement (`refine`).
 //!
 //! References: Guillaume, Verboven, Vanlanduit, Van der Auweraer and Peeters (2003), A poly-reference implementation of the
-//! least-squares complex frequency-domain estimator, IMAC 21; Cauberghe, Guillaume, Verboven, Vanlanduit and Parloo (2004), On
+//! least-squares complex frequency-domain estimator, IMAC 21; Cauberghe, Guillaume, Verboven, Vanlanduit and Parloo (2005), On
 //! the influence of the parameter constraint on the stability of the poles and the discrimination capabilities of the
 //! stabilisation diagrams, MSSP 19(5).
 
