@@ -14,7 +14,6 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::axis::Band;
 use crate::frf::FrfSet;
@@ -23,14 +22,15 @@ use crate::modal::{Pole, mac};
 
 use super::block::Measured;
 use super::indicator::Indicator;
-use super::noise_profile::Profile;
 use super::plscf::{Lscf, LscfPole};
 use super::receptance::Receptances;
-use super::refine::{apart, left_over, refine, unsettle};
+use super::refine::{Stop, apart, refine, unsettle};
 use super::roots::Root;
 use super::search;
 use super::sides::Sides;
 use super::stable::{Seed, seeds};
+use super::standing::{Doubt, Scrutiny, Standing, doubt, standings};
+use super::unexplained::{roots_to_try, strongest_inputs, upper_quantile};
 use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
 /// Poles of the highest order: so many for each peak that is seen, and beyond.
@@ -49,7 +49,7 @@ const WIDEST: f64 = 0.5;
 /// Damping ratio of a root that is no resonance any more: it stays in the fit as background and is not reported.
 const MOST_DAMPING: f64 = 0.3;
 /// Narrowest half-power width, lines: what is narrower is a single line.
-const NARROWEST: f64 = 0.1;
+const NARROWEST: f64 = 0.01;
 /// Deviation of a pole over its decay rate that is still a pole.
 const KNOWN: f64 = 0.5;
 /// Deviations by which two roots must be apart.
@@ -58,7 +58,15 @@ const TOLD_APART: f64 = 2.0;
 const INDEPENDENT: f64 = 0.95;
 /// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
+const DOUBTS: usize = 30;
+/// Roots within so many sums of half-power widths of a dropped one are judged again without it.
+const LEANING: f64 = 2.0;
+/// Suspects, and a tenth of all roots, from which on the model misses the data.
+const SEVERAL: usize = 2;
 const SEARCHES: usize = 4;
+/// Roots that a search may try at once: a quarter of those that are there, and so many at least. More would mean that the model
+/// misses the data, not that modes are missing.
+const FEWEST_TRIED: usize = 4;
 
 /// The default method.
 pub(super) struct Automatic {
@@ -88,6 +96,11 @@ impl PoleEstimator for Automatic {
                 break;
             }
         }
+        fit.refine(Stop::Fine);
+        fit.measure_noise();
+        fit.refine(Stop::Fine);
+        fit.doubt();
+        fit.refine(Stop::Fine);
         Ok(fit.table(band, self.options.max_modes))
     }
 }
@@ -155,15 +168,15 @@ impl<'a> Fit<'a> {
         poles.into_iter().filter(keeps).collect()
     }
 
-    fn refine(&mut self) {
+    fn refine(&mut self, stop: Stop) {
         let measured = measured(&self.data, self.sides);
         let roots = std::mem::take(&mut self.roots);
-        self.roots = refine(&self.data, &measured, roots, self.limits());
+        self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
     }
 
     /// Refines and drops roots until all that are left pass.
     fn settle(&mut self) {
-        self.refine();
+        self.refine(Stop::Coarse);
         for _ in 0..PRUNINGS {
             let unfit = self.unfit();
             if unfit.is_empty() {
@@ -174,7 +187,7 @@ impl<'a> Fit<'a> {
             }
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
-            self.refine();
+            self.refine(Stop::Coarse);
         }
     }
 
@@ -233,10 +246,7 @@ impl<'a> Fit<'a> {
         if fits {
             return None;
         }
-        if root.multiplicity() > 1 {
-            return Some(Change::FewerParts(j));
-        }
-        Some(Change::Drop(j))
+        Some(self.less(j))
     }
 
     /// Whether a root is above what noise makes somewhere in the band, for some pole and some participation factors.
@@ -287,6 +297,65 @@ impl<'a> Fit<'a> {
         })
     }
 
+    /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
+    ///
+    /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
+    /// less. Where it misses them in several places, everything is looked at again each time.
+    fn doubt(&mut self) {
+        let standings = self.standings();
+        let doubts: Vec<Option<Doubt>> = (0..self.roots.len())
+            .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
+            .collect();
+        let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
+        let several = misses.count() >= SEVERAL.max(self.roots.len() / 10);
+        let scrutiny = if several {
+            Scrutiny::Strict
+        } else {
+            Scrutiny::Mild
+        };
+        for (root, doubt) in self.roots.iter_mut().zip(doubts) {
+            root.suspect = several || doubt.is_some();
+        }
+        for _ in 0..DOUBTS {
+            let standings = self.standings();
+            let suspect = |j: &usize| {
+                self.roots[*j].suspect && doubt(&self.roots, &standings, (*j, scrutiny)).is_some()
+            };
+            let mut order: Vec<usize> = (0..self.roots.len()).filter(suspect).collect();
+            order.sort_by(|a, b| standings[*a].share.total_cmp(&standings[*b].share));
+            let mut chosen: Vec<usize> = Vec::new();
+            for j in order {
+                let leans = |other: &usize| apart(&self.roots[j], &self.roots[*other]) < LEANING;
+                if !chosen.iter().any(leans) {
+                    chosen.push(j);
+                }
+            }
+            if chosen.is_empty() {
+                break;
+            }
+            for j in chosen {
+                self.apply(self.less(j));
+            }
+            self.roots.retain(|root| !root.parts.is_empty());
+            unsettle(&mut self.roots);
+            self.settle();
+        }
+    }
+
+    /// A root with one mode less.
+    fn less(&self, j: usize) -> Change {
+        if self.roots[j].multiplicity() > 1 {
+            Change::FewerParts(j)
+        } else {
+            Change::Drop(j)
+        }
+    }
+
+    fn standings(&self) -> Vec<Standing> {
+        let measured = measured(&self.data, self.sides);
+        standings(&self.data, &measured, &self.roots)
+    }
+
     /// Where the data brought no variances: second differences of what the fit leaves over.
     fn measure_noise(&mut self) {
         if self.data.variance_measured {
@@ -318,7 +387,14 @@ impl<'a> Fit<'a> {
 
     /// Tries roots where the fit leaves over what noise does not explain; whether any stayed.
     fn search(&mut self) -> bool {
-        let found = self.unexplained();
+        let chance = self.options.false_alarm_probability;
+        let most = (self.roots.len() / 4).max(FEWEST_TRIED);
+        let found = roots_to_try(
+            &self.data,
+            &measured(&self.data, self.sides),
+            &self.roots,
+            (chance, most),
+        );
         if found.is_empty() {
             return false;
         }
@@ -329,57 +405,6 @@ impl<'a> Fit<'a> {
         self.settle();
         self.roots.len() > before
             || self.roots.iter().map(Root::multiplicity).sum::<usize>() > modes
-    }
-
-    /// Roots to try: the highest of the smoothed power of what is left over, where it is above what noise makes.
-    fn unexplained(&self) -> Vec<Root> {
-        let lines = 0..self.data.lines();
-        let profile = Profile::new(&self.data, lines.clone());
-        let measured = measured(&self.data, self.sides);
-        let rest = left_over(&measured, &self.roots, lines.clone(), &profile);
-        let functions = self.data.functions();
-        let power: Vec<f64> = lines
-            .clone()
-            .map(|k| (0..functions).map(|f| rest[(k, f)].norm_sqr()).sum::<f64>())
-            .collect();
-        let mut sums = vec![0.0; power.len() + 1];
-        for (k, p) in power.iter().enumerate() {
-            sums[k + 1] = sums[k] + p;
-        }
-        let mut tried: Vec<(f64, usize, usize)> = Vec::new();
-        let mut width = 1;
-        while width <= lines.len() / 8 {
-            let chance = self.options.false_alarm_probability / lines.len() as f64;
-            let freedom = 2 * functions * width;
-            let limit = upper_quantile(freedom, chance);
-            for start in (0..=lines.len() - width).step_by(width.div_ceil(2)) {
-                let value = 2.0 * (sums[start + width] - sums[start]);
-                if value > limit {
-                    let excess = (value - freedom as f64) / (2.0 * freedom as f64).sqrt();
-                    tried.push((excess, start + width / 2, width));
-                }
-            }
-            width *= 2;
-        }
-        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut chosen: Vec<(usize, usize)> = Vec::new();
-        for (_, top, width) in tried {
-            let clear = |(other, reach): &(usize, usize)| {
-                top.abs_diff(*other) > 4 * width.max(*reach).max(2)
-            };
-            if chosen.iter().all(clear) {
-                chosen.push((top, width));
-            }
-        }
-        chosen
-            .into_iter()
-            .map(|(top, width)| {
-                let decay = 0.5 * width.max(2) as f64 * self.data.step;
-                let lambda = Complex64::new(-decay, self.data.omega[top]);
-                let row = |f: usize| rest[(top, f)] * profile.level[f];
-                Root::single(lambda, &strongest_inputs(self.sides, 1, row)[0], functions)
-            })
-            .collect()
     }
 
     fn table(&self, band: Band, most: Option<usize>) -> PoleTable {
@@ -456,30 +481,4 @@ fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
         }
     }
     kept
-}
-
-/// Participation factors of the strongest so many parts of a value per function: right singular vectors over the inputs.
-fn strongest_inputs(
-    sides: &Sides,
-    count: usize,
-    value: impl Fn(usize) -> Complex64,
-) -> Vec<Vec<Complex64>> {
-    let inputs = sides.inputs;
-    let matrix = linalg::complex_matrix(sides.outputs.len(), inputs, |o, i| {
-        value(sides.outputs[o][i].1)
-    });
-    let vector = |rank: usize| match linalg::singular_vectors(&matrix) {
-        // A = U S Vᴴ, so that the row space is that of conj(V).
-        Ok(svd) if rank < svd.values.len() => {
-            (0..inputs).map(|i| svd.right[(i, rank)].conj()).collect()
-        }
-        _ => vec![Complex64::ONE; inputs],
-    };
-    (0..count).map(vector).collect()
-}
-
-/// What a chi-squared of so many degrees of freedom exceeds with this probability.
-fn upper_quantile(freedom: usize, chance: f64) -> f64 {
-    let distribution = ChiSquared::new(freedom as f64);
-    distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
 }

@@ -73,6 +73,8 @@ pub(super) struct Fitted {
     pub unknowns: Vec<Unknown>,
     /// Fisher information of the unknowns.
     pub information: ComplexMatrix,
+    /// Mean square of what is left over, over that of the noise.
+    pub misfit: f64,
     /// Of each member: twice the least eigenvalue of `Σ V⁻¹ ψ ψᴴ` over all outputs, with the covariance V of its shapes (for one
     /// mode `2 Σ|ψ|²/V`), and the largest `2 ψᴴ V⁻¹ ψ` of one output.
     pub significance: Vec<(f64, f64)>,
@@ -108,7 +110,9 @@ pub(super) fn fit(
     for (root, residues) in members.iter_mut().zip(here.residues) {
         root.residues = residues;
     }
+    let misfit = here.cost / window.freedom(&members, &unknowns);
     Fitted {
+        misfit,
         members,
         unknowns,
         information: here.information,
@@ -180,6 +184,16 @@ impl<'a> Window<'a> {
             energy: (0..functions).map(energy).sum(),
             data,
         }
+    }
+
+    /// Complex values less complex unknowns, 1 at least.
+    fn freedom(&self, members: &[Root], unknowns: &[Unknown]) -> f64 {
+        let shapes: usize = members.iter().map(Root::multiplicity).sum();
+        let functions = self.measured.values.ncols();
+        let fitted = self.background.columns() * functions
+            + shapes * self.measured.sides.outputs.len()
+            + unknowns.len();
+        (self.omega.len() * functions).saturating_sub(fitted).max(1) as f64
     }
 
     fn linearised(&self, members: &[Root], unknowns: &[Unknown]) -> Linearised {

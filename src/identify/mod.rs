@@ -63,8 +63,10 @@ mod sides;
 mod single;
 mod spread;
 mod stable;
+mod standing;
 #[cfg(test)]
 mod synthetic;
+mod unexplained;
 
 use num_complex::Complex64;
 

@@ -35,8 +35,19 @@ const STEPS: usize = 3;
 const SWEEPS: usize = 40;
 /// A step below this part of its standard deviation does not count either.
 const STILL_BY_BOUND: f64 = 1e-2;
+/// The same while it is still open which roots stay.
+const COARSE: f64 = 0.1;
 /// Largest step that still counts, in decay rates: far below any bound, near rounding for data without noise.
 const STILL: f64 = 1e-10;
+
+/// How far a refinement goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// Far enough to decide which roots stay.
+    Coarse,
+    /// To the end.
+    Fine,
+}
 
 /// Moves all roots to the maximum of the likelihood and returns them in ascending frequency. `limits` is where they may lie,
 /// rad/s; what leaves them, or becomes unstable, is gone.
@@ -46,10 +57,11 @@ pub(super) fn refine(
     data: &Receptances,
     measured: &Measured,
     mut roots: Vec<Root>,
-    limits: (f64, f64),
+    (limits, stop): ((f64, f64), Stop),
 ) -> Vec<Root> {
     let mut whole = false;
     let mut plan: Option<Vec<Block>> = None;
+    let far = Far::new(data, measured);
     for _ in 0..SWEEPS {
         let fresh = roots
             .iter()
@@ -65,6 +77,12 @@ pub(super) fn refine(
             .filter(|block| whole || block.members.iter().any(moving))
             .collect();
         let steps = if fresh { 0 } else { STEPS };
+        let near = if fresh {
+            None
+        } else {
+            Some(far.taken_out(measured, &roots))
+        };
+        let measured = near.as_ref().unwrap_or(measured);
         let fitted: Vec<Fitted> = active
             .par_iter()
             .map(|block| {
@@ -73,7 +91,7 @@ pub(super) fn refine(
             })
             .collect();
         for (block, fitted) in active.iter().zip(&fitted) {
-            take(&mut roots, block, fitted);
+            take(&mut roots, (block, fitted), stop);
         }
         let before = roots.len();
         roots.retain(|root| stays(root, limits));
@@ -107,7 +125,11 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
 }
 
 /// Takes over the roots that a block decides.
-fn take(roots: &mut [Root], block: &Block, fitted: &Fitted) {
+fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
+    let by_bound = match stop {
+        Stop::Coarse => COARSE,
+        Stop::Fine => STILL_BY_BOUND,
+    } * fitted.misfit.max(1.0).sqrt();
     let deviations = deviations(fitted);
     for &place in &block.core {
         let root = &mut roots[block.members[place]];
@@ -121,7 +143,7 @@ fn take(roots: &mut [Root], block: &Block, fitted: &Fitted) {
             largest,
         };
         let moved = (root.lambda - before.lambda).norm();
-        let still = moved <= STILL * decay || moved <= STILL_BY_BOUND * root.quality.pole_std;
+        let still = moved <= STILL * decay || moved <= by_bound * root.quality.pole_std;
         root.progress = match before.progress {
             Progress::Fresh(count) if count > 1 => Progress::Fresh(count - 1),
             Progress::Fresh(_) => Progress::Moving,
@@ -245,15 +267,9 @@ fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usiz
     start..(lines.end + missing).min(data.lines())
 }
 
-/// What the model leaves over on some lines, every function without constant and slope, over its noise: lines × functions.
-pub(super) fn left_over(
-    measured: &Measured,
-    roots: &[Root],
-    lines: Range<usize>,
-    profile: &Profile,
-) -> ComplexMatrix {
-    let omega = &measured.omega[lines.clone()];
-    let functions = measured.values.ncols();
+/// Values of the model's roots and their conjugates on some lines: lines × functions.
+fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) -> ComplexMatrix {
+    let omega = &measured.omega[lines];
     let courses = linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
         let lambda = roots[place / 2].lambda;
         let lambda = if place % 2 == 0 {
@@ -263,6 +279,7 @@ pub(super) fn left_over(
         };
         (Complex64::new(0.0, omega[k]) - lambda).inv()
     });
+    let functions = measured.values.ncols();
     let residues = linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
         let residue = roots[place / 2].residues[f];
         if place % 2 == 0 {
@@ -271,12 +288,57 @@ pub(super) fn left_over(
             residue.conj()
         }
     });
-    let model = courses * residues;
-    let rest = linalg::complex_matrix(omega.len(), functions, |k, f| {
-        (measured.values[(lines.start + k, f)] - model[(k, f)])
-            / (profile.course[k] * profile.level[f])
-    });
-    let background = Background::new(measured.omega, &lines);
-    let q = background.basis(omega, &profile.course);
-    &rest - &q * (q.adjoint() * &rest)
+    courses * residues
+}
+
+/// What lies outside the lines, told from all of them together: the background of the whole band.
+///
+/// A window in the middle has constant and slope alone for what is outside; a strong mode beyond the end of a long band is curved
+/// there, and the whole band knows by how much.
+pub(super) struct Far {
+    profile: Profile,
+    /// Lines × columns, orthonormal over the course of the noise.
+    basis: ComplexMatrix,
+}
+
+impl Far {
+    /// Of the lines of a band.
+    pub fn new(data: &Receptances, measured: &Measured) -> Self {
+        let lines = 0..data.lines();
+        let profile = Profile::new(data, lines.clone());
+        let background = Background::new(measured.omega, &lines);
+        let basis = background.basis(measured.omega, &profile.course);
+        Self { profile, basis }
+    }
+
+    /// The measured values without what the background explains of what the roots leave over.
+    pub fn taken_out<'a>(&self, measured: &Measured<'a>, roots: &[Root]) -> Measured<'a> {
+        let course = &self.profile.course;
+        let rest = &measured.values - model(measured, roots, 0..course.len());
+        let rest =
+            linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| rest[(k, f)] / course[k]);
+        let explained = &self.basis * (self.basis.adjoint() * rest);
+        let values = linalg::complex_matrix(explained.nrows(), explained.ncols(), |k, f| {
+            measured.values[(k, f)] - course[k] * explained[(k, f)]
+        });
+        Measured {
+            omega: measured.omega,
+            values,
+            sides: measured.sides,
+        }
+    }
+
+    /// What roots and background leave over, over the noise: lines × functions.
+    pub fn left_over(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
+        let near = self.taken_out(measured, roots);
+        let rest = &near.values - model(measured, roots, 0..measured.omega.len());
+        linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
+            rest[(k, f)] / (self.profile.course[k] * self.profile.level[f])
+        })
+    }
+
+    /// Root of the mean variance of each function, m/N.
+    pub fn level(&self) -> &[f64] {
+        &self.profile.level
+    }
 }

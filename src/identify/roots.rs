@@ -21,6 +21,8 @@ pub(super) struct Root {
     pub quality: Quality,
     /// How far its fit is.
     pub progress: Progress,
+    /// Whether something speaks against its being a mode.
+    pub suspect: bool,
 }
 
 /// What a fit says of one root besides its numbers.
@@ -68,6 +70,7 @@ impl Root {
             residues: vec![Complex64::ZERO; functions],
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
+            suspect: false,
         }
     }
 

@@ -1,0 +1,163 @@
+//! How a root stands in the data around it: what the model misses there, and how much of the response is the root's own.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::modal::mac;
+
+use super::block::Measured;
+use super::noise_profile::Profile;
+use super::receptance::Receptances;
+use super::refine::{Far, apart};
+use super::roots::Root;
+
+/// Lines on either side of a root that are its own: half-power widths, and fewest.
+const OWN: f64 = 1.0;
+const FEWEST_OWN: usize = 3;
+
+/// Misfit above which the model misses the data.
+const MOST_MISFIT: f64 = 4.0;
+const STRICT_MISFIT: f64 = 2.0;
+/// Least share of the response of a root where the model misses the data.
+const LEAST_SHARE: f64 = 0.2;
+/// Share of the response from which a root is a mode of its own.
+const OWN_MODE: f64 = 0.5;
+/// Sums of half-power widths within which a root lies beside another.
+const BESIDE: f64 = 4.0;
+/// Modal assurance criterion above which a root repeats the shape of its neighbour.
+const SAME_SHAPE: f64 = 0.7;
+/// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
+const LINEAR: f64 = 1e-3;
+/// The same for the weakest of several modes of one root, which the differences between poles make as well.
+const REPEATED: f64 = 1e-2;
+/// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,
+/// besides what noise does.
+const MOST_PHASE: f64 = 0.7;
+
+/// A root in the data around it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Standing {
+    /// The root's own lines.
+    pub lines: Range<usize>,
+    /// Mean square of what the model leaves over on the root's own lines, over that of the noise: 1 where noise is all.
+    pub misfit: f64,
+    /// Share of the response on the root's own lines that nothing but this root explains: the root of its energy with all
+    /// other residues fitted, over that of the response.
+    pub share: f64,
+}
+
+/// Of each root.
+pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root]) -> Vec<Standing> {
+    let rest = Far::new(data, measured).left_over(measured, roots);
+    let standing = |root: &Root| {
+        let own = own_lines(data, root);
+        let profile = Profile::new(data, own.clone());
+        let (mut missed, mut whole) = (0.0, 0.0);
+        for (place, k) in own.clone().enumerate() {
+            for f in 0..data.functions() {
+                let noise = profile.course[place] * profile.level[f];
+                missed += rest[(k, f)].norm_sqr();
+                whole += (measured.values[(k, f)] / noise).norm_sqr();
+            }
+        }
+        Standing {
+            misfit: missed / (own.len() * data.functions()) as f64,
+            share: (0.5 * root.quality.significance / whole).sqrt(),
+            lines: own,
+        }
+    };
+    roots.par_iter().map(standing).collect()
+}
+
+fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
+    let side = (OWN * root.width() / data.step).round() as usize;
+    let side = side.max(FEWEST_OWN);
+    let top = ((root.lambda.im - data.omega[0]) / data.step)
+        .round()
+        .max(0.0) as usize;
+    let top = top.min(data.lines() - 1);
+    top.saturating_sub(side)..(top + side + 1).min(data.lines())
+}
+
+/// Why a root is no mode although it is above the noise.
+///
+/// What a model does not describe (a resonance that moves from hit to hit, a record that was cut, a rattle) is fitted by roots
+/// beside the modes. They explain little of the response where the model misses the data anyway; or they repeat the shape of a
+/// strong neighbour with another phase than modes have; or they explain so little that no structure is linear enough for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Doubt {
+    /// Share of the response, where the model misses the data.
+    Share(f64),
+    /// Phase against real modes, rad.
+    Phase(f64),
+    /// Share of the response, smaller than any structure is linear.
+    Tiny(f64),
+}
+
+impl Doubt {
+    /// Whether it comes from what the model does not describe.
+    pub fn is_misfit(&self) -> bool {
+        !matches!(self, Self::Tiny(_))
+    }
+}
+
+/// How much is held against a root.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scrutiny {
+    /// The model describes the data: what is above the noise is a mode unless much speaks against it.
+    Mild,
+    /// The model misses the data in several places.
+    Strict,
+}
+
+/// What speaks against a root.
+pub(super) fn doubt(
+    roots: &[Root],
+    standings: &[Standing],
+    (j, scrutiny): (usize, Scrutiny),
+) -> Option<Doubt> {
+    let (root, own) = (&roots[j], &standings[j]);
+    let strict = scrutiny == Scrutiny::Strict;
+    let least = if root.multiplicity() > 1 {
+        REPEATED
+    } else {
+        LINEAR
+    };
+    if own.share < least {
+        return Some(Doubt::Tiny(own.share));
+    }
+    let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
+    if own.misfit > most && own.share < LEAST_SHARE {
+        return Some(Doubt::Share(own.share));
+    }
+    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
+    let distance = |i: &usize| apart(root, &roots[*i]);
+    let nearest = (0..roots.len())
+        .filter(strong)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let repeats = distance(&nearest) < BESIDE
+        && mac(&root.residues, &roots[nearest].residues) > Some(SAME_SHAPE);
+    if own.share >= OWN_MODE || !(strict || repeats) {
+        return None;
+    }
+    let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
+    // A delay of a channel turns both.
+    let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
+    let unknown = root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay();
+    (apart > MOST_PHASE + unknown).then_some(Doubt::Phase(apart))
+}
+
+/// Phase of all residues together, rad, modulo π: 0 for real modes.
+fn residue_phase(root: &Root) -> f64 {
+    let squares: Complex64 = root.residues.iter().map(|a| a * a).sum();
+    0.5 * (-squares).arg()
+}
+
+/// Distance of two phases modulo π, rad.
+fn phase_between(a: f64, b: f64) -> f64 {
+    let pi = std::f64::consts::PI;
+    let apart = (a - b).rem_euclid(pi);
+    apart.min(pi - apart)
+}
