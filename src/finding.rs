@@ -300,6 +300,21 @@ codes! {
     /// A peak was not followed.
     PeakDropped: "a local maximum was not taken as a mode",
         "A peak must stand above the noise, be the highest point within its own half-power band, and give a positive damping. The value and the limit say which of these failed.";
+    /// The variances came from the fit.
+    NoiseFromFit: "the FRFs bring no variances; noise was told from what the fit leaves over",
+        "Deviations of frequency and damping, and what counts as a mode, rest on the noise of the functions. Without variances, or coherence and number of averages, it is taken from the second differences of the residual over some hundred lines. State the number of averages (`--averages`) where the coherence is there.";
+    /// The model leaves over more than noise around a mode.
+    ModelMisfit: "the fit leaves over more than noise around this mode; its deviations count that as noise",
+        "The value is the rms of what the fit leaves over on the lines of the half-power band, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value, which is not more than an order of magnitude. Look at the findings of the FRFs, and at whether runs agree.";
+    /// A root that explains little.
+    RootMinor: "a root of the fit explains little of the response and was not taken as a mode",
+        "Where the model misses the data by more than noise, roots beside the modes fit what is no resonance. The value is the share of the response in the root's half-power band that nothing else explains. Below a thousandth no structure is linear enough, whatever the noise.";
+    /// A root whose residues have the wrong phase.
+    RootPhase: "a root of the fit has residues of another phase than modes have and was not taken as a mode",
+        "The residues of a normal mode are imaginary (in receptance), those of complex modes nearly so. A root beside a strong mode with residues turned by tens of degrees fits the difference between the measured resonance and one of a linear structure. The value is the angle against real modes, or against the strong neighbour where that is less.";
+    /// A peak without a mode.
+    PeakWithoutMode: "a peak is seen here, but the fit keeps no mode",
+        "A root was tried and dropped, or none stayed over the model orders. With a value: its significance against the limit that noise reaches; or its deviation in decay rates, its distance to a stronger root in deviations, its half-power width. Look at the peak in single functions; choose a narrower band around it, or another method.";
     /// No mode in the band.
     NoModeFound: "no mode was found in the band",
         "No peak stands above the noise in the band that was searched. Look at the coherence, at the band, and at whether the hammer excites it.";

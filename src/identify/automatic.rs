@@ -10,6 +10,7 @@
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from the second differences of what the fit leaves over.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use num_complex::Complex64;
@@ -23,12 +24,13 @@ use crate::modal::{Pole, mac};
 use super::block::Measured;
 use super::indicator::Indicator;
 use super::plscf::{Lscf, LscfPole};
+use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
-use super::refine::{Stop, apart, refine, unsettle};
+use super::refine::{Stop, apart, model, refine, unsettle};
 use super::roots::Root;
-use super::search;
+use super::search::{self, Found};
 use super::sides::Sides;
-use super::stable::{Seed, seeds};
+use super::stable::{Seed, distinct, seeds};
 use super::standing::{Doubt, Scrutiny, Standing, doubt, standings};
 use super::unexplained::{roots_to_try, strongest_inputs, upper_quantile};
 use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
@@ -87,21 +89,23 @@ impl PoleEstimator for Automatic {
         } else {
             sides.as_one_input()
         };
+        let indicator = Indicator::new(&data);
+        let found = search::search(&data, &indicator, self.options.false_alarm_probability);
         let mut fit = Fit::new(data, &sides, self.options);
-        fit.seed()?;
+        fit.seed(found.peaks.len())?;
         fit.settle();
         for _ in 0..SEARCHES {
             fit.measure_noise();
+            fit.refine(Stop::Judging);
             if !fit.search() {
                 break;
             }
         }
-        fit.refine(Stop::Fine);
         fit.measure_noise();
-        fit.refine(Stop::Fine);
+        fit.refine(Stop::Judging);
         fit.doubt();
         fit.refine(Stop::Fine);
-        Ok(fit.table(band, self.options.max_modes))
+        Ok(fit.table((set, band), &found))
     }
 }
 
@@ -110,6 +114,7 @@ struct Fit<'a> {
     sides: &'a Sides,
     options: MethodOptions,
     roots: Vec<Root>,
+    dropped: Vec<Dropped>,
 }
 
 impl<'a> Fit<'a> {
@@ -119,6 +124,7 @@ impl<'a> Fit<'a> {
             sides,
             options,
             roots: Vec::new(),
+            dropped: Vec::new(),
         }
     }
 
@@ -133,11 +139,8 @@ impl<'a> Fit<'a> {
         ((first - outside).max(0.5 * first), last + outside)
     }
 
-    /// Roots from the poles that stay over the orders.
-    fn seed(&mut self) -> Result<(), IdentifyError> {
-        let indicator = Indicator::new(&self.data);
-        let alarm = self.options.false_alarm_probability;
-        let peaks = search::search(&self.data, &indicator, alarm).peaks.len();
+    /// Roots from the poles that stay over the orders, which follow from the number of peaks.
+    fn seed(&mut self, peaks: usize) -> Result<(), IdentifyError> {
         let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(POLES.start, POLES.end);
         let top = (poles / self.sides.inputs)
             .min(self.data.lines() / 3)
@@ -194,7 +197,11 @@ impl<'a> Fit<'a> {
     /// Roots that go lose their parts; they are taken out afterwards.
     fn apply(&mut self, change: Change) {
         match change {
-            Change::Drop(j) => self.roots[j].parts.clear(),
+            Change::Drop(j, reason) => {
+                let lambda = self.roots[j].lambda;
+                self.dropped.push(Dropped { lambda, reason });
+                self.roots[j].parts.clear();
+            }
             Change::Join(i, j) => {
                 let parts = std::mem::take(&mut self.roots[j].parts);
                 let other = self.roots[j].lambda;
@@ -235,25 +242,29 @@ impl<'a> Fit<'a> {
 
     fn change_of(&self, j: usize) -> Option<Change> {
         let (root, quality) = (&self.roots[j], &self.roots[j].quality);
+        let (significance, limit) = self.significance(root);
+        if significance <= limit {
+            return Some(self.less(j, Reason::Noise(significance, limit)));
+        }
         if let Some(twin) = self.twin(j) {
             return Some(twin);
         }
         let width = root.width();
-        let fits = width < WIDEST * self.range()
-            && width > NARROWEST * self.data.step
-            && quality.pole_std < KNOWN * root.decay()
-            && self.significant(root);
-        if fits {
+        let reason = if quality.pole_std >= KNOWN * root.decay() {
+            Reason::Unknown(quality.pole_std / root.decay())
+        } else if width >= WIDEST * self.range() || width <= NARROWEST * self.data.step {
+            Reason::Width(width / TAU)
+        } else {
             return None;
-        }
-        Some(self.less(j))
+        };
+        Some(self.less(j, reason))
     }
 
-    /// Whether a root is above what noise makes somewhere in the band, for some pole and some participation factors.
+    /// Significance of a root with the limit that it must exceed: whether it is above what noise makes somewhere in the band, for some pole and some participation factors.
     ///
     /// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but for a probability p
     /// (Davidson and Szarek 2001); with one input its square is a chi-squared of two degrees of freedom per output.
-    fn significant(&self, root: &Root) -> bool {
+    fn significance(&self, root: &Root) -> (f64, f64) {
         let (outputs, inputs) = (self.sides.outputs.len(), self.sides.inputs);
         let chance = self.options.false_alarm_probability / (WIDTHS * self.data.lines() as f64);
         let limit = |outputs: usize, chance: f64| match inputs {
@@ -264,10 +275,15 @@ impl<'a> Fit<'a> {
             }
         };
         let quality = &root.quality;
-        let whole = quality.significance > limit(outputs, chance);
+        let whole = (quality.significance, limit(outputs, chance));
         // What one output shows says nothing of how many modes there are.
-        let alone = quality.largest > limit(1, chance / outputs as f64);
-        whole || (root.multiplicity() == 1 && alone)
+        let alone = (quality.largest, limit(1, chance / outputs as f64));
+        let better = alone.0 / alone.1 > whole.0 / whole.1;
+        if better && root.multiplicity() == 1 {
+            alone
+        } else {
+            whole
+        }
     }
 
     /// A stronger root from which this one cannot be told.
@@ -276,7 +292,9 @@ impl<'a> Fit<'a> {
             let (a, b) = (&self.roots[*i], &self.roots[j]);
             let (p, q) = (a.quality.pole_std, b.quality.pole_std);
             let apart = (a.lambda - b.lambda).norm();
-            *i != j && apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q)
+            let stronger = a.quality.significance >= b.quality.significance;
+            let beside = apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q);
+            *i != j && stronger && beside
         };
         let distance = |i: &usize| (self.roots[*i].lambda - self.roots[j].lambda).norm();
         let i = (0..self.roots.len())
@@ -293,7 +311,8 @@ impl<'a> Fit<'a> {
         Some(if modes <= inputs && alike < INDEPENDENT {
             Change::Join(i, j)
         } else {
-            Change::Drop(j)
+            let deviation = a.quality.pole_std.hypot(b.quality.pole_std);
+            Change::Drop(j, Reason::Twin(distance(&i) / deviation))
         })
     }
 
@@ -318,23 +337,27 @@ impl<'a> Fit<'a> {
         }
         for _ in 0..DOUBTS {
             let standings = self.standings();
-            let suspect = |j: &usize| {
-                self.roots[*j].suspect && doubt(&self.roots, &standings, (*j, scrutiny)).is_some()
+            let doubted = |j: usize| {
+                let doubt = doubt(&self.roots, &standings, (j, scrutiny))?;
+                self.roots[j].suspect.then_some((j, doubt))
             };
-            let mut order: Vec<usize> = (0..self.roots.len()).filter(suspect).collect();
-            order.sort_by(|a, b| standings[*a].share.total_cmp(&standings[*b].share));
-            let mut chosen: Vec<usize> = Vec::new();
-            for j in order {
-                let leans = |other: &usize| apart(&self.roots[j], &self.roots[*other]) < LEANING;
+            let mut order: Vec<(usize, Doubt)> =
+                (0..self.roots.len()).filter_map(doubted).collect();
+            order.sort_by(|a, b| standings[a.0].share.total_cmp(&standings[b.0].share));
+            let mut chosen: Vec<(usize, Doubt)> = Vec::new();
+            for (j, doubt) in order {
+                let leans = |(other, _): &(usize, Doubt)| {
+                    apart(&self.roots[j], &self.roots[*other]) < LEANING
+                };
                 if !chosen.iter().any(leans) {
-                    chosen.push(j);
+                    chosen.push((j, doubt));
                 }
             }
             if chosen.is_empty() {
                 break;
             }
-            for j in chosen {
-                self.apply(self.less(j));
+            for (j, doubt) in chosen {
+                self.apply(self.less(j, Reason::Doubt(doubt)));
             }
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
@@ -343,11 +366,11 @@ impl<'a> Fit<'a> {
     }
 
     /// A root with one mode less.
-    fn less(&self, j: usize) -> Change {
+    fn less(&self, j: usize, reason: Reason) -> Change {
         if self.roots[j].multiplicity() > 1 {
             Change::FewerParts(j)
         } else {
-            Change::Drop(j)
+            Change::Drop(j, reason)
         }
     }
 
@@ -361,25 +384,17 @@ impl<'a> Fit<'a> {
         if self.data.variance_measured {
             return;
         }
-        let roots = &self.roots;
-        let omega = &self.data.omega;
-        let rest = |f: usize, values: &[Complex64]| -> Vec<Complex64> {
-            let left = |(w, h): (&f64, &Complex64)| {
-                let s = Complex64::new(0.0, *w);
-                let term = |root: &Root| {
-                    let a = root.residues[f];
-                    a / (s - root.lambda) + a.conj() / (s - root.lambda.conj())
-                };
-                h - roots.iter().map(term).sum::<Complex64>()
-            };
-            omega.iter().zip(values).map(left).collect()
-        };
+        let measured = measured(&self.data, self.sides);
+        let rest = &measured.values - model(&measured, &self.roots, 0..self.data.lines());
         let variance: Vec<Vec<f64>> = self
             .data
             .values
             .par_iter()
             .enumerate()
-            .map(|(f, values)| super::noise::of_rest(values, &rest(f, values)))
+            .map(|(f, values)| {
+                let rest: Vec<Complex64> = rest.col(f).iter().copied().collect();
+                super::noise::of_rest(values, &rest, &self.data.measured_scale[f])
+            })
             .collect();
         self.data.variance = variance;
         unsettle(&mut self.roots);
@@ -407,50 +422,59 @@ impl<'a> Fit<'a> {
             || self.roots.iter().map(Root::multiplicity).sum::<usize>() > modes
     }
 
-    fn table(&self, band: Band, most: Option<usize>) -> PoleTable {
-        let tau = std::f64::consts::TAU;
-        let mut numbers: Vec<usize> = (0..self.roots.len())
-            .filter(|j| {
-                let root = &self.roots[*j];
-                let hz = root.lambda.norm() / tau;
-                let damping = root.decay() / root.lambda.norm();
-                hz >= band.lo_hz && hz <= band.hi_hz && damping < MOST_DAMPING
-            })
-            .collect();
-        if let Some(most) = most {
-            let worth = |j: &usize| self.roots[*j].quality.significance;
-            numbers.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-            numbers.truncate(most);
-            numbers.sort_unstable();
+    fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
+        let standings = self.standings();
+        let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
+        kept.retain(|(root, _)| {
+            let hz = root.lambda.norm() / TAU;
+            let damping = root.decay() / root.lambda.norm();
+            hz >= band.lo_hz && hz <= band.hi_hz && damping < MOST_DAMPING
+        });
+        if let Some(most) = self.options.max_modes {
+            let worth = |(root, _): &(&Root, &Standing)| root.quality.significance;
+            kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+            kept.truncate(most);
+            kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
         }
-        let candidates = numbers.iter().map(|j| self.candidate(*j)).collect();
-        PoleTable {
-            candidates,
-            findings: Vec::new(),
-        }
-    }
-
-    fn candidate(&self, j: usize) -> Candidate {
-        let (root, quality) = (&self.roots[j], &self.roots[j].quality);
-        let pole = Pole {
-            lambda: root.lambda,
+        let evidence = Evidence {
+            set,
+            data: &self.data,
+            band,
+            found,
+            kept: &kept,
+            dropped: &self.dropped,
         };
-        let norm = root.lambda.norm();
-        Candidate {
-            order: None,
-            pole,
-            participation: None,
-            residues: Some(root.residues.clone()),
-            multiplicity: root.multiplicity(),
-            frequency_std_hz: Some(quality.pole_std / std::f64::consts::TAU),
-            damping_std: Some(quality.pole_std / norm),
-            quality: None,
+        PoleTable {
+            candidates: kept
+                .iter()
+                .map(|(root, own)| candidate(root, own))
+                .collect(),
+            findings: evidence.findings(),
         }
     }
 }
 
+/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of frequency and damping are too:
+/// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
+fn candidate(root: &Root, standing: &Standing) -> Candidate {
+    let std = root.quality.pole_std * standing.inflation();
+    Candidate {
+        order: None,
+        pole: Pole {
+            lambda: root.lambda,
+        },
+        participation: None,
+        frequency_damping_correlation: Some(0.0),
+        residues: Some(root.residues.clone()),
+        multiplicity: root.multiplicity(),
+        frequency_std_hz: Some(std / TAU),
+        damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
+        quality: None,
+    }
+}
+
 enum Change {
-    Drop(usize),
+    Drop(usize, Reason),
     /// The second becomes part of the first.
     Join(usize, usize),
     FewerParts(usize),
@@ -462,23 +486,4 @@ fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
         values: linalg::complex_matrix(data.lines(), data.functions(), |k, f| data.values[f][k]),
         sides,
     }
-}
-
-/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same participation.
-fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
-    let mut order: Vec<Seed> = seeds;
-    order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));
-    let mut kept: Vec<Seed> = Vec::new();
-    for seed in order {
-        let repeats = |other: &Seed| {
-            let (a, b) = (&seed.pole, &other.pole);
-            let decay = a.lambda.re.abs().max(b.lambda.re.abs());
-            (a.lambda - b.lambda).norm() < 0.2 * decay
-                && mac(&a.participation, &b.participation) > Some(0.9)
-        };
-        if !kept.iter().any(repeats) {
-            kept.push(seed);
-        }
-    }
-    kept
 }

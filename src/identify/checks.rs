@@ -12,14 +12,14 @@ use crate::modal::Pole;
 use super::close::{self, Excess};
 use super::receptance::Receptances;
 use super::repeated::{self, Judgement, PairTable, Surroundings};
-use super::search::{self, Drop, Found};
+use super::search::{self, Drop, Found, Peak};
 use super::single::Resonance;
 use super::{IdentifyError, residues};
 
 /// Lines across a half-power band that damping needs.
 const FEWEST_LINES: f64 = 5.0;
 /// Time constants that a record should hold.
-const FEWEST_TIME_CONSTANTS: f64 = 6.0;
+pub(super) const FEWEST_TIME_CONSTANTS: f64 = 6.0;
 /// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).
 const MOST_SPREAD: f64 = 0.05;
 /// Half-power widths between two visible peaks below which both are contaminated.
@@ -116,20 +116,21 @@ pub(super) fn findings(context: &Context, modes: &[usize]) -> Vec<Finding> {
     let modes = modes.iter().flat_map(|mode| of_one_mode(context, *mode));
     let mut findings: Vec<Finding> = modes.collect();
     let dropped = context.found.dropped.iter();
-    findings.extend(dropped.map(|(peak, drop)| {
-        let finding = |value: f64, limit: f64| {
-            let place = Place::Mode(search::hz(context.data, peak.line));
-            Finding::new(Severity::Info, Code::PeakDropped, place)
-                .value(value, "")
-                .limit(limit)
-        };
-        match drop {
-            Drop::NotHighest(ratio) => finding(*ratio, 2.0),
-            Drop::Unstable(turn) => finding(*turn, 0.0),
-            Drop::NotTurning(turn) => finding(*turn, search::LEAST_TURN),
-        }
-    }));
+    findings.extend(dropped.map(|(peak, drop)| dropped_peak(context.data, peak, drop)));
     findings
+}
+
+/// The finding of a maximum that was not followed.
+pub(super) fn dropped_peak(data: &Receptances, peak: &Peak, drop: &Drop) -> Finding {
+    let (value, limit) = match drop {
+        Drop::NotHighest(ratio) => (*ratio, 2.0),
+        Drop::Unstable(turn) => (*turn, 0.0),
+        Drop::NotTurning(turn) => (*turn, search::LEAST_TURN),
+    };
+    let place = Place::Mode(search::hz(data, peak.line));
+    Finding::new(Severity::Info, Code::PeakDropped, place)
+        .value(value, "")
+        .limit(limit)
 }
 
 /// The row that a finding belongs to: the mode's frequency without the window's damping.

@@ -14,8 +14,8 @@
 //! out once, when candidates become modes. This stage reads no file and knows no model.
 //!
 //! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
-//! one group (`parts`). `ml` tells close modes apart by the participation of several references, and says nothing yet of what it
-//! dropped; `auto` stays with the circle fit until it does. A single reference or response cannot show it, and a repeated root then gives one mode.
+//! one group (`parts`). `ml`, which is what `auto` stands for, tells close modes apart by the participation of several references. A
+//! single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
 mod accuracy_tests;
@@ -47,6 +47,7 @@ mod peak;
 mod plscf;
 #[cfg(test)]
 mod rank_tests;
+mod reasons;
 mod receptance;
 mod refine;
 mod repeated;
@@ -113,6 +114,8 @@ pub struct Candidate {
     pub frequency_std_hz: Option<f64>,
     /// Standard deviation of the damping ratio.
     pub damping_std: Option<f64>,
+    /// Correlation of the errors of frequency and damping.
+    pub frequency_damping_correlation: Option<f64>,
     /// Figure of merit of the method; for the circle fit the relative standard deviation of the damping surface.
     pub quality: Option<f64>,
 }
@@ -173,12 +176,12 @@ pub const ESTIMATORS: &[Entry] = &[
 ];
 
 /// What `auto` stands for.
-const AUTO: &str = "circle";
+const AUTO: &str = "ml";
 
 /// Options of an identification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifyOptions {
-    /// Name of an estimator, or `auto` (the circle fit).
+    /// Name of an estimator, or `auto` (maximum likelihood).
     pub method: String,
     /// Band to search; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
     pub band: Option<Band>,

@@ -31,6 +31,8 @@ pub(super) struct Receptances {
     pub variance: Vec<Vec<f64>>,
     /// Whether the variances of all functions came with the data.
     pub variance_measured: bool,
+    /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
+    pub measured_scale: Vec<Vec<f64>>,
 }
 
 impl Receptances {
@@ -68,6 +70,7 @@ impl Receptances {
             values: Vec::with_capacity(set.len()),
             variance: Vec::with_capacity(set.len()),
             variance_measured: true,
+            measured_scale: Vec::with_capacity(set.len()),
             omega,
         };
         for i in 0..set.len() {
@@ -91,6 +94,8 @@ impl Receptances {
         let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
         self.variance.push(variance.collect());
         self.variance_measured &= noise.measured;
+        let scale = self.omega.iter().map(|w| factor(w).norm().recip());
+        self.measured_scale.push(scale.collect());
     }
 
     /// Number of functions.

@@ -45,6 +45,8 @@ const STILL: f64 = 1e-10;
 pub(super) enum Stop {
     /// Far enough to decide which roots stay.
     Coarse,
+    /// Far enough to judge what is left over.
+    Judging,
     /// To the end.
     Fine,
 }
@@ -126,10 +128,12 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
 
 /// Takes over the roots that a block decides.
 fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
+    let missed = fitted.misfit.max(1.0).sqrt();
     let by_bound = match stop {
-        Stop::Coarse => COARSE,
+        Stop::Coarse => COARSE * missed,
+        Stop::Judging => STILL_BY_BOUND * missed,
         Stop::Fine => STILL_BY_BOUND,
-    } * fitted.misfit.max(1.0).sqrt();
+    };
     let deviations = deviations(fitted);
     for &place in &block.core {
         let root = &mut roots[block.members[place]];
@@ -268,7 +272,7 @@ fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usiz
 }
 
 /// Values of the model's roots and their conjugates on some lines: lines × functions.
-fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) -> ComplexMatrix {
+pub(super) fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) -> ComplexMatrix {
     let omega = &measured.omega[lines];
     let courses = linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
         let lambda = roots[place / 2].lambda;

@@ -146,6 +146,7 @@ fn mode(
     Mode {
         frequency_std_hz: candidate.frequency_std_hz,
         damping_std: damping.and(candidate.damping_std),
+        frequency_damping_correlation: damping.and(candidate.frequency_damping_correlation),
         residues,
         modal_mass_kg,
         mpc: modal_phase_collinearity(&components),

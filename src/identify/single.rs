@@ -260,6 +260,7 @@ fn candidate(resonance: &Resonance, verdict: &checks::Verdict) -> Candidate {
             lambda: resonance.lambda,
         },
         participation: None,
+        frequency_damping_correlation: None,
         residues: Some(verdict.residues.clone()),
         multiplicity: verdict.multiplicity,
         frequency_std_hz: fit.and_then(|fit| fit.omega_std_rad_s).map(hz),

@@ -98,3 +98,22 @@ fn medoid(poles: &[LscfPole]) -> LscfPole {
         .min_by(|a, b| sum(a.lambda).total_cmp(&sum(b.lambda)));
     best.unwrap_or(&poles[0]).clone()
 }
+
+/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same participation.
+pub(super) fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
+    let mut order: Vec<Seed> = seeds;
+    order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));
+    let mut kept: Vec<Seed> = Vec::new();
+    for seed in order {
+        let repeats = |other: &Seed| {
+            let (a, b) = (&seed.pole, &other.pole);
+            let decay = a.lambda.re.abs().max(b.lambda.re.abs());
+            (a.lambda - b.lambda).norm() < 0.2 * decay
+                && mac(&a.participation, &b.participation) > Some(0.9)
+        };
+        if !kept.iter().any(repeats) {
+            kept.push(seed);
+        }
+    }
+    kept
+}

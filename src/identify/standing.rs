@@ -18,10 +18,10 @@ const OWN: f64 = 1.0;
 const FEWEST_OWN: usize = 3;
 
 /// Misfit above which the model misses the data.
-const MOST_MISFIT: f64 = 4.0;
+pub(super) const MOST_MISFIT: f64 = 4.0;
 const STRICT_MISFIT: f64 = 2.0;
 /// Least share of the response of a root where the model misses the data.
-const LEAST_SHARE: f64 = 0.2;
+pub(super) const LEAST_SHARE: f64 = 0.2;
 /// Share of the response from which a root is a mode of its own.
 const OWN_MODE: f64 = 0.5;
 /// Sums of half-power widths within which a root lies beside another.
@@ -29,12 +29,12 @@ const BESIDE: f64 = 4.0;
 /// Modal assurance criterion above which a root repeats the shape of its neighbour.
 const SAME_SHAPE: f64 = 0.7;
 /// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
-const LINEAR: f64 = 1e-3;
+pub(super) const LINEAR: f64 = 1e-3;
 /// The same for the weakest of several modes of one root, which the differences between poles make as well.
 const REPEATED: f64 = 1e-2;
 /// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,
 /// besides what noise does.
-const MOST_PHASE: f64 = 0.7;
+pub(super) const MOST_PHASE: f64 = 0.7;
 
 /// A root in the data around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         }
         Standing {
             misfit: missed / (own.len() * data.functions()) as f64,
-            share: (0.5 * root.quality.significance / whole).sqrt(),
+            share: (0.5 * root.quality.significance.max(0.0) / whole).sqrt(),
             lines: own,
         }
     };
@@ -94,6 +94,17 @@ pub(super) enum Doubt {
     Phase(f64),
     /// Share of the response, smaller than any structure is linear.
     Tiny(f64),
+}
+
+impl Standing {
+    /// What the deviations of a fit must be multiplied with: where the model misses the data, what it misses counts as noise.
+    pub fn inflation(&self) -> f64 {
+        if self.misfit > STRICT_MISFIT {
+            self.misfit.sqrt()
+        } else {
+            1.0
+        }
+    }
 }
 
 impl Doubt {

@@ -1,0 +1,226 @@
+//! What the maximum likelihood method says of its modes, and why it took no others.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::FrfSet;
+use crate::modal::Pole;
+
+use super::checks::{FEWEST_TIME_CONSTANTS, dropped_peak};
+use super::receptance::Receptances;
+use super::roots::Root;
+use super::search::Found;
+use super::standing::{Doubt, LEAST_SHARE, LINEAR, MOST_MISFIT, MOST_PHASE, Standing};
+
+/// Lines across a half-power band below which damping rests on the model alone.
+const FEWEST_LINES: f64 = 1.0;
+/// A peak belongs to a mode within so many half-power widths, or lines.
+const AT_PEAK: f64 = 1.0;
+const LINES_AT_PEAK: f64 = 3.0;
+
+/// Why a root was dropped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Reason {
+    /// Its significance is what noise reaches: value and limit.
+    Noise(f64, f64),
+    /// Its pole is not known: deviation over decay rate.
+    Unknown(f64),
+    /// It cannot be told from a stronger one: distance in deviations.
+    Twin(f64),
+    /// Its half-power width is no resonance's: Hz.
+    Width(f64),
+    /// It is no mode although it is above the noise.
+    Doubt(Doubt),
+}
+
+/// A root that was dropped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Dropped {
+    /// Its pole then, rad/s.
+    pub lambda: Complex64,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// All that the findings are made from.
+pub(super) struct Evidence<'a> {
+    /// The set as it came.
+    pub set: &'a FrfSet,
+    /// Its receptances on band and guard lines.
+    pub data: &'a Receptances,
+    /// The band that was asked for.
+    pub band: Band,
+    /// Peaks of the indicator.
+    pub found: &'a Found,
+    /// Modes that are reported.
+    pub kept: &'a [(&'a Root, &'a Standing)],
+    /// Roots that were dropped on the way.
+    pub dropped: &'a [Dropped],
+}
+
+impl Evidence<'_> {
+    /// Findings of the modes in ascending frequency, then of what was not taken.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        if !self.data.variance_measured {
+            findings.push(Finding::new(
+                Severity::Info,
+                Code::NoiseFromFit,
+                Place::Whole,
+            ));
+        }
+        for (root, standing) in self.kept {
+            findings.extend(self.of_mode(root, standing));
+        }
+        findings.extend(self.of_doubts());
+        findings.extend(self.of_peaks());
+        findings
+    }
+
+    fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
+        let place = self.place(root.lambda);
+        let warning = |code, value: f64, unit: &str, limit: f64| {
+            Finding::new(Severity::Warning, code, place.clone())
+                .value(value, unit)
+                .limit(limit)
+        };
+        let mut findings = Vec::new();
+        if standing.misfit > MOST_MISFIT {
+            let limit = MOST_MISFIT.sqrt();
+            findings.push(warning(
+                Code::ModelMisfit,
+                standing.misfit.sqrt(),
+                "",
+                limit,
+            ));
+        }
+        if root.multiplicity() > 1 {
+            let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
+            findings.push(finding.value(root.multiplicity() as f64, ""));
+        }
+        let lines = root.width() / self.data.step;
+        if lines < FEWEST_LINES {
+            findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
+        }
+        let constants = self
+            .set
+            .record_duration_s
+            .map(|duration| root.decay() * duration);
+        if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
+            findings.push(warning(
+                Code::FewTimeConstants,
+                constants,
+                "",
+                FEWEST_TIME_CONSTANTS,
+            ));
+        }
+        let last = self.data.omega[self.data.lines() - 1];
+        let margin = (root.lambda.im - self.data.omega[0]).min(last - root.lambda.im);
+        if margin < root.width() {
+            findings.push(warning(
+                Code::NearBandEdge,
+                margin / TAU,
+                "Hz",
+                root.width() / TAU,
+            ));
+        }
+        findings
+    }
+
+    /// Roots above the noise that are no modes, the last word on each.
+    fn of_doubts(&self) -> Vec<Finding> {
+        let mut told: Vec<(Complex64, Finding)> = Vec::new();
+        for dropped in self.dropped.iter().rev() {
+            let Reason::Doubt(doubt) = dropped.reason else {
+                continue;
+            };
+            let lambda = dropped.lambda;
+            let same = |(other, _): &(Complex64, Finding)| (other - lambda).norm() < -lambda.re;
+            if !self.in_band(lambda) || told.iter().any(same) {
+                continue;
+            }
+            let (code, value, unit, limit) = match doubt {
+                Doubt::Share(share) => (Code::RootMinor, share, "", LEAST_SHARE),
+                Doubt::Tiny(share) => (Code::RootMinor, share, "", LINEAR),
+                Doubt::Phase(phase) => (
+                    Code::RootPhase,
+                    phase.to_degrees(),
+                    "°",
+                    MOST_PHASE.to_degrees(),
+                ),
+            };
+            let finding = Finding::new(Severity::Info, code, self.place(lambda));
+            told.push((lambda, finding.value(value, unit).limit(limit)));
+        }
+        told.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
+        told.into_iter().map(|(_, finding)| finding).collect()
+    }
+
+    /// Peaks that are seen and have no mode.
+    fn of_peaks(&self) -> Vec<Finding> {
+        let found = self.found;
+        let line = |line: usize| self.data.omega[line];
+        let bare = |omega: f64| {
+            let at = |width: f64, lambda: Complex64| {
+                let reach = (AT_PEAK * width).max(LINES_AT_PEAK * self.data.step);
+                (lambda.im - omega).abs() < reach
+            };
+            let doubted = |dropped: &&Dropped| matches!(dropped.reason, Reason::Doubt(_));
+            let mut told = self.dropped.iter().filter(doubted);
+            let inside = self.band.lo_hz * TAU <= omega && omega <= self.band.hi_hz * TAU;
+            inside
+                && !self
+                    .kept
+                    .iter()
+                    .any(|(root, _)| at(root.width(), root.lambda))
+                && !told.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
+        };
+        let mut findings: Vec<Finding> = found
+            .dropped
+            .iter()
+            .filter(|(peak, _)| bare(line(peak.line)))
+            .map(|(peak, drop)| dropped_peak(self.data, peak, drop))
+            .collect();
+        let peaks = found.peaks.iter().map(|peak| line(peak.line));
+        findings.extend(
+            peaks
+                .filter(|omega| bare(*omega))
+                .map(|omega| self.of_peak(omega)),
+        );
+        findings
+    }
+
+    /// The last reason near a peak that has no mode.
+    fn of_peak(&self, omega: f64) -> Finding {
+        let near = |dropped: &&Dropped| {
+            let reach = (-2.0 * AT_PEAK * dropped.lambda.re).max(LINES_AT_PEAK * self.data.step);
+            (dropped.lambda.im - omega).abs() < reach
+        };
+        let finding = Finding::new(
+            Severity::Info,
+            Code::PeakWithoutMode,
+            Place::Mode(omega / TAU),
+        );
+        match self.dropped.iter().rev().find(near).map(|own| own.reason) {
+            Some(Reason::Noise(value, limit)) => finding.value(value, "").limit(limit),
+            Some(Reason::Unknown(value)) => finding.value(value, "decay rates"),
+            Some(Reason::Twin(value)) => finding.value(value, "deviations"),
+            Some(Reason::Width(value)) => finding.value(value, "Hz"),
+            Some(Reason::Doubt(_)) | None => finding,
+        }
+    }
+
+    fn in_band(&self, lambda: Complex64) -> bool {
+        let hz = lambda.norm() / TAU;
+        self.band.lo_hz <= hz && hz <= self.band.hi_hz
+    }
+
+    /// The row that a finding belongs to: the mode's frequency without the window's damping.
+    fn place(&self, lambda: Complex64) -> Place {
+        let pole = Pole { lambda }.without_added_damping(self.set.added_damping_rad_s);
+        Place::Mode(pole.natural_frequency_hz())
+    }
+}
