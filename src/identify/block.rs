@@ -37,8 +37,8 @@ const LONGEST_STEP: f64 = 0.5;
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1e6;
-/// A step this short, in decay rates, is the last.
-const STILL: f64 = 1e-11;
+/// After a step this short, in decay rates, the next would be its square: what the other blocks changed comes first.
+const SMALL: f64 = 1e-2;
 /// Rounding of the cost, relative to the energy of the data.
 const ROUNDING: f64 = 1e-14;
 
@@ -98,7 +98,7 @@ pub(super) fn fit(
         if there.cost <= here.cost + ROUNDING * window.energy {
             (members, here) = (trial, there);
             damping = (0.1 * damping).max(LEAST_DAMPING);
-            if longest < STILL {
+            if longest < SMALL {
                 break;
             }
         } else if damping < MOST_DAMPING {

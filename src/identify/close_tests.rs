@@ -121,7 +121,11 @@ fn a_resolved_pair_nearer_than_three_widths_is_told_with_its_distance() {
         lines_per_width: (6.0, 15.0),
     };
     let (structure, how) = close_pair(1, pair);
-    let model = identify(&structure.measured(&how), &IdentifyOptions::default()).unwrap();
+    let options = IdentifyOptions {
+        method: "circle".to_owned(),
+        ..IdentifyOptions::default()
+    };
+    let model = identify(&structure.measured(&how), &options).unwrap();
     let close = model.findings.iter().filter(|f| f.code == Code::CloseModes);
     let distances: Vec<(f64, f64)> = close
         .map(|finding| (finding.value.unwrap(), finding.limit.unwrap()))

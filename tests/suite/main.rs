@@ -15,6 +15,7 @@ mod mutants;
 mod mutation;
 mod population;
 mod published;
+mod real_modes;
 mod recordings;
 mod roving;
 #[path = "../population/seeds.rs"]

@@ -1,0 +1,141 @@
+//! The default identification of real recordings, against what those who measured them published, where the private data
+//! folder is present.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::command::{json, shared_data, succeed, write};
+
+/// Functions of files without points in their headers, one response and many references or the other way round.
+fn scene(files: &[(String, String, String)], table: &str, channels: &str) -> String {
+    let paths: Vec<String> = files
+        .iter()
+        .map(|(path, _, _)| format!("{path:?}"))
+        .collect();
+    let mut text = format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"t\"\nfiles = [{}]\n{table}{channels}",
+        paths.join(", ")
+    );
+    for (path, response, reference) in files {
+        write!(
+            text,
+            "[[test.file]]\npath = {path:?}\nresponse = {response:?}\nreference = {reference:?}\n"
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// The modes that `identify` finds in a band of a scene's functions, made by a verb.
+fn modes_of(scene: &str, verb: &str, band: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[("scene.toml", scene)]);
+    let (frfs, modes) = (
+        folder.path().join("frfs.h5"),
+        folder.path().join("modes.json"),
+    );
+    let text = |path: &Path| path.to_str().unwrap().to_owned();
+    succeed([verb, &text(folder.path()), "-o", &text(&frfs)]);
+    succeed([
+        "identify",
+        &text(&frfs),
+        "--band",
+        band,
+        "-o",
+        &text(&modes),
+    ]);
+    json(&modes)
+}
+
+fn frequencies(modes: &Value) -> Vec<f64> {
+    let modes = modes["modes"].as_array().unwrap();
+    modes
+        .iter()
+        .map(|mode| mode["frequency_hz"].as_f64().unwrap())
+        .collect()
+}
+
+/// Expected frequencies of which no mode lies within a distance.
+fn missed(expected: &[Value], found: &[f64], within: impl Fn(f64) -> f64) -> Vec<f64> {
+    let expected = expected.iter().map(|hz| hz.as_f64().unwrap());
+    let near = |hz: &f64| found.iter().any(|own| (own - hz).abs() <= within(*hz));
+    expected.filter(|hz| !near(hz)).collect()
+}
+
+#[test]
+fn a_roving_hammer_beam_has_its_four_modes_and_no_other() {
+    let Some(data) = shared_data() else { return };
+    let data = data.canonicalize().unwrap();
+    let expected = json(&data.join("expected.json"))["modelab-beam"].clone();
+    let files: Vec<(String, String, String)> = (1..=9)
+        .map(|n| {
+            let path = data.join(format!("modelab-beam/Hxysv{n:05}.txt"));
+            (
+                path.display().to_string(),
+                "10:-X".to_owned(),
+                format!("{n}:+X"),
+            )
+        })
+        .collect();
+    let channels = "[[test.channel]]\ncolumn = 1\nrole = \"frequency\"\n\
+        [[test.channel]]\ncolumn = 2\nrole = \"real\"\nunit = \"(m/s2)/N\"\n\
+        [[test.channel]]\ncolumn = 3\nrole = \"imaginary\"\nunit = \"(m/s2)/N\"\n";
+    let table = "delimiter = \"blank\"\nskip_lines = 9\n";
+    let modes = modes_of(&scene(&files, table, channels), "convert", "65:1000");
+    let found = frequencies(&modes);
+    assert_eq!(found.len(), 4, "{found:?}");
+    let wanted = expected["reference_freq_hz"].as_array().unwrap();
+    let missed = missed(wanted, &found, |hz| 2e-4 * hz);
+    assert!(missed.is_empty(), "{missed:?} of {found:?}");
+    let dampings = expected["independent_plscf_damping"].as_array().unwrap();
+    for (mode, damping) in modes["modes"].as_array().unwrap().iter().zip(dampings) {
+        let ratio = mode["damping_ratio"].as_f64().unwrap() / damping.as_f64().unwrap();
+        assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
+    }
+}
+
+#[test]
+fn a_beam_of_ten_functions_has_its_published_medians() {
+    let Some(data) = shared_data() else { return };
+    let data = data.canonicalize().unwrap();
+    let expected = json(&data.join("expected.json"))["beam10-dasp"].clone();
+    let files: Vec<(String, String, String)> = (1..=10)
+        .map(|n| {
+            let path = data.join(format!("beam10-dasp/20201016_01_{n:02}.mat"));
+            (
+                path.display().to_string(),
+                format!("{n}:+Z"),
+                "4:+Z".to_owned(),
+            )
+        })
+        .collect();
+    let channels = "[[test.channel]]\ncolumn = 1\nrole = \"frequency\"\n\
+        [[test.channel]]\ncolumn = 2\nrole = \"complex\"\nunit = \"(m/s2)/N\"\n";
+    let modes = modes_of(&scene(&files, "", channels), "convert", "40:340");
+    let found = frequencies(&modes);
+    let wanted = &expected["author_median_hz"].as_array().unwrap()[3..8];
+    let missed = missed(wanted, &found, |hz| 3e-3 * hz);
+    assert!(missed.is_empty(), "{missed:?} of {found:?}");
+    assert!(found.len() <= 9, "{found:?}");
+}
+
+#[test]
+fn five_hits_of_a_plate_have_the_peaks_that_their_author_names() {
+    let Some(data) = shared_data() else { return };
+    let data = data.canonicalize().unwrap();
+    let expected = json(&data.join("expected.json"))["tonewood-plate1"].clone();
+    let text = format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"t\"\nfiles = [\"{}/tonewood-plate1/*.csv\"]\n\
+         hits = \"files\"\nsampling_rate_hz = 48000\n\
+         [[test.channel]]\ncolumn = \"force\"\nrole = \"force\"\ndof = \"1:+Z\"\nunit = \"N\"\n\
+         [[test.channel]]\ncolumn = \"acceleration\"\nrole = \"response\"\ndof = \"2:+Z\"\nunit = \"m/s2\"\n",
+        data.display()
+    );
+    let found = frequencies(&modes_of(&text, "frf", "30:450"));
+    let wanted = &expected["author_peaks_hz_upto_450"].as_array().unwrap()[..8];
+    let missed = missed(wanted, &found, |_| 1.5);
+    assert!(missed.is_empty(), "{missed:?} of {found:?}");
+    assert!(found.len() <= 22, "{found:?}");
+}
