@@ -308,7 +308,7 @@ codes! {
         "The value is the rms of what the fit leaves over on the lines of the half-power band, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value, which is not more than an order of magnitude. Look at the findings of the FRFs, and at whether runs agree.";
     /// A root that explains little.
     RootMinor: "a root of the fit explains little of the response and was not taken as a mode",
-        "Where the model misses the data by more than noise, roots beside the modes fit what is no resonance. The value is the share of the response in the root's half-power band that nothing else explains. Below a thousandth no structure is linear enough, whatever the noise.";
+        "Where the model misses the data by more than noise, roots beside the modes fit what is no resonance. The value is the share of the response in the root's half-power band that nothing else explains. Below three parts in ten thousand no structure is linear enough, whatever the noise.";
     /// A root whose residues have the wrong phase.
     RootPhase: "a root of the fit has residues of another phase than modes have and was not taken as a mode",
         "The residues of a normal mode are imaginary (in receptance), those of complex modes nearly so. A root beside a strong mode with residues turned by tens of degrees fits the difference between the measured resonance and one of a linear structure. The value is the angle against real modes, or against the strong neighbour where that is less.";

@@ -185,13 +185,29 @@ pub fn inverse_upper(upper: &ComplexMatrix) -> ComplexMatrix {
 /// Inverse of a Hermitian positive definite matrix, scaled to a unit diagonal for the factorisation; `None` when it is not
 /// definite to working precision.
 pub fn inverse_hermitian(a: &ComplexMatrix) -> Option<ComplexMatrix> {
+    inverse_with_ridge(a, 0.0)
+}
+
+/// As [`inverse_hermitian`], with the least ridge on the unit diagonal, up to 1e-6, that makes it definite: what is not
+/// determined gets large numbers, and the rest stays what it is.
+pub fn inverse_hermitian_raised(a: &ComplexMatrix) -> Option<ComplexMatrix> {
+    let ridges = [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
+    ridges
+        .into_iter()
+        .find_map(|ridge| inverse_with_ridge(a, ridge))
+}
+
+fn inverse_with_ridge(a: &ComplexMatrix, ridge: f64) -> Option<ComplexMatrix> {
     let n = a.nrows();
-    let scale: Vec<f64> = (0..n).map(|i| a[(i, i)].re.sqrt().recip()).collect();
+    let scale: Vec<f64> = (0..n)
+        .map(|i| a[(i, i)].re.max(f64::MIN_POSITIVE).sqrt().recip())
+        .collect();
     if !scale.iter().all(|s| s.is_finite()) {
         return None;
     }
     let lower = cholesky(&complex_matrix(n, n, |i, j| {
-        a[(i, j)] * (scale[i] * scale[j])
+        let own = if i == j { ridge } else { 0.0 };
+        a[(i, j)] * (scale[i] * scale[j]) + own
     }))
     .ok()?;
     let identity = complex_matrix(n, n, |i, j| {

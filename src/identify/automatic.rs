@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::axis::Band;
 use crate::frf::FrfSet;
-use crate::linalg;
+use crate::linalg::{self, ComplexMatrix};
 use crate::modal::{Pole, mac};
 
 use super::block::Measured;
@@ -26,13 +26,14 @@ use super::indicator::Indicator;
 use super::plscf::{Lscf, LscfPole};
 use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
-use super::refine::{Stop, apart, model, refine, unsettle};
+use super::refine::{Far, Stop, apart, model, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
 use super::sides::Sides;
+use super::significance::significance;
 use super::stable::{Seed, distinct, seeds};
 use super::standing::{Doubt, Scrutiny, Standing, doubt, standings};
-use super::unexplained::{roots_to_try, strongest_inputs, upper_quantile};
+use super::unexplained::{roots_to_try, strongest_inputs};
 use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
 /// Poles of the highest order: so many for each peak that is seen, and beyond.
@@ -61,6 +62,8 @@ const INDEPENDENT: f64 = 0.95;
 /// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
 const DOUBTS: usize = 30;
+/// Factor by which a search must lessen what is left over where it leaves doubts.
+const WORTHWHILE: f64 = 2.0;
 /// Roots within so many sums of half-power widths of a dropped one are judged again without it.
 const LEANING: f64 = 2.0;
 /// Suspects, and a tenth of all roots, from which on the model misses the data.
@@ -97,7 +100,9 @@ impl PoleEstimator for Automatic {
         for _ in 0..SEARCHES {
             fit.measure_noise();
             fit.refine(Stop::Judging);
-            if !fit.search() {
+            let Some(gain) = fit.search() else { break };
+            // Where more roots leave such doubts and explain little, what the next would fit is not modes.
+            if gain < WORTHWHILE && fit.misses_data(&fit.doubts()) {
                 break;
             }
         }
@@ -242,7 +247,8 @@ impl<'a> Fit<'a> {
 
     fn change_of(&self, j: usize) -> Option<Change> {
         let (root, quality) = (&self.roots[j], &self.roots[j].quality);
-        let (significance, limit) = self.significance(root);
+        let chance = self.options.false_alarm_probability / (WIDTHS * self.data.lines() as f64);
+        let (significance, limit) = significance(root, self.sides, chance);
         if significance <= limit {
             return Some(self.less(j, Reason::Noise(significance, limit)));
         }
@@ -258,32 +264,6 @@ impl<'a> Fit<'a> {
             return None;
         };
         Some(self.less(j, reason))
-    }
-
-    /// Significance of a root with the limit that it must exceed: whether it is above what noise makes somewhere in the band, for some pole and some participation factors.
-    ///
-    /// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but for a probability p
-    /// (Davidson and Szarek 2001); with one input its square is a chi-squared of two degrees of freedom per output.
-    fn significance(&self, root: &Root) -> (f64, f64) {
-        let (outputs, inputs) = (self.sides.outputs.len(), self.sides.inputs);
-        let chance = self.options.false_alarm_probability / (WIDTHS * self.data.lines() as f64);
-        let limit = |outputs: usize, chance: f64| match inputs {
-            1 => upper_quantile(2 * outputs, chance),
-            _ => {
-                let norm = (outputs as f64).sqrt() + (inputs as f64).sqrt() + (-chance.ln()).sqrt();
-                2.0 * norm * norm
-            }
-        };
-        let quality = &root.quality;
-        let whole = (quality.significance, limit(outputs, chance));
-        // What one output shows says nothing of how many modes there are.
-        let alone = (quality.largest, limit(1, chance / outputs as f64));
-        let better = alone.0 / alone.1 > whole.0 / whole.1;
-        if better && root.multiplicity() == 1 {
-            alone
-        } else {
-            whole
-        }
     }
 
     /// A stronger root from which this one cannot be told.
@@ -321,12 +301,8 @@ impl<'a> Fit<'a> {
     /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
     /// less. Where it misses them in several places, everything is looked at again each time.
     fn doubt(&mut self) {
-        let standings = self.standings();
-        let doubts: Vec<Option<Doubt>> = (0..self.roots.len())
-            .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
-            .collect();
-        let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
-        let several = misses.count() >= SEVERAL.max(self.roots.len() / 10);
+        let doubts = self.doubts();
+        let several = self.misses_data(&doubts);
         let scrutiny = if several {
             Scrutiny::Strict
         } else {
@@ -365,6 +341,19 @@ impl<'a> Fit<'a> {
         }
     }
 
+    fn doubts(&self) -> Vec<Option<Doubt>> {
+        let standings = self.standings();
+        (0..self.roots.len())
+            .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
+            .collect()
+    }
+
+    /// Whether roots are doubtful in several places because the model misses the data.
+    fn misses_data(&self, doubts: &[Option<Doubt>]) -> bool {
+        let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
+        misses.count() >= SEVERAL.max(self.roots.len() / 10)
+    }
+
     /// A root with one mode less.
     fn less(&self, j: usize, reason: Reason) -> Change {
         if self.roots[j].multiplicity() > 1 {
@@ -400,26 +389,34 @@ impl<'a> Fit<'a> {
         unsettle(&mut self.roots);
     }
 
-    /// Tries roots where the fit leaves over what noise does not explain; whether any stayed.
-    fn search(&mut self) -> bool {
+    /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
+    fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let most = (self.roots.len() / 4).max(FEWEST_TRIED);
+        let (rest, level) = self.rest();
         let found = roots_to_try(
-            &self.data,
-            &measured(&self.data, self.sides),
+            (&self.data, self.sides),
             &self.roots,
+            (&rest, &level),
             (chance, most),
         );
         if found.is_empty() {
-            return false;
+            return None;
         }
-        let before = self.roots.len();
-        let modes: usize = self.roots.iter().map(Root::multiplicity).sum();
+        let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
+        let before = modes(&self.roots);
         self.roots.extend(found);
         unsettle(&mut self.roots);
         self.settle();
-        self.roots.len() > before
-            || self.roots.iter().map(Root::multiplicity).sum::<usize>() > modes
+        let (after, _) = self.rest();
+        (modes(&self.roots) > before).then(|| rest.squared_norm_l2() / after.squared_norm_l2())
+    }
+
+    /// What roots and background leave over, over the noise, and the level of noise of each function.
+    fn rest(&self) -> (ComplexMatrix, Vec<f64>) {
+        let measured = measured(&self.data, self.sides);
+        let far = Far::new(&self.data, &measured);
+        (far.left_over(&measured, &self.roots), far.level().to_vec())
     }
 
     fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {

@@ -197,7 +197,7 @@ impl<'a> Window<'a> {
     }
 
     fn linearised(&self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
-        let (data, explained) = self.compressed(members);
+        let (data, explained) = self.compressed(members, unknowns);
         let columns: Vec<(usize, usize)> = (0..members.len())
             .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
             .collect();
@@ -232,10 +232,18 @@ impl<'a> Window<'a> {
         sums
     }
 
-    /// The data in the coordinates of background, courses and derivatives, and the energy that these can explain.
-    fn compressed(&self, members: &[Root]) -> (Compressed, f64) {
+    /// The data in the coordinates of background, courses and those derivatives that are wanted, and the energy that these
+    /// can explain.
+    fn compressed(&self, members: &[Root], unknowns: &[Unknown]) -> (Compressed, f64) {
         let (count, lines) = (members.len(), self.omega.len());
         let first = self.background.columns();
+        let moving: Vec<usize> = unknowns
+            .iter()
+            .filter_map(|unknown| match unknown {
+                Unknown::Pole(j) => Some(*j),
+                Unknown::Factor(..) => None,
+            })
+            .collect();
         let value = |k: usize, column: usize| {
             let pole = |j: usize| {
                 let lambda = members[j].lambda;
@@ -246,12 +254,13 @@ impl<'a> Window<'a> {
             } else if column < first + count {
                 pole(column - first)
             } else {
-                let own = pole(column - first - count);
+                let own = pole(moving[column - first - count]);
                 own * own
             };
             value / self.profile.course[k]
         };
-        let qr = linalg::thin_qr(&linalg::complex_matrix(lines, first + 2 * count, value));
+        let columns = first + count + moving.len();
+        let qr = linalg::thin_qr(&linalg::complex_matrix(lines, columns, value));
         let z = qr.q.adjoint() * &self.data;
         let energy = |f: usize| {
             let own = z.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
@@ -259,13 +268,19 @@ impl<'a> Window<'a> {
         };
         let explained = (0..z.ncols()).map(energy).sum();
         let rows = qr.q.ncols() - first;
-        let below = |matrix: &ComplexMatrix, column: usize, columns: usize| {
-            linalg::complex_matrix(rows, columns, |i, j| matrix[(first + i, column + j)])
+        let below = |matrix: &ComplexMatrix, columns: usize, column: &dyn Fn(usize) -> usize| {
+            linalg::complex_matrix(rows, columns, |i, j| matrix[(first + i, column(j))])
         };
+        let mut dg = linalg::complex_matrix(rows, count, |_, _| Complex64::ZERO);
+        for (place, &j) in moving.iter().enumerate() {
+            for i in 0..rows {
+                dg[(i, j)] = qr.r[(first + i, first + count + place)];
+            }
+        }
         let compressed = Compressed {
-            z: below(&z, 0, z.ncols()),
-            g: below(&qr.r, first, count),
-            dg: below(&qr.r, first + count, count),
+            z: below(&z, z.ncols(), &|j| j),
+            g: below(&qr.r, count, &|j| first + j),
+            dg,
         };
         (compressed, explained)
     }

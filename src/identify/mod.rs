@@ -61,6 +61,7 @@ mod shape;
 #[cfg(test)]
 mod shape_tests;
 mod sides;
+mod significance;
 mod single;
 mod spread;
 mod stable;

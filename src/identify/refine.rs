@@ -164,7 +164,7 @@ fn deviations(step: &Fitted) -> Vec<f64> {
     if step.unknowns.is_empty() {
         return deviations;
     }
-    let inverse = linalg::inverse_hermitian(&step.information);
+    let inverse = linalg::inverse_hermitian_raised(&step.information);
     for (place, unknown) in step.unknowns.iter().enumerate() {
         if let (Unknown::Pole(j), Some(inverse)) = (unknown, &inverse) {
             let variance = inverse[(place, place)].re;

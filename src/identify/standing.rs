@@ -29,7 +29,7 @@ const BESIDE: f64 = 4.0;
 /// Modal assurance criterion above which a root repeats the shape of its neighbour.
 const SAME_SHAPE: f64 = 0.7;
 /// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
-pub(super) const LINEAR: f64 = 1e-3;
+pub(super) const LINEAR: f64 = 3e-4;
 /// The same for the weakest of several modes of one root, which the differences between poles make as well.
 const REPEATED: f64 = 1e-2;
 /// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,

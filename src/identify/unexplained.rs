@@ -1,15 +1,13 @@
 //! What a fit leaves over beyond the noise, and roots to try there.
 
 use num_complex::Complex64;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::linalg;
+use crate::linalg::{self, ComplexMatrix};
 
-use super::block::Measured;
 use super::receptance::Receptances;
-use super::refine::Far;
 use super::roots::Root;
 use super::sides::Sides;
+use super::significance::upper_quantile;
 
 /// Widest stretch of lines that is looked at, as a share of all.
 const WIDEST: usize = 8;
@@ -28,16 +26,14 @@ struct Stretch {
     excess: f64,
 }
 
-/// Roots to try, at most so many: the highest of the smoothed power of what is left over, where noise reaches it with less than
-/// this probability anywhere in the band.
+/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the level of each function's noise),
+/// where noise reaches it with less than this probability anywhere in the band.
 pub(super) fn roots_to_try(
-    data: &Receptances,
-    measured: &Measured,
+    (data, sides): (&Receptances, &Sides),
     roots: &[Root],
+    (rest, level): (&ComplexMatrix, &[f64]),
     (chance, most): (f64, usize),
 ) -> Vec<Root> {
-    let far = Far::new(data, measured);
-    let rest = far.left_over(measured, roots);
     let functions = data.functions();
     let power: Vec<f64> = (0..data.lines())
         .map(|k| (0..functions).map(|f| rest[(k, f)].norm_sqr()).sum::<f64>())
@@ -52,8 +48,8 @@ pub(super) fn roots_to_try(
     stretches.truncate(most);
     let root = |stretch: &Stretch| {
         let lambda = pole(data, stretch);
-        let row = |f: usize| rest[(stretch.top, f)] * far.level()[f];
-        let participation = &strongest_inputs(measured.sides, 1, row)[0];
+        let row = |f: usize| rest[(stretch.top, f)] * level[f];
+        let participation = &strongest_inputs(sides, 1, row)[0];
         Root::single(lambda, participation, functions)
     };
     stretches.iter().map(root).collect()
@@ -120,10 +116,4 @@ pub(super) fn strongest_inputs(
         _ => vec![Complex64::ONE; inputs],
     };
     (0..count).map(vector).collect()
-}
-
-/// What a chi-squared of so many degrees of freedom exceeds with this probability.
-pub(super) fn upper_quantile(freedom: usize, chance: f64) -> f64 {
-    let distribution = ChiSquared::new(freedom as f64);
-    distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
 }

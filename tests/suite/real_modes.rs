@@ -89,10 +89,11 @@ fn a_roving_hammer_beam_has_its_four_modes_and_no_other() {
     let wanted = expected["reference_freq_hz"].as_array().unwrap();
     let missed = missed(wanted, &found, |hz| 2e-4 * hz);
     assert!(missed.is_empty(), "{missed:?} of {found:?}");
+    // The resonances move by part of their width from hit point to hit point, which one pole for all takes for damping.
     let dampings = expected["independent_plscf_damping"].as_array().unwrap();
     for (mode, damping) in modes["modes"].as_array().unwrap().iter().zip(dampings) {
         let ratio = mode["damping_ratio"].as_f64().unwrap() / damping.as_f64().unwrap();
-        assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
+        assert!((0.75..1.35).contains(&ratio), "{ratio}");
     }
 }
 
