@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 use crate::linalg::{self, ComplexMatrix};
-use crate::modal::{Pole, mac};
+use crate::modal::mac;
 
 use super::block::Measured;
 use super::indicator::Indicator;
@@ -32,9 +32,9 @@ use super::search::{self, Found};
 use super::sides::Sides;
 use super::significance::significance;
 use super::stable::{Seed, distinct, seeds};
-use super::standing::{Doubt, Scrutiny, Standing, doubt, standings};
+use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, standings};
 use super::unexplained::{roots_to_try, strongest_inputs};
-use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
+use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
 /// Poles of the highest order: so many for each peak that is seen, and beyond.
 const POLES_PER_PEAK: usize = 5;
@@ -108,6 +108,7 @@ impl PoleEstimator for Automatic {
         }
         fit.measure_noise();
         fit.refine(Stop::Judging);
+        fit.look_outside();
         fit.doubt();
         fit.refine(Stop::Fine);
         Ok(fit.table((set, band), &found))
@@ -412,6 +413,29 @@ impl<'a> Fit<'a> {
         (modes(&self.roots) > before).then(|| rest.squared_norm_l2() / after.squared_norm_l2())
     }
 
+    /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
+    /// they cost what is known of modes near the ends of the lines.
+    fn look_outside(&mut self) {
+        let before = self.roots.clone();
+        self.data.outside = false;
+        unsettle(&mut self.roots);
+        self.refine(Stop::Judging);
+        let explained = |outside: bool| {
+            let own = Measured {
+                outside,
+                ..measured(&self.data, self.sides)
+            };
+            Far::new(&self.data, &own).explained(&own, &self.roots)
+        };
+        let ((with, many), (without, few)) = (explained(true), explained(false));
+        // Two real numbers of variance 1/2 for each unknown.
+        let unknowns = (many - few) as f64;
+        if with - without > unknowns + unknowns.sqrt() || self.roots.len() < before.len() {
+            self.data.outside = true;
+            self.roots = before;
+        }
+    }
+
     /// What roots and background leave over, over the noise, and the level of noise of each function.
     fn rest(&self) -> (ComplexMatrix, Vec<f64>) {
         let measured = measured(&self.data, self.sides);
@@ -451,25 +475,6 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of frequency and damping are too:
-/// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
-fn candidate(root: &Root, standing: &Standing) -> Candidate {
-    let std = root.quality.pole_std * standing.inflation();
-    Candidate {
-        order: None,
-        pole: Pole {
-            lambda: root.lambda,
-        },
-        participation: None,
-        frequency_damping_correlation: Some(0.0),
-        residues: Some(root.residues.clone()),
-        multiplicity: root.multiplicity(),
-        frequency_std_hz: Some(std / TAU),
-        damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
-        quality: None,
-    }
-}
-
 enum Change {
     Drop(usize, Reason),
     /// The second becomes part of the first.
@@ -479,6 +484,7 @@ enum Change {
 
 fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
     Measured {
+        outside: data.outside,
         omega: &data.omega,
         values: linalg::complex_matrix(data.lines(), data.functions(), |k, f| data.values[f][k]),
         sides,

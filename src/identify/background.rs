@@ -25,13 +25,13 @@ pub(super) struct Background {
 }
 
 impl Background {
-    /// For lines of a band that has `omega` in all.
-    pub fn new(omega: &[f64], lines: &Range<usize>) -> Self {
+    /// For lines of a band that has `omega` in all, with poles for what is just outside of it or without.
+    pub fn new(omega: &[f64], lines: &Range<usize>, outside: bool) -> Self {
         let step = omega[1] - omega[0];
         let length = FARTHEST * lines.len() as f64 * step;
         let mut poles = Vec::new();
         let mut distance = NEAREST * step;
-        while distance < length {
+        while outside && distance < length {
             if lines.start == 0 {
                 poles.push(Complex64::new(-distance, omega[0] - distance));
             }

@@ -50,6 +50,8 @@ pub(super) struct Measured<'a> {
     pub values: ComplexMatrix,
     /// Outputs and inputs.
     pub sides: &'a Sides,
+    /// Whether there are modes just outside the lines.
+    pub outside: bool,
 }
 
 /// Modes that are fitted together.
@@ -179,7 +181,7 @@ impl<'a> Window<'a> {
             measured,
             profile,
             omega,
-            background: Background::new(measured.omega, &block.lines),
+            background: Background::new(measured.omega, &block.lines, measured.outside),
             patterns: patterns(measured.sides, profile),
             energy: (0..functions).map(energy).sum(),
             data,

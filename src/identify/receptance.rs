@@ -31,6 +31,8 @@ pub(super) struct Receptances {
     pub variance: Vec<Vec<f64>>,
     /// Whether the variances of all functions came with the data.
     pub variance_measured: bool,
+    /// Whether modes just outside the lines must be reckoned with.
+    pub outside: bool,
     /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
     pub measured_scale: Vec<Vec<f64>>,
 }
@@ -70,6 +72,7 @@ impl Receptances {
             values: Vec::with_capacity(set.len()),
             variance: Vec::with_capacity(set.len()),
             variance_measured: true,
+            outside: true,
             measured_scale: Vec::with_capacity(set.len()),
             omega,
         };

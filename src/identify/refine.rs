@@ -310,7 +310,7 @@ impl Far {
     pub fn new(data: &Receptances, measured: &Measured) -> Self {
         let lines = 0..data.lines();
         let profile = Profile::new(data, lines.clone());
-        let background = Background::new(measured.omega, &lines);
+        let background = Background::new(measured.omega, &lines, measured.outside);
         let basis = background.basis(measured.omega, &profile.course);
         Self { profile, basis }
     }
@@ -329,6 +329,7 @@ impl Far {
             omega: measured.omega,
             values,
             sides: measured.sides,
+            outside: measured.outside,
         }
     }
 
@@ -339,6 +340,20 @@ impl Far {
         linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
             rest[(k, f)] / (self.profile.course[k] * self.profile.level[f])
         })
+    }
+
+    /// Energy that the background explains of what the roots leave over, over the noise, with the complex unknowns that it has.
+    pub fn explained(&self, measured: &Measured, roots: &[Root]) -> (f64, usize) {
+        let course = &self.profile.course;
+        let rest = &measured.values - model(measured, roots, 0..course.len());
+        let rest = linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
+            rest[(k, f)] / (course[k] * self.profile.level[f])
+        });
+        let coordinates = self.basis.adjoint() * rest;
+        (
+            coordinates.squared_norm_l2(),
+            coordinates.nrows() * coordinates.ncols(),
+        )
     }
 
     /// Root of the mean variance of each function, m/N.

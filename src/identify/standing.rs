@@ -1,12 +1,14 @@
 //! How a root stands in the data around it: what the model misses there, and how much of the response is the root's own.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::modal::mac;
+use crate::modal::{Pole, mac};
 
+use super::Candidate;
 use super::block::Measured;
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
@@ -158,6 +160,27 @@ pub(super) fn doubt(
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
     let unknown = root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay();
     (apart > MOST_PHASE + unknown).then_some(Doubt::Phase(apart))
+}
+
+/// A root as a candidate.
+///
+/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of frequency and damping are too:
+/// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
+pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
+    let std = root.quality.pole_std * standing.inflation();
+    Candidate {
+        order: None,
+        pole: Pole {
+            lambda: root.lambda,
+        },
+        participation: None,
+        frequency_damping_correlation: Some(0.0),
+        residues: Some(root.residues.clone()),
+        multiplicity: root.multiplicity(),
+        frequency_std_hz: Some(std / TAU),
+        damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
+        quality: None,
+    }
 }
 
 /// Phase of all residues together, rad, modulo π: 0 for real modes.
