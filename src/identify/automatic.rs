@@ -1,4 +1,4 @@
-//! The default method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
+//! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
 //!
 //! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen.
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
@@ -6,6 +6,10 @@
 //!    half its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
 //!    cannot be told apart but have different participation factors are one repeated root.
 //! 4. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests.
+//! 5. Poles of the background, for modes just outside, go where the data do not need them.
+//! 6. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
+//!    a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
+//!    counts as noise in its deviations.
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from the second differences of what the fit leaves over.
@@ -59,21 +63,21 @@ const KNOWN: f64 = 0.5;
 const TOLD_APART: f64 = 2.0;
 /// Participation factors less alike than this can be two modes of one root.
 const INDEPENDENT: f64 = 0.95;
-/// Rounds of pruning after each refinement, and of the search in what is left over.
+/// Rounds of pruning after each refinement, of the search in what is left over, and of dropping what is doubtful.
 const PRUNINGS: usize = 12;
-const DOUBTS: usize = 30;
-/// Factor by which a search must lessen what is left over where it leaves doubts.
-const WORTHWHILE: f64 = 2.0;
-/// Roots within so many sums of half-power widths of a dropped one are judged again without it.
-const LEANING: f64 = 2.0;
-/// Suspects, and a tenth of all roots, from which on the model misses the data.
-const SEVERAL: usize = 2;
 const SEARCHES: usize = 4;
+const DOUBTS: usize = 30;
 /// Roots that a search may try at once: a quarter of those that are there, and so many at least. More would mean that the model
 /// misses the data, not that modes are missing.
 const FEWEST_TRIED: usize = 4;
+/// Factor by which a search must lessen what is left over where it leaves doubts.
+const WORTHWHILE: f64 = 2.0;
+/// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
+const SEVERAL: usize = 2;
+/// Roots within so many sums of half-power widths of a dropped one are judged again without it.
+const LEANING: f64 = 2.0;
 
-/// The default method.
+/// The maximum likelihood method.
 pub(super) struct Automatic {
     /// Options of the run.
     pub options: MethodOptions,
@@ -293,7 +297,7 @@ impl<'a> Fit<'a> {
             Change::Join(i, j)
         } else {
             let deviation = a.quality.pole_std.hypot(b.quality.pole_std);
-            Change::Drop(j, Reason::Twin(distance(&i) / deviation))
+            self.less(j, Reason::Twin(distance(&i) / deviation))
         })
     }
 

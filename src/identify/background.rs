@@ -18,6 +18,9 @@ const RATIO: f64 = 2.0;
 /// Farthest pole, in lengths of the window.
 const FARTHEST: f64 = 1.0;
 
+/// Lines for each pole, fewest.
+const FEWEST_LINES_EACH: usize = 3;
+
 /// The background of a window.
 #[derive(Clone, Debug)]
 pub(super) struct Background {
@@ -28,10 +31,12 @@ impl Background {
     /// For lines of a band that has `omega` in all, with poles for what is just outside of it or without.
     pub fn new(omega: &[f64], lines: &Range<usize>, outside: bool) -> Self {
         let step = omega[1] - omega[0];
+        // Few lines cannot tell many poles.
+        let most = lines.len() / FEWEST_LINES_EACH;
         let length = FARTHEST * lines.len() as f64 * step;
         let mut poles = Vec::new();
         let mut distance = NEAREST * step;
-        while outside && distance < length {
+        while outside && distance < length && poles.len() + 2 <= most {
             if lines.start == 0 {
                 poles.push(Complex64::new(-distance, omega[0] - distance));
             }

@@ -108,6 +108,10 @@ impl Problem<'_> {
             let place = row / rows;
             self.data.z[(row % rows, functions[place])] / (level * self.pattern.scale[place])
         });
+        if high < self.columns.len() {
+            // More shapes than numbers: nothing is known.
+            return;
+        }
         let qr = linalg::thin_qr(&b);
         let inverse = linalg::inverse_upper(&qr.r);
         let coordinates = qr.q.adjoint() * &z;

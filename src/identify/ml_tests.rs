@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, FunctionData};
 use crate::modal::{ModalModel, Pole, mac};
 
 use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes};
@@ -140,4 +140,43 @@ fn noise_alone_has_no_modes() {
         ..IdentifyOptions::default()
     };
     assert!(identify(&set, &options).unwrap().modes.is_empty());
+}
+
+#[test]
+fn bands_of_a_few_lines_have_an_answer() {
+    let (structure, how) = separated_modes(2);
+    let set = structure.measured(&Measurement {
+        snr_db: Some(60.0),
+        ..how
+    });
+    let top = (structure.modes[0].0 / set.axis().step_hz).round();
+    for lines in [8, 9, 10, 12, 16] {
+        let half = f64::from(lines / 2);
+        let band = |k: f64| (top + k) * set.axis().step_hz;
+        let options = IdentifyOptions {
+            method: "ml".to_owned(),
+            band: Band::new(band(-half), band(f64::from(lines - 1) - half)).ok(),
+            ..IdentifyOptions::default()
+        };
+        let found = identify(&set, &options).unwrap().modes;
+        assert!(found.len() <= 1, "{lines}: {}", found.len());
+        let mut short = FrfSet::new(FrequencyAxis {
+            start_hz: band(-half),
+            step_hz: set.axis().step_hz,
+            len: lines as usize,
+        });
+        let first = (top - half) as usize;
+        for (i, function) in set.functions().iter().enumerate() {
+            let data = FunctionData {
+                values: set.values(i)[first..first + lines as usize].to_vec(),
+                ..FunctionData::default()
+            };
+            short.push(function.clone(), data).unwrap();
+        }
+        let alone = IdentifyOptions {
+            method: "ml".to_owned(),
+            ..IdentifyOptions::default()
+        };
+        assert!(identify(&short, &alone).unwrap().modes.len() <= 1);
+    }
 }

@@ -14,8 +14,8 @@
 //! out once, when candidates become modes. This stage reads no file and knows no model.
 //!
 //! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
-//! one group (`parts`). `ml`, which is what `auto` stands for up to a million values, tells close modes apart by the participation of
-//! several references. A single reference or response cannot show it, and a repeated root then gives one mode.
+//! one group (`parts`). `ml` tells close modes apart by the participation of several references; `auto` stays with the circle
+//! fit until `ml` finds repeated roots in large sets as well. A single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
 mod accuracy_tests;
@@ -176,16 +176,13 @@ pub const ESTIMATORS: &[Entry] = &[
     },
 ];
 
-/// What `auto` stands for, and what it stands for in sets of more values (functions times lines) than the first can take in the
-/// time that an engineer waits.
-const AUTO: &str = "ml";
-const AUTO_LARGE: &str = "circle";
-const LARGE: usize = 1_000_000;
+/// What `auto` stands for.
+const AUTO: &str = "circle";
 
 /// Options of an identification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifyOptions {
-    /// Name of an estimator, or `auto` (maximum likelihood; the circle fit above a million values).
+    /// Name of an estimator, or `auto` (the circle fit).
     pub method: String,
     /// Band to search; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
     pub band: Option<Band>,
@@ -232,18 +229,14 @@ impl IdentifyOptions {
         } else {
             &self.method
         };
-        estimator(name).ok_or_else(|| IdentifyError::UnknownMethod {
+        let entry = ESTIMATORS.iter().find(|entry| entry.name == name);
+        entry.ok_or_else(|| IdentifyError::UnknownMethod {
             got: self.method.clone(),
             known: std::iter::once("auto")
                 .chain(ESTIMATORS.iter().map(|entry| entry.name))
                 .collect(),
         })
     }
-}
-
-/// The estimator of a name.
-fn estimator(name: &str) -> Option<&'static Entry> {
-    ESTIMATORS.iter().find(|entry| entry.name == name)
 }
 
 /// The modes of a set of FRFs.
@@ -298,11 +291,6 @@ pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, I
     let band = match band.or_else(|| receptance::whole_band(set)) {
         Some(band) => band,
         None => return Err(receptance::no_band(set)),
-    };
-    let values = set.len() * set.axis().lines(&band).len();
-    let entry = match estimator(AUTO_LARGE) {
-        Some(large) if options.method == "auto" && values > LARGE => large,
-        _ => entry,
     };
     let estimator = (entry.build)(&options.estimator);
     let table = estimator.estimate(set, band)?;

@@ -5,6 +5,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::roots::Root;
 use super::sides::Sides;
 
+/// Least probability whose complement differs from 1.
+const LEAST_CHANCE: f64 = 1e-14;
+
 /// Significance of a root with the limit that it must exceed to be above what noise makes for some participation factors, but
 /// for the chance of a false alarm at one pole.
 ///
@@ -34,5 +37,6 @@ pub(super) fn significance(root: &Root, sides: &Sides, chance: f64) -> (f64, f64
 /// What a chi-squared of so many degrees of freedom exceeds with this probability.
 pub(super) fn upper_quantile(freedom: usize, chance: f64) -> f64 {
     let distribution = ChiSquared::new(freedom as f64);
+    let chance = chance.max(LEAST_CHANCE);
     distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
 }

@@ -41,8 +41,6 @@ pub(super) const MOST_PHASE: f64 = 0.7;
 /// A root in the data around it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Standing {
-    /// The root's own lines.
-    pub lines: Range<usize>,
     /// Mean square of what the model leaves over on the root's own lines, over that of the noise: 1 where noise is all.
     pub misfit: f64,
     /// Share of the response on the root's own lines that nothing but this root explains: the root of its energy with all
@@ -67,7 +65,6 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         Standing {
             misfit: missed / (own.len() * data.functions()) as f64,
             share: (0.5 * root.quality.significance.max(0.0) / whole).sqrt(),
-            lines: own,
         }
     };
     roots.par_iter().map(standing).collect()

@@ -1,4 +1,4 @@
-//! The default identification of real recordings, against what those who measured them published, where the private data
+//! Maximum likelihood identification of real recordings, against what those who measured them published, where the private data
 //! folder is present.
 
 use std::fmt::Write as _;
@@ -28,7 +28,7 @@ fn scene(files: &[(String, String, String)], table: &str, channels: &str) -> Str
     text
 }
 
-/// The modes that `identify` finds in a band of a scene's functions, made by a verb.
+/// The modes that `identify --method ml` finds in a band of a scene's functions, made by a verb.
 fn modes_of(scene: &str, verb: &str, band: &str) -> Value {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[("scene.toml", scene)]);
@@ -43,6 +43,8 @@ fn modes_of(scene: &str, verb: &str, band: &str) -> Value {
         &text(&frfs),
         "--band",
         band,
+        "--method",
+        "ml",
         "-o",
         &text(&modes),
     ]);
