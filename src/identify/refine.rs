@@ -254,7 +254,7 @@ fn window<'a>(data: &Receptances, roots: impl Iterator<Item = &'a Root>) -> Rang
     let (mut start, mut end) = (data.lines(), 0);
     for root in roots {
         let side = (REACH * root.width() / data.step).ceil() as usize;
-        let side = side.clamp(SIDE_LINES, data.lines());
+        let side = side.max(SIDE_LINES).min(data.lines());
         let top = ((root.lambda.im - data.omega[0]) / data.step).round();
         let top = (top.max(0.0) as usize).min(data.lines() - 1);
         start = start.min(top.saturating_sub(side));
