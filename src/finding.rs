@@ -301,17 +301,17 @@ codes! {
     PeakDropped: "a local maximum was not taken as a mode",
         "A peak must stand above the noise, be the highest point within its own half-power band, and give a positive damping. The value and the limit say which of these failed.";
     /// The variances came from the fit.
-    NoiseFromFit: "the FRFs bring no variances; noise was told from what the fit leaves over",
-        "Deviations of frequency and damping, and what counts as a mode, rest on the noise of the functions. Without variances, or coherence and number of averages, it is taken from the second differences of the residual over some hundred lines. State the number of averages (`--averages`) where the coherence is there.";
+    NoiseFromFit: "not all FRFs bring variances; noise was told from what the fit leaves over",
+        "Deviations of frequency and damping, and what counts as a mode, rest on the noise of the functions. Where one function has no variance, nor coherence and number of averages, that of all is taken from the second differences of the residual over some hundred lines. State the number of averages (`--averages`) where the coherence is there.";
     /// The model leaves over more than noise around a mode.
     ModelMisfit: "the fit leaves over more than noise around this mode; its deviations count that as noise",
-        "The value is the rms of what the fit leaves over on the lines of the half-power band, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value, which is not more than an order of magnitude. Look at the findings of the FRFs, and at whether runs agree.";
+        "The value is the rms of what the fit leaves over within a half-power width on either side, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value and are lower bounds all the same; damping tends to be too high. Look at the findings of the FRFs, and at whether runs agree.";
     /// A root that explains little.
     RootMinor: "a root of the fit explains little of the response and was not taken as a mode",
-        "Where the model misses the data by more than noise, roots beside the modes fit what is no resonance. The value is the share of the response in the root's half-power band that nothing else explains. Below three parts in ten thousand no structure is linear enough, whatever the noise.";
+        "Where the model misses the data by more than noise, roots beside the modes can fit what is no resonance. It may be a local or weakly excited mode all the same. The value is the share of the response in the root's half-power band that nothing else explains. Below three parts in ten thousand no structure is linear enough, whatever the noise.";
     /// A root whose residues have the wrong phase.
     RootPhase: "a root of the fit has residues of another phase than modes have and was not taken as a mode",
-        "The residues of a normal mode are imaginary (in receptance), those of complex modes nearly so. A root beside a strong mode with residues turned by tens of degrees fits the difference between the measured resonance and one of a linear structure. The value is the angle against real modes, or against the strong neighbour where that is less.";
+        "The residues of a normal mode are imaginary (in receptance), those of complex modes can be turned. Beside a strong mode, residues turned by tens of degrees mostly fit the difference between the measured resonance and that of a linear structure; where damping couples close modes it can be a mode: look before discarding it. The value is the angle against real modes, or against the strong neighbour where that is less.";
     /// A peak without a mode.
     PeakWithoutMode: "a peak is seen here, but the fit keeps no mode",
         "A root was tried and dropped, or none stayed over the model orders. With a value: its significance against the limit that noise reaches; or its deviation in decay rates, its distance to a stronger root in deviations, its half-power width. Look at the peak in single functions; choose a narrower band around it, or another method.";

@@ -19,7 +19,7 @@ use super::{IdentifyError, residues};
 /// Lines across a half-power band that damping needs.
 const FEWEST_LINES: f64 = 5.0;
 /// Time constants that a record should hold.
-pub(super) const FEWEST_TIME_CONSTANTS: f64 = 6.0;
+const FEWEST_TIME_CONSTANTS: f64 = 6.0;
 /// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).
 const MOST_SPREAD: f64 = 0.05;
 /// Half-power widths between two visible peaks below which both are contaminated.
@@ -185,27 +185,33 @@ fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
     {
         findings.push(warning(Code::DampingSpread, spread, "", MOST_SPREAD));
     }
-    let constants = context
-        .set
-        .record_duration_s
-        .map(|duration| decay * duration);
+    findings.extend(reach(context.set, data, resonance.lambda, &place));
+    findings
+}
+
+/// Findings of a pole whose record is short of time constants, or whose half-power width reaches the end of the lines.
+pub(super) fn reach(
+    set: &FrfSet,
+    data: &Receptances,
+    lambda: Complex64,
+    place: &Place,
+) -> Vec<Finding> {
+    let (decay, mut findings) = (-lambda.re, Vec::new());
+    let warning = |code, value: f64, unit: &str, limit: f64| {
+        Finding::new(Severity::Warning, code, place.clone())
+            .value(value, unit)
+            .limit(limit)
+    };
+    let constants = set.record_duration_s.map(|duration| decay * duration);
     if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
-        findings.push(warning(
-            Code::FewTimeConstants,
-            constants,
-            "",
-            FEWEST_TIME_CONSTANTS,
-        ));
+        let limit = FEWEST_TIME_CONSTANTS;
+        findings.push(warning(Code::FewTimeConstants, constants, "", limit));
     }
     let last = data.omega[data.lines() - 1];
-    let margin = (resonance.lambda.im - data.omega[0]).min(last - resonance.lambda.im);
+    let margin = (lambda.im - data.omega[0]).min(last - lambda.im);
     if margin < 2.0 * decay {
-        findings.push(warning(
-            Code::NearBandEdge,
-            margin / TAU,
-            "Hz",
-            2.0 * decay / TAU,
-        ));
+        let limit = 2.0 * decay / TAU;
+        findings.push(warning(Code::NearBandEdge, margin / TAU, "Hz", limit));
     }
     findings
 }

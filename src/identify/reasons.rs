@@ -9,7 +9,7 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use super::checks::{FEWEST_TIME_CONSTANTS, dropped_peak};
+use super::checks::{dropped_peak, reach};
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::search::Found;
@@ -105,28 +105,7 @@ impl Evidence<'_> {
         if lines < FEWEST_LINES {
             findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
         }
-        let constants = self
-            .set
-            .record_duration_s
-            .map(|duration| root.decay() * duration);
-        if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
-            findings.push(warning(
-                Code::FewTimeConstants,
-                constants,
-                "",
-                FEWEST_TIME_CONSTANTS,
-            ));
-        }
-        let last = self.data.omega[self.data.lines() - 1];
-        let margin = (root.lambda.im - self.data.omega[0]).min(last - root.lambda.im);
-        if margin < root.width() {
-            findings.push(warning(
-                Code::NearBandEdge,
-                margin / TAU,
-                "Hz",
-                root.width() / TAU,
-            ));
-        }
+        findings.extend(reach(self.set, self.data, root.lambda, &place));
         findings
     }
 

@@ -236,7 +236,7 @@ pub struct FrfTable {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifyTable {
-    /// `auto` (default), `peak` or `circle`.
+    /// `auto` (default), `peak`, `circle` or `ml`.
     pub method: Option<String>,
 }
 
