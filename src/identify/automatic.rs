@@ -1,13 +1,17 @@
 //! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
 //!
-//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen.
+//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen, and the
+//!    lower parts of a wide band have estimates of their own.
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
 //! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
 //!    half its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
-//!    cannot be told apart but have different participation factors are one repeated root.
-//! 4. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests.
-//! 5. Poles of the background, for modes just outside, go where the data do not need them.
-//! 6. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
+//!    cannot be told apart but have different participation factors are one repeated root ([`pruning`](super::pruning)).
+//! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
+//!    noise, and raises limits and deviations ([`correlation`](super::correlation)).
+//! 5. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests, and
+//!    what is left over must become less.
+//! 6. Poles of the background, for modes just outside, go where the data do not need them.
+//! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
 //!    a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
 //!    counts as noise in its deviations.
 //!
@@ -23,20 +27,20 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 use crate::linalg::{self, ComplexMatrix};
-use crate::modal::mac;
 
 use super::block::Measured;
+use super::correlation::Correlation;
 use super::indicator::Indicator;
 use super::plscf::{Lscf, LscfPole};
+use super::pruning::{Change, Judge, WIDEST, less};
 use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
 use super::refine::{Far, Stop, apart, model, refine, unsettle};
-use super::roots::Root;
+use super::roots::{Root, resonates};
 use super::search::{self, Found};
 use super::sides::Sides;
-use super::significance::significance;
 use super::stable::{Seed, distinct, seeds};
-use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, standings};
+use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
 use super::unexplained::{roots_to_try, strongest_inputs};
 use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
@@ -47,22 +51,14 @@ const POLES_BEYOND: usize = 30;
 const POLES: Range<usize> = 36..160;
 /// Orders that are looked at.
 const ORDERS: usize = 20;
-/// Widths of resonances that differ for noise, at each line.
-const WIDTHS: f64 = 16.0;
+/// A band whose ends differ by this factor has its lower part looked at by itself: so much of its lines, if these are enough, and so
+/// much more of what lies beside the seam.
+const WIDE: f64 = 8.0;
+const PART: usize = 4;
+const FEWEST_LINES: usize = 100;
+const OVERLAP: f64 = 0.02;
 /// Roots may lie outside the lines by this share of their range.
 const OUTSIDE: f64 = 0.05;
-/// Widest root as a share of the band; what is wider is background.
-const WIDEST: f64 = 0.5;
-/// Damping ratio of a root that is no resonance any more: it stays in the fit as background and is not reported.
-const MOST_DAMPING: f64 = 0.3;
-/// Narrowest half-power width, lines: what is narrower is a single line.
-const NARROWEST: f64 = 0.01;
-/// Deviation of a pole over its decay rate that is still a pole.
-const KNOWN: f64 = 0.5;
-/// Deviations by which two roots must be apart.
-const TOLD_APART: f64 = 2.0;
-/// Participation factors less alike than this can be two modes of one root.
-const INDEPENDENT: f64 = 0.95;
 /// Rounds of pruning after each refinement, of the search in what is left over, and of dropping what is doubtful.
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
@@ -74,6 +70,8 @@ const FEWEST_TRIED: usize = 4;
 const WORTHWHILE: f64 = 2.0;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
 const SEVERAL: usize = 2;
+/// Factor of what the model misses from which on a dropped root is needed.
+const NEEDED: f64 = 10.0;
 /// Roots within so many sums of half-power widths of a dropped one are judged again without it.
 const LEANING: f64 = 2.0;
 
@@ -99,11 +97,11 @@ impl PoleEstimator for Automatic {
         let indicator = Indicator::new(&data);
         let found = search::search(&data, &indicator, self.options.false_alarm_probability);
         let mut fit = Fit::new(data, &sides, self.options);
-        fit.seed(found.peaks.len())?;
-        fit.settle();
+        fit.seed(&found)?;
+        fit.settle(Stop::Coarse);
         for _ in 0..SEARCHES {
             fit.measure_noise();
-            fit.refine(Stop::Judging);
+            fit.settle(Stop::Judging);
             let Some(gain) = fit.search() else { break };
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
             if gain < WORTHWHILE && fit.misses_data(&fit.doubts()) {
@@ -111,10 +109,10 @@ impl PoleEstimator for Automatic {
             }
         }
         fit.measure_noise();
-        fit.refine(Stop::Judging);
+        fit.settle(Stop::Judging);
         fit.look_outside();
         fit.doubt();
-        fit.refine(Stop::Fine);
+        fit.settle(Stop::Fine);
         Ok(fit.table((set, band), &found))
     }
 }
@@ -150,12 +148,41 @@ impl<'a> Fit<'a> {
     }
 
     /// Roots from the poles that stay over the orders, which follow from the number of peaks.
-    fn seed(&mut self, peaks: usize) -> Result<(), IdentifyError> {
+    ///
+    /// Low modes of a wide band lie close together on its scale: its lower quarter has an estimate of its own, and a quarter of that.
+    fn seed(&mut self, found: &Found) -> Result<(), IdentifyError> {
+        let mut all = Vec::new();
+        let mut end = self.data.lines();
+        loop {
+            let part = end / PART;
+            let wide = self.data.omega[end - 1] > WIDE * self.data.omega[0];
+            let split = wide && part >= FEWEST_LINES;
+            let lowest = if split { self.data.omega[part] } else { 0.0 };
+            let own = self.seeds_below(end, found)?;
+            let above = |seed: &Seed| seed.pole.lambda.im > (1.0 - OVERLAP) * lowest;
+            let below = |seed: &Seed| {
+                end == self.data.lines()
+                    || seed.pole.lambda.im < self.data.omega[end] * (1.0 + OVERLAP)
+            };
+            all.extend(own.into_iter().filter(|seed| above(seed) && below(seed)));
+            if !split {
+                break;
+            }
+            end = part;
+        }
+        let functions = self.data.functions();
+        let root =
+            |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
+        self.roots = distinct(all).iter().map(root).collect();
+        Ok(())
+    }
+
+    /// Poles that stay over the orders of an estimate from the lines below one.
+    fn seeds_below(&self, end: usize, found: &Found) -> Result<Vec<Seed>, IdentifyError> {
+        let peaks = found.peaks.iter().filter(|peak| peak.line < end).count();
         let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(POLES.start, POLES.end);
-        let top = (poles / self.sides.inputs)
-            .min(self.data.lines() / 3)
-            .max(4);
-        let lscf = Lscf::new(&self.data, self.sides, top)?;
+        let top = (poles / self.sides.inputs).min(end / 3).max(4);
+        let lscf = Lscf::new(&self.data, self.sides, (0..end, top))?;
         let lowest = (lscf.order() / 6).max(2);
         let stride = (lscf.order() - lowest).div_ceil(ORDERS).max(1);
         let orders: Vec<usize> = (lowest..=lscf.order()).step_by(stride).collect();
@@ -164,19 +191,15 @@ impl<'a> Fit<'a> {
             .map(|order| Ok((*order, self.inside(lscf.poles(*order)?))))
             .collect::<Vec<Result<_, IdentifyError>>>();
         let tables: Vec<(usize, Vec<LscfPole>)> = tables.into_iter().collect::<Result<_, _>>()?;
-        let seeds = distinct(seeds(&tables, self.data.step));
-        let functions = self.data.functions();
-        let root =
-            |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
-        self.roots = seeds.iter().map(root).collect();
-        Ok(())
+        Ok(seeds(&tables, self.data.step))
     }
 
     fn inside(&self, poles: Vec<LscfPole>) -> Vec<LscfPole> {
         let (lo, hi) = self.limits();
         let widest = WIDEST * self.range();
         let keeps = |pole: &LscfPole| {
-            pole.lambda.im > lo && pole.lambda.im < hi && -2.0 * pole.lambda.re < widest
+            let inside = pole.lambda.im > lo && pole.lambda.im < hi;
+            inside && -2.0 * pole.lambda.re < widest && resonates(pole.lambda)
         };
         poles.into_iter().filter(keeps).collect()
     }
@@ -188,10 +211,10 @@ impl<'a> Fit<'a> {
     }
 
     /// Refines and drops roots until all that are left pass.
-    fn settle(&mut self) {
-        self.refine(Stop::Coarse);
+    fn settle(&mut self, stop: Stop) {
+        self.refine(stop);
         for _ in 0..PRUNINGS {
-            let unfit = self.unfit();
+            let unfit = self.judge().unfit(&self.roots);
             if unfit.is_empty() {
                 break;
             }
@@ -200,7 +223,7 @@ impl<'a> Fit<'a> {
             }
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
-            self.refine(Stop::Coarse);
+            self.refine(stop);
         }
     }
 
@@ -218,87 +241,13 @@ impl<'a> Fit<'a> {
                 self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
                 self.roots[i].join(parts);
             }
-            Change::FewerParts(j) => {
+            Change::FewerParts(j, count) => {
                 let root = &self.roots[j];
-                let count = root.multiplicity() - 1;
                 let parts = strongest_inputs(self.sides, count, |f| root.residues[f]);
                 self.roots[j].parts.clear();
                 self.roots[j].join(parts);
             }
         }
-    }
-
-    /// What must change, at most one thing for roots that lean on each other.
-    fn unfit(&self) -> Vec<Change> {
-        let mut order: Vec<usize> = (0..self.roots.len()).collect();
-        order.sort_by(|a, b| {
-            let worth = |j: &usize| self.roots[*j].quality.significance;
-            worth(a).total_cmp(&worth(b))
-        });
-        let mut changes: Vec<Change> = Vec::new();
-        let mut touched: Vec<usize> = Vec::new();
-        for j in order {
-            let leans = |other: &usize| apart(&self.roots[j], &self.roots[*other]) < 1.0;
-            if touched.iter().any(leans) {
-                continue;
-            }
-            if let Some(change) = self.change_of(j) {
-                touched.push(j);
-                changes.push(change);
-            }
-        }
-        changes
-    }
-
-    fn change_of(&self, j: usize) -> Option<Change> {
-        let (root, quality) = (&self.roots[j], &self.roots[j].quality);
-        let chance = self.options.false_alarm_probability / (WIDTHS * self.data.lines() as f64);
-        let (significance, limit) = significance(root, self.sides, chance);
-        if significance <= limit {
-            return Some(self.less(j, Reason::Noise(significance, limit)));
-        }
-        if let Some(twin) = self.twin(j) {
-            return Some(twin);
-        }
-        let width = root.width();
-        let reason = if quality.pole_std >= KNOWN * root.decay() {
-            Reason::Unknown(quality.pole_std / root.decay())
-        } else if width >= WIDEST * self.range() || width <= NARROWEST * self.data.step {
-            Reason::Width(width / TAU)
-        } else {
-            return None;
-        };
-        Some(self.less(j, reason))
-    }
-
-    /// A stronger root from which this one cannot be told.
-    fn twin(&self, j: usize) -> Option<Change> {
-        let near = |i: &usize| {
-            let (a, b) = (&self.roots[*i], &self.roots[j]);
-            let (p, q) = (a.quality.pole_std, b.quality.pole_std);
-            let apart = (a.lambda - b.lambda).norm();
-            let stronger = a.quality.significance >= b.quality.significance;
-            let beside = apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q);
-            *i != j && stronger && beside
-        };
-        let distance = |i: &usize| (self.roots[*i].lambda - self.roots[j].lambda).norm();
-        let i = (0..self.roots.len())
-            .filter(near)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        let (a, b) = (&self.roots[i], &self.roots[j]);
-        let inputs = self.sides.inputs;
-        let modes = a.multiplicity() + b.multiplicity();
-        let alike = a
-            .parts
-            .iter()
-            .flat_map(|p| b.parts.iter().map(move |q| mac(p, q)));
-        let alike = alike.flatten().fold(0.0, f64::max);
-        Some(if modes <= inputs && alike < INDEPENDENT {
-            Change::Join(i, j)
-        } else {
-            let deviation = a.quality.pole_std.hypot(b.quality.pole_std);
-            self.less(j, Reason::Twin(distance(&i) / deviation))
-        })
     }
 
     /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
@@ -337,12 +286,53 @@ impl<'a> Fit<'a> {
             if chosen.is_empty() {
                 break;
             }
+            let tried: Vec<(Root, f64)> = chosen
+                .iter()
+                .map(|(j, _)| (self.roots[*j].clone(), standings[*j].misfit))
+                .collect();
             for (j, doubt) in chosen {
-                self.apply(self.less(j, Reason::Doubt(doubt)));
+                self.apply(less(&self.roots, j, Reason::Doubt(doubt)));
             }
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
-            self.settle();
+            self.settle(Stop::Coarse);
+            self.restore(&tried);
+        }
+    }
+
+    /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two
+    /// roots in one resonance explain what one does not, whatever made it.
+    fn restore(&mut self, tried: &[(Root, f64)]) {
+        let (rest, _) = self.rest();
+        let needed = |(root, before): &&(Root, f64)| {
+            let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
+            let now = misfit(&self.data, &rest, root);
+            root.multiplicity() == 1 && away && now > NEEDED * before.max(1.0)
+        };
+        let needed: Vec<Root> = tried
+            .iter()
+            .filter(needed)
+            .map(|(root, _)| root.clone())
+            .collect();
+        if needed.is_empty() {
+            return;
+        }
+        let back = |dropped: &Dropped| needed.iter().any(|root| root.lambda == dropped.lambda);
+        self.dropped.retain(|dropped| !back(dropped));
+        self.roots.extend(needed.into_iter().map(|root| Root {
+            suspect: false,
+            ..root
+        }));
+        unsettle(&mut self.roots);
+        self.settle(Stop::Coarse);
+    }
+
+    fn judge(&self) -> Judge<'_> {
+        Judge {
+            sides: self.sides,
+            false_alarm_probability: self.options.false_alarm_probability,
+            lines: self.data.lines(),
+            step: self.data.step,
         }
     }
 
@@ -359,27 +349,24 @@ impl<'a> Fit<'a> {
         misses.count() >= SEVERAL.max(self.roots.len() / 10)
     }
 
-    /// A root with one mode less.
-    fn less(&self, j: usize, reason: Reason) -> Change {
-        if self.roots[j].multiplicity() > 1 {
-            Change::FewerParts(j)
-        } else {
-            Change::Drop(j, reason)
-        }
-    }
-
     fn standings(&self) -> Vec<Standing> {
         let measured = measured(&self.data, self.sides);
         standings(&self.data, &measured, &self.roots)
     }
 
-    /// Where the data brought no variances: second differences of what the fit leaves over.
+    /// How the noise hangs together over the lines or, where the data brought no variances, how large it is: from what the fit
+    /// leaves over.
     fn measure_noise(&mut self) {
+        unsettle(&mut self.roots);
         if self.data.variance_measured {
+            if let Some(own) = Correlation::of_rest(&self.rest().0) {
+                self.data.correlation = own;
+            }
             return;
         }
         let measured = measured(&self.data, self.sides);
         let rest = &measured.values - model(&measured, &self.roots, 0..self.data.lines());
+        let by_lines = self.data.correlation.of_second_difference();
         let variance: Vec<Vec<f64>> = self
             .data
             .values
@@ -387,34 +374,40 @@ impl<'a> Fit<'a> {
             .enumerate()
             .map(|(f, values)| {
                 let rest: Vec<Complex64> = rest.col(f).iter().copied().collect();
-                super::noise::of_rest(values, &rest, &self.data.measured_scale[f])
+                let scale = &self.data.measured_scale[f];
+                super::noise::of_rest(values, &rest, (scale, by_lines))
             })
             .collect();
         self.data.variance = variance;
-        unsettle(&mut self.roots);
+        self.data.raise_variances();
     }
 
     /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
     fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let most = (self.roots.len() / 4).max(FEWEST_TRIED);
-        let (rest, level) = self.rest();
+        let (rest, levels) = self.rest();
         let found = roots_to_try(
             (&self.data, self.sides),
             &self.roots,
-            (&rest, &level),
+            (&rest, &levels),
             (chance, most),
         );
         if found.is_empty() {
             return None;
         }
         let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
-        let before = modes(&self.roots);
+        let before = self.roots.clone();
         self.roots.extend(found);
         unsettle(&mut self.roots);
-        self.settle();
-        let (after, _) = self.rest();
-        (modes(&self.roots) > before).then(|| rest.squared_norm_l2() / after.squared_norm_l2())
+        self.settle(Stop::Coarse);
+        let gain = rest.squared_norm_l2() / self.rest().0.squared_norm_l2();
+        if gain < 1.0 {
+            // New roots drove others away.
+            self.roots = before;
+            return None;
+        }
+        (modes(&self.roots) > modes(&before)).then_some(gain)
     }
 
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
@@ -440,11 +433,11 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// What roots and background leave over, over the noise, and the level of noise of each function.
-    fn rest(&self) -> (ComplexMatrix, Vec<f64>) {
+    /// What roots and background leave over, over the noise, and that noise by function and line.
+    fn rest(&self) -> (ComplexMatrix, Vec<Vec<f64>>) {
         let measured = measured(&self.data, self.sides);
         let far = Far::new(&self.data, &measured);
-        (far.left_over(&measured, &self.roots), far.level().to_vec())
+        far.left_over(&self.data, &measured, &self.roots)
     }
 
     fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
@@ -452,11 +445,10 @@ impl<'a> Fit<'a> {
         let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
         kept.retain(|(root, _)| {
             let hz = root.lambda.norm() / TAU;
-            let damping = root.decay() / root.lambda.norm();
-            hz >= band.lo_hz && hz <= band.hi_hz && damping < MOST_DAMPING
+            hz >= band.lo_hz && hz <= band.hi_hz
         });
         if let Some(most) = self.options.max_modes {
-            let worth = |(root, _): &(&Root, &Standing)| root.quality.significance;
+            let worth = |(root, _): &(&Root, &Standing)| root.quality.significance();
             kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
             kept.truncate(most);
             kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
@@ -477,13 +469,6 @@ impl<'a> Fit<'a> {
             findings: evidence.findings(),
         }
     }
-}
-
-enum Change {
-    Drop(usize, Reason),
-    /// The second becomes part of the first.
-    Join(usize, usize),
-    FewerParts(usize),
 }
 
 fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {

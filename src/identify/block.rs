@@ -23,9 +23,9 @@ use num_complex::Complex64;
 use crate::linalg::{self, ComplexMatrix};
 
 use super::background::Background;
-use super::linearised::{Compressed, Linearised, Pattern, Problem, patterns};
+use super::linearised::{Compressed, Linearised, Pattern, Problem, Strength, patterns};
 use super::noise_profile::Profile;
-use super::roots::Root;
+use super::roots::{Root, in_reach};
 use super::sides::Sides;
 
 pub(super) use super::linearised::Unknown;
@@ -77,9 +77,8 @@ pub(super) struct Fitted {
     pub information: ComplexMatrix,
     /// Mean square of what is left over, over that of the noise.
     pub misfit: f64,
-    /// Of each member: twice the least eigenvalue of `Σ V⁻¹ ψ ψᴴ` over all outputs, with the covariance V of its shapes (for one
-    /// mode `2 Σ|ψ|²/V`), and the largest `2 ψᴴ V⁻¹ ψ` of one output.
-    pub significance: Vec<(f64, f64)>,
+    /// Of each member: the strengths of its combinations of modes, and the largest of one output.
+    pub significance: Vec<(Vec<f64>, f64)>,
 }
 
 /// Fits a block with so many steps at most; none finds the residues alone.
@@ -94,19 +93,23 @@ pub(super) fn fit(
     let unknowns = unknowns(&members, &block.free);
     let mut here = window.linearised(&members, &unknowns);
     let mut damping = FIRST_DAMPING;
-    for _ in 0..steps {
+    let mut taken = 0;
+    while taken < steps && damping < MOST_DAMPING {
         let (trial, longest) = moved(&members, &unknowns, &here, damping);
+        if !trial.iter().all(|root| in_reach(root.lambda)) {
+            damping *= 10.0;
+            continue;
+        }
         let there = window.linearised(&trial, &unknowns);
         if there.cost <= here.cost + ROUNDING * window.energy {
             (members, here) = (trial, there);
+            taken += 1;
             damping = (0.1 * damping).max(LEAST_DAMPING);
             if longest < SMALL {
                 break;
             }
-        } else if damping < MOST_DAMPING {
-            damping *= 10.0;
         } else {
-            break;
+            damping *= 10.0;
         }
     }
     for (root, residues) in members.iter_mut().zip(here.residues) {
@@ -118,15 +121,12 @@ pub(super) fn fit(
         members,
         unknowns,
         information: here.information,
-        significance: here.strength.iter().map(least).collect(),
+        significance: here
+            .strength
+            .iter()
+            .map(|own| (own.values(), own.largest))
+            .collect(),
     }
-}
-
-/// Strength of the weakest combination of a root's modes.
-fn least((alike, largest): &(ComplexMatrix, f64)) -> (f64, f64) {
-    let values = linalg::complex_eigenvalues(alike).unwrap_or_default();
-    let least = values.iter().map(|v| v.re).fold(f64::INFINITY, f64::min);
-    (2.0 * if least.is_finite() { least } else { 0.0 }, *largest)
 }
 
 /// The members after one damped step, and its longest part.
@@ -211,13 +211,7 @@ impl<'a> Window<'a> {
             gradient: linalg::complex_matrix(count, 1, |_, _| Complex64::ZERO),
             strength: members
                 .iter()
-                .map(|root| {
-                    let modes = root.multiplicity();
-                    (
-                        linalg::complex_matrix(modes, modes, |_, _| Complex64::ZERO),
-                        0.0,
-                    )
-                })
+                .map(|root| Strength::none(root.multiplicity()))
                 .collect(),
             residues: vec![vec![Complex64::ZERO; functions]; members.len()],
         };

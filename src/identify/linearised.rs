@@ -38,14 +38,57 @@ pub(super) struct Pattern {
     pub outputs: Vec<(Vec<usize>, f64)>,
 }
 
+/// How strong the modes of a root are.
+pub(super) struct Strength {
+    /// `Σ ψ ψᴴ` over outputs, each in units of its noise.
+    pub shapes: ComplexMatrix,
+    /// `Σ V` over outputs, with the covariance V of ψ.
+    pub covariance: ComplexMatrix,
+    /// Number of outputs.
+    pub outputs: usize,
+    /// `Σ 2 ψᴴ V⁻¹ ψ` and the largest of its terms.
+    pub sum: f64,
+    pub largest: f64,
+}
+
+impl Strength {
+    /// Of a root of so many modes, before any output has been added.
+    pub fn none(modes: usize) -> Self {
+        let zero = || linalg::complex_matrix(modes, modes, |_, _| Complex64::ZERO);
+        Self {
+            shapes: zero(),
+            covariance: zero(),
+            outputs: 0,
+            sum: 0.0,
+            largest: 0.0,
+        }
+    }
+
+    /// Strengths of the independent combinations of modes, ascending: for one mode `2 Σ|ψ|²/V`, for several twice the eigenvalues of
+    /// `V⁻¹ Σ ψ ψᴴ` with the mean V. None where they are not known.
+    pub fn values(&self) -> Vec<f64> {
+        if self.shapes.nrows() == 1 {
+            return vec![self.sum];
+        }
+        let Some(precision) = linalg::inverse_hermitian_raised(&self.covariance) else {
+            return Vec::new();
+        };
+        let scale = 2.0 * self.outputs as f64;
+        let values = linalg::complex_eigenvalues(&(precision * &self.shapes)).unwrap_or_default();
+        let mut values: Vec<f64> = values.iter().map(|v| scale * v.re).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+}
+
 /// The linear problem at some poles.
 pub(super) struct Linearised {
     /// `Σ|rest|²` over the noise.
     pub cost: f64,
     pub information: ComplexMatrix,
     pub gradient: ComplexMatrix,
-    /// Of each member: `Σ V⁻¹ ψ ψᴴ` over outputs, with the covariance V of its shapes, and the largest `2 ψᴴ V⁻¹ ψ`.
-    pub strength: Vec<(ComplexMatrix, f64)>,
+    /// How strong each member is.
+    pub strength: Vec<Strength>,
     pub residues: Vec<Vec<Complex64>>,
 }
 
@@ -189,7 +232,7 @@ impl Problem<'_> {
         sums: &mut Linearised,
         (inverse, shapes): (&ComplexMatrix, &ComplexMatrix),
     ) {
-        for (j, (alike, largest)) in sums.strength.iter_mut().enumerate() {
+        for (j, strength) in sums.strength.iter_mut().enumerate() {
             let own: Vec<usize> = (0..self.columns.len())
                 .filter(|c| self.columns[*c].0 == j)
                 .collect();
@@ -200,19 +243,21 @@ impl Problem<'_> {
                     .map(|(p, q)| inverse[p] * inverse[q].conj())
                     .sum()
             });
-            let Some(precision) = linalg::inverse_hermitian(&covariance) else {
-                continue;
-            };
             let shapes =
                 linalg::complex_matrix(own.len(), shapes.ncols(), |a, o| shapes[(own[a], o)]);
-            let whitened = &precision * &shapes;
-            for o in 0..shapes.ncols() {
-                let value: Complex64 = (0..own.len())
-                    .map(|a| shapes[(a, o)].conj() * whitened[(a, o)])
-                    .sum();
-                *largest = largest.max(2.0 * value.re);
+            if let Some(precision) = linalg::inverse_hermitian(&covariance) {
+                let whitened = precision * &shapes;
+                for o in 0..shapes.ncols() {
+                    let value: Complex64 = (0..own.len())
+                        .map(|a| shapes[(a, o)].conj() * whitened[(a, o)])
+                        .sum();
+                    strength.sum += 2.0 * value.re;
+                    strength.largest = strength.largest.max(2.0 * value.re);
+                }
             }
-            *alike += whitened * shapes.adjoint();
+            strength.shapes += &shapes * shapes.adjoint();
+            strength.covariance += covariance * (shapes.ncols() as f64);
+            strength.outputs += shapes.ncols();
         }
     }
 

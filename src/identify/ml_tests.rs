@@ -6,7 +6,7 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::frf::{FrfSet, FunctionData};
 use crate::modal::{ModalModel, Pole, mac};
 
-use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes};
+use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes, white_noise};
 use super::{IdentifyOptions, identify};
 
 fn ml(set: &FrfSet) -> ModalModel {
@@ -178,5 +178,43 @@ fn bands_of_a_few_lines_have_an_answer() {
             ..IdentifyOptions::default()
         };
         assert!(identify(&short, &alone).unwrap().modes.len() <= 1);
+    }
+}
+
+/// The functions of a set with noise that lines within `reach` share, 60 dB below each function, and its variance.
+fn with_shared_noise(set: &FrfSet, (reach, seed): (usize, u64)) -> FrfSet {
+    let lines = set.axis().len;
+    let mut noisy = FrfSet::new(*set.axis());
+    for (i, function) in set.functions().iter().enumerate() {
+        let power = set.values(i).iter().map(Complex64::norm_sqr).sum::<f64>() / lines as f64;
+        let variance = 1e-6 * power;
+        let white = white_noise(
+            lines + reach,
+            variance / reach as f64,
+            100 * seed + i as u64,
+        );
+        let shared = |k: usize| white[k..k + reach].iter().sum::<Complex64>();
+        let data = FunctionData {
+            values: (0..lines).map(|k| set.values(i)[k] + shared(k)).collect(),
+            coherence: None,
+            variance: Some(vec![variance; lines]),
+        };
+        noisy.push(function.clone(), data).unwrap();
+    }
+    noisy
+}
+
+#[test]
+fn noise_that_lines_share_makes_no_modes() {
+    for seed in 0..4 {
+        let (structure, mut how) = separated_modes(seed);
+        how.pairs.truncate(1);
+        let set = with_shared_noise(&structure.measured(&how), (12, seed));
+        let model = ml(&set);
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
+            let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            assert!(apart.abs() < 5.0, "{seed}: {apart} at {hz} Hz");
+        }
     }
 }

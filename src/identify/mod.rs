@@ -29,6 +29,7 @@ mod circle;
 mod close;
 #[cfg(test)]
 mod close_tests;
+mod correlation;
 mod error;
 #[cfg(test)]
 mod hump_tests;
@@ -45,6 +46,7 @@ mod parts;
 mod parts_tests;
 mod peak;
 mod plscf;
+mod pruning;
 #[cfg(test)]
 mod rank_tests;
 mod reasons;

@@ -53,11 +53,20 @@ pub(super) fn of_function(set: &FrfSet, i: usize, lines: Range<usize>) -> Noise 
 }
 
 /// Variances of one function from what a fit leaves over of its values, as a function without measured variances has them: noise
-/// is even in what was measured, whose magnitude is `scale` times that of the values.
-pub(super) fn of_rest(values: &[Complex64], rest: &[Complex64], scale: &[f64]) -> Vec<f64> {
+/// is even in what was measured, whose magnitude is `scale` times that of the values. The mean square of the second difference of
+/// unit noise is `by_lines`, 6 for white noise.
+pub(super) fn of_rest(
+    values: &[Complex64],
+    rest: &[Complex64],
+    (scale, by_lines): (&[f64], f64),
+) -> Vec<f64> {
     let rest: Vec<Complex64> = rest.iter().zip(scale).map(|(r, s)| r * s).collect();
     let even = from_second_differences(&rest);
-    let mut variance: Vec<f64> = even.iter().zip(scale).map(|(v, s)| v / (s * s)).collect();
+    let mut variance: Vec<f64> = even
+        .iter()
+        .zip(scale)
+        .map(|(v, s)| 6.0 / by_lines * v / (s * s))
+        .collect();
     raise_to_floor(&mut variance, values);
     variance
 }

@@ -31,13 +31,16 @@ impl Profile {
         let reach = AVERAGED.div_ceil(2 * data.functions());
         Self {
             level,
-            course: smooth(&squares, reach).into_iter().map(f64::sqrt).collect(),
+            course: running_mean(&squares, reach)
+                .into_iter()
+                .map(f64::sqrt)
+                .collect(),
         }
     }
 }
 
-/// Mean over the neighbours on both sides, fewer at the ends.
-fn smooth(values: &[f64], reach: usize) -> Vec<f64> {
+/// Mean over so many neighbours on both sides, fewer at the ends.
+pub(super) fn running_mean(values: &[f64], reach: usize) -> Vec<f64> {
     let mean = |k: usize| {
         let near = &values[k.saturating_sub(reach)..(k + reach + 1).min(values.len())];
         near.iter().sum::<f64>() / near.len() as f64

@@ -24,6 +24,8 @@
 //! the influence of the parameter constraint on the stability of the poles and the discrimination capabilities of the
 //! stabilisation diagrams, MSSP 19(5).
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -39,6 +41,10 @@ const ARC: f64 = 0.8;
 /// first, and no more than what the normal equations lose anyway.
 const RIDGE: f64 = 1e-15;
 const MOST_RIDGE: f64 = 1e-9;
+
+/// Error of the model relative to the response, squared: strong resonances far above the noise would leave nothing of weak ones in
+/// the normal equations.
+const MODEL: f64 = 1e-6;
 
 /// A stable pole with its participation factors.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,19 +68,23 @@ pub(super) struct Lscf {
 }
 
 impl Lscf {
-    /// Builds the equations up to an order; `sides` must be complete.
+    /// Builds the equations of some lines up to an order; `sides` must be complete.
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`] when the equations are not positive definite.
-    pub fn new(data: &Receptances, sides: &Sides, order: usize) -> Result<Self, LinalgError> {
-        let circle = (data.lines() as f64 / ARC).ceil() as usize;
+    pub fn new(
+        data: &Receptances,
+        sides: &Sides,
+        (lines, order): (Range<usize>, usize),
+    ) -> Result<Self, LinalgError> {
+        let circle = (lines.len() as f64 / ARC).ceil() as usize;
         let circle = circle.max(2 * order + 2).next_multiple_of(64);
         let plan = ComplexPlan::inverse(circle);
         let inputs = sides.inputs;
         let parts: Vec<Result<(ComplexMatrix, f64), LinalgError>> = sides
             .outputs
             .par_iter()
-            .map(|output| reduced(data, output, (&plan, order)))
+            .map(|output| reduced(data, output, (&plan, &lines, order)))
             .collect();
         let size = (order + 1) * inputs;
         let mut sum = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
@@ -94,7 +104,7 @@ impl Lscf {
             order,
             lower,
             right,
-            omega_0: data.omega[0],
+            omega_0: data.omega[lines.start],
             step_s: std::f64::consts::TAU / (circle as f64 * data.step),
         })
     }
@@ -210,22 +220,24 @@ fn participation(
 fn reduced(
     data: &Receptances,
     output: &[(usize, usize)],
-    (plan, order): (&ComplexPlan, usize),
+    (plan, lines, order): (&ComplexPlan, &Range<usize>, usize),
 ) -> Result<(ComplexMatrix, f64), LinalgError> {
     let m = output.len();
     let functions: Vec<&[Complex64]> = output
         .iter()
-        .map(|(_, f)| data.values[*f].as_slice())
+        .map(|(_, f)| &data.values[*f][lines.clone()])
         .collect();
-    // One weight per line and output: the mean precision of its functions.
+    // One weight per line and output: the mean precision of its functions, which no resonance exceeds by more than `MODEL` allows.
     let weight = |k: usize| {
-        let precision = |(_, f): &(usize, usize)| 1.0 / data.variance[*f][k];
+        let power = functions.iter().map(|h| h[k].norm_sqr()).sum::<f64>() / m as f64;
+        let precision =
+            |(_, f): &(usize, usize)| 1.0 / (data.variance[*f][lines.start + k] + MODEL * power);
         output.iter().map(precision).sum::<f64>() / m as f64
     };
-    let weights: Vec<f64> = (0..data.lines()).map(weight).collect();
+    let weights: Vec<f64> = (0..lines.len()).map(weight).collect();
     let mut scratch = plan.scratch();
     let mut lags = |value: &dyn Fn(usize) -> Complex64| {
-        let mut line: Vec<Complex64> = (0..data.lines()).map(|k| weights[k] * value(k)).collect();
+        let mut line: Vec<Complex64> = (0..lines.len()).map(|k| weights[k] * value(k)).collect();
         line.resize(plan.len(), Complex64::ZERO);
         plan.run(&mut line, &mut scratch);
         line

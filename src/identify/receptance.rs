@@ -12,12 +12,19 @@ use crate::axis::Band;
 use crate::frf::FrfSet;
 
 use super::IdentifyError;
+use super::correlation::Correlation;
 use super::noise::{self, Noise};
+use super::noise_profile::running_mean;
 
 /// Lines beside a band that are used with it, as a share of its own.
 const GUARD: f64 = 0.05;
 /// Fewest lines in a band that are worth a search.
 const FEWEST_LINES: usize = 8;
+
+/// Lines on either side whose variances tell that of one line.
+const AROUND: usize = 20;
+/// Dynamic range of a set, beyond any converter's: least noise over the largest response.
+const RANGE: f64 = 1e-10;
 
 /// Receptances on the lines of a band.
 pub(super) struct Receptances {
@@ -33,6 +40,8 @@ pub(super) struct Receptances {
     pub variance_measured: bool,
     /// Whether modes just outside the lines must be reckoned with.
     pub outside: bool,
+    /// How the noise of neighbouring lines hangs together, as far as it is known.
+    pub correlation: Correlation,
     /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
     pub measured_scale: Vec<Vec<f64>>,
 }
@@ -73,6 +82,10 @@ impl Receptances {
             variance: Vec::with_capacity(set.len()),
             variance_measured: true,
             outside: true,
+            correlation: Correlation::of_window(
+                set.added_damping_rad_s,
+                std::f64::consts::TAU * set.axis().step_hz,
+            ),
             measured_scale: Vec::with_capacity(set.len()),
             omega,
         };
@@ -81,7 +94,35 @@ impl Receptances {
             let noise = noise::of_function(set, i, lines.clone());
             data.push(set, i, &set.values(i)[lines.clone()], noise);
         }
+        data.raise_variances();
         Ok(data)
+    }
+
+    /// No function is better known than [`RANGE`] of the strongest response: what is far below it (directions that symmetry keeps
+    /// still) is no response, whatever its own noise. The floor is even in what was measured, as noise is.
+    pub fn raise_variances(&mut self) {
+        let lines = self.lines();
+        let strongest: Vec<f64> = (0..lines)
+            .map(|k| {
+                self.values
+                    .iter()
+                    .map(|h| h[k].norm_sqr())
+                    .fold(0.0, f64::max)
+            })
+            .collect();
+        for (variance, scale) in self.variance.iter_mut().zip(&self.measured_scale) {
+            let powers = strongest.iter().zip(scale).map(|(p, s)| p * s * s);
+            let floor = RANGE * RANGE * powers.sum::<f64>() / lines as f64;
+            for (v, s) in variance.iter_mut().zip(scale) {
+                *v = v.max(floor / (s * s));
+            }
+        }
+    }
+
+    /// Standard deviation of the noise of a function at every line, from the variances around it, m/N.
+    pub fn local_level(&self, function: usize) -> Vec<f64> {
+        let means = running_mean(&self.variance[function], AROUND);
+        means.into_iter().map(f64::sqrt).collect()
     }
 
     fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {

@@ -37,7 +37,7 @@ const SWEEPS: usize = 40;
 const STILL_BY_BOUND: f64 = 1e-2;
 /// The same while it is still open which roots stay.
 const COARSE: f64 = 0.1;
-/// Largest step that still counts, in decay rates: far below any bound, near rounding for data without noise.
+/// Largest step that still counts, in decay rates and of participation factors: far below any bound, near rounding for data without noise.
 const STILL: f64 = 1e-10;
 
 /// How far a refinement goes.
@@ -64,6 +64,8 @@ pub(super) fn refine(
     let mut whole = false;
     let mut plan: Option<Vec<Block>> = None;
     let far = Far::new(data, measured);
+    let mut near: Option<Measured> = None;
+    let (mut sweep, mut next) = (0, 0);
     for _ in 0..SWEEPS {
         let fresh = roots
             .iter()
@@ -79,11 +81,14 @@ pub(super) fn refine(
             .filter(|block| whole || block.members.iter().any(moving))
             .collect();
         let steps = if fresh { 0 } else { STEPS };
-        let near = if fresh {
-            None
-        } else {
-            Some(far.taken_out(measured, &roots))
-        };
+        // What is far changes little from sweep to sweep, and the last look at all blocks has it anew.
+        if !fresh {
+            if whole || sweep == next {
+                near = Some(far.taken_out(measured, &roots));
+                next = 2 * sweep + 1;
+            }
+            sweep += 1;
+        }
         let measured = near.as_ref().unwrap_or(measured);
         let fitted: Vec<Fitted> = active
             .par_iter()
@@ -93,7 +98,7 @@ pub(super) fn refine(
             })
             .collect();
         for (block, fitted) in active.iter().zip(&fitted) {
-            take(&mut roots, (block, fitted), stop);
+            take(&mut roots, (block, fitted), (data, stop));
         }
         let before = roots.len();
         roots.retain(|root| stays(root, limits));
@@ -127,7 +132,11 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
 }
 
 /// Takes over the roots that a block decides.
-fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
+fn take(
+    roots: &mut [Root],
+    (block, fitted): (&Block, &Fitted),
+    (data, stop): (&Receptances, Stop),
+) {
     let missed = fitted.misfit.max(1.0).sqrt();
     let by_bound = match stop {
         Stop::Coarse => COARSE * missed,
@@ -140,14 +149,32 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         let before = root.clone();
         *root = fitted.members[place].clone();
         let decay = root.decay().abs();
-        let (significance, largest) = fitted.significance[place];
+        let (strengths, largest) = fitted.significance[place].clone();
+        let lines = &data.correlation;
+        // A fit of the residues alone says nothing new of the pole.
+        let mut own_std = before.quality.pole_std / decay;
+        let by_pole = lines.of_pole(decay, data.step).sqrt();
+        let mut still = true;
+        for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
+            let moved = match *unknown {
+                Unknown::Pole(j) if j == place => {
+                    own_std = *deviation * by_pole;
+                    (root.lambda - before.lambda).norm() / decay
+                }
+                Unknown::Factor(j, part, input) if j == place => {
+                    (root.parts[part][input] - before.parts[part][input]).norm()
+                }
+                _ => continue,
+            };
+            still &= moved <= STILL || moved <= by_bound * deviation;
+        }
         root.quality = Quality {
-            pole_std: deviations[place] * decay,
-            significance,
+            pole_std: own_std * decay,
+            strengths,
             largest,
+            by_lines: lines.of_amplitude(decay, data.step),
         };
-        let moved = (root.lambda - before.lambda).norm();
-        let still = moved <= STILL * decay || moved <= by_bound * root.quality.pole_std;
+        root.choose_pivots();
         root.progress = match before.progress {
             Progress::Fresh(count) if count > 1 => Progress::Fresh(count - 1),
             Progress::Fresh(_) => Progress::Moving,
@@ -157,23 +184,18 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
     }
 }
 
-/// Cramér-Rao deviation of real and imaginary part of each member's pole, in decay rates; infinite where it is not free or
-/// not known.
+/// Cramér-Rao deviation of real and imaginary part of each unknown, poles in decay rates; infinite where it is not known.
 fn deviations(step: &Fitted) -> Vec<f64> {
-    let mut deviations = vec![f64::INFINITY; step.members.len()];
-    if step.unknowns.is_empty() {
-        return deviations;
-    }
-    let inverse = linalg::inverse_hermitian_raised(&step.information);
-    for (place, unknown) in step.unknowns.iter().enumerate() {
-        if let (Unknown::Pole(j), Some(inverse)) = (unknown, &inverse) {
-            let variance = inverse[(place, place)].re;
-            if variance > 0.0 {
-                deviations[*j] = (0.5 * variance).sqrt();
-            }
+    let inverse = (!step.unknowns.is_empty())
+        .then(|| linalg::inverse_hermitian_raised(&step.information))
+        .flatten();
+    let deviation = |place: usize| match &inverse {
+        Some(inverse) if inverse[(place, place)].re > 0.0 => {
+            (0.5 * inverse[(place, place)].re).sqrt()
         }
-    }
-    deviations
+        _ => f64::INFINITY,
+    };
+    (0..step.unknowns.len()).map(deviation).collect()
 }
 
 /// The blocks of roots in ascending frequency.
@@ -333,13 +355,23 @@ impl Far {
         }
     }
 
-    /// What roots and background leave over, over the noise: lines × functions.
-    pub fn left_over(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
+    /// What roots and background leave over, over the noise at each line: lines × functions; with that noise.
+    pub fn left_over(
+        &self,
+        data: &Receptances,
+        measured: &Measured,
+        roots: &[Root],
+    ) -> (ComplexMatrix, Vec<Vec<f64>>) {
         let near = self.taken_out(measured, roots);
         let rest = &near.values - model(measured, roots, 0..measured.omega.len());
-        linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
-            rest[(k, f)] / (self.profile.course[k] * self.profile.level[f])
-        })
+        let levels: Vec<Vec<f64>> = (0..data.functions())
+            .into_par_iter()
+            .map(|f| data.local_level(f))
+            .collect();
+        let over = linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
+            rest[(k, f)] / levels[f][k]
+        });
+        (over, levels)
     }
 
     /// Energy that the background explains of what the roots leave over, over the noise, with the complex unknowns that it has.
@@ -354,10 +386,5 @@ impl Far {
             coordinates.squared_norm_l2(),
             coordinates.nrows() * coordinates.ncols(),
         )
-    }
-
-    /// Root of the mean variance of each function, m/N.
-    pub fn level(&self) -> &[f64] {
-        &self.profile.level
     }
 }

@@ -5,6 +5,13 @@ use num_complex::Complex64;
 /// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
 const FRESH: u8 = 2;
 
+/// Damping ratio from which on a pole is no resonance any more: what it would explain is background.
+const MOST_DAMPING: f64 = 0.3;
+/// Damping ratio that no step of a fit exceeds: wide roots overlap all others and take their place.
+const LARGEST_DAMPING: f64 = 0.5;
+/// A factor this many times the pivot's takes its place.
+const OUTGROWN: f64 = 2.0;
+
 /// One root of the model: a pole that one mode or several share.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Root {
@@ -26,23 +33,44 @@ pub(super) struct Root {
 }
 
 /// What a fit says of one root besides its numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quality {
     /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s.
     pub pole_std: f64,
-    /// `2 Σ|ψ|²/var ψ` over outputs: chi-squared of two degrees of freedom per output and mode where there is no mode.
-    pub significance: f64,
+    /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
+    /// output where there is no mode.
+    pub strengths: Vec<f64>,
     /// The largest of one output.
     pub largest: f64,
+    /// Factor by which noise that hangs together over the lines raises both where there is no mode.
+    pub by_lines: f64,
+}
+
+/// Whether a pole makes a resonance.
+pub(super) fn resonates(lambda: Complex64) -> bool {
+    -lambda.re < MOST_DAMPING * lambda.norm()
+}
+
+/// Whether a fit may put a pole there.
+pub(super) fn in_reach(lambda: Complex64) -> bool {
+    lambda.re < 0.0 && -lambda.re < LARGEST_DAMPING * lambda.norm()
 }
 
 impl Quality {
     /// Of a root that was not fitted yet.
     pub const UNKNOWN: Self = Self {
         pole_std: f64::INFINITY,
-        significance: 0.0,
+        strengths: Vec::new(),
         largest: 0.0,
+        by_lines: 1.0,
     };
+}
+
+impl Quality {
+    /// Strength of the weakest combination of modes.
+    pub fn significance(&self) -> f64 {
+        self.strengths.first().copied().unwrap_or(0.0)
+    }
 }
 
 /// How far the fit of a root is.
@@ -100,6 +128,14 @@ impl Root {
         self.residues.fill(Complex64::ZERO);
         self.progress = Progress::Fresh(FRESH);
         self.reduce();
+    }
+
+    /// Pivots at the largest factors again, when others have grown beyond them.
+    pub fn choose_pivots(&mut self) {
+        let outgrown = |part: &Vec<Complex64>| part.iter().any(|l| l.norm() > OUTGROWN);
+        if self.parts.iter().any(outgrown) {
+            self.reduce();
+        }
     }
 
     /// Gauss-Jordan elimination with full pivoting: each part 1 at its pivot and 0 at those of the others; parts without

@@ -14,18 +14,14 @@ const LEAST_CHANCE: f64 = 1e-14;
 /// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but for a probability p
 /// (Davidson and Szarek 2001); with one input its square is a chi-squared of two degrees of freedom per output.
 pub(super) fn significance(root: &Root, sides: &Sides, chance: f64) -> (f64, f64) {
-    let (outputs, inputs) = (sides.outputs.len(), sides.inputs);
-    let limit = |outputs: usize, chance: f64| match inputs {
-        1 => upper_quantile(2 * outputs, chance),
-        _ => {
-            let norm = (outputs as f64).sqrt() + (inputs as f64).sqrt() + (-chance.ln()).sqrt();
-            2.0 * norm * norm
-        }
-    };
+    let outputs = sides.outputs.len();
     let quality = &root.quality;
-    let whole = (quality.significance, limit(outputs, chance));
+    let whole = (quality.significance(), limit(root, sides, chance));
     // What one output shows says nothing of how many modes there are.
-    let alone = (quality.largest, limit(1, chance / outputs as f64));
+    let alone = (
+        quality.largest,
+        quality.by_lines * upper_quantile(2.0, chance / outputs as f64),
+    );
     let better = alone.0 / alone.1 > whole.0 / whole.1;
     if better && root.multiplicity() == 1 {
         alone
@@ -34,9 +30,33 @@ pub(super) fn significance(root: &Root, sides: &Sides, chance: f64) -> (f64, f64
     }
 }
 
+/// Number of independent modes of a root that are above the noise.
+pub(super) fn modes_above_noise(root: &Root, sides: &Sides, chance: f64) -> usize {
+    let limit = limit(root, sides, chance);
+    root.quality
+        .strengths
+        .iter()
+        .filter(|s| **s > limit)
+        .count()
+}
+
+fn limit(root: &Root, sides: &Sides, chance: f64) -> f64 {
+    let alone = match sides.inputs {
+        1 => upper_quantile(2.0 * sides.outputs.len() as f64, chance),
+        _ => 2.0 * norm_of_noise(sides, chance).powi(2),
+    };
+    root.quality.by_lines * alone
+}
+
+/// What the largest singular value of outputs × inputs of noise of unit variance exceeds with less than this probability.
+pub(super) fn norm_of_noise(sides: &Sides, chance: f64) -> f64 {
+    let (outputs, inputs) = (sides.outputs.len() as f64, sides.inputs as f64);
+    outputs.sqrt() + inputs.sqrt() + (-chance.ln()).sqrt()
+}
+
 /// What a chi-squared of so many degrees of freedom exceeds with this probability.
-pub(super) fn upper_quantile(freedom: usize, chance: f64) -> f64 {
-    let distribution = ChiSquared::new(freedom as f64);
+pub(super) fn upper_quantile(freedom: f64, chance: f64) -> f64 {
+    let distribution = ChiSquared::new(freedom);
     let chance = chance.max(LEAST_CHANCE);
     distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
 }

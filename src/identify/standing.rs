@@ -6,11 +6,11 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::linalg::ComplexMatrix;
 use crate::modal::{Pole, mac};
 
 use super::Candidate;
 use super::block::Measured;
-use super::noise_profile::Profile;
 use super::receptance::Receptances;
 use super::refine::{Far, apart};
 use super::roots::Root;
@@ -28,12 +28,16 @@ pub(super) const LEAST_SHARE: f64 = 0.2;
 const OWN_MODE: f64 = 0.5;
 /// Sums of half-power widths within which a root lies beside another.
 const BESIDE: f64 = 4.0;
+/// And within which it lies in the other's resonance.
+const WITHIN: f64 = 1.0;
 /// Modal assurance criterion above which a root repeats the shape of its neighbour.
 const SAME_SHAPE: f64 = 0.7;
 /// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
 pub(super) const LINEAR: f64 = 3e-4;
 /// The same for the weakest of several modes of one root, which the differences between poles make as well.
 const REPEATED: f64 = 1e-2;
+/// Share relative to that of a mode whose shape is repeated within its resonance, which errors of the force make as well.
+const ECHO: f64 = 3e-2;
 /// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,
 /// besides what noise does.
 pub(super) const MOST_PHASE: f64 = 0.7;
@@ -50,24 +54,27 @@ pub(super) struct Standing {
 
 /// Of each root.
 pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root]) -> Vec<Standing> {
-    let rest = Far::new(data, measured).left_over(measured, roots);
+    let (rest, levels) = Far::new(data, measured).left_over(data, measured, roots);
     let standing = |root: &Root| {
         let own = own_lines(data, root);
-        let profile = Profile::new(data, own.clone());
-        let (mut missed, mut whole) = (0.0, 0.0);
-        for (place, k) in own.clone().enumerate() {
-            for f in 0..data.functions() {
-                let noise = profile.course[place] * profile.level[f];
-                missed += rest[(k, f)].norm_sqr();
-                whole += (measured.values[(k, f)] / noise).norm_sqr();
-            }
-        }
+        let of = |(f, level): (usize, &Vec<f64>)| {
+            let power = |k: usize| (measured.values[(k, f)] / level[k]).norm_sqr();
+            own.clone().map(power).sum::<f64>()
+        };
+        let whole: f64 = levels.iter().enumerate().map(of).sum();
         Standing {
-            misfit: missed / (own.len() * data.functions()) as f64,
-            share: (0.5 * root.quality.significance.max(0.0) / whole).sqrt(),
+            misfit: misfit(data, &rest, root),
+            share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
         }
     };
     roots.par_iter().map(standing).collect()
+}
+
+/// Mean square of what a model leaves over (over the noise) on the own lines of a root.
+pub(super) fn misfit(data: &Receptances, rest: &ComplexMatrix, root: &Root) -> f64 {
+    let own = own_lines(data, root);
+    let of = |f: usize| own.clone().map(|k| rest[(k, f)].norm_sqr()).sum::<f64>();
+    (0..rest.ncols()).map(of).sum::<f64>() / (own.len() * rest.ncols()) as f64
 }
 
 fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
@@ -142,13 +149,17 @@ pub(super) fn doubt(
     if own.misfit > most && own.share < LEAST_SHARE {
         return Some(Doubt::Share(own.share));
     }
-    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
     let distance = |i: &usize| apart(root, &roots[*i]);
+    let same_shape = |i: &usize| mac(&root.residues, &roots[*i].residues) > Some(SAME_SHAPE);
+    let echoed = |i: &usize| own.share < ECHO * standings[*i].share && distance(i) < WITHIN;
+    if (0..roots.len()).any(|i| echoed(&i) && same_shape(&i)) {
+        return Some(Doubt::Tiny(own.share));
+    }
+    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
     let nearest = (0..roots.len())
         .filter(strong)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let repeats = distance(&nearest) < BESIDE
-        && mac(&root.residues, &roots[nearest].residues) > Some(SAME_SHAPE);
+    let repeats = distance(&nearest) < BESIDE && same_shape(&nearest);
     if own.share >= OWN_MODE || !(strict || repeats) {
         return None;
     }

@@ -3,11 +3,12 @@
 use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
+use crate::modal::mac;
 
 use super::receptance::Receptances;
-use super::roots::Root;
+use super::roots::{Root, resonates};
 use super::sides::Sides;
-use super::significance::upper_quantile;
+use super::significance::{norm_of_noise, upper_quantile};
 
 /// Widest stretch of lines that is looked at, as a share of all.
 const WIDEST: usize = 8;
@@ -16,6 +17,11 @@ const CLEAR: usize = 4;
 
 /// Distance of a pole from one that is there already, in decay rates, below which there is nothing to try.
 const SAME: f64 = 0.1;
+/// And the likeness of participation factors above which.
+const SAME_PARTICIPATION: f64 = 0.95;
+
+/// Modes of one root that are tried together are at least this strong, relative to the strongest.
+const ALIKE: f64 = 0.1;
 
 /// A stretch of lines with more power than noise has.
 #[derive(Clone, Copy, Debug)]
@@ -26,42 +32,104 @@ struct Stretch {
     excess: f64,
 }
 
-/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the level of each function's noise),
+/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the noise of each function),
 /// where noise reaches it with less than this probability anywhere in the band.
 pub(super) fn roots_to_try(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
-    (rest, level): (&ComplexMatrix, &[f64]),
+    (rest, levels): (&ComplexMatrix, &[Vec<f64>]),
     (chance, most): (f64, usize),
 ) -> Vec<Root> {
     let functions = data.functions();
     let power: Vec<f64> = (0..data.lines())
         .map(|k| (0..functions).map(|f| rest[(k, f)].norm_sqr()).sum::<f64>())
         .collect();
-    let mut stretches = stretches(&power, functions, chance);
-    let new = |stretch: &Stretch| {
-        let lambda = pole(data, stretch);
-        let far = |root: &Root| (root.lambda - lambda).norm() > SAME * root.decay();
-        roots.iter().all(far)
+    let stretches = stretches(&power, functions, (chance, data.correlation.alike()));
+    let left = LeftOver {
+        data,
+        sides,
+        rest,
+        levels,
+        chance: chance / data.lines() as f64,
     };
-    stretches.retain(new);
-    stretches.truncate(most);
-    let root = |stretch: &Stretch| {
-        let lambda = pole(data, stretch);
-        let row = |f: usize| rest[(stretch.top, f)] * level[f];
-        let participation = &strongest_inputs(sides, 1, row)[0];
-        Root::single(lambda, participation, functions)
-    };
-    stretches.iter().map(root).collect()
+    let root = |stretch: &Stretch| left.root(stretch, roots);
+    stretches.iter().filter_map(root).take(most).collect()
 }
 
-fn pole(data: &Receptances, stretch: &Stretch) -> Complex64 {
-    let decay = 0.5 * stretch.width.max(2) as f64 * data.step;
-    Complex64::new(-decay, data.omega[stretch.top])
+struct LeftOver<'a> {
+    data: &'a Receptances,
+    sides: &'a Sides,
+    rest: &'a ComplexMatrix,
+    levels: &'a [Vec<f64>],
+    /// Of a false alarm at one line.
+    chance: f64,
+}
+
+impl LeftOver<'_> {
+    /// A root for a stretch: at the pole of a root that is there already, with as many modes as noise does not explain and that root
+    /// does not have, or else in the middle of the stretch.
+    fn root(&self, stretch: &Stretch, roots: &[Root]) -> Option<Root> {
+        let decay = 0.5 * stretch.width.max(2) as f64 * self.data.step;
+        let middle = Complex64::new(-decay, self.data.omega[stretch.top]);
+        let distance = |root: &&Root| (root.lambda - middle).norm();
+        let there = roots
+            .iter()
+            .filter(|root| distance(root) < root.decay().max(decay));
+        let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let more = there.and_then(|own| self.root_at((own.lambda, true), stretch, roots));
+        more.or_else(|| self.root_at((middle, false), stretch, roots))
+            .filter(|root| resonates(root.lambda))
+    }
+
+    /// A root at a pole, of one mode or of several.
+    fn root_at(
+        &self,
+        (lambda, several): (Complex64, bool),
+        stretch: &Stretch,
+        roots: &[Root],
+    ) -> Option<Root> {
+        let lines = stretch.top.saturating_sub(stretch.width)
+            ..(stretch.top + stretch.width + 1).min(self.data.lines());
+        let course = |k: usize| (Complex64::new(0.0, self.data.omega[k]) - lambda).inv();
+        let size = lines
+            .clone()
+            .map(|k| course(k).norm_sqr())
+            .sum::<f64>()
+            .sqrt();
+        let amplitude = |f: usize| -> Complex64 {
+            let matched = |k: usize| self.rest[(k, f)] * course(k).conj() / size;
+            lines.clone().map(matched).sum()
+        };
+        let amplitudes: Vec<Complex64> = (0..self.data.functions()).map(amplitude).collect();
+        let by_lines = self
+            .data
+            .correlation
+            .of_amplitude(-lambda.re, self.data.step);
+        let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.chance);
+        let strengths = linalg::singular_values(&by_output(self.sides, |f| amplitudes[f]));
+        let strengths = strengths.unwrap_or_default();
+        let limit = limit.max(ALIKE * strengths.first().copied().unwrap_or(0.0));
+        let above = strengths.iter().filter(|s| several && **s > limit).count();
+        let physical = |f: usize| amplitudes[f] * self.levels[f][stretch.top];
+        let mut parts = strongest_inputs(self.sides, above.max(1), physical);
+        parts.retain(|part| !roots.iter().any(|own| repeats(own, lambda, part)));
+        let first = parts.first()?;
+        let mut root = Root::single(lambda, first, self.data.functions());
+        root.join(parts.split_off(1));
+        Some(root)
+    }
+}
+
+/// Whether a root has a pole and participation factors already.
+fn repeats(own: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
+    let alike = |other: &Vec<Complex64>| mac(other, part) > Some(SAME_PARTICIPATION);
+    (own.lambda - lambda).norm() < SAME * own.decay() && own.parts.iter().any(alike)
 }
 
 /// Stretches of doubling widths that noise does not explain, the highest first, none near a higher one.
-fn stretches(power: &[f64], functions: usize, chance: f64) -> Vec<Stretch> {
+///
+/// Lines of correlated noise that count for one: `alike`.
+fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec<Stretch> {
     let lines = power.len();
     let mut sums = vec![0.0; lines + 1];
     for (k, p) in power.iter().enumerate() {
@@ -71,14 +139,16 @@ fn stretches(power: &[f64], functions: usize, chance: f64) -> Vec<Stretch> {
     let mut width = 1;
     while width <= lines / WIDEST {
         let freedom = 2 * functions * width;
-        let limit = upper_quantile(freedom, chance / lines as f64);
+        let independent = freedom as f64 / alike.min(width as f64);
+        let limit =
+            freedom as f64 / independent * upper_quantile(independent, chance / lines as f64);
         for start in (0..=lines - width).step_by(width.div_ceil(2)) {
             let value = 2.0 * (sums[start + width] - sums[start]);
             if value > limit {
                 found.push(Stretch {
                     top: start + width / 2,
                     width,
-                    excess: (value - freedom as f64) / (2.0 * freedom as f64).sqrt(),
+                    excess: (value / freedom as f64 - 1.0) * (0.5 * independent).sqrt(),
                 });
             }
         }
@@ -105,9 +175,7 @@ pub(super) fn strongest_inputs(
     value: impl Fn(usize) -> Complex64,
 ) -> Vec<Vec<Complex64>> {
     let inputs = sides.inputs;
-    let matrix = linalg::complex_matrix(sides.outputs.len(), inputs, |o, i| {
-        value(sides.outputs[o][i].1)
-    });
+    let matrix = by_output(sides, value);
     let vector = |rank: usize| match linalg::singular_vectors(&matrix) {
         // A = U S Vᴴ, so that the row space is that of conj(V).
         Ok(svd) if rank < svd.values.len() => {
@@ -116,4 +184,11 @@ pub(super) fn strongest_inputs(
         _ => vec![Complex64::ONE; inputs],
     };
     (0..count).map(vector).collect()
+}
+
+/// A value per function as outputs × inputs.
+fn by_output(sides: &Sides, value: impl Fn(usize) -> Complex64) -> ComplexMatrix {
+    linalg::complex_matrix(sides.outputs.len(), sides.inputs, |o, i| {
+        value(sides.outputs[o][i].1)
+    })
 }

@@ -1,0 +1,269 @@
+//! How the noise of neighbouring lines hangs together, and what that does to what a root collects of it.
+//!
+//! Noise is white over the lines only where it is even over the record. A window on the responses, a force that is set to zero
+//! after the pulse, or zeros behind a record leave it in a part of the record, and the lines then share it: its course has bumps as
+//! wide as those of modes. With the correlation `ρ(m)` over `m` lines, a course `g` over the lines collects
+//! `gᴴRg/gᴴg = Σ_m ρ(m) A(m)` times the variance that white noise of the same level gives, with the autocorrelation A of g. For a
+//! root of decay rate σ and lines Δ apart, and with `s = 1 + imΔ/2σ`, `A = 1/s` for the amplitude, and
+//! `A = 1/s − 2/s² + 2/s³` for the pole, whose course is what is left of the derivative beside the root itself. In time these
+//! are `e^(−u)` and `(1 − u)² e^(−u)`, `u = 2σt`.
+//!
+//! The correlation is told from what a fit leaves over on those stretches of the band where that is no more than the noise whose
+//! variances came with the data; what a mode leaves that is missing hangs together as well. Only phases are used, so that a few large
+//! values count no more than others, and of the stretches the median. For circular Gaussian values of correlation ρ the mean product of
+//! phases is `(π/4) ρ ₂F₁(1/2, 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory, section 9.1).
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use crate::linalg::ComplexMatrix;
+
+/// Stretches of the band that are looked at each by itself.
+const STRETCHES: usize = 16;
+/// Fewest lines of a stretch.
+const FEWEST_LINES: usize = 32;
+/// Most power of a stretch, over the noise.
+const QUIET: f64 = 2.0;
+/// Fewest quiet stretches, as a share of all.
+const ENOUGH: f64 = 0.2;
+/// Correlation by a window below which lags are left out.
+const LEAST: f64 = 0.02;
+/// Least mean square of a second difference that is believed.
+const LEAST_DIFFERENCE: f64 = 0.1;
+/// Longest lag, as a share of a stretch.
+const LONGEST: f64 = 0.5;
+/// What is this many deviations from 0 is no chance.
+const CERTAIN: f64 = 4.0;
+/// Variance of a median over that of a mean.
+const OF_MEDIAN: f64 = std::f64::consts::FRAC_PI_2;
+/// Terms of the hypergeometric series and steps of its inversion.
+const TERMS: usize = 400;
+const HALVINGS: usize = 50;
+
+/// Correlation of noise over lines.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Correlation {
+    /// `E[r_k conj(r_(k+m))]` over the variance, from m = 1.
+    lags: Vec<Complex64>,
+}
+
+impl Correlation {
+    /// Of noise that is white over the lines.
+    pub const WHITE: Self = Self { lags: Vec::new() };
+
+    /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length is the spacing of the lines:
+    /// `ρ(m) = 1/(1 − imΔ/2a)`.
+    pub fn of_window(added_damping_rad_s: f64, step: f64) -> Self {
+        // The window has to fall within the record for that.
+        if added_damping_rad_s * std::f64::consts::TAU / step <= 1.0 {
+            return Self::WHITE;
+        }
+        let ratio = step / (2.0 * added_damping_rad_s);
+        let count = (1.0 / (LEAST * ratio)) as usize;
+        let lag = |m: usize| Complex64::new(1.0, -ratio * m as f64).inv();
+        Self {
+            lags: (1..=count).map(lag).collect(),
+        }
+    }
+
+    /// Of what a fit leaves over, over the noise: lines × functions. `None` where it is more than noise nearly everywhere.
+    pub fn of_rest(rest: &ComplexMatrix) -> Option<Self> {
+        let (lines, functions) = (rest.nrows(), rest.ncols());
+        let count = (lines / FEWEST_LINES).clamp(1, STRETCHES);
+        let length = lines / count;
+        let power = |stretch: &Range<usize>| {
+            let of = |f: usize| {
+                stretch
+                    .clone()
+                    .map(|k| rest[(k, f)].norm_sqr())
+                    .sum::<f64>()
+            };
+            (0..functions).map(of).sum::<f64>() / (length * functions) as f64
+        };
+        let quiet: Vec<Range<usize>> = (0..count)
+            .map(|n| n * length..(n + 1) * length)
+            .filter(|stretch| power(stretch) < QUIET)
+            .collect();
+        if (quiet.len() as f64) < ENOUGH * count as f64 {
+            return None;
+        }
+        let phases: Vec<Vec<Complex64>> = (0..functions)
+            .map(|f| rest.col(f).iter().map(|r| phase(*r)).collect())
+            .collect();
+        let values = (quiet.len() * length * functions) as f64;
+        let limit = CERTAIN * (OF_MEDIAN / (2.0 * values)).sqrt();
+        let mut lags = Vec::new();
+        for lag in 1..=(LONGEST * length as f64) as usize {
+            let products: Vec<Complex64> = quiet
+                .iter()
+                .map(|stretch| mean_product(&phases, stretch.clone(), lag))
+                .collect();
+            let own = Complex64::new(
+                median(products.iter().map(|p| p.re).collect()),
+                median(products.iter().map(|p| p.im).collect()),
+            );
+            // What comes after the first that chance makes is chance.
+            if own.re.abs() < limit && own.im.abs() < limit {
+                break;
+            }
+            lags.push(correlation(own));
+        }
+        Some(Self { lags })
+    }
+
+    /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the spacing of the lines, rad/s.
+    pub fn of_amplitude(&self, decay: f64, step: f64) -> f64 {
+        self.factor(decay, step, |s| s.inv())
+    }
+
+    /// The same of its pole.
+    pub fn of_pole(&self, decay: f64, step: f64) -> f64 {
+        self.factor(decay, step, |s| s.inv() - 2.0 / (s * s) + 2.0 / (s * s * s))
+    }
+
+    fn factor(&self, decay: f64, step: f64, course: impl Fn(Complex64) -> Complex64) -> f64 {
+        let ratio = step / (2.0 * decay);
+        let term = |(place, rho): (usize, &Complex64)| {
+            let s = Complex64::new(1.0, ratio * (place + 1) as f64);
+            2.0 * (rho * course(s)).re
+        };
+        (1.0 + self.lags.iter().enumerate().map(term).sum::<f64>()).max(1.0)
+    }
+
+    /// Values that count for one where powers are added up: `Σ |ρ|²` over all lags.
+    pub fn alike(&self) -> f64 {
+        1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
+    }
+
+    /// Mean square of the second difference of unit noise, 6 for white.
+    pub fn of_second_difference(&self) -> f64 {
+        let lag = |m: usize| self.lags.get(m - 1).map_or(0.0, |rho| rho.re);
+        (6.0 - 8.0 * lag(1) + 2.0 * lag(2)).max(LEAST_DIFFERENCE)
+    }
+}
+
+fn phase(value: Complex64) -> Complex64 {
+    let size = value.norm();
+    if size > 0.0 && size.is_finite() {
+        value / size
+    } else {
+        Complex64::ZERO
+    }
+}
+
+fn mean_product(phases: &[Vec<Complex64>], stretch: Range<usize>, lag: usize) -> Complex64 {
+    let last = stretch.end - lag;
+    let own = |values: &Vec<Complex64>| -> Complex64 {
+        (stretch.start..last)
+            .map(|k| values[k] * values[k + lag].conj())
+            .sum()
+    };
+    phases.iter().map(own).sum::<Complex64>() / ((last - stretch.start) * phases.len()) as f64
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[values.len() / 2] + values[(values.len() - 1) / 2])
+}
+
+/// Correlation of Gaussian values from the mean product of their phases.
+fn correlation(product: Complex64) -> Complex64 {
+    let size = product.norm();
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if product_of_phases(middle) < size {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    product * (0.5 * (low + high) / size)
+}
+
+fn product_of_phases(rho: f64) -> f64 {
+    let square = rho * rho;
+    let (mut term, mut sum) = (1.0, 1.0);
+    for n in 0..TERMS {
+        let half = n as f64 + 0.5;
+        term *= square * half * half / ((n as f64 + 2.0) * (n as f64 + 1.0));
+        sum += term;
+    }
+    std::f64::consts::FRAC_PI_4 * rho * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fourier::ComplexPlan;
+    use crate::identify::synthetic::white_noise;
+    use crate::linalg;
+
+    /// Spectra of noise that decays as `e^(−at)` over a record of `lines` samples: lines × functions.
+    fn decaying(lines: usize, functions: usize, at_end: f64) -> ComplexMatrix {
+        let plan = ComplexPlan::inverse(lines);
+        let mut scratch = plan.scratch();
+        let columns: Vec<Vec<Complex64>> = (0..functions)
+            .map(|f| {
+                let mut line: Vec<Complex64> = white_noise(lines, 1.0, 7 + f as u64)
+                    .into_iter()
+                    .enumerate()
+                    .map(|(t, v)| v * (-at_end * t as f64 / lines as f64).exp())
+                    .collect();
+                plan.run(&mut line, &mut scratch);
+                // The plan's sign is that of an inverse; a spectrum has the other one.
+                line.reverse();
+                line
+            })
+            .collect();
+        linalg::complex_matrix(lines, functions, |k, f| columns[f][k])
+    }
+
+    #[test]
+    fn white_noise_has_no_correlation() {
+        let noise: Vec<Vec<Complex64>> = (0..4).map(|f| white_noise(2000, 1.0, 3 + f)).collect();
+        let rest = linalg::complex_matrix(2000, 4, |k, f| noise[f][k]);
+        assert_eq!(Correlation::of_rest(&rest), Some(Correlation::WHITE));
+    }
+
+    #[test]
+    fn an_exponential_window_costs_what_theory_says() {
+        // a T = 4; a mode whose windowed decay rate is 3 a.
+        let at_end = 4.0;
+        let noise = decaying(8192, 6, at_end);
+        let size = 1.0 / noise.norm_l2() * ((8192 * 6) as f64).sqrt();
+        let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
+        let told = Correlation::of_rest(&rest).unwrap();
+        let (step, decay) = (std::f64::consts::TAU, 3.0 * at_end);
+        // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ, and with (1 − u)² for the pole.
+        let q: f64 = 1.0 + at_end / decay;
+        let amplitude = 2.0 * at_end / q;
+        let pole = 2.0 * at_end * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
+        for own in [told, Correlation::of_window(at_end, step)] {
+            let (a, p) = (own.of_amplitude(decay, step), own.of_pole(decay, step));
+            assert!((a / amplitude - 1.0).abs() < 0.1, "{a} {amplitude}");
+            assert!((p / pole - 1.0).abs() < 0.1, "{p} {pole}");
+        }
+    }
+
+    #[test]
+    fn what_is_more_than_noise_says_nothing_of_it() {
+        let rest =
+            linalg::complex_matrix(400, 2, |k, _| Complex64::new(0.0, 0.1 * k as f64) - 40.0);
+        assert_eq!(Correlation::of_rest(&rest), None);
+    }
+
+    #[test]
+    fn phases_tell_the_correlation() {
+        for rho in [0.1, 0.5, 0.9] {
+            let product = Complex64::from_polar(product_of_phases(rho), 0.7);
+            let back = correlation(product);
+            assert!(
+                (back - Complex64::from_polar(rho, 0.7)).norm() < 1e-9,
+                "{back}"
+            );
+        }
+        assert!((product_of_phases(1.0) - 1.0).abs() < 0.01);
+    }
+}
