@@ -53,14 +53,14 @@ impl Correlation {
     pub const WHITE: Self = Self { lags: Vec::new() };
 
     /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length is the spacing of the lines:
-    /// `ρ(m) = 1/(1 − imΔ/2a)`.
-    pub fn of_window(added_damping_rad_s: f64, step: f64) -> Self {
+    /// `ρ(m) = 1/(1 − imΔ/2a)`, as far as there are lines.
+    pub fn of_window(added_damping_rad_s: f64, (step, lines): (f64, usize)) -> Self {
         // The window has to fall within the record for that.
         if added_damping_rad_s * std::f64::consts::TAU / step <= 1.0 {
             return Self::WHITE;
         }
         let ratio = step / (2.0 * added_damping_rad_s);
-        let count = (1.0 / (LEAST * ratio)) as usize;
+        let count = ((1.0 / (LEAST * ratio)) as usize).min(lines);
         let lag = |m: usize| Complex64::new(1.0, -ratio * m as f64).inv();
         Self {
             lags: (1..=count).map(lag).collect(),
@@ -240,7 +240,7 @@ mod tests {
         let q: f64 = 1.0 + at_end / decay;
         let amplitude = 2.0 * at_end / q;
         let pole = 2.0 * at_end * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
-        for own in [told, Correlation::of_window(at_end, step)] {
+        for own in [told, Correlation::of_window(at_end, (step, 8192))] {
             let (a, p) = (own.of_amplitude(decay, step), own.of_pole(decay, step));
             assert!((a / amplitude - 1.0).abs() < 0.1, "{a} {amplitude}");
             assert!((p / pole - 1.0).abs() < 0.1, "{p} {pole}");
@@ -264,6 +264,13 @@ mod tests {
                 "{back}"
             );
         }
+        // Four million pairs of correlation 1/2, drawn elsewhere, gave 0.4061 with a deviation of 0.0003.
+        assert!((product_of_phases(0.5) - 0.406_298_886_460).abs() < 1e-11);
         assert!((product_of_phases(1.0) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_window_that_falls_at_once_has_no_more_lags_than_lines() {
+        assert_eq!(Correlation::of_window(1e12, (1.0, 100)).lags.len(), 100);
     }
 }

@@ -84,7 +84,7 @@ impl Receptances {
             outside: true,
             correlation: Correlation::of_window(
                 set.added_damping_rad_s,
-                std::f64::consts::TAU * set.axis().step_hz,
+                (std::f64::consts::TAU * set.axis().step_hz, lines.len()),
             ),
             measured_scale: Vec::with_capacity(set.len()),
             omega,
