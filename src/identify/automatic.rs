@@ -1,7 +1,8 @@
 //! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
 //!
 //! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen, and the
-//!    lower parts of a wide band have estimates of their own.
+//!    lower parts of a wide band have estimates of their own. With several references, the functions each by itself say as well where
+//!    roots are and how many modes share each ([`several`](super::several)).
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
 //! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
 //!    half its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
@@ -9,7 +10,7 @@
 //! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
 //!    noise, and raises limits and deviations ([`correlation`](super::correlation)).
 //! 5. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests, and
-//!    what is left over must become less.
+//!    what is left over must become less. Where it hardly does, what speaks against a mode (7) speaks against the root at once.
 //! 6. Poles of the background, for modes just outside, go where the data do not need them.
 //! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
 //!    a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
@@ -19,7 +20,6 @@
 //! variances in the data, the noise is told from the second differences of what the fit leaves over.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -31,32 +31,19 @@ use crate::linalg::{self, ComplexMatrix};
 use super::block::Measured;
 use super::correlation::Correlation;
 use super::indicator::Indicator;
-use super::plscf::{Lscf, LscfPole};
-use super::pruning::{Change, Judge, WIDEST, less};
+use super::pruning::{Change, Judge, less};
 use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
 use super::refine::{Far, Stop, apart, model, refine, unsettle};
-use super::roots::{Root, resonates};
+use super::roots::Root;
 use super::search::{self, Found};
+use super::seeds::seeds;
+use super::several::{alone, completed};
 use super::sides::Sides;
-use super::stable::{Seed, distinct, seeds};
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
-use super::unexplained::{roots_to_try, strongest_inputs};
+use super::unexplained::roots_to_try;
 use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
-/// Poles of the highest order: so many for each peak that is seen, and beyond.
-const POLES_PER_PEAK: usize = 5;
-const POLES_BEYOND: usize = 30;
-/// Bounds of their number.
-const POLES: Range<usize> = 36..160;
-/// Orders that are looked at.
-const ORDERS: usize = 20;
-/// A band whose ends differ by this factor has its lower part looked at by itself: so much of its lines, if these are enough, and so
-/// much more of what lies beside the seam.
-const WIDE: f64 = 8.0;
-const PART: usize = 4;
-const FEWEST_LINES: usize = 100;
-const OVERLAP: f64 = 0.02;
 /// Roots may lie outside the lines by this share of their range.
 const OUTSIDE: f64 = 0.05;
 /// Rounds of pruning after each refinement, of the search in what is left over, and of dropping what is doubtful.
@@ -96,7 +83,7 @@ impl PoleEstimator for Automatic {
         };
         let indicator = Indicator::new(&data);
         let found = search::search(&data, &indicator, self.options.false_alarm_probability);
-        let mut fit = Fit::new(data, &sides, self.options);
+        let mut fit = Fit::new(data, sides, self.options);
         fit.seed(&found)?;
         fit.settle(Stop::Coarse);
         for _ in 0..SEARCHES {
@@ -117,16 +104,16 @@ impl PoleEstimator for Automatic {
     }
 }
 
-struct Fit<'a> {
+struct Fit {
     data: Receptances,
-    sides: &'a Sides,
+    sides: Sides,
     options: MethodOptions,
     roots: Vec<Root>,
     dropped: Vec<Dropped>,
 }
 
-impl<'a> Fit<'a> {
-    fn new(data: Receptances, sides: &'a Sides, options: MethodOptions) -> Self {
+impl Fit {
+    fn new(data: Receptances, sides: Sides, options: MethodOptions) -> Self {
         Self {
             data,
             sides,
@@ -136,76 +123,44 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Range of the lines, rad/s.
-    fn range(&self) -> f64 {
-        self.data.omega[self.data.lines() - 1] - self.data.omega[0]
-    }
-
     fn limits(&self) -> (f64, f64) {
-        let outside = OUTSIDE * self.range();
+        let outside = OUTSIDE * self.data.range();
         let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
         ((first - outside).max(0.5 * first), last + outside)
     }
 
-    /// Roots from the poles that stay over the orders, which follow from the number of peaks.
+    /// Roots from the poles that stay over the orders.
     ///
-    /// Low modes of a wide band lie close together on its scale: its lower quarter has an estimate of its own, and a quarter of that.
+    /// Many references leave few orders, and a root that many modes share is then fewer poles than it has modes: the poles of the
+    /// functions as outputs of one input say where roots are, and their residues how many modes each has ([`several`](super::several)).
     fn seed(&mut self, found: &Found) -> Result<(), IdentifyError> {
-        let mut all = Vec::new();
-        let mut end = self.data.lines();
-        loop {
-            let part = end / PART;
-            let wide = self.data.omega[end - 1] > WIDE * self.data.omega[0];
-            let split = wide && part >= FEWEST_LINES;
-            let lowest = if split { self.data.omega[part] } else { 0.0 };
-            let own = self.seeds_below(end, found)?;
-            let above = |seed: &Seed| seed.pole.lambda.im > (1.0 - OVERLAP) * lowest;
-            let below = |seed: &Seed| {
-                end == self.data.lines()
-                    || seed.pole.lambda.im < self.data.omega[end] * (1.0 + OVERLAP)
-            };
-            all.extend(own.into_iter().filter(|seed| above(seed) && below(seed)));
-            if !split {
-                break;
-            }
-            end = part;
+        self.roots = seeds(&self.data, &self.sides, (found, self.limits()))?;
+        if self.sides.inputs == 1 {
+            return Ok(());
         }
-        let functions = self.data.functions();
-        let root =
-            |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
-        self.roots = distinct(all).iter().map(root).collect();
+        let one = self.sides.as_one_input();
+        let sides = std::mem::replace(&mut self.sides, one);
+        let by_inputs = std::mem::take(&mut self.roots);
+        self.roots = alone(
+            &[
+                by_inputs.clone(),
+                seeds(&self.data, &self.sides, (found, self.limits()))?,
+            ]
+            .concat(),
+        );
+        self.settle(Stop::Coarse);
+        let standings = self.standings();
+        let free = std::mem::take(&mut self.roots);
+        self.dropped.clear();
+        self.sides = sides;
+        let chance = self.options.false_alarm_probability / self.data.lines() as f64;
+        let own = (&self.data, &self.sides);
+        self.roots = completed(own, by_inputs, (&free, &standings), chance);
         Ok(())
     }
 
-    /// Poles that stay over the orders of an estimate from the lines below one.
-    fn seeds_below(&self, end: usize, found: &Found) -> Result<Vec<Seed>, IdentifyError> {
-        let peaks = found.peaks.iter().filter(|peak| peak.line < end).count();
-        let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(POLES.start, POLES.end);
-        let top = (poles / self.sides.inputs).min(end / 3).max(4);
-        let lscf = Lscf::new(&self.data, self.sides, (0..end, top))?;
-        let lowest = (lscf.order() / 6).max(2);
-        let stride = (lscf.order() - lowest).div_ceil(ORDERS).max(1);
-        let orders: Vec<usize> = (lowest..=lscf.order()).step_by(stride).collect();
-        let tables: Vec<_> = orders
-            .par_iter()
-            .map(|order| Ok((*order, self.inside(lscf.poles(*order)?))))
-            .collect::<Vec<Result<_, IdentifyError>>>();
-        let tables: Vec<(usize, Vec<LscfPole>)> = tables.into_iter().collect::<Result<_, _>>()?;
-        Ok(seeds(&tables, self.data.step))
-    }
-
-    fn inside(&self, poles: Vec<LscfPole>) -> Vec<LscfPole> {
-        let (lo, hi) = self.limits();
-        let widest = WIDEST * self.range();
-        let keeps = |pole: &LscfPole| {
-            let inside = pole.lambda.im > lo && pole.lambda.im < hi;
-            inside && -2.0 * pole.lambda.re < widest && resonates(pole.lambda)
-        };
-        poles.into_iter().filter(keeps).collect()
-    }
-
     fn refine(&mut self, stop: Stop) {
-        let measured = measured(&self.data, self.sides);
+        let measured = measured(&self.data, &self.sides);
         let roots = std::mem::take(&mut self.roots);
         self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
     }
@@ -242,10 +197,8 @@ impl<'a> Fit<'a> {
                 self.roots[i].join(parts);
             }
             Change::FewerParts(j, count) => {
-                let root = &self.roots[j];
-                let parts = strongest_inputs(self.sides, count, |f| root.residues[f]);
-                self.roots[j].parts.clear();
-                self.roots[j].join(parts);
+                let root = &mut self.roots[j];
+                root.keep_strongest(count);
             }
         }
     }
@@ -329,7 +282,7 @@ impl<'a> Fit<'a> {
 
     fn judge(&self) -> Judge<'_> {
         Judge {
-            sides: self.sides,
+            sides: &self.sides,
             false_alarm_probability: self.options.false_alarm_probability,
             lines: self.data.lines(),
             step: self.data.step,
@@ -350,7 +303,7 @@ impl<'a> Fit<'a> {
     }
 
     fn standings(&self) -> Vec<Standing> {
-        let measured = measured(&self.data, self.sides);
+        let measured = measured(&self.data, &self.sides);
         standings(&self.data, &measured, &self.roots)
     }
 
@@ -364,7 +317,7 @@ impl<'a> Fit<'a> {
             }
             return;
         }
-        let measured = measured(&self.data, self.sides);
+        let measured = measured(&self.data, &self.sides);
         let rest = &measured.values - model(&measured, &self.roots, 0..self.data.lines());
         let by_lines = self.data.correlation.of_second_difference();
         let variance: Vec<Vec<f64>> = self
@@ -388,7 +341,7 @@ impl<'a> Fit<'a> {
         let most = (self.roots.len() / 4).max(FEWEST_TRIED);
         let (rest, levels) = self.rest();
         let found = roots_to_try(
-            (&self.data, self.sides),
+            (&self.data, &self.sides),
             &self.roots,
             (&rest, &levels),
             (chance, most),
@@ -398,7 +351,10 @@ impl<'a> Fit<'a> {
         }
         let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
         let before = self.roots.clone();
-        self.roots.extend(found);
+        self.roots.extend(found.into_iter().map(|root| Root {
+            suspect: true,
+            ..root
+        }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
         let gain = rest.squared_norm_l2() / self.rest().0.squared_norm_l2();
@@ -407,7 +363,21 @@ impl<'a> Fit<'a> {
             self.roots = before;
             return None;
         }
+        if gain < WORTHWHILE && self.drop_doubtful_tries() {
+            self.settle(Stop::Coarse);
+        }
         (modes(&self.roots) > modes(&before)).then_some(gain)
+    }
+
+    /// Takes roots that a search tried out again where something speaks against them; whether there were any.
+    fn drop_doubtful_tries(&mut self) -> bool {
+        let doubts = self.doubts();
+        let count = self.roots.len();
+        let mut doubts = doubts.iter();
+        self.roots
+            .retain(|root| doubts.next().is_some_and(Option::is_none) || !root.suspect);
+        unsettle(&mut self.roots);
+        self.roots.len() < count
     }
 
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
@@ -420,7 +390,7 @@ impl<'a> Fit<'a> {
         let explained = |outside: bool| {
             let own = Measured {
                 outside,
-                ..measured(&self.data, self.sides)
+                ..measured(&self.data, &self.sides)
             };
             Far::new(&self.data, &own).explained(&own, &self.roots)
         };
@@ -435,7 +405,7 @@ impl<'a> Fit<'a> {
 
     /// What roots and background leave over, over the noise, and that noise by function and line.
     fn rest(&self) -> (ComplexMatrix, Vec<Vec<f64>>) {
-        let measured = measured(&self.data, self.sides);
+        let measured = measured(&self.data, &self.sides);
         let far = Far::new(&self.data, &measured);
         far.left_over(&self.data, &measured, &self.roots)
     }

@@ -23,10 +23,11 @@ use num_complex::Complex64;
 use crate::linalg::{self, ComplexMatrix};
 
 use super::background::Background;
-use super::linearised::{Compressed, Linearised, Pattern, Problem, Strength, patterns};
+use super::linearised::{Compressed, Linearised, Pattern, Problem, patterns};
 use super::noise_profile::Profile;
 use super::roots::{Root, in_reach};
 use super::sides::Sides;
+use super::strength::{Strength, Strengths};
 
 pub(super) use super::linearised::Unknown;
 
@@ -77,8 +78,8 @@ pub(super) struct Fitted {
     pub information: ComplexMatrix,
     /// Mean square of what is left over, over that of the noise.
     pub misfit: f64,
-    /// Of each member: the strengths of its combinations of modes, and the largest of one output.
-    pub significance: Vec<(Vec<f64>, f64)>,
+    /// How strong the modes of each member are.
+    pub strengths: Vec<Strengths>,
 }
 
 /// Fits a block with so many steps at most; none finds the residues alone.
@@ -121,11 +122,7 @@ pub(super) fn fit(
         members,
         unknowns,
         information: here.information,
-        significance: here
-            .strength
-            .iter()
-            .map(|own| (own.values(), own.largest))
-            .collect(),
+        strengths: here.strength.iter().map(Strength::values).collect(),
     }
 }
 

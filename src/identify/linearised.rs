@@ -9,6 +9,7 @@ use crate::linalg::{self, ComplexMatrix};
 use super::noise_profile::Profile;
 use super::roots::Root;
 use super::sides::Sides;
+use super::strength::Strength;
 
 /// An unknown that is not linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,49 +37,6 @@ pub(super) struct Pattern {
     pub scale: Vec<f64>,
     /// Functions of each output, in the order of the inputs, and the level.
     pub outputs: Vec<(Vec<usize>, f64)>,
-}
-
-/// How strong the modes of a root are.
-pub(super) struct Strength {
-    /// `Σ ψ ψᴴ` over outputs, each in units of its noise.
-    pub shapes: ComplexMatrix,
-    /// `Σ V` over outputs, with the covariance V of ψ.
-    pub covariance: ComplexMatrix,
-    /// Number of outputs.
-    pub outputs: usize,
-    /// `Σ 2 ψᴴ V⁻¹ ψ` and the largest of its terms.
-    pub sum: f64,
-    pub largest: f64,
-}
-
-impl Strength {
-    /// Of a root of so many modes, before any output has been added.
-    pub fn none(modes: usize) -> Self {
-        let zero = || linalg::complex_matrix(modes, modes, |_, _| Complex64::ZERO);
-        Self {
-            shapes: zero(),
-            covariance: zero(),
-            outputs: 0,
-            sum: 0.0,
-            largest: 0.0,
-        }
-    }
-
-    /// Strengths of the independent combinations of modes, ascending: for one mode `2 Σ|ψ|²/V`, for several twice the eigenvalues of
-    /// `V⁻¹ Σ ψ ψᴴ` with the mean V. None where they are not known.
-    pub fn values(&self) -> Vec<f64> {
-        if self.shapes.nrows() == 1 {
-            return vec![self.sum];
-        }
-        let Some(precision) = linalg::inverse_hermitian_raised(&self.covariance) else {
-            return Vec::new();
-        };
-        let scale = 2.0 * self.outputs as f64;
-        let values = linalg::complex_eigenvalues(&(precision * &self.shapes)).unwrap_or_default();
-        let mut values: Vec<f64> = values.iter().map(|v| scale * v.re).collect();
-        values.sort_by(f64::total_cmp);
-        values
-    }
 }
 
 /// The linear problem at some poles.
@@ -245,19 +203,7 @@ impl Problem<'_> {
             });
             let shapes =
                 linalg::complex_matrix(own.len(), shapes.ncols(), |a, o| shapes[(own[a], o)]);
-            if let Some(precision) = linalg::inverse_hermitian(&covariance) {
-                let whitened = precision * &shapes;
-                for o in 0..shapes.ncols() {
-                    let value: Complex64 = (0..own.len())
-                        .map(|a| shapes[(a, o)].conj() * whitened[(a, o)])
-                        .sum();
-                    strength.sum += 2.0 * value.re;
-                    strength.largest = strength.largest.max(2.0 * value.re);
-                }
-            }
-            strength.shapes += &shapes * shapes.adjoint();
-            strength.covariance += covariance * (shapes.ncols() as f64);
-            strength.outputs += shapes.ncols();
+            strength.add(covariance, shapes);
         }
     }
 

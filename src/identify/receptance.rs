@@ -152,6 +152,11 @@ impl Receptances {
         self.omega.len()
     }
 
+    /// Range of the lines, rad/s.
+    pub fn range(&self) -> f64 {
+        self.omega[self.lines() - 1] - self.omega[0]
+    }
+
     /// Mean variance of a function over some lines, (m/N)².
     pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
         let count = lines.len().max(1) as f64;

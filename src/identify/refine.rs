@@ -17,7 +17,7 @@ use super::background::Background;
 use super::block::{Block, Fitted, Measured, Unknown, fit};
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
-use super::roots::{Progress, Quality, Root};
+use super::roots::{Progress, Quality, Root, combined};
 
 /// Half of a window, half-power widths.
 const REACH: f64 = 20.0;
@@ -149,7 +149,7 @@ fn take(
         let before = root.clone();
         *root = fitted.members[place].clone();
         let decay = root.decay().abs();
-        let (strengths, largest) = fitted.significance[place].clone();
+        let strengths = fitted.strengths[place].clone();
         let lines = &data.correlation;
         // A fit of the residues alone says nothing new of the pole.
         let mut own_std = before.quality.pole_std / decay;
@@ -170,8 +170,9 @@ fn take(
         }
         root.quality = Quality {
             pole_std: own_std * decay,
-            strengths,
-            largest,
+            combinations: combined(&root.parts, &strengths.combinations),
+            strengths: strengths.values,
+            largest: strengths.largest,
             by_lines: lines.of_amplitude(decay, data.step),
         };
         root.choose_pivots();

@@ -2,6 +2,8 @@
 
 use num_complex::Complex64;
 
+use crate::linalg;
+
 /// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
 const FRESH: u8 = 2;
 
@@ -9,6 +11,9 @@ const FRESH: u8 = 2;
 const MOST_DAMPING: f64 = 0.3;
 /// Damping ratio that no step of a fit exceeds: wide roots overlap all others and take their place.
 const LARGEST_DAMPING: f64 = 0.5;
+/// See [`Root::shares_side`].
+const SAME_SIDE: f64 = 0.95;
+const FREE_SIDES: usize = 2;
 /// A factor this many times the pivot's takes its place.
 const OUTGROWN: f64 = 2.0;
 
@@ -40,6 +45,8 @@ pub(super) struct Quality {
     /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
     /// output where there is no mode.
     pub strengths: Vec<f64>,
+    /// Participation factors of these combinations.
+    pub combinations: Vec<Vec<Complex64>>,
     /// The largest of one output.
     pub largest: f64,
     /// Factor by which noise that hangs together over the lines raises both where there is no mode.
@@ -61,6 +68,7 @@ impl Quality {
     pub const UNKNOWN: Self = Self {
         pole_std: f64::INFINITY,
         strengths: Vec::new(),
+        combinations: Vec::new(),
         largest: 0.0,
         by_lines: 1.0,
     };
@@ -84,6 +92,24 @@ pub(super) enum Progress {
     Settled,
 }
 
+/// Participation factors of combinations of modes.
+pub(super) fn combined(
+    parts: &[Vec<Complex64>],
+    combinations: &[Vec<Complex64>],
+) -> Vec<Vec<Complex64>> {
+    let inputs = parts.first().map_or(0, Vec::len);
+    let factor = |combination: &[Complex64], input: usize| -> Complex64 {
+        let terms = combination.iter().zip(parts);
+        terms.map(|(c, part)| c * part[input]).sum()
+    };
+    let one = |combination: &Vec<Complex64>| {
+        (0..inputs)
+            .map(|input| factor(combination, input))
+            .collect()
+    };
+    combinations.iter().map(one).collect()
+}
+
 impl Root {
     /// A root of one mode, scaled to 1 at its largest factor.
     pub fn single(lambda: Complex64, participation: &[Complex64], functions: usize) -> Self {
@@ -100,6 +126,23 @@ impl Root {
             progress: Progress::Fresh(FRESH),
             suspect: false,
         }
+    }
+
+    /// Whether the participation factors of a root of one mode lie among those of this one (cosine squared of the angle above
+    /// [`SAME_SIDE`]) although there are [`FREE_SIDES`] more inputs than modes: an error of one side's channels leaves the other side's
+    /// factors as they are.
+    pub fn shares_side(&self, other: &Self) -> bool {
+        let [part] = &other.parts[..] else {
+            return false;
+        };
+        let (inputs, modes) = (part.len(), self.multiplicity());
+        if inputs < modes + FREE_SIDES {
+            return false;
+        }
+        let own = linalg::complex_matrix(inputs, modes, |i, m| self.parts[m][i]);
+        let q = linalg::thin_qr(&own).q;
+        let vector = linalg::complex_matrix(inputs, 1, |i, _| part[i]);
+        (q.adjoint() * &vector).squared_norm_l2() > SAME_SIDE * vector.squared_norm_l2()
     }
 
     /// Number of its modes.
@@ -128,6 +171,18 @@ impl Root {
         self.residues.fill(Complex64::ZERO);
         self.progress = Progress::Fresh(FRESH);
         self.reduce();
+    }
+
+    /// Keeps so many of its modes: the strongest combinations or, where these are not known, the first.
+    pub fn keep_strongest(&mut self, count: usize) {
+        let mut parts = std::mem::take(&mut self.parts);
+        let known = &mut self.quality.combinations;
+        if known.len() == parts.len() {
+            parts = known.split_off(known.len() - count);
+        } else {
+            parts.truncate(count);
+        }
+        self.join(parts);
     }
 
     /// Pivots at the largest factors again, when others have grown beyond them.

@@ -54,6 +54,23 @@ pub(super) fn norm_of_noise(sides: &Sides, chance: f64) -> f64 {
     outputs.sqrt() + inputs.sqrt() + (-chance.ln()).sqrt()
 }
 
+/// The same for noise of a deviation by output and input: the largest norms of a row and of a column of deviations, and the largest
+/// deviation, take the places of `√i`, `√o` and 1 (Bandeira and van Handel 2016, but for their factor near 1).
+pub(super) fn norm_of_uneven_noise(
+    (outputs, inputs): (usize, usize),
+    deviation: impl Fn(usize, usize) -> f64,
+    chance: f64,
+) -> f64 {
+    let square = |o: usize, i: usize| deviation(o, i).powi(2);
+    let row = |o: usize| (0..inputs).map(|i| square(o, i)).sum::<f64>();
+    let column = |i: usize| (0..outputs).map(|o| square(o, i)).sum::<f64>();
+    let largest = (0..outputs).flat_map(|o| (0..inputs).map(move |i| (o, i)));
+    let largest = largest.map(|(o, i)| square(o, i)).fold(0.0, f64::max);
+    let rows = (0..outputs).map(row).fold(0.0, f64::max);
+    let columns = (0..inputs).map(column).fold(0.0, f64::max);
+    rows.sqrt() + columns.sqrt() + (-chance.ln() * largest).sqrt()
+}
+
 /// What a chi-squared of so many degrees of freedom exceeds with this probability.
 pub(super) fn upper_quantile(freedom: f64, chance: f64) -> f64 {
     let distribution = ChiSquared::new(freedom);

@@ -152,7 +152,8 @@ pub(super) fn doubt(
     let distance = |i: &usize| apart(root, &roots[*i]);
     let same_shape = |i: &usize| mac(&root.residues, &roots[*i].residues) > Some(SAME_SHAPE);
     let echoed = |i: &usize| own.share < ECHO * standings[*i].share && distance(i) < WITHIN;
-    if (0..roots.len()).any(|i| echoed(&i) && same_shape(&i)) {
+    let same_side = |i: &usize| roots[*i].shares_side(root);
+    if (0..roots.len()).any(|i| echoed(&i) && (same_shape(&i) || same_side(&i))) {
         return Some(Doubt::Tiny(own.share));
     }
     let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;

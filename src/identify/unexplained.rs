@@ -169,7 +169,7 @@ fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Ve
 }
 
 /// Participation factors of the strongest so many parts of a value per function: right singular vectors over the inputs.
-pub(super) fn strongest_inputs(
+fn strongest_inputs(
     sides: &Sides,
     count: usize,
     value: impl Fn(usize) -> Complex64,
