@@ -194,12 +194,10 @@ impl Fit {
                 let parts = std::mem::take(&mut self.roots[j].parts);
                 let other = self.roots[j].lambda;
                 self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
+                self.roots[i].suspect &= self.roots[j].suspect;
                 self.roots[i].join(parts);
             }
-            Change::FewerParts(j, count) => {
-                let root = &mut self.roots[j];
-                root.keep_strongest(count);
-            }
+            Change::FewerParts(j, count) => self.roots[j].keep_strongest(count),
         }
     }
 
@@ -350,34 +348,44 @@ impl Fit {
             return None;
         }
         let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
-        let before = self.roots.clone();
+        let (before, told) = (self.roots.clone(), self.dropped.len());
         self.roots.extend(found.into_iter().map(|root| Root {
             suspect: true,
             ..root
         }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
-        let gain = rest.squared_norm_l2() / self.rest().0.squared_norm_l2();
-        if gain < 1.0 {
+        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().0.squared_norm_l2();
+        let mut now = gain(self);
+        if now < WORTHWHILE && self.drop_doubtful_tries() {
+            self.settle(Stop::Coarse);
+            now = gain(self);
+        }
+        if now < 1.0 {
             // New roots drove others away.
             self.roots = before;
+            self.dropped.truncate(told);
             return None;
         }
-        if gain < WORTHWHILE && self.drop_doubtful_tries() {
-            self.settle(Stop::Coarse);
+        for root in &mut self.roots {
+            root.suspect = false;
         }
-        (modes(&self.roots) > modes(&before)).then_some(gain)
+        (modes(&self.roots) > modes(&before)).then_some(now)
     }
 
-    /// Takes roots that a search tried out again where something speaks against them; whether there were any.
+    /// Takes modes that a search tried out again where something speaks against them; whether there were any.
     fn drop_doubtful_tries(&mut self) -> bool {
         let doubts = self.doubts();
-        let count = self.roots.len();
-        let mut doubts = doubts.iter();
-        self.roots
-            .retain(|root| doubts.next().is_some_and(Option::is_none) || !root.suspect);
+        let changes: Vec<Change> = (0..self.roots.len())
+            .filter(|j| self.roots[*j].suspect)
+            .filter_map(|j| Some(less(&self.roots, j, Reason::Doubt(doubts[j]?))))
+            .collect();
+        for change in &changes {
+            self.apply(*change);
+        }
+        self.roots.retain(|root| !root.parts.is_empty());
         unsettle(&mut self.roots);
-        self.roots.len() < count
+        !changes.is_empty()
     }
 
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:

@@ -13,7 +13,7 @@ use super::checks::{dropped_peak, reach};
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::search::Found;
-use super::standing::{Doubt, LEAST_SHARE, LINEAR, MOST_MISFIT, MOST_PHASE, Standing};
+use super::standing::{Doubt, LEAST_SHARE, MOST_MISFIT, MOST_PHASE, Standing};
 
 /// Lines across a half-power band below which damping rests on the model alone.
 const FEWEST_LINES: f64 = 1.0;
@@ -123,7 +123,7 @@ impl Evidence<'_> {
             }
             let (code, value, unit, limit) = match doubt {
                 Doubt::Share(share) => (Code::RootMinor, share, "", LEAST_SHARE),
-                Doubt::Tiny(share) => (Code::RootMinor, share, "", LINEAR),
+                Doubt::Tiny(share, least) => (Code::RootMinor, share, "", least),
                 Doubt::Phase(phase) => (
                     Code::RootPhase,
                     phase.to_degrees(),

@@ -152,6 +152,18 @@ impl Receptances {
         self.omega.len()
     }
 
+    /// The line nearest to a pole.
+    pub fn line_of(&self, lambda: Complex64) -> usize {
+        let line = ((lambda.im - self.omega[0]) / self.step).round();
+        (line.max(0.0) as usize).min(self.lines() - 1)
+    }
+
+    /// Standard deviation of the noise of a function at one line, from the variances around it, m/N.
+    pub fn level_at(&self, function: usize, line: usize) -> f64 {
+        let around = line.saturating_sub(AROUND)..(line + AROUND + 1).min(self.lines());
+        self.mean_variance(function, around).sqrt()
+    }
+
     /// Range of the lines, rad/s.
     pub fn range(&self) -> f64 {
         self.omega[self.lines() - 1] - self.omega[0]

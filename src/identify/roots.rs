@@ -2,8 +2,6 @@
 
 use num_complex::Complex64;
 
-use crate::linalg;
-
 /// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
 const FRESH: u8 = 2;
 
@@ -11,9 +9,6 @@ const FRESH: u8 = 2;
 const MOST_DAMPING: f64 = 0.3;
 /// Damping ratio that no step of a fit exceeds: wide roots overlap all others and take their place.
 const LARGEST_DAMPING: f64 = 0.5;
-/// See [`Root::shares_side`].
-const SAME_SIDE: f64 = 0.95;
-const FREE_SIDES: usize = 2;
 /// A factor this many times the pivot's takes its place.
 const OUTGROWN: f64 = 2.0;
 
@@ -72,9 +67,7 @@ impl Quality {
         largest: 0.0,
         by_lines: 1.0,
     };
-}
 
-impl Quality {
     /// Strength of the weakest combination of modes.
     pub fn significance(&self) -> f64 {
         self.strengths.first().copied().unwrap_or(0.0)
@@ -126,23 +119,6 @@ impl Root {
             progress: Progress::Fresh(FRESH),
             suspect: false,
         }
-    }
-
-    /// Whether the participation factors of a root of one mode lie among those of this one (cosine squared of the angle above
-    /// [`SAME_SIDE`]) although there are [`FREE_SIDES`] more inputs than modes: an error of one side's channels leaves the other side's
-    /// factors as they are.
-    pub fn shares_side(&self, other: &Self) -> bool {
-        let [part] = &other.parts[..] else {
-            return false;
-        };
-        let (inputs, modes) = (part.len(), self.multiplicity());
-        if inputs < modes + FREE_SIDES {
-            return false;
-        }
-        let own = linalg::complex_matrix(inputs, modes, |i, m| self.parts[m][i]);
-        let q = linalg::thin_qr(&own).q;
-        let vector = linalg::complex_matrix(inputs, 1, |i, _| part[i]);
-        (q.adjoint() * &vector).squared_norm_l2() > SAME_SIDE * vector.squared_norm_l2()
     }
 
     /// Number of its modes.

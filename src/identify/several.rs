@@ -35,8 +35,9 @@ pub(super) fn alone(roots: &[Root]) -> Vec<Root> {
     poles.iter().map(root).collect()
 }
 
-/// The roots with those replaced that share a pole with more modes than they have between them: `free` are the poles with residues
-/// of each function by itself.
+/// The roots with those replaced that share a pole with more modes than they have between them, or are its only one, and with the modes
+/// of poles that have no root: `free` are the poles with residues of each function by itself. Poles at which these miss the data
+/// say nothing.
 pub(super) fn completed(
     (data, sides): (&Receptances, &Sides),
     roots: Vec<Root>,
@@ -62,8 +63,8 @@ pub(super) fn completed(
             continue;
         }
         let parts = participation((data, sides), (&free[place], &standings[place]), chance);
-        let told = parts.len() < own.len() || (parts.len() == own.len() && own.len() > 1);
-        if told {
+        let keeps_own = parts.len() < own.len() || (parts.len() == own.len() && own.len() > 1);
+        if keeps_own {
             completed.extend(own);
         } else {
             completed.extend(sharing(&free[place], parts));
@@ -90,21 +91,16 @@ fn participation(
     (pole, standing): (&Root, &Standing),
     chance: f64,
 ) -> Vec<Vec<Complex64>> {
-    let line = ((pole.lambda.im - data.omega[0]) / data.step)
-        .round()
-        .max(0.0) as usize;
-    let line = line.min(data.lines() - 1);
+    let line = data.line_of(pole.lambda);
     let level: Vec<f64> = (0..data.functions())
-        .map(|f| data.local_level(f)[line])
+        .map(|f| data.level_at(f, line))
         .collect();
     // The strength of a pole is twice the energy of its residues over their noise.
     let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();
     let energy: f64 = pole.residues.iter().zip(&level).map(over).sum();
     let missed = pole.quality.by_lines * standing.misfit.max(1.0);
     let noise = (2.0 * energy / pole.quality.significance() * missed).sqrt();
-    let residues = linalg::complex_matrix(sides.outputs.len(), sides.inputs, |o, i| {
-        pole.residues[sides.outputs[o][i].1]
-    });
+    let residues = sides.matrix(|f| pole.residues[f]);
     let deviations = linalg::real_matrix(sides.outputs.len(), sides.inputs, |o, i| {
         noise * level[sides.outputs[o][i].1]
     });
@@ -181,4 +177,74 @@ fn separate(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
     let by_output = (0..outputs).map(|o| of_output(o).exp());
     let by_input = (0..inputs).map(|i| (of_input(i) - mean).exp());
     (by_output.collect(), by_input.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::modal::mac;
+
+    const OUTPUTS: usize = 9;
+    const INPUTS: usize = 5;
+
+    /// Participation factors of three modes, and a value of each at every output.
+    fn factor(mode: usize, input: usize) -> f64 {
+        ((1 + mode) as f64 * (0.4 + input as f64)).sin()
+    }
+
+    fn residues(weakest: f64) -> ComplexMatrix {
+        linalg::complex_matrix(OUTPUTS, INPUTS, |o, i| {
+            let mode = |m: usize| ((2 + m) as f64 * (0.3 + o as f64)).cos() * factor(m, i);
+            Complex64::from(mode(0) + mode(1) + weakest * mode(2))
+        })
+    }
+
+    /// Noise that is no product of an output's and an input's, a hundred times more at one function.
+    fn deviations(size: f64) -> RealMatrix {
+        linalg::real_matrix(OUTPUTS, INPUTS, |o, i| {
+            size * match (o, i) {
+                (3, 2) => 100.0,
+                _ => (1 + o) as f64 * (1.0 + (o * i % 3) as f64),
+            }
+        })
+    }
+
+    fn modes(weakest: f64, noise: f64) -> Vec<Vec<Complex64>> {
+        let (residues, deviations) = (residues(weakest), deviations(noise));
+        let above = parts_above_noise(&residues, &deviations, 1e-6);
+        independent(&residues, &deviations, above)
+    }
+
+    #[test]
+    fn residues_of_three_modes_have_three_parts_with_their_participation_factors() {
+        let parts = modes(1.0, 1e-5);
+        assert_eq!(parts.len(), 3);
+        // Every true factor is a combination of the parts.
+        let basis = linalg::complex_matrix(INPUTS, 3, |i, part| parts[part][i]);
+        for mode in 0..3 {
+            let own = linalg::complex_matrix(INPUTS, 1, |i, _| Complex64::from(factor(mode, i)));
+            let fitted = &basis * linalg::least_squares(&basis, &own);
+            let column =
+                |m: &ComplexMatrix| -> Vec<Complex64> { (0..INPUTS).map(|i| m[(i, 0)]).collect() };
+            assert!(mac(&column(&own), &column(&fitted)) > Some(1.0 - 1e-9));
+        }
+    }
+
+    #[test]
+    fn a_part_below_the_noise_or_far_weaker_than_the_strongest_is_none() {
+        assert_eq!(modes(1e-5, 1e-3).len(), 2);
+        assert_eq!(modes(1e-3, 1e-9).len(), 2);
+        assert_eq!(modes(0.3, 1e-9).len(), 3);
+    }
+
+    #[test]
+    fn even_factors_of_a_product_are_found() {
+        let values = linalg::real_matrix(2, 3, |o, i| [2.0, 5.0][o] * [1.0, 3.0, 9.0][i]);
+        let (by_output, by_input) = separate(&values);
+        for o in 0..2 {
+            for i in 0..3 {
+                assert!((by_output[o] * by_input[i] / values[(o, i)] - 1.0).abs() < 1e-12);
+            }
+        }
+    }
 }

@@ -5,8 +5,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use num_complex::Complex64;
+
 use crate::dof::Dof;
 use crate::frf::Function;
+use crate::linalg::{self, ComplexMatrix};
 
 /// Functions by output.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +56,13 @@ impl Sides {
     /// Whether every output has every input.
     pub fn complete(&self) -> bool {
         self.outputs.iter().all(|own| own.len() == self.inputs)
+    }
+
+    /// A value per function as outputs × inputs, where every output has every input.
+    pub fn matrix(&self, value: impl Fn(usize) -> Complex64) -> ComplexMatrix {
+        linalg::complex_matrix(self.outputs.len(), self.inputs, |o, i| {
+            value(self.outputs[o][i].1)
+        })
     }
 
     /// The same functions as so many outputs of one input.

@@ -55,7 +55,8 @@ pub(super) fn norm_of_noise(sides: &Sides, chance: f64) -> f64 {
 }
 
 /// The same for noise of a deviation by output and input: the largest norms of a row and of a column of deviations, and the largest
-/// deviation, take the places of `√i`, `√o` and 1 (Bandeira and van Handel 2016, but for their factor near 1).
+/// deviation, take the places of `√i`, `√o` and 1 (Bandeira and van Handel 2016, without their term of the logarithm of the size, which is
+/// small where deviations are nearly even).
 pub(super) fn norm_of_uneven_noise(
     (outputs, inputs): (usize, usize),
     deviation: impl Fn(usize, usize) -> f64,

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
+use statrs::distribution::{Beta, ContinuousCDF};
 
-use crate::linalg::ComplexMatrix;
+use crate::linalg::{self, ComplexMatrix};
 use crate::modal::{Pole, mac};
 
 use super::Candidate;
@@ -14,6 +15,7 @@ use super::block::Measured;
 use super::receptance::Receptances;
 use super::refine::{Far, apart};
 use super::roots::Root;
+use super::sides::Sides;
 
 /// Lines on either side of a root that are its own: half-power widths, and fewest.
 const OWN: f64 = 1.0;
@@ -38,6 +40,8 @@ pub(super) const LINEAR: f64 = 3e-4;
 const REPEATED: f64 = 1e-2;
 /// Share relative to that of a mode whose shape is repeated within its resonance, which errors of the force make as well.
 const ECHO: f64 = 3e-2;
+/// Probability that a shape is repeated on one side by chance.
+const BY_CHANCE: f64 = 0.01;
 /// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,
 /// besides what noise does.
 pub(super) const MOST_PHASE: f64 = 0.7;
@@ -50,6 +54,8 @@ pub(super) struct Standing {
     /// Share of the response on the root's own lines that nothing but this root explains: the root of its energy with all
     /// other residues fitted, over that of the response.
     pub share: f64,
+    /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where it repeats no other's shape.
+    pub echo: f64,
 }
 
 /// Of each root.
@@ -65,9 +71,60 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         Standing {
             misfit: misfit(data, &rest, root),
             share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
+            echo: 0.0,
         }
     };
-    roots.par_iter().map(standing).collect()
+    let mut standings: Vec<Standing> = roots.par_iter().map(standing).collect();
+    let echo = |j: usize| {
+        let least = |i: usize| ECHO * standings[i].share;
+        let repeated = |i: &usize| {
+            let (own, other) = (&roots[j], &roots[*i]);
+            let weaker = standings[j].share < least(*i) && apart(own, other) < WITHIN;
+            weaker && (repeats_shape(own, other) || repeats_side(measured.sides, own, other))
+        };
+        let others = (0..roots.len()).filter(repeated).map(least);
+        others.fold(0.0, f64::max)
+    };
+    let echoes: Vec<f64> = (0..roots.len()).into_par_iter().map(echo).collect();
+    for (standing, echo) in standings.iter_mut().zip(echoes) {
+        standing.echo = echo;
+    }
+    standings
+}
+
+fn repeats_shape(root: &Root, other: &Root) -> bool {
+    mac(&root.residues, &other.residues) > Some(SAME_SHAPE)
+}
+
+/// Whether a root of one mode has shape values, or participation factors, among those of another root: an error of the channels of
+/// one side leaves the other side's factors as they are.
+///
+/// The part of a random vector of n values that lies among m others is a beta variable of m and n − m: only what exceeds its
+/// quantile says anything.
+fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
+    if sides.inputs < 2 || root.multiplicity() > 1 {
+        return false;
+    }
+    let of = |root: &Root| linalg::singular_vectors(&sides.matrix(|f| root.residues[f]));
+    let (Ok(own), Ok(other_side)) = (of(root), of(other)) else {
+        return false;
+    };
+    let modes = other.multiplicity();
+    let within = |own: &ComplexMatrix, others: &ComplexMatrix| {
+        let values = own.nrows();
+        if values <= modes {
+            return false;
+        }
+        let product = |m: usize| -> Complex64 {
+            let terms = (0..values).map(|i| others[(i, m)].conj() * own[(i, 0)]);
+            terms.sum()
+        };
+        let part: f64 = (0..modes).map(|m| product(m).norm_sqr()).sum();
+        let chance = Beta::new(modes as f64, (values - modes) as f64);
+        let limit = chance.map_or(1.0, |beta| beta.inverse_cdf(1.0 - BY_CHANCE));
+        part > limit.max(SAME_SHAPE)
+    };
+    within(&own.left, &other_side.left) || within(&own.right, &other_side.right)
 }
 
 /// Mean square of what a model leaves over (over the noise) on the own lines of a root.
@@ -80,10 +137,7 @@ pub(super) fn misfit(data: &Receptances, rest: &ComplexMatrix, root: &Root) -> f
 fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
     let side = (OWN * root.width() / data.step).round() as usize;
     let side = side.max(FEWEST_OWN);
-    let top = ((root.lambda.im - data.omega[0]) / data.step)
-        .round()
-        .max(0.0) as usize;
-    let top = top.min(data.lines() - 1);
+    let top = data.line_of(root.lambda);
     top.saturating_sub(side)..(top + side + 1).min(data.lines())
 }
 
@@ -98,8 +152,8 @@ pub(super) enum Doubt {
     Share(f64),
     /// Phase against real modes, rad.
     Phase(f64),
-    /// Share of the response, smaller than any structure is linear.
-    Tiny(f64),
+    /// Share of the response and the limit that it does not reach: that to which structures are linear, or forces are known.
+    Tiny(f64, f64),
 }
 
 impl Standing {
@@ -116,7 +170,7 @@ impl Standing {
 impl Doubt {
     /// Whether it comes from what the model does not describe.
     pub fn is_misfit(&self) -> bool {
-        !matches!(self, Self::Tiny(_))
+        !matches!(self, Self::Tiny(..))
     }
 }
 
@@ -143,24 +197,21 @@ pub(super) fn doubt(
         LINEAR
     };
     if own.share < least {
-        return Some(Doubt::Tiny(own.share));
+        return Some(Doubt::Tiny(own.share, least));
     }
     let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
     if own.misfit > most && own.share < LEAST_SHARE {
         return Some(Doubt::Share(own.share));
     }
     let distance = |i: &usize| apart(root, &roots[*i]);
-    let same_shape = |i: &usize| mac(&root.residues, &roots[*i].residues) > Some(SAME_SHAPE);
-    let echoed = |i: &usize| own.share < ECHO * standings[*i].share && distance(i) < WITHIN;
-    let same_side = |i: &usize| roots[*i].shares_side(root);
-    if (0..roots.len()).any(|i| echoed(&i) && (same_shape(&i) || same_side(&i))) {
-        return Some(Doubt::Tiny(own.share));
+    if own.share < own.echo {
+        return Some(Doubt::Tiny(own.share, own.echo));
     }
     let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
     let nearest = (0..roots.len())
         .filter(strong)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let repeats = distance(&nearest) < BESIDE && same_shape(&nearest);
+    let repeats = distance(&nearest) < BESIDE && repeats_shape(root, &roots[nearest]);
     if own.share >= OWN_MODE || !(strict || repeats) {
         return None;
     }

@@ -79,7 +79,9 @@ impl Strength {
         let zero = || linalg::complex_matrix(self.modes, self.modes, |_, _| Complex64::ZERO);
         let (mut power, mut noise) = (zero(), zero());
         for (covariance, shapes) in &self.outputs {
-            let weight = even_weight(covariance)?;
+            let Some(weight) = even_weight(covariance) else {
+                continue;
+            };
             power += (shapes * shapes.adjoint()) * weight;
             noise += covariance * (weight * shapes.ncols() as f64);
         }
@@ -122,4 +124,56 @@ fn even_weight(covariance: &ComplexMatrix) -> Option<f64> {
     let modes = lower.nrows();
     let log = (0..modes).map(|i| lower[(i, i)].re.ln()).sum::<f64>();
     Some((-2.0 * log / modes as f64).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two modes at ten outputs, the second with alternating signs.
+    fn shapes() -> ComplexMatrix {
+        linalg::complex_matrix(2, 10, |mode, o| match mode {
+            0 => Complex64::from(3.0),
+            _ => Complex64::from(if o % 2 == 0 { 1.0 } else { -1.0 }),
+        })
+    }
+
+    fn scaled_identity(scale: f64) -> ComplexMatrix {
+        linalg::complex_matrix(2, 2, |i, j| {
+            Complex64::from(if i == j { scale } else { 0.0 })
+        })
+    }
+
+    #[test]
+    fn outputs_that_are_hardly_known_take_nothing_from_those_that_are() {
+        let mut strength = Strength::none(2);
+        strength.add(scaled_identity(1.0), shapes());
+        strength.add(scaled_identity(1e8), shapes());
+        let strengths = strength.values();
+        // 2 Σ|ψ|²/V.
+        for (value, expected) in strengths.values.iter().zip([20.0, 180.0]) {
+            assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
+        }
+        assert!((strengths.largest - 20.0).abs() < 1e-9);
+        let [weakest, strongest] = &strengths.combinations[..] else {
+            panic!("two combinations");
+        };
+        assert!(weakest[0].norm() < 1e-6 * weakest[1].norm());
+        assert!(strongest[1].norm() < 1e-6 * strongest[0].norm());
+    }
+
+    #[test]
+    fn strengths_do_not_depend_on_the_basis_of_the_modes() {
+        let basis = linalg::complex_matrix(2, 2, |i, j| {
+            Complex64::new([[2.0, 1.0], [-0.5, 3.0]][i][j], 0.25 * i as f64)
+        });
+        let mut strength = Strength::none(2);
+        for scale in [1.0, 1e8] {
+            let covariance = &basis * scaled_identity(scale) * basis.adjoint();
+            strength.add(covariance, &basis * shapes());
+        }
+        for (value, expected) in strength.values().values.iter().zip([20.0, 180.0]) {
+            assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
+        }
+    }
 }

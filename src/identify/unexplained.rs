@@ -106,7 +106,7 @@ impl LeftOver<'_> {
             .correlation
             .of_amplitude(-lambda.re, self.data.step);
         let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.chance);
-        let strengths = linalg::singular_values(&by_output(self.sides, |f| amplitudes[f]));
+        let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(ALIKE * strengths.first().copied().unwrap_or(0.0));
         let above = strengths.iter().filter(|s| several && **s > limit).count();
@@ -175,8 +175,9 @@ fn strongest_inputs(
     value: impl Fn(usize) -> Complex64,
 ) -> Vec<Vec<Complex64>> {
     let inputs = sides.inputs;
-    let matrix = by_output(sides, value);
-    let vector = |rank: usize| match linalg::singular_vectors(&matrix) {
+    let matrix = sides.matrix(value);
+    let svd = linalg::singular_vectors(&matrix);
+    let vector = |rank: usize| match &svd {
         // A = U S Vᴴ, so that the row space is that of conj(V).
         Ok(svd) if rank < svd.values.len() => {
             (0..inputs).map(|i| svd.right[(i, rank)].conj()).collect()
@@ -184,11 +185,4 @@ fn strongest_inputs(
         _ => vec![Complex64::ONE; inputs],
     };
     (0..count).map(vector).collect()
-}
-
-/// A value per function as outputs × inputs.
-fn by_output(sides: &Sides, value: impl Fn(usize) -> Complex64) -> ComplexMatrix {
-    linalg::complex_matrix(sides.outputs.len(), sides.inputs, |o, i| {
-        value(sides.outputs[o][i].1)
-    })
 }
