@@ -359,10 +359,11 @@ impl Fit {
         let mut now = gain(self);
         if now < WORTHWHILE && self.drop_doubtful_tries() {
             self.settle(Stop::Coarse);
-            now = gain(self);
+            let more = modes(&self.roots) > modes(&before);
+            now = if more { gain(self) } else { 0.0 };
         }
         if now < 1.0 {
-            // New roots drove others away.
+            // New roots drove others away, or none of them stayed.
             self.roots = before;
             self.dropped.truncate(told);
             return None;
