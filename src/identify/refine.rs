@@ -278,7 +278,8 @@ fn window<'a>(data: &Receptances, roots: impl Iterator<Item = &'a Root>) -> Rang
     for root in roots {
         let side = (REACH * root.width() / data.step).ceil() as usize;
         let side = side.max(SIDE_LINES).min(data.lines());
-        let top = data.line_of(root.lambda);
+        let top = ((root.lambda.im - data.omega[0]) / data.step).round();
+        let top = (top.max(0.0) as usize).min(data.lines() - 1);
         start = start.min(top.saturating_sub(side));
         end = end.max((top + side + 1).min(data.lines()));
     }
@@ -339,22 +340,20 @@ impl Far {
 
     /// The measured values without what the background explains of what the roots leave over.
     pub fn taken_out<'a>(&self, measured: &Measured<'a>, roots: &[Root]) -> Measured<'a> {
-        let rest = &measured.values - model(measured, roots, 0..measured.omega.len());
-        Measured {
-            values: &measured.values - self.of_background(&rest),
-            ..*measured
-        }
-    }
-
-    /// What the background explains of what the roots leave over.
-    fn of_background(&self, rest: &ComplexMatrix) -> ComplexMatrix {
         let course = &self.profile.course;
-        let over = |k: usize, f: usize| rest[(k, f)] / course[k];
-        let over = linalg::complex_matrix(rest.nrows(), rest.ncols(), over);
-        let explained = &self.basis * (self.basis.adjoint() * over);
-        linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
-            course[k] * explained[(k, f)]
-        })
+        let rest = &measured.values - model(measured, roots, 0..course.len());
+        let rest =
+            linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| rest[(k, f)] / course[k]);
+        let explained = &self.basis * (self.basis.adjoint() * rest);
+        let values = linalg::complex_matrix(explained.nrows(), explained.ncols(), |k, f| {
+            measured.values[(k, f)] - course[k] * explained[(k, f)]
+        });
+        Measured {
+            omega: measured.omega,
+            values,
+            sides: measured.sides,
+            outside: measured.outside,
+        }
     }
 
     /// What roots and background leave over, over the noise at each line: lines × functions; with that noise.
@@ -364,8 +363,8 @@ impl Far {
         measured: &Measured,
         roots: &[Root],
     ) -> (ComplexMatrix, Vec<Vec<f64>>) {
-        let rest = &measured.values - model(measured, roots, 0..measured.omega.len());
-        let rest = &rest - self.of_background(&rest);
+        let near = self.taken_out(measured, roots);
+        let rest = &near.values - model(measured, roots, 0..measured.omega.len());
         let levels: Vec<Vec<f64>> = (0..data.functions())
             .into_par_iter()
             .map(|f| data.local_level(f))
