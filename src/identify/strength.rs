@@ -148,18 +148,20 @@ mod tests {
     fn outputs_that_are_hardly_known_take_nothing_from_those_that_are() {
         let mut strength = Strength::none(2);
         strength.add(scaled_identity(1.0), shapes());
-        strength.add(scaled_identity(1e8), shapes());
+        // Both modes alike, a hundredth of the noise.
+        let noisy = linalg::complex_matrix(2, 10, |_, _| Complex64::from(100.0));
+        strength.add(scaled_identity(1e8), noisy);
         let strengths = strength.values();
         // 2 Σ|ψ|²/V.
         for (value, expected) in strengths.values.iter().zip([20.0, 180.0]) {
-            assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
+            assert!((value / expected - 1.0).abs() < 1e-3, "{value} {expected}");
         }
         assert!((strengths.largest - 20.0).abs() < 1e-9);
         let [weakest, strongest] = &strengths.combinations[..] else {
             panic!("two combinations");
         };
-        assert!(weakest[0].norm() < 1e-6 * weakest[1].norm());
-        assert!(strongest[1].norm() < 1e-6 * strongest[0].norm());
+        assert!(weakest[0].norm() < 1e-3 * weakest[1].norm());
+        assert!(strongest[1].norm() < 1e-3 * strongest[0].norm());
     }
 
     #[test]
