@@ -10,7 +10,8 @@
 //! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
 //!    noise, and raises limits and deviations ([`correlation`](super::correlation)).
 //! 5. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests, and
-//!    what is left over must become less. Where it hardly does, what speaks against a mode (7) speaks against the root at once.
+//!    what is left over must become less. Where nothing stands out, each root is asked whether it stands for two
+//!    ([`doubled`](super::doubled)). Where it hardly does, what speaks against a mode (7) speaks against the root at once.
 //! 6. Poles of the background, for modes just outside, go where the data do not need them.
 //! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
 //!    a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
@@ -30,6 +31,7 @@ use crate::linalg::{self, ComplexMatrix};
 
 use super::block::Measured;
 use super::correlation::Correlation;
+use super::doubled::roots_to_double;
 use super::indicator::Indicator;
 use super::pruning::{Change, Judge, less};
 use super::reasons::{Dropped, Evidence, Reason};
@@ -40,6 +42,7 @@ use super::search::{self, Found};
 use super::seeds::seeds;
 use super::several::{alone, completed};
 use super::sides::Sides;
+use super::significance::upper_quantile;
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
 use super::unexplained::roots_to_try;
 use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
@@ -254,7 +257,7 @@ impl Fit {
     /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two
     /// roots in one resonance explain what one does not, whatever made it.
     fn restore(&mut self, tried: &[(Root, f64)]) {
-        let (rest, _) = self.rest();
+        let rest = self.rest();
         let needed = |(root, before): &&(Root, f64)| {
             let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
             let now = misfit(&self.data, &rest, root);
@@ -310,9 +313,11 @@ impl Fit {
     fn measure_noise(&mut self) {
         unsettle(&mut self.roots);
         if self.data.variance_measured {
-            if let Some(own) = Correlation::of_rest(&self.rest().0) {
+            let rest = self.rest();
+            if let Some(own) = Correlation::of_rest(&rest) {
                 self.data.correlation = own;
             }
+            self.data.shared = self.data.shared.of_rest(&self.data, &rest);
             return;
         }
         let measured = measured(&self.data, &self.sides);
@@ -337,13 +342,70 @@ impl Fit {
     fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let most = (self.roots.len() / 4).max(FEWEST_TRIED);
-        let (rest, levels) = self.rest();
-        let found = roots_to_try(
-            (&self.data, &self.sides),
+        let rest = self.rest();
+        let own = (&self.data, &self.sides);
+        let found = roots_to_try(own, &self.roots, &rest, (chance, most));
+        if let Some(gain) = self.try_roots(found, &rest) {
+            return Some(gain);
+        }
+        self.double()
+    }
+
+    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when none did.
+    ///
+    /// Two poles that lie closer together than their distance is known to may be told from one all the same: by what one leaves
+    /// over, which must become less by more than so many unknowns make of noise.
+    fn double(&mut self) -> Option<f64> {
+        let chance = self.options.false_alarm_probability / self.roots.len().max(1) as f64;
+        let unknowns = 2.0 * (self.data.functions() + 1) as f64;
+        let before = self.rest();
+        let energy = before.squared_norm_l2();
+        let own = (&self.data, &self.sides);
+        let mut left = energy;
+        let mut found = roots_to_double(
+            own,
             &self.roots,
-            (&rest, &levels),
-            (chance, most),
+            &before,
+            self.options.false_alarm_probability,
         );
+        let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
+        found.truncate((self.roots.len() / 4).max(FEWEST_TRIED));
+        let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
+        for (place, root) in found {
+            let (roots, told) = (self.roots.clone(), self.dropped.len());
+            let alike = self
+                .data
+                .correlation
+                .of_amplitude(root.decay(), self.data.step);
+            let Some(first) = self
+                .roots
+                .iter_mut()
+                .find(|own| own.lambda == lambdas[place])
+            else {
+                continue;
+            };
+            first.twins = true;
+            self.roots.push(Root {
+                suspect: true,
+                twins: true,
+                ..root
+            });
+            self.settle(Stop::Judging);
+            let now = self.rest().squared_norm_l2();
+            let enough = 2.0 * (left - now) > alike * upper_quantile(unknowns, chance);
+            if !enough || modes(&self.roots) <= modes(&roots) || self.drop_doubtful_tries() {
+                self.roots = roots;
+                self.dropped.truncate(told);
+                continue;
+            }
+            left = now;
+            self.roots.iter_mut().for_each(|root| root.suspect = false);
+        }
+        (left < energy).then_some(energy / left)
+    }
+
+    /// As [`Self::search`], with these roots, from what is left over without them.
+    fn try_roots(&mut self, found: Vec<Root>, rest: &ComplexMatrix) -> Option<f64> {
         if found.is_empty() {
             return None;
         }
@@ -355,7 +417,7 @@ impl Fit {
         }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
-        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().0.squared_norm_l2();
+        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().squared_norm_l2();
         let mut now = gain(self);
         if now < WORTHWHILE && self.drop_doubtful_tries() {
             self.settle(Stop::Coarse);
@@ -390,12 +452,25 @@ impl Fit {
     }
 
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
-    /// they cost what is known of modes near the ends of the lines.
+    /// they cost what is known of modes near the ends of the lines. What they explained may have been a wide mode inside: it is
+    /// searched for without them.
     fn look_outside(&mut self) {
-        let before = self.roots.clone();
+        let (before, told) = (self.roots.clone(), self.dropped.len());
         self.data.outside = false;
         unsettle(&mut self.roots);
         self.refine(Stop::Judging);
+        if self.needs_outside() && self.search().is_some() {
+            self.settle(Stop::Judging);
+        }
+        if self.needs_outside() || self.roots.len() < before.len() {
+            self.data.outside = true;
+            self.roots = before;
+            self.dropped.truncate(told);
+        }
+    }
+
+    /// Whether the poles of the background explain more of what the roots leave over than they would of noise.
+    fn needs_outside(&self) -> bool {
         let explained = |outside: bool| {
             let own = Measured {
                 outside,
@@ -406,14 +481,11 @@ impl Fit {
         let ((with, many), (without, few)) = (explained(true), explained(false));
         // Two real numbers of variance 1/2 for each unknown.
         let unknowns = (many - few) as f64;
-        if with - without > unknowns + unknowns.sqrt() || self.roots.len() < before.len() {
-            self.data.outside = true;
-            self.roots = before;
-        }
+        with - without > unknowns + unknowns.sqrt()
     }
 
-    /// What roots and background leave over, over the noise, and that noise by function and line.
-    fn rest(&self) -> (ComplexMatrix, Vec<Vec<f64>>) {
+    /// What roots and background leave over, over the noise: lines × functions.
+    fn rest(&self) -> ComplexMatrix {
         let measured = measured(&self.data, &self.sides);
         let far = Far::new(&self.data, &measured);
         far.left_over(&self.data, &measured, &self.roots)

@@ -41,6 +41,10 @@ const OF_MEDIAN: f64 = std::f64::consts::FRAC_PI_2;
 const TERMS: usize = 400;
 const HALVINGS: usize = 50;
 
+/// Longest lag of a series, as a part of it, and fewest pairs of values that tell one.
+const LAGS: usize = 4;
+const FEWEST_PAIRS: f64 = 40.0;
+
 /// Correlation of noise over lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Correlation {
@@ -110,6 +114,29 @@ impl Correlation {
             lags.push(correlation(own));
         }
         Some(Self { lags })
+    }
+
+    /// Of the phases of some series of values, 0 where there is none.
+    pub fn of_phases(series: &[Vec<Complex64>]) -> Self {
+        let lines = series.iter().map(Vec::len).max().unwrap_or(0);
+        let mut lags = Vec::new();
+        for lag in 1..lines / LAGS {
+            let (mut sum, mut pairs) = (Complex64::ZERO, 0.0);
+            for phases in series {
+                for (a, b) in phases.iter().zip(&phases[lag..]) {
+                    sum += a * b.conj();
+                    pairs += a.norm_sqr() * b.norm_sqr();
+                }
+            }
+            let own = sum / pairs;
+            let limit = CERTAIN * (0.5 / pairs).sqrt();
+            // What comes after the first that chance makes is chance; so is all of a few.
+            if pairs < FEWEST_PAIRS || own.re.abs() < limit && own.im.abs() < limit {
+                break;
+            }
+            lags.push(correlation(own));
+        }
+        Self { lags }
     }
 
     /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the spacing of the lines, rad/s.

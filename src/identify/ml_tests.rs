@@ -1,9 +1,13 @@
 //! The maximum likelihood method against known truth: exact without noise, at its bound with it, and silent without modes.
 
 use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution};
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::frf::{FrfSet, FunctionData};
+use crate::finding::{Code, Finding};
+use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::{ModalModel, Pole, mac};
 
 use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes, white_noise};
@@ -217,4 +221,61 @@ fn noise_that_lines_share_makes_no_modes() {
             assert!(apart.abs() < 5.0, "{seed}: {apart} at {hz} Hz");
         }
     }
+}
+
+/// The functions of a set with noise of the response, `even` of the rms of each function, and of the force, a share of every value;
+/// with variances as three hits tell them.
+fn with_force_noise(set: &FrfSet, (even, share): (f64, f64), seed: u64) -> FrfSet {
+    const DEGREES_OF_FREEDOM: f64 = 4.0;
+    let lines = set.axis().len;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let scatter = ChiSquared::new(DEGREES_OF_FREEDOM).unwrap();
+    let mut noisy = FrfSet::new(*set.axis());
+    for (i, function) in set.functions().iter().enumerate() {
+        let clean = set.values(i);
+        let power = clean.iter().map(Complex64::norm_sqr).sum::<f64>() / lines as f64;
+        let truth = |h: &Complex64| even * even * power + share * share * h.norm_sqr();
+        let unit = white_noise(lines, 1.0, 1000 * seed + i as u64);
+        let values = clean.iter().zip(unit).map(|(h, n)| h + truth(h).sqrt() * n);
+        let mut estimated = |h| truth(h) * scatter.sample(&mut random) / DEGREES_OF_FREEDOM;
+        let data = FunctionData {
+            values: values.collect(),
+            coherence: None,
+            variance: Some(clean.iter().map(&mut estimated).collect()),
+        };
+        let function = Function {
+            averages: Some(3),
+            variance_dof: Some(DEGREES_OF_FREEDOM),
+            ..function.clone()
+        };
+        noisy.push(function, data).unwrap();
+    }
+    noisy
+}
+
+#[test]
+fn noise_of_the_force_in_resonances_of_few_lines_is_noise() {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for seed in 0..30 {
+        let (structure, mut how) = separated_modes(seed);
+        // From 5.5 to 12 lines across the narrowest resonance to 1.4 to 3.
+        how.axis.step_hz *= 4.0;
+        how.axis.len /= 4;
+        let set = with_force_noise(&structure.measured(&how), (1e-4, 0.02), seed);
+        let model = ml(&set);
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        let missed = |finding: &&Finding| finding.code == Code::ModelMisfit;
+        let missed = model.findings.iter().find(missed);
+        assert_eq!(missed, None, "{seed}");
+        for (mode, (hz, zeta, _)) in model.modes.iter().zip(&structure.modes) {
+            let frequency = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            let damping = (mode.damping_ratio.unwrap() - zeta) / mode.damping_std.unwrap();
+            squares += frequency * frequency + damping * damping;
+            count += 2.0;
+        }
+    }
+    // A chi-squared over its degrees of freedom; deviations told from variances of three hits widen it.
+    let ratio = squares / count;
+    println!("squares over expected {ratio:.3} of {count}");
+    assert!((0.7..1.6).contains(&ratio), "{ratio} of {count}");
 }

@@ -31,6 +31,7 @@ mod close;
 #[cfg(test)]
 mod close_tests;
 mod correlation;
+mod doubled;
 mod error;
 #[cfg(test)]
 mod hump_tests;
@@ -39,6 +40,7 @@ mod linearised;
 #[cfg(test)]
 mod ml_tests;
 mod noise;
+mod noise_course;
 mod noise_profile;
 #[cfg(test)]
 mod options_tests;
@@ -65,6 +67,7 @@ mod several;
 mod shape;
 #[cfg(test)]
 mod shape_tests;
+mod shared;
 mod sides;
 mod significance;
 mod single;

@@ -2,13 +2,17 @@
 //!
 //! In this order: the variances that came with the data; coherence and number of averages (two or more),
 //! `var H = |H|² (1 − γ²)/(γ² n)`; else the data alone. Variances of a few averages scatter widely, and a value that is
-//! small by chance makes noise look like a signal: none counts for less than the median of its neighbourhood.
+//! small by chance makes noise look like a signal: their course over the lines counts ([`noise_course`](super::noise_course)).
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::frf::FrfSet;
+use crate::dof::Dof;
+use crate::frf::{FrfSet, Function};
+
+use super::noise_course::{self, Estimated, Smooth};
 
 /// Lines between two evaluations of a running median.
 const HOP: usize = 32;
@@ -21,35 +25,68 @@ const FLOOR: f64 = 1e-24;
 pub(super) struct Noise {
     /// E|H − E H|² at every line, in the squared unit of the function.
     pub variance: Vec<f64>,
+    /// Part of it that goes with |H|²; 0 where it is not known.
+    pub by_force: Vec<f64>,
     /// Whether the data brought them (variance or coherence).
     pub measured: bool,
 }
 
-/// Variances of function `i` of a set on some lines.
-pub(super) fn of_function(set: &FrfSet, i: usize, lines: Range<usize>) -> Noise {
+/// Variances of all functions of a set on some lines.
+pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
+    let estimated: Vec<Option<Estimated>> = (0..set.len())
+        .map(|i| estimated(set, i, lines.clone()))
+        .collect();
+    let mut hits: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
+    for (i, function) in set.functions().iter().enumerate() {
+        if estimated[i].is_some() {
+            hits.entry(&function.reference).or_default().push(i);
+        }
+    }
+    let mut measured = BTreeMap::new();
+    for group in hits.into_values() {
+        let own: Vec<&Estimated> = group
+            .iter()
+            .filter_map(|i| estimated[*i].as_ref())
+            .collect();
+        measured.extend(group.into_iter().zip(noise_course::smooth(&own)));
+    }
+    let of_function = |i: usize| {
+        let values = &set.values(i)[lines.clone()];
+        let told = measured.remove(&i);
+        let measured = told.is_some();
+        let mut own = told.unwrap_or_else(|| Smooth {
+            variance: from_second_differences(values),
+            by_force: vec![0.0; values.len()],
+        });
+        raise_to_floor(&mut own.variance, values);
+        Noise {
+            variance: own.variance,
+            by_force: own.by_force,
+            measured,
+        }
+    };
+    (0..set.len()).map(of_function).collect()
+}
+
+/// The variances that the data bring of a function.
+fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
     let values = &set.values(i)[lines.clone()];
-    let averages = set.functions()[i].averages;
-    let given = match (set.variance(i), set.coherence(i), averages) {
-        (Some(variance), _, _) => Some(variance[lines].to_vec()),
-        (None, Some(coherence), Some(n)) if n >= 2 => {
-            Some(from_coherence(values, &coherence[lines], n))
-        }
-        _ => None,
+    let Function {
+        averages,
+        variance_dof,
+        ..
+    } = set.functions()[i];
+    let variance = match (set.variance(i), set.coherence(i), averages) {
+        (Some(variance), _, _) => variance[lines].to_vec(),
+        (None, Some(coherence), Some(n)) if n >= 2 => from_coherence(values, &coherence[lines], n),
+        _ => return None,
     };
-    let measured = given.is_some();
-    let mut variance = match given {
-        Some(own) => {
-            let floor = running_median(&own);
-            let share = median_share(averages);
-            own.iter()
-                .zip(floor)
-                .map(|(v, m)| v.max(m / share))
-                .collect()
-        }
-        None => from_second_differences(values),
-    };
-    raise_to_floor(&mut variance, values);
-    Noise { variance, measured }
+    let by_averages = averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1));
+    Some(Estimated {
+        variance,
+        power: values.iter().map(Complex64::norm_sqr).collect(),
+        degrees_of_freedom: variance_dof.or(by_averages),
+    })
 }
 
 /// Variances of one function from what a fit leaves over of its values, as a function without measured variances has them: noise
@@ -89,15 +126,6 @@ fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec
     values.iter().zip(coherence).map(variance).collect()
 }
 
-/// Median over mean of a variance estimated from `n` averages: a chi-squared of `2(n − 1)` degrees of freedom, by the
-/// cube of Wilson and Hilferty; 1 where the number is not known, the variances then being taken as they are.
-fn median_share(averages: Option<u32>) -> f64 {
-    match averages {
-        Some(n) if n >= 2 => (1.0 - 1.0 / (9.0 * f64::from(n - 1))).powi(3),
-        _ => 1.0,
-    }
-}
-
 /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has variance `6v`, and the
 /// median of its squared magnitude is `6v ln 2`. Resonances take few lines and do not move the median.
 fn from_second_differences(values: &[Complex64]) -> Vec<f64> {
@@ -111,19 +139,24 @@ fn from_second_differences(values: &[Complex64]) -> Vec<f64> {
     running_median(&squares)
 }
 
-/// Median over `±REACH` lines, evaluated every `HOP` lines and held between.
+/// Median over `±REACH` lines, evaluated every `HOP` lines and straight between.
 fn running_median(values: &[f64]) -> Vec<f64> {
-    let mut output = Vec::with_capacity(values.len());
-    for start in (0..values.len()).step_by(HOP) {
-        let end = (start + HOP).min(values.len());
+    let last = values.len() - 1;
+    let median = |centre: usize| {
         let mut near =
-            values[start.saturating_sub(REACH)..(end + REACH).min(values.len())].to_vec();
+            values[centre.saturating_sub(REACH)..(centre + REACH + 1).min(values.len())].to_vec();
         let middle = near.len() / 2;
-        let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
-        let median = *median;
-        output.extend(std::iter::repeat_n(median, end - start));
-    }
-    output
+        *near.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let medians: Vec<f64> = (0..=last.div_ceil(HOP))
+        .map(|hop| median((hop * HOP).min(last)))
+        .collect();
+    let between = |k: usize| {
+        let (hop, part) = (k / HOP, (k % HOP) as f64 / HOP as f64);
+        let next = medians[(hop + 1).min(medians.len() - 1)];
+        medians[hop] + part * (next - medians[hop])
+    };
+    (0..values.len()).map(between).collect()
 }
 
 #[cfg(test)]
@@ -138,7 +171,7 @@ mod tests {
         let values: Vec<Complex64> = (0..4000).map(|k| line(k) + noise[k]).collect();
         let estimate = from_second_differences(&values);
         let mean = estimate.iter().sum::<f64>() / 4000.0;
-        // 192 differences per median, 125 medians: the mean is known to about 3 %.
+        // 129 differences per median, 126 medians that overlap: the mean is known to about 3 %.
         assert!((mean / 0.25 - 1.0).abs() < 0.06, "{mean}");
         assert!(estimate[2000] < 0.5);
     }

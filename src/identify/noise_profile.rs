@@ -4,9 +4,6 @@ use std::ops::Range;
 
 use super::receptance::Receptances;
 
-/// Values that a course is averaged over: functions times lines; its own scatter then costs little.
-const AVERAGED: usize = 40;
-
 /// Variance of function f at line k of the window: `level_f² course_k²`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
@@ -28,22 +25,7 @@ impl Profile {
                 *sum += v / (level * level * data.functions() as f64);
             }
         }
-        let reach = AVERAGED.div_ceil(2 * data.functions());
-        Self {
-            level,
-            course: running_mean(&squares, reach)
-                .into_iter()
-                .map(f64::sqrt)
-                .collect(),
-        }
+        let course = squares.into_iter().map(f64::sqrt).collect();
+        Self { level, course }
     }
-}
-
-/// Mean over so many neighbours on both sides, fewer at the ends.
-pub(super) fn running_mean(values: &[f64], reach: usize) -> Vec<f64> {
-    let mean = |k: usize| {
-        let near = &values[k.saturating_sub(reach)..(k + reach + 1).min(values.len())];
-        near.iter().sum::<f64>() / near.len() as f64
-    };
-    (0..values.len()).map(mean).collect()
 }

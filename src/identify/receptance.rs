@@ -14,15 +14,12 @@ use crate::frf::FrfSet;
 use super::IdentifyError;
 use super::correlation::Correlation;
 use super::noise::{self, Noise};
-use super::noise_profile::running_mean;
+use super::shared::Shared;
 
 /// Lines beside a band that are used with it, as a share of its own.
 const GUARD: f64 = 0.05;
 /// Fewest lines in a band that are worth a search.
 const FEWEST_LINES: usize = 8;
-
-/// Lines on either side whose variances tell that of one line.
-const AROUND: usize = 20;
 /// Dynamic range of a set, beyond any converter's: least noise over the largest response.
 const RANGE: f64 = 1e-10;
 
@@ -36,12 +33,16 @@ pub(super) struct Receptances {
     pub values: Vec<Vec<Complex64>>,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
     pub variance: Vec<Vec<f64>>,
+    /// Part of every variance that the force makes, as far as it is known.
+    pub by_force: Vec<Vec<f64>>,
     /// Whether the variances of all functions came with the data.
     pub variance_measured: bool,
     /// Whether modes just outside the lines must be reckoned with.
     pub outside: bool,
     /// How the noise of neighbouring lines hangs together, as far as it is known.
     pub correlation: Correlation,
+    /// How functions of one hit point err together, as far as it is known.
+    pub shared: Shared,
     /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
     pub measured_scale: Vec<Vec<f64>>,
 }
@@ -80,18 +81,21 @@ impl Receptances {
             step: std::f64::consts::TAU * set.axis().step_hz,
             values: Vec::with_capacity(set.len()),
             variance: Vec::with_capacity(set.len()),
+            by_force: Vec::with_capacity(set.len()),
             variance_measured: true,
             outside: true,
             correlation: Correlation::of_window(
                 set.added_damping_rad_s,
                 (std::f64::consts::TAU * set.axis().step_hz, lines.len()),
             ),
+            shared: Shared::unknown(set.functions()),
             measured_scale: Vec::with_capacity(set.len()),
             omega,
         };
         for i in 0..set.len() {
             check_finite(set, i, lines.clone())?;
-            let noise = noise::of_function(set, i, lines.clone());
+        }
+        for (i, noise) in noise::of_set(set, &lines).into_iter().enumerate() {
             data.push(set, i, &set.values(i)[lines.clone()], noise);
         }
         data.raise_variances();
@@ -119,12 +123,6 @@ impl Receptances {
         }
     }
 
-    /// Standard deviation of the noise of a function at every line, from the variances around it, m/N.
-    pub fn local_level(&self, function: usize) -> Vec<f64> {
-        let means = running_mean(&self.variance[function], AROUND);
-        means.into_iter().map(f64::sqrt).collect()
-    }
-
     fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {
         let order = set.functions()[i].kind.derivative_order();
         let factor = |omega: &f64| {
@@ -137,6 +135,7 @@ impl Receptances {
         let variance = self.omega.iter().zip(&noise.variance);
         let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
         self.variance.push(variance.collect());
+        self.by_force.push(noise.by_force);
         self.variance_measured &= noise.measured;
         let scale = self.omega.iter().map(|w| factor(w).norm().recip());
         self.measured_scale.push(scale.collect());
@@ -158,10 +157,9 @@ impl Receptances {
         (line.max(0.0) as usize).min(self.lines() - 1)
     }
 
-    /// Standard deviation of the noise of a function at one line, from the variances around it, m/N.
-    pub fn level_at(&self, function: usize, line: usize) -> f64 {
-        let around = line.saturating_sub(AROUND)..(line + AROUND + 1).min(self.lines());
-        self.mean_variance(function, around).sqrt()
+    /// Standard deviation of the noise of a function at one line, m/N.
+    pub fn deviation(&self, function: usize, line: usize) -> f64 {
+        self.variance[function][line].sqrt()
     }
 
     /// Range of the lines, rad/s.

@@ -150,10 +150,9 @@ fn take(
         *root = fitted.members[place].clone();
         let decay = root.decay().abs();
         let strengths = fitted.strengths[place].clone();
-        let lines = &data.correlation;
         // A fit of the residues alone says nothing new of the pole.
         let mut own_std = before.quality.pole_std / decay;
-        let by_pole = lines.of_pole(decay, data.step).sqrt();
+        let by_pole = data.shared.of_pole(data, root).sqrt();
         let mut still = true;
         for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
             let moved = match *unknown {
@@ -173,7 +172,7 @@ fn take(
             combinations: combined(&root.parts, &strengths.combinations),
             strengths: strengths.values,
             largest: strengths.largest,
-            by_lines: lines.of_amplitude(decay, data.step),
+            by_lines: data.shared.of_amplitude(data, root),
         };
         root.choose_pivots();
         root.progress = match before.progress {
@@ -356,23 +355,18 @@ impl Far {
         }
     }
 
-    /// What roots and background leave over, over the noise at each line: lines × functions; with that noise.
+    /// What roots and background leave over, over the noise at each line: lines × functions.
     pub fn left_over(
         &self,
         data: &Receptances,
         measured: &Measured,
         roots: &[Root],
-    ) -> (ComplexMatrix, Vec<Vec<f64>>) {
+    ) -> ComplexMatrix {
         let near = self.taken_out(measured, roots);
         let rest = &near.values - model(measured, roots, 0..measured.omega.len());
-        let levels: Vec<Vec<f64>> = (0..data.functions())
-            .into_par_iter()
-            .map(|f| data.local_level(f))
-            .collect();
-        let over = linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
-            rest[(k, f)] / levels[f][k]
-        });
-        (over, levels)
+        linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
+            rest[(k, f)] / data.deviation(f, k)
+        })
     }
 
     /// Energy that the background explains of what the roots leave over, over the noise, with the complex unknowns that it has.

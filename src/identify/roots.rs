@@ -30,6 +30,8 @@ pub(super) struct Root {
     pub progress: Progress,
     /// Whether something speaks against its being a mode.
     pub suspect: bool,
+    /// Whether it was told from one beside it by what one alone leaves over.
+    pub twins: bool,
 }
 
 /// What a fit says of one root besides its numbers.
@@ -118,6 +120,7 @@ impl Root {
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
             suspect: false,
+            twins: false,
         }
     }
 

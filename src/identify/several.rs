@@ -93,7 +93,7 @@ fn participation(
 ) -> Vec<Vec<Complex64>> {
     let line = data.line_of(pole.lambda);
     let level: Vec<f64> = (0..data.functions())
-        .map(|f| data.level_at(f, line))
+        .map(|f| data.deviation(f, line))
         .collect();
     // The strength of a pole is twice the energy of its residues over their noise.
     let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();

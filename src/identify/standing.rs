@@ -30,8 +30,9 @@ pub(super) const LEAST_SHARE: f64 = 0.2;
 const OWN_MODE: f64 = 0.5;
 /// Sums of half-power widths within which a root lies beside another.
 const BESIDE: f64 = 4.0;
-/// And within which it lies in the other's resonance.
-const WITHIN: f64 = 1.0;
+/// Half-power widths within which it lies in the other's resonance, and how much wider it may be.
+const WITHIN: f64 = 2.0;
+const WIDER: f64 = 2.0;
 /// Modal assurance criterion above which a root repeats the shape of its neighbour.
 const SAME_SHAPE: f64 = 0.7;
 /// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
@@ -60,14 +61,14 @@ pub(super) struct Standing {
 
 /// Of each root.
 pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root]) -> Vec<Standing> {
-    let (rest, levels) = Far::new(data, measured).left_over(data, measured, roots);
+    let rest = Far::new(data, measured).left_over(data, measured, roots);
     let standing = |root: &Root| {
         let own = own_lines(data, root);
-        let of = |(f, level): (usize, &Vec<f64>)| {
-            let power = |k: usize| (measured.values[(k, f)] / level[k]).norm_sqr();
+        let of = |f: usize| {
+            let power = |k: usize| measured.values[(k, f)].norm_sqr() / data.variance[f][k];
             own.clone().map(power).sum::<f64>()
         };
-        let whole: f64 = levels.iter().enumerate().map(of).sum();
+        let whole: f64 = (0..data.functions()).map(of).sum();
         Standing {
             misfit: misfit(data, &rest, root),
             share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
@@ -79,7 +80,7 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         let least = |i: usize| ECHO * standings[i].share;
         let repeated = |i: &usize| {
             let (own, other) = (&roots[j], &roots[*i]);
-            let weaker = standings[j].share < least(*i) && apart(own, other) < WITHIN;
+            let weaker = standings[j].share < least(*i) && lies_within(own, other);
             weaker && (repeats_shape(own, other) || repeats_side(measured.sides, own, other))
         };
         let others = (0..roots.len()).filter(repeated).map(least);
@@ -90,6 +91,12 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         standing.echo = echo;
     }
     standings
+}
+
+/// Whether a root responds where another does and hardly elsewhere.
+fn lies_within(root: &Root, other: &Root) -> bool {
+    let distance = (root.lambda.im - other.lambda.im).abs();
+    distance < WITHIN * other.width() && root.width() < WIDER * other.width()
 }
 
 fn repeats_shape(root: &Root, other: &Root) -> bool {
@@ -130,12 +137,18 @@ fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
 /// Mean square of what a model leaves over (over the noise) on the own lines of a root.
 pub(super) fn misfit(data: &Receptances, rest: &ComplexMatrix, root: &Root) -> f64 {
     let own = own_lines(data, root);
-    let of = |f: usize| own.clone().map(|k| rest[(k, f)].norm_sqr()).sum::<f64>();
-    (0..rest.ncols()).map(of).sum::<f64>() / (own.len() * rest.ncols()) as f64
+    let values = (own.len() * rest.ncols()) as f64;
+    let held = |k: usize| data.shared.held((data, rest), k, |f| rest[(k, f)]);
+    own.map(held).sum::<f64>() / values
 }
 
 fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
-    let side = (OWN * root.width() / data.step).round() as usize;
+    lines_around(data, root, OWN)
+}
+
+/// Lines within so many half-power widths of a root, and a few at least.
+pub(super) fn lines_around(data: &Receptances, root: &Root, widths: f64) -> Range<usize> {
+    let side = (widths * root.width() / data.step).round() as usize;
     let side = side.max(FEWEST_OWN);
     let top = data.line_of(root.lambda);
     top.saturating_sub(side)..(top + side + 1).min(data.lines())

@@ -37,19 +37,18 @@ struct Stretch {
 pub(super) fn roots_to_try(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
-    (rest, levels): (&ComplexMatrix, &[Vec<f64>]),
+    rest: &ComplexMatrix,
     (chance, most): (f64, usize),
 ) -> Vec<Root> {
     let functions = data.functions();
     let power: Vec<f64> = (0..data.lines())
-        .map(|k| (0..functions).map(|f| rest[(k, f)].norm_sqr()).sum::<f64>())
+        .map(|k| data.shared.held((data, rest), k, |f| rest[(k, f)]))
         .collect();
     let stretches = stretches(&power, functions, (chance, data.correlation.alike()));
     let left = LeftOver {
         data,
         sides,
         rest,
-        levels,
         chance: chance / data.lines() as f64,
     };
     let root = |stretch: &Stretch| left.root(stretch, roots);
@@ -60,7 +59,6 @@ struct LeftOver<'a> {
     data: &'a Receptances,
     sides: &'a Sides,
     rest: &'a ComplexMatrix,
-    levels: &'a [Vec<f64>],
     /// Of a false alarm at one line.
     chance: f64,
 }
@@ -110,7 +108,7 @@ impl LeftOver<'_> {
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(ALIKE * strengths.first().copied().unwrap_or(0.0));
         let above = strengths.iter().filter(|s| several && **s > limit).count();
-        let physical = |f: usize| amplitudes[f] * self.levels[f][stretch.top];
+        let physical = |f: usize| amplitudes[f] * self.data.deviation(f, stretch.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
         parts.retain(|part| !roots.iter().any(|own| repeats(own, lambda, part)));
         let first = parts.first()?;
@@ -169,7 +167,7 @@ fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Ve
 }
 
 /// Participation factors of the strongest so many parts of a value per function: right singular vectors over the inputs.
-fn strongest_inputs(
+pub(super) fn strongest_inputs(
     sides: &Sides,
     count: usize,
     value: impl Fn(usize) -> Complex64,

@@ -1,0 +1,106 @@
+//! Whether one root stands for two: what two close poles leave over beside one.
+//!
+//! Two poles `λ ± δ` with residues a and b are `(a + b)/(s − λ) + δ (a − b)/(s − λ)² + …`. A fit of one pole has the first term, and of
+//! the second what all functions have in common; the rest spreads thinly over the resonance, where its power is lost among that of
+//! all lines. Matched with the course of the second term it is not: the sum over the functions of `2 |⟨rest, d⟩|²`, d of norm 1
+//! and with nothing of what the roots around can explain, is a chi-squared of two degrees of freedom for each where there is but
+//! one pole.
+
+use num_complex::Complex64;
+
+use crate::linalg::{self, ComplexMatrix};
+
+use super::noise_profile::Profile;
+use super::receptance::Receptances;
+use super::roots::Root;
+use super::sides::Sides;
+use super::significance::upper_quantile;
+use super::standing::{lines_around, misfit};
+use super::unexplained::strongest_inputs;
+
+/// Half-power widths on either side in which the second term is looked for: beyond them it has a hundredth of its energy.
+const REACH: f64 = 3.0;
+/// Mean square of what is left over, above which it is no longer for this test to say what that is.
+const MOST_MISFIT: f64 = 4.0;
+/// Least part of the second term that nothing else explains.
+const OWN: f64 = 1e-3;
+/// Where the second root is tried: half-power widths from the first.
+const BESIDE: f64 = 0.25;
+
+/// Numbers of roots that stand for two, with the root to try beside each; the clearest first. Noise makes one with less than this
+/// probability anywhere.
+pub(super) fn roots_to_double(
+    (data, sides): (&Receptances, &Sides),
+    roots: &[Root],
+    rest: &ComplexMatrix,
+    chance: f64,
+) -> Vec<(usize, Root)> {
+    let functions = data.functions();
+    let quantile = upper_quantile(2.0 * functions as f64, chance / roots.len() as f64);
+    let second = |j: usize| {
+        let root = &roots[j];
+        if misfit(data, rest, root) > MOST_MISFIT {
+            return None;
+        }
+        let terms = second_terms(data, (roots, j), rest)?;
+        let top = data.line_of(root.lambda);
+        let energy = data.shared.held((data, rest), top, |f| terms[f]);
+        let alike = data.correlation.of_amplitude(root.decay(), data.step);
+        if 2.0 * energy <= alike * quantile {
+            return None;
+        }
+        let physical = |f: usize| terms[f] * data.deviation(f, top);
+        let parts = strongest_inputs(sides, 1, physical);
+        let lambda = root.lambda + Complex64::new(0.0, BESIDE * root.width());
+        Some((energy, j, Root::single(lambda, &parts[0], functions)))
+    };
+    let mut found: Vec<_> = (0..roots.len()).filter_map(second).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, j, root)| (j, root)).collect()
+}
+
+/// What every function leaves over of the course of a double pole, over its noise; `None` where the roots around explain that course.
+fn second_terms(
+    data: &Receptances,
+    (roots, j): (&[Root], usize),
+    rest: &ComplexMatrix,
+) -> Option<Vec<Complex64>> {
+    let lines = lines_around(data, &roots[j], REACH);
+    let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
+    let inside =
+        |root: &&Root| root.lambda.im > lo - root.width() && root.lambda.im < hi + root.width();
+    let near: Vec<&Root> = roots.iter().filter(inside).collect();
+    // Constant and slope for what is outside, and the rows to tell all of them apart.
+    if lines.len() < near.len() + 3 {
+        return None;
+    }
+    let course = Profile::new(data, lines.clone()).course;
+    let pole = |k: usize, root: &Root| {
+        root.decay() / (Complex64::new(0.0, data.omega[lines.start + k]) - root.lambda)
+    };
+    let middle = 0.5 * lines.len() as f64;
+    let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
+        let value = match near.get(column) {
+            Some(root) => pole(k, root),
+            None if column == near.len() => Complex64::ONE,
+            None => Complex64::from(k as f64 / middle - 1.0),
+        };
+        value / course[k]
+    });
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| {
+        pole(k, &roots[j]).powi(2) / course[k]
+    });
+    let basis = linalg::thin_qr(&others).q;
+    let own = &second - &basis * (basis.adjoint() * &second);
+    let norm = own.norm_l2();
+    if norm < OWN * second.norm_l2() {
+        return None;
+    }
+    let term = |f: usize| -> Complex64 {
+        let products = lines
+            .clone()
+            .map(|k| own[(k - lines.start, 0)].conj() * rest[(k, f)]);
+        products.sum::<Complex64>() / norm
+    };
+    Some((0..rest.ncols()).map(term).collect())
+}

@@ -1,0 +1,268 @@
+//! The course of variances over the lines: noise of the responses, and noise of the force times |H|².
+//!
+//! An FRF from hits has the variance `(S_nn + |H|² S_mm)/S_ff` with noise `n` of the response and `m` of the force (Bendat and
+//! Piersol 1980): `v = a + b p`, `p = |H|²`, which in a resonance of few lines rises far above its neighbourhood. `a` is each
+//! function's own and even over a few dozen lines; `b` is that of a hit point and even over hundreds. Variances told from `ν` degrees
+//! of freedom are gamma variables, of the likelihood `(ν/2) Σ (−ln(a + b p) − v/(a + b p))` but for a constant. Windows let neighbouring
+//! lines scatter together, so that b, told from a few dozen lines of few hits, would be a matter of chance.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Lines that one `a` holds for, and further lines on either side that it is told from.
+const OWN: usize = 16;
+const BESIDE: usize = 24;
+/// Stretches that one `b` is told from: no shorter than this, and no more than so many.
+const LONG: usize = 256;
+const STRETCHES: usize = 16;
+/// Rounds of weighting for `a`.
+const ROUNDS: usize = 3;
+/// Values of b that are tried: from that of noise of the force alone downwards, each so much below the last.
+const TRIED: usize = 24;
+const RATIO: f64 = 1.6;
+/// Logarithm of the likelihood that b must gain over none.
+const GAIN: f64 = 10.0;
+/// Probability of a variance so far above the course that the line is noisier than its neighbours, as that of the mains is.
+const BY_CHANCE: f64 = 1e-6;
+/// Degrees of freedom where the data do not state them: those of three averages.
+const UNSTATED: f64 = 4.0;
+/// Least part of the course over the mean: below it lie rounding and zeros.
+const LEAST: f64 = 1e-6;
+
+/// Variances of one function as they are estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Estimated {
+    /// v at every line.
+    pub variance: Vec<f64>,
+    /// |H|² at every line.
+    pub power: Vec<f64>,
+    /// ν, where it is known.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+/// Variances without their scatter.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(super) struct Smooth {
+    /// a + b p at every line.
+    pub variance: Vec<f64>,
+    /// The part of it that is b p: noise of the force.
+    pub by_force: Vec<f64>,
+}
+
+/// The course of the variances of all functions of one hit point; a variance that is far above its neighbours stays as it is.
+pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
+    let lines = functions
+        .iter()
+        .map(|own| own.variance.len())
+        .max()
+        .unwrap_or(0);
+    let count = (lines / LONG).clamp(1, STRETCHES);
+    let edge = |n: usize| n * lines / count;
+    let by_power: Vec<f64> = (0..count)
+        .into_par_iter()
+        .map(|n| likeliest(functions, edge(n)..edge(n + 1)))
+        .collect();
+    let course = |own: &&Estimated| {
+        let most = own.most();
+        let long = |n: usize| own.even(edge(n)..edge(n + 1), by_power[n], most);
+        let of_response: Vec<f64> = (0..count).map(long).collect();
+        let mut smooth = Smooth::default();
+        for start in (0..own.variance.len()).step_by(OWN) {
+            let block = start..(start + OWN).min(own.variance.len());
+            let near = start.saturating_sub(BESIDE)..(block.end + BESIDE).min(own.variance.len());
+            let place = (block.start as f64 + 0.5 * OWN as f64) / lines as f64;
+            let (b, response) = (between(&by_power, place), between(&of_response, place));
+            let a = own.even(near, b, most);
+            for k in block {
+                let force = b * own.power[k];
+                let expected = a + force;
+                let outstanding = own.variance[k] > most * expected;
+                let variance = if outstanding {
+                    own.variance[k]
+                } else {
+                    expected
+                };
+                smooth.variance.push(variance);
+                // Of a few dozen lines, `a` takes what b misses by chance.
+                let share = force / (response + force);
+                smooth
+                    .by_force
+                    .push(if share.is_finite() { share } else { 0.0 });
+            }
+        }
+        smooth
+    };
+    functions.par_iter().map(course).collect()
+}
+
+/// A value per stretch, straight between their middles.
+fn between(values: &[f64], place: f64) -> f64 {
+    let at = (place * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
+    let first = at.floor() as usize;
+    let next = (first + 1).min(values.len() - 1);
+    values[first] + (at - first as f64) * (values[next] - values[first])
+}
+
+/// The b of the greatest likelihood on some lines; 0 where none gains much.
+fn likeliest(functions: &[&Estimated], lines: Range<usize>) -> f64 {
+    let mean = |own: &&Estimated| {
+        let sum = |values: &[f64]| values[lines.clone()].iter().sum::<f64>();
+        sum(&own.variance) / sum(&own.power)
+    };
+    let most = functions
+        .iter()
+        .map(mean)
+        .filter(|b| b.is_finite())
+        .fold(0.0, f64::max);
+    let likelihood = |b: f64| -> f64 {
+        functions
+            .iter()
+            .map(|own| own.likelihood(lines.clone(), b))
+            .sum()
+    };
+    let none = likelihood(0.0);
+    let tried = (0..TRIED).map(|n| most * RATIO * RATIO.powi(-(n as i32)));
+    let best = tried
+        .map(|b| (likelihood(b), b))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(own, _)| *own > none + GAIN)
+        .map_or(0.0, |(_, b)| b)
+}
+
+impl Estimated {
+    fn freedom(&self) -> f64 {
+        self.degrees_of_freedom.unwrap_or(UNSTATED).max(1.0)
+    }
+
+    /// Factor by which a variance exceeds its expectation only when the line is another's.
+    fn most(&self) -> f64 {
+        let quantile = ChiSquared::new(self.freedom());
+        quantile.map_or(f64::INFINITY, |chi| {
+            chi.inverse_cdf(1.0 - BY_CHANCE) / self.freedom()
+        })
+    }
+
+    /// `a` of some lines beside a b: the mean of what is left, lines by their expectation, without those that are another's.
+    fn even(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
+        let (variance, power) = (&self.variance[lines.clone()], &self.power[lines]);
+        let mut sorted = variance.to_vec();
+        let middle = sorted.len() / 2;
+        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let least = LEAST * median;
+        let mut a = median;
+        for _ in 0..ROUNDS {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (v, p) in variance.iter().zip(power) {
+                let expected = a + b * p;
+                if expected > 0.0 && *v <= most * expected {
+                    let weight = (median / expected).powi(2);
+                    sum += weight * (v - b * p);
+                    weights += weight;
+                }
+            }
+            a = if weights > 0.0 {
+                (sum / weights).max(least)
+            } else {
+                a
+            };
+        }
+        a
+    }
+
+    fn likelihood(&self, lines: Range<usize>, b: f64) -> f64 {
+        let most = self.most();
+        let a = self.even(lines.clone(), b, most);
+        let term = |k: usize| {
+            let expected = (a + b * self.power[k]).max(f64::MIN_POSITIVE);
+            expected.ln() + (self.variance[k] / expected).min(most)
+        };
+        -0.5 * self.freedom() * lines.map(term).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::Distribution;
+
+    use super::*;
+
+    const LINES: usize = 400;
+
+    /// A resonance of so many lines at line 200 with the height 1.
+    fn resonance(width: f64) -> Vec<Complex64> {
+        let line = |k: usize| 0.5 * width / Complex64::new(0.5 * width, k as f64 - 200.2);
+        (0..LINES).map(line).collect()
+    }
+
+    /// Variances as they are estimated from ν degrees of freedom.
+    fn estimated(truth: &[f64], freedom: f64, seed: u64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let scatter = rand_distr::ChiSquared::new(freedom).unwrap();
+        let draw = |v: &f64| v * scatter.sample(&mut random) / freedom;
+        truth.iter().map(draw).collect()
+    }
+
+    fn course(variance: &[f64], values: &[Complex64], degrees_of_freedom: Option<f64>) -> Smooth {
+        let own = Estimated {
+            variance: variance.to_vec(),
+            power: values.iter().map(Complex64::norm_sqr).collect(),
+            degrees_of_freedom,
+        };
+        smooth(&[&own]).remove(0)
+    }
+
+    #[test]
+    fn even_variances_come_back_without_their_scatter() {
+        let truth = vec![3.0; LINES];
+        let same = course(&truth, &resonance(2.0), None).variance;
+        assert!(same.iter().all(|v| (v / 3.0 - 1.0).abs() < 1e-12));
+        // 64 lines of 4 degrees of freedom: 9 %, and now and then a resonance that stands over it by chance.
+        let mut squares = 0.0;
+        for seed in 0..20 {
+            let told = course(&estimated(&truth, 4.0, seed), &resonance(2.0), Some(4.0));
+            let told = told.variance;
+            squares += told.iter().map(|v| (v / 3.0 - 1.0).powi(2)).sum::<f64>();
+        }
+        let deviation = (squares / (20 * LINES) as f64).sqrt();
+        assert!(deviation < 0.12, "{deviation}");
+    }
+
+    #[test]
+    fn noise_of_the_force_stands_over_a_resonance_of_few_lines() {
+        let values = resonance(2.0);
+        let truth: Vec<f64> = values.iter().map(|h| 1e-4 + 0.01 * h.norm_sqr()).collect();
+        let exact = course(&truth, &values, None);
+        assert!(exact.by_force[200] > 0.98 && exact.by_force[0] < 1e-3);
+        // Away from the resonance its skirt is too little to be told.
+        for (k, (told, expected)) in exact.variance.iter().zip(&truth).enumerate() {
+            let most = if k.abs_diff(200) < 8 { 1e-9 } else { 0.05 };
+            assert!((told / expected - 1.0).abs() < most, "{told} {expected}");
+        }
+        let mut peak = 0.0;
+        for seed in 0..200 {
+            let told = course(&estimated(&truth, 4.0, seed), &values, Some(4.0));
+            peak += told.variance[200] / truth[200] / 200.0;
+        }
+        // Some four lines of the resonance tell its height to a third: their mean to 3 %.
+        assert!((0.85..1.1).contains(&peak), "{peak}");
+    }
+
+    #[test]
+    fn a_line_of_the_mains_stays_noisy_and_leaves_its_neighbours_alone() {
+        let mut variance = vec![1.0; LINES];
+        variance[100] = 1e4;
+        let told = course(&variance, &resonance(2.0), Some(4.0)).variance;
+        assert!((told[100] - 1e4).abs() < 1e-9);
+        assert!(
+            told[99] < 1.5 && told[101] < 1.5,
+            "{} {}",
+            told[99],
+            told[101]
+        );
+    }
+}
