@@ -21,6 +21,8 @@
 //! | [`ModalModel`] | modes of a test or of a model | `modal` |
 //! | [`theory::TheoreticalModel`] | a machine as matrices of its parameters | `theory` |
 //! | [`theory::ModelRoot`] | a distinct root with its modes, kinetic energy and class | `theory` |
+//! | [`theory::ModelQuantity`] | a number that a model's theory gives beside its matrices | `theory` |
+//! | [`theory::RootSensitivity`] | how a root depends on the parameters | `theory` |
 //! | [`correlate::Observability`] | what a test could see of a root | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |

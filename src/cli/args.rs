@@ -198,7 +198,7 @@ pub struct IdentifyArgs {
 /// `theory`.
 #[derive(Debug, Args)]
 pub struct TheoryArgs {
-    /// A built-in model (cycloid-ball, cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
+    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer; with a parameter set cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
     pub model: PathBuf,
     /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
@@ -209,6 +209,15 @@ pub struct TheoryArgs {
     /// Modes in this band alone, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
+    /// Print the share of every body and spring in the energy of each root.
+    #[arg(long)]
+    pub energies: bool,
+    /// Print the relative change of each root's frequency by that of every parameter.
+    #[arg(long)]
+    pub sensitivities: bool,
+    /// Print the numbers that the model's theory gives beside its roots.
+    #[arg(long)]
+    pub quantities: bool,
 }
 
 /// `correlate`.

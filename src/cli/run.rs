@@ -2,10 +2,11 @@
 
 use crate::error::Error;
 use crate::finding::Finding;
-use crate::io::{Encoding, FileLabel, write_frfs, write_whole};
+use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs, write_whole};
 use crate::report::{
-    Block, CsvText, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks, json,
-    limits_block, modes_block, published_comparison_block, published_roots_block, whole_comparison,
+    Block, CsvText, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
+    energies_block, json, limits_block, modes_block, parameters_block, published_comparison_block,
+    published_roots_block, quantities_block, whole_comparison,
 };
 use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run as run_scene};
 
@@ -30,6 +31,9 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.blocks(&blocks);
     match &result.table {
         Some(table) => output.json(|| json::comparison_to_json(table)),
+        None if result.tests.is_empty() => {
+            output.json(|| modes_to_json(&result.theory.modes, None));
+        }
         None => output.json(|| modes_of_tests(&result)),
     }
     for (test, findings) in result.findings_by_test() {
@@ -53,12 +57,23 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(scene.title.clone())];
     let expected = result.expected.as_ref();
     blocks.extend(expected.and_then(|e| published_roots_block(e, &result.theory)));
+    if scene.energies.is_some() {
+        let (caption, roots) = ("Energy of the model's roots", &result.theory.roots);
+        blocks.extend(energies_block(caption, roots, scene.energies));
+    }
+    for own in expected.iter().flat_map(|expected| &expected.quantities) {
+        let model = own.model.as_deref().unwrap_or("the scene's model");
+        blocks.extend(quantities_block(model, &own.quantities));
+    }
     blocks.extend(
         result
             .tests
             .iter()
             .map(|test| modes_block(&test.name, &test.modes)),
     );
+    if result.tests.is_empty() {
+        blocks.extend(parameters_block(&result.theory.parameters));
+    }
     if let Some(table) = &result.table {
         let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
         blocks.extend(comparison_blocks(table, &groups, &result.theory));

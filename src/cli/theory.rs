@@ -4,8 +4,14 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::io::modes_to_json;
-use crate::report::{Block, parameters_block, roots_block, theory_block};
-use crate::scene::{Scene, SceneError, Theory, load_model, theory as scene_theory};
+use crate::report::{
+    Block, energies_block, parameters_block, quantities_block, roots_block, sensitivities_block,
+    theory_block,
+};
+use crate::scene::{
+    LoadedModel, ModelTable, Scene, SceneError, Theory, load_model, table_model,
+    theory as scene_theory,
+};
 use crate::theory::ModeOptions;
 
 use super::Outcome;
@@ -28,6 +34,25 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
     } else {
         roots_block(&format!("Roots of {name}"), &result.roots, args.band)
     });
+    if args.energies {
+        let caption = format!("Energy of the roots of {name}");
+        blocks.extend(energies_block(&caption, &result.roots, args.band));
+    }
+    if let Some(model) = model(args)? {
+        if args.sensitivities {
+            let caption = format!("Sensitivities of the roots of {name}");
+            let found = model.sensitivities()?;
+            blocks.push(sensitivities_block(
+                &caption,
+                &result.parameters,
+                &found,
+                args.band,
+            ));
+        }
+        if args.quantities {
+            blocks.extend(quantities_block(&name.to_string(), &model.quantities()?));
+        }
+    }
     output.blocks(&blocks);
     output.json(|| json);
     output.findings(&result.modes.findings);
@@ -36,17 +61,35 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
 
 /// The model file itself, or the model of a scene at the scene's sensors.
 fn solve(args: &TheoryArgs) -> Result<Theory, SceneError> {
-    let settings: BTreeMap<String, f64> = args.settings.iter().cloned().collect();
     let options = ModeOptions {
         band: args.band,
         ..ModeOptions::default()
     };
     if !Scene::is_path(&args.model) {
-        let model = load_model(&args.model, &settings)?;
+        let model = load_model(&args.model, &settings(args))?;
         return model.solve(&model.sensors, &options);
     }
+    let (scene, table) = scene_table(args)?;
+    scene_theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)
+}
+
+/// The model with its parameters; `None` for finished modes.
+fn model(args: &TheoryArgs) -> Result<Option<LoadedModel>, SceneError> {
+    if Scene::is_path(&args.model) {
+        let (scene, table) = scene_table(args)?;
+        return table_model(&table, &scene.folder, &scene.path);
+    }
+    load_model(&args.model, &settings(args)).map(Some)
+}
+
+fn settings(args: &TheoryArgs) -> BTreeMap<String, f64> {
+    args.settings.iter().cloned().collect()
+}
+
+/// A scene and its model with the parameters that were set.
+fn scene_table(args: &TheoryArgs) -> Result<(Scene, ModelTable), SceneError> {
     let scene = Scene::load(&args.model)?;
     let mut table = scene.model.clone().unwrap_or_default();
-    table.parameters.extend(settings);
-    scene_theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)
+    table.parameters.extend(settings(args));
+    Ok((scene, table))
 }

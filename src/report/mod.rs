@@ -22,8 +22,10 @@ pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
 pub use latex::Latex;
 pub use markdown::Markdown;
-pub use modes::{modes_block, roots_block, theory_block};
-pub use published::{claims_block, published_comparison_block, published_roots_block};
+pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
+pub use published::{
+    claims_block, published_comparison_block, published_roots_block, quantities_block,
+};
 pub use terminal::Terminal;
 
 /// Turns blocks into the text of one output format.

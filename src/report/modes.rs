@@ -2,7 +2,7 @@
 
 use crate::axis::Band;
 use crate::modal::{ModalModel, Mode};
-use crate::theory::ModelRoot;
+use crate::theory::{ModelRoot, ParameterSpec, RootSensitivity};
 
 use super::{Block, Cell, Column, Table};
 
@@ -122,6 +122,77 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
             .collect(),
         footnotes: vec![
             "Kinetic energy: the largest shares by body, bodies that differ only in their number together.".to_owned(),
+        ],
+    })
+}
+
+/// Where the energy of each root inside a band is, percent: every body and every name of springs in a column of its own.
+/// `None` without roots.
+pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
+    let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
+    let inside = |root: &&ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
+    let strained = roots.iter().find(|root| !root.strain_energy.is_empty());
+    let springs = strained.map_or(&[][..], |root| &root.strain_energy);
+    let bodies = &roots.first()?.kinetic_energy;
+    let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
+    for (kind, names) in [("T", bodies.as_slice()), ("U", springs)] {
+        let heads = names.iter().map(|(name, _)| format!("{kind} {name} (%)"));
+        columns.extend(heads.map(Column::number));
+    }
+    let percent = |shares: &[(String, f64)], count: usize| -> Vec<Cell> {
+        let share = |i: usize| shares.get(i).map(|(_, share)| 100.0 * share.max(0.0));
+        (0..count).map(|i| Cell::number(share(i), 3)).collect()
+    };
+    let row = |(number, root): (usize, &ModelRoot)| {
+        let mut cells = vec![
+            Cell::text(number.to_string()),
+            Cell::number(Some(hz(root)), 4),
+        ];
+        cells.extend(percent(&root.kinetic_energy, bodies.len()));
+        cells.extend(percent(&root.strain_energy, springs.len()));
+        cells
+    };
+    Some(Block::Table(Table {
+        caption: caption.to_owned(),
+        columns,
+        rows: (1..).zip(roots).filter(|(_, root)| inside(root)).map(row).collect(),
+        footnotes: vec![
+            "T: share of the kinetic energy by body; U: share of the strain energy by spring; of a repeated root the mean over its modes. For a spring of stiffness k: df/f = U/2 dk/k.".to_owned(),
+        ],
+    }))
+}
+
+/// Relative change of the frequency of each root above 0 inside a band by that of every parameter: a row for each
+/// parameter, which has a dash where its value is 0.
+pub fn sensitivities_block(
+    caption: &str,
+    parameters: &[(ParameterSpec, f64)],
+    roots: &[RootSensitivity],
+    band: Option<Band>,
+) -> Block {
+    let hz = |root: &RootSensitivity| root.omega_rad_s / std::f64::consts::TAU;
+    let inside = |root: &&RootSensitivity| band.is_none_or(|band| band.contains(hz(root)));
+    let elastic = roots.iter().filter(|root| root.omega_rad_s > 0.0);
+    let shown: Vec<&RootSensitivity> = elastic.filter(inside).collect();
+    let mut columns = vec![Column::text("parameter")];
+    let head = |root: &&RootSensitivity| Column::number(format!("{:.4} Hz", hz(root)));
+    columns.extend(shown.iter().map(head));
+    let row = |(j, (spec, value)): (usize, &(ParameterSpec, f64))| {
+        let cell = |root: &&RootSensitivity| {
+            let scaled = root.scaled(j, *value).filter(|_| value.abs() > 0.0);
+            Cell::signed(scaled, 6)
+        };
+        let name = Cell::text(&spec.name);
+        std::iter::once(name)
+            .chain(shown.iter().map(cell))
+            .collect()
+    };
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        columns,
+        rows: parameters.iter().enumerate().map(row).collect(),
+        footnotes: vec![
+            "(df/f)/(dp/p), in closed form from the derivatives of the matrices; of a repeated root the mean over its branches. —: the parameter is 0.".to_owned(),
         ],
     })
 }

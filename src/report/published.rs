@@ -2,10 +2,11 @@
 
 use crate::correlate::ErrorReference;
 use crate::correlate::published::{
-    ErrorSummary, Largest, RecomputedRow, RecomputedTable, RootMatch, RootRow, Stated, TestErrors,
-    Verdict,
+    Digits, ErrorSummary, Largest, PublishedRoot, RecomputedRow, RecomputedTable, RootMatch,
+    RootRow, Stated, TestErrors, Verdict, frequency_hz,
 };
 use crate::scene::{ExpectedResult, Source, Theory};
+use crate::theory::ModelQuantity;
 
 use super::comparison::provenance;
 use super::modes::largest_shares;
@@ -14,12 +15,14 @@ use super::{Block, Cell, Column, Table};
 /// The published roots beside the model's; `None` where none are printed.
 pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Option<Block> {
     let roots = expected.roots.as_ref()?;
+    let in_hz = roots.published().all(|root| root.printed_hz.is_some());
+    let unit = if in_hz { "Hz" } else { "rad/s" };
     let columns = vec![
         Column::text("root"),
         Column::number("M"),
-        Column::number("model (rad/s)"),
+        Column::number(format!("model ({unit})")),
         Column::number("M printed"),
-        Column::number("printed (rad/s)"),
+        Column::number(format!("printed ({unit})")),
         Column::number("error (%)"),
         Column::text("class of the model"),
         Column::text("class as printed"),
@@ -36,7 +39,7 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
         columns,
         rows: (1..)
             .zip(&roots.rows[..shown])
-            .map(|(number, row)| root_cells(number, row))
+            .map(|(number, row)| root_cells(number, row, in_hz))
             .collect(),
         footnotes: root_footnotes(roots, shown, &expected.source)
             .into_iter()
@@ -45,11 +48,19 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
     }))
 }
 
-fn root_cells(number: usize, row: &RootRow) -> Vec<Cell> {
+/// `in_hz`: every root is printed as a frequency.
+fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
     let (model, published) = (row.model.as_ref(), row.published.as_ref());
     let whole = |n: usize| Cell::text(n.to_string());
     let text = |text: Option<&String>| text.map_or(Cell::Missing, Cell::text);
-    let omega = model.map(|root| root.omega_rad_s);
+    let own = model.map(|root| match in_hz {
+        true => frequency_hz(root.omega_rad_s),
+        false => root.omega_rad_s,
+    });
+    let printed = |root: &PublishedRoot| match root.printed_hz.filter(|_| in_hz) {
+        Some(hz) => hz.to_string(),
+        None => root.omega_rad_s.to_string(),
+    };
     let energy = model.map(largest_shares);
     let label = published.map_or_else(
         || format!("root {number}: not printed"),
@@ -58,11 +69,9 @@ fn root_cells(number: usize, row: &RootRow) -> Vec<Cell> {
     vec![
         Cell::text(label),
         model.map_or(Cell::Missing, |root| whole(root.modes.len())),
-        Cell::number(omega, 6),
+        Cell::number(own, 6),
         published.map_or(Cell::Missing, |root| whole(root.multiplicity)),
-        published.map_or(Cell::Missing, |root| {
-            Cell::text(root.omega_rad_s.to_string())
-        }),
+        published.map_or(Cell::Missing, |root| Cell::text(printed(root))),
         Cell::signed(row.error_percent, 4),
         text(model.and_then(|root| root.class.as_ref())),
         text(published.and_then(|root| root.class.as_ref())),
@@ -211,19 +220,22 @@ fn where_largest(test: &TestErrors) -> Option<String> {
 pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
     let row = |verdict: &Verdict| {
         // Two digits more than printed show how close a rounding is; a count has none to show.
-        let more = if verdict.unit.is_empty() { 0 } else { 2 };
+        let counted = verdict.unit.is_empty() && verdict.digits == Digits::Decimals(0);
+        let finer = verdict.digits.finer(if counted { 0 } else { 2 });
         let found = verdict.recomputed.as_ref();
+        let relation = verdict.relation;
         vec![
             Cell::text(&verdict.text),
-            stated_cell(&verdict.printed, verdict.decimals, verdict.unit),
+            stated_cell(&verdict.printed, relation, verdict.digits, verdict.unit),
             found.map_or(Cell::Missing, |found| {
-                stated_cell(found, verdict.decimals + more, verdict.unit)
+                stated_cell(found, "", finer, verdict.unit)
             }),
             Cell::text(match verdict.confirmed {
-                Some(true) => "confirmed",
-                Some(false) => "NOT confirmed",
-                None => "not checked",
+                Some(true) => "reproduced",
+                Some(false) => "NOT reproduced",
+                None => "not checkable",
             }),
+            verdict.remark.clone().map_or(Cell::Missing, Cell::Text),
         ]
     };
     (!expected.verdicts.is_empty()).then(|| {
@@ -235,26 +247,67 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
                 Column::text("printed"),
                 Column::text("recomputed"),
                 Column::text("verdict"),
+                Column::text("remark"),
             ],
             rows: expected.verdicts.iter().map(row).collect(),
             footnotes: vec![
-                "A value is confirmed when the recomputed one rounds to it; a largest one also has to be where it is said to be."
+                "A value is reproduced when the recomputed one rounds to it; a largest one also has to be where it is said to be. Not checkable: nothing to recompute it from, or nothing printed in figures."
                     .to_owned(),
             ],
         })
     })
 }
 
-/// `7.5 % at f2`, a count, or labels.
-fn stated_cell(stated: &Stated, decimals: usize, unit: &str) -> Cell {
+/// `7.5 % at f2`, `> 25 Hz`, a count, or labels.
+fn stated_cell(stated: &Stated, relation: &str, digits: Digits, unit: &str) -> Cell {
     let rows = stated.rows.join(" ");
     match stated.value {
         None if rows.is_empty() => Cell::Missing,
         None => Cell::text(rows),
         Some(value) => {
-            let value = format!("{value:.decimals$} {unit}");
+            let value = format!("{relation} {} {unit}", digits.text(value));
             let at = if rows.is_empty() { "" } else { " at " };
-            Cell::text(format!("{}{at}{rows}", value.trim_end()))
+            Cell::text(format!("{}{at}{rows}", value.trim()))
         }
     }
+}
+
+/// The numbers that the theory of a model gives beside its roots; `None` where it gives none.
+pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Block> {
+    let row = |quantity: &ModelQuantity| {
+        vec![
+            Cell::text(quantity.name),
+            quantity
+                .value
+                .map_or(Cell::Missing, |value| Cell::text(significant(value))),
+            Cell::text(quantity.unit),
+            Cell::text(&quantity.meaning),
+        ]
+    };
+    (!quantities.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: format!("What the theory of {model} gives beside its roots"),
+            columns: vec![
+                Column::text("quantity"),
+                Column::number("value"),
+                Column::text("unit"),
+                Column::text("meaning"),
+            ],
+            rows: quantities.iter().map(row).collect(),
+            footnotes: Vec::new(),
+        })
+    })
+}
+
+/// Seven digits, in scientific notation where others would be zeros or lost.
+fn significant(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(-4.0..9.0).contains(&magnitude) {
+        return format!("{value:.6e}");
+    }
+    let decimals = (6.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
 }

@@ -20,6 +20,7 @@ use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
 use super::modes_file::load_modes;
 use super::plan::{Scene, TestPlan, TestSource};
+use super::quantities::quantities;
 use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 
 /// What one test came to.
@@ -53,7 +54,7 @@ pub struct SceneResult {
     pub tests: Vec<TestResult>,
     /// The model's side.
     pub theory: Theory,
-    /// The comparison; `None` for a scene without a model.
+    /// The comparison; `None` for a scene without a model or without a test.
     pub table: Option<ComparisonTable>,
     /// Findings of the pairing, by test.
     pub comparison_findings: Vec<(String, Vec<Finding>)>,
@@ -122,19 +123,41 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
             frfs: &test.frfs,
         })
         .collect();
-    let comparison = compare_tests(&theory.modes, &named, &scene.pair)?;
-    limits.extend(judge_comparison(&scene.limits, &comparison.table.summary));
+    let comparison = match named.is_empty() {
+        true => None,
+        false => Some(compare_tests(&theory.modes, &named, &scene.pair)?),
+    };
+    let (table, comparison_findings) = comparison.map_or((None, Vec::new()), |own| {
+        (
+            Some(own.table.labelled_from(scene.first_root)),
+            own.findings,
+        )
+    });
+    limits.extend(
+        table
+            .iter()
+            .flat_map(|table| judge_comparison(&scene.limits, &table.summary)),
+    );
     Ok(SceneResult {
         tests,
         limits,
-        expected: scene
-            .expected
-            .as_ref()
-            .map(|e| e.judge(known_roots(&theory))),
+        expected: judged(scene, known_roots(&theory))?,
         theory,
-        comparison_findings: comparison.findings,
-        table: Some(comparison.table.labelled_from(scene.first_root)),
+        comparison_findings,
+        table,
     })
+}
+
+/// The published results, if there are any, held against the model.
+fn judged(
+    scene: &Scene,
+    roots: Option<&[ModelRoot]>,
+) -> Result<Option<ExpectedResult>, SceneError> {
+    let Some(expected) = &scene.expected else {
+        return Ok(None);
+    };
+    let quantities = quantities(scene, &expected.claims)?;
+    Ok(Some(expected.judge(roots, quantities)))
 }
 
 /// `[[limits.mode]]` held against one test.
@@ -178,7 +201,7 @@ fn without_model(
     Ok(SceneResult {
         tests,
         limits,
-        expected: scene.expected.as_ref().map(|e| e.judge(None)),
+        expected: judged(scene, None)?,
         theory: Theory::default(),
         table: None,
         comparison_findings: Vec::new(),

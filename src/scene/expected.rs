@@ -9,12 +9,13 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::correlate::published::{
-    Claim, ErrorClaim, ErrorUnit, MatchOptions, PublishedComparison, PublishedRoot,
-    RecomputedTable, RootMatch, RootSide, Statement, Verdict, audit, match_roots, recompute,
+    Claim, Grounds, MatchOptions, ModelQuantities, PublishedComparison, PublishedRoot,
+    RecomputedTable, RootMatch, Verdict, audit, match_roots, recompute,
 };
 use crate::theory::ModelRoot;
 
 use super::SceneError;
+use super::claims::{ClaimTable, check_names, claim};
 use super::model::{check_schema, value_error};
 use super::toml_text::{parse, read_text};
 
@@ -63,18 +64,31 @@ pub struct ExpectedResult {
     pub comparison: Option<RecomputedTable>,
     /// What became of the claims.
     pub verdicts: Vec<Verdict>,
+    /// The quantities of every model that a claim names.
+    pub quantities: Vec<ModelQuantities>,
 }
 
 impl Expected {
-    /// Holds the results against the roots of a model; without a model they are only held against one another.
-    pub fn judge(&self, model: Option<&[ModelRoot]>) -> ExpectedResult {
+    /// Holds the results against the roots of a model and the quantities of the models that claims name; without a model
+    /// they are only held against one another.
+    pub fn judge(
+        &self,
+        model: Option<&[ModelRoot]>,
+        quantities: Vec<ModelQuantities>,
+    ) -> ExpectedResult {
         let table = self.comparison.clone().unwrap_or_default();
         let matched = (!self.roots.is_empty())
             .then(|| match_roots(model.unwrap_or_default(), &self.roots, &self.matching));
         let published: Vec<&PublishedRoot> = self.roots.iter().collect();
+        let grounds = Grounds {
+            roots: matched.as_ref(),
+            quantities: &quantities,
+        };
+        let verdicts = audit(&table, &grounds, &self.claims);
         ExpectedResult {
             source: self.source.clone(),
-            verdicts: audit(&table, matched.as_ref(), &self.claims),
+            verdicts,
+            quantities,
             comparison: self
                 .comparison
                 .as_ref()
@@ -92,40 +106,46 @@ struct ExpectedFile {
     source: Source,
     max_frequency_error: Option<f64>,
     #[serde(default)]
-    root: Vec<PublishedRoot>,
+    root: Vec<RootTable>,
     comparison: Option<PublishedComparison>,
     #[serde(default)]
     claim: Vec<ClaimTable>,
 }
 
-/// A claim as typed; each kind needs some of the keys and admits no other.
+/// A root as typed.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ClaimTable {
-    text: String,
-    kind: String,
-    test: Option<String>,
-    row: Option<String>,
-    rows: Option<Vec<String>>,
-    value: Option<f64>,
-    decimals: Option<usize>,
+struct RootTable {
+    label: String,
+    omega_rad_s: Option<f64>,
+    frequency_hz: Option<f64>,
+    multiplicity: Option<usize>,
+    class: Option<String>,
+    #[serde(default)]
+    calibrated: bool,
 }
 
-/// The kinds of claim, each with the keys that it needs besides `text`; it admits these and `decimals`.
-pub(super) const KINDS: &[(&str, &[&str])] = &[
-    ("largest-error-hz", &["test", "row", "value"]),
-    ("largest-error-percent", &["test", "row", "value"]),
-    ("error-hz", &["test", "row", "value"]),
-    ("error-percent", &["test", "row", "value"]),
-    ("missed", &["test", "rows"]),
-    ("single-roots", &["value"]),
-    ("model-single-roots", &["value"]),
-    ("total-roots", &["value"]),
-    ("model-total-roots", &["value"]),
-    ("multiplicity", &["row", "value"]),
-    ("model-multiplicity", &["row", "value"]),
-    ("theory-column", &[]),
-];
+impl RootTable {
+    fn root(self, path: &str) -> Result<PublishedRoot, SceneError> {
+        let (omega_rad_s, printed_hz) = match (self.omega_rad_s, self.frequency_hz) {
+            (Some(omega), None) => (omega, None),
+            (None, Some(hz)) => (std::f64::consts::TAU * hz, Some(hz)),
+            _ => {
+                let key = format!("[[root]] {:?}", self.label);
+                let got = "none or both of `omega_rad_s` and `frequency_hz`";
+                return Err(value_error(path, &key, got, "one of them, as printed"));
+            }
+        };
+        Ok(PublishedRoot {
+            omega_rad_s,
+            printed_hz,
+            label: self.label,
+            multiplicity: self.multiplicity.unwrap_or(1),
+            class: self.class,
+            calibrated: self.calibrated,
+        })
+    }
+}
 
 /// The published results in a scene's folder, if it has any.
 pub(super) fn beside(folder: &Path) -> Result<Option<Expected>, SceneError> {
@@ -154,18 +174,20 @@ pub fn load_expected(path: &Path) -> Result<Expected, SceneError> {
         }
         matching.max_frequency_error = gate;
     }
-    check_roots(&file.root, &name)?;
+    let roots = file.root.into_iter().map(|root| root.root(&name));
+    let roots = roots.collect::<Result<Vec<_>, _>>()?;
+    check_roots(&roots, &name)?;
     let mut claims = Vec::with_capacity(file.claim.len());
     let table = file.comparison.unwrap_or_default();
-    check_comparison(&table, &file.root, &name)?;
+    check_comparison(&table, &roots, &name)?;
     for typed in &file.claim {
         let claim = claim(typed, &name)?;
-        check_names(&claim, &table, &file.root, &name)?;
+        check_names(&claim, &table, &roots, &name)?;
         claims.push(claim);
     }
     Ok(Expected {
         source: file.source,
-        roots: file.root,
+        roots,
         matching,
         comparison: (!table.row.is_empty()).then_some(table),
         claims,
@@ -248,7 +270,7 @@ fn twice(path: &str, key: &str) -> SceneError {
     value_error(path, key, "the same name twice", "each one once")
 }
 
-fn check_one_of<'a>(
+pub(super) fn check_one_of<'a>(
     name: &str,
     known: impl Iterator<Item = &'a String>,
     path: &str,
@@ -260,117 +282,4 @@ fn check_one_of<'a>(
     }
     let expected = format!("one of {known:?}");
     Err(value_error(path, key, &format!("{name:?}"), &expected))
-}
-
-/// Every test and row that a claim names is in the tables.
-fn check_names(
-    claim: &Claim,
-    table: &PublishedComparison,
-    roots: &[PublishedRoot],
-    path: &str,
-) -> Result<(), SceneError> {
-    let key = |name: &str| format!("[[claim]] {:?} {name}", claim.text);
-    let test = |name| check_one_of(name, table.tests.iter(), path, &key("test"));
-    let row = |label| {
-        let labels = table.row.iter().map(|row| &row.label);
-        check_one_of(label, labels, path, &key("row"))
-    };
-    match &claim.statement {
-        Statement::LargestError(error) | Statement::ErrorAt(error) => {
-            test(&error.test).and_then(|()| row(&error.row))
-        }
-        Statement::Missed { test: t, rows } => {
-            test(t).and_then(|()| rows.iter().try_for_each(|label| row(label)))
-        }
-        Statement::Multiplicity { row, .. } => {
-            check_one_of(row, roots.iter().map(|root| &root.label), path, &key("row"))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// More digits after the point than this no `f64` holds of a number of ordinary size.
-const MOST_DECIMALS: usize = 15;
-
-/// The claim that a table means.
-fn claim(typed: &ClaimTable, path: &str) -> Result<Claim, SceneError> {
-    let key = |name: &str| format!("[[claim]] {:?} {name}", typed.text);
-    let known = KINDS.iter().find(|(name, _)| *name == typed.kind);
-    let (_, needed) = known.ok_or_else(|| {
-        let names: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
-        let expected = format!("one of {names:?}");
-        value_error(path, &key("kind"), &format!("{:?}", typed.kind), &expected)
-    })?;
-    let given = [
-        ("test", typed.test.is_some()),
-        ("row", typed.row.is_some()),
-        ("rows", typed.rows.is_some()),
-        ("value", typed.value.is_some()),
-    ];
-    for (name, is_given) in given {
-        if is_given != needed.contains(&name) {
-            let got = if is_given { "a value" } else { "none" };
-            let expected = format!("{needed:?} for {:?}, and no other", typed.kind);
-            return Err(value_error(path, &key(name), got, &expected));
-        }
-    }
-    if let Some(got) = typed.value.filter(|value| !value.is_finite()) {
-        let got = got.to_string();
-        return Err(value_error(path, &key("value"), &got, "a finite number"));
-    }
-    if let Some(got) = typed.decimals.filter(|decimals| *decimals > MOST_DECIMALS) {
-        let (got, expected) = (got.to_string(), format!("0 to {MOST_DECIMALS}"));
-        return Err(value_error(path, &key("decimals"), &got, &expected));
-    }
-    let decimals = typed.decimals.unwrap_or(0);
-    if let Some(value) = typed.value.filter(|value| !has_decimals(*value, decimals)) {
-        let expected = format!("no more than the {decimals} `decimals` stated");
-        return Err(value_error(
-            path,
-            &key("value"),
-            &value.to_string(),
-            &expected,
-        ));
-    }
-    Ok(Claim {
-        text: typed.text.clone(),
-        statement: statement(typed),
-        decimals,
-    })
-}
-
-/// Whether a number as written has no more digits after the point than these.
-fn has_decimals(value: f64, decimals: usize) -> bool {
-    format!("{value:.decimals$}").parse() == Ok(value)
-}
-
-/// What a claim says, once its keys are known to be there.
-fn statement(typed: &ClaimTable) -> Statement {
-    let row = typed.row.clone().unwrap_or_default();
-    let value = typed.value.unwrap_or_default();
-    let test = typed.test.clone().unwrap_or_default();
-    let (side, kind) = match typed.kind.strip_prefix("model-") {
-        Some(kind) => (RootSide::Model, kind),
-        None => (RootSide::Printed, typed.kind.as_str()),
-    };
-    let error = |unit| ErrorClaim {
-        unit,
-        test: test.clone(),
-        row: row.clone(),
-        value,
-    };
-    match kind {
-        "largest-error-hz" => Statement::LargestError(error(ErrorUnit::Hz)),
-        "largest-error-percent" => Statement::LargestError(error(ErrorUnit::Percent)),
-        "error-hz" => Statement::ErrorAt(error(ErrorUnit::Hz)),
-        "error-percent" => Statement::ErrorAt(error(ErrorUnit::Percent)),
-        "missed" => Statement::Missed {
-            test,
-            rows: typed.rows.clone().unwrap_or_default(),
-        },
-        "single-roots" => Statement::SingleRoots { side, value },
-        "total-roots" => Statement::TotalRoots { side, value },
-        "multiplicity" => Statement::Multiplicity { side, row, value },
-        _ => Statement::TheoryColumn,
-    }
 }

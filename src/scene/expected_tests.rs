@@ -1,7 +1,8 @@
 use crate::correlate::published::Statement;
 
 use super::SceneError;
-use super::expected::{Expected, KINDS, beside, load_expected};
+use super::claims::KINDS;
+use super::expected::{Expected, beside, load_expected};
 
 const HEAD: &str = r#"
 schema = "modalign-expected/1"
@@ -34,7 +35,7 @@ fn message(text: &str) -> String {
 
 /// Every kind with the keys that it needs.
 fn claim_of(kind: &str) -> String {
-    let row = if kind.ends_with("multiplicity") {
+    let row = if kind.ends_with("multiplicity") || *kind == *"frequency-hz" {
         "w1"
     } else {
         "f1"
@@ -44,6 +45,7 @@ fn claim_of(kind: &str) -> String {
         "test" => "test = \"t\"\n".to_owned(),
         "row" => format!("row = \"{row}\"\n"),
         "rows" => "rows = [\"f1\"]\n".to_owned(),
+        "quantity" | "remark" => format!("{key} = \"q\"\n"),
         _ => "value = 1\n".to_owned(),
     });
     format!(
@@ -172,7 +174,7 @@ fn a_scene_without_published_results_has_none() {
 #[test]
 fn without_a_model_the_print_is_still_recomputed() {
     let expected = load(&format!("{HEAD}{}", claim_of("error-hz"))).unwrap();
-    let result = expected.judge(None);
+    let result = expected.judge(None, Vec::new());
     assert!(result.roots.is_none());
     assert!(result.comparison.unwrap().rows[0].root_hz.is_some());
     assert_eq!(result.verdicts[0].confirmed, Some(false));

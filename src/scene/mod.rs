@@ -3,6 +3,7 @@
 //! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene computes nothing itself.
 
 mod chain;
+mod claims;
 mod columns;
 mod error;
 mod expected;
@@ -11,6 +12,7 @@ mod limits;
 mod model;
 mod modes_file;
 mod plan;
+mod quantities;
 mod recording;
 mod synth_spec;
 mod synth_truth;
@@ -30,7 +32,7 @@ pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
-pub use model::{LoadedModel, Theory, load_model, sensors, theory};
+pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use modes_file::{is_modes_file, load_modes};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};

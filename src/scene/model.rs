@@ -8,9 +8,10 @@ use serde::Deserialize;
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
-    Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelRoot,
-    ParameterSpec, SCHEMA, TheoreticalModel, TheoryError, TheoryModes, built_in,
-    coordinate_sensors, model_roots, modes, override_values,
+    Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelQuantity,
+    ModelRoot, ParameterSpec, RootSensitivity, SCHEMA, TheoreticalModel, TheoryError, TheoryModes,
+    built_in, coordinate_sensors, model_roots, modes, override_values, sensitivities,
+    system_derivatives,
 };
 
 use super::SceneError;
@@ -182,6 +183,26 @@ impl LoadedModel {
         })
     }
 
+    /// The numbers that the model's theory gives beside its roots.
+    ///
+    /// # Errors
+    /// The model's own reasons.
+    pub fn quantities(&self) -> Result<Vec<ModelQuantity>, SceneError> {
+        Ok(self.model.quantities(&self.values)?)
+    }
+
+    /// The roots of the whole model with their sensitivities to its parameters.
+    ///
+    /// # Errors
+    /// The model's own reasons.
+    pub fn sensitivities(&self) -> Result<Vec<RootSensitivity>, SceneError> {
+        let model = self.model.as_ref();
+        let solved = modes(model, &self.values, &[], &ModeOptions::default())?;
+        let derivatives = system_derivatives(model, &self.values)?;
+        let roots = model_roots(model, &solved);
+        Ok(sensitivities(&solved, &roots, &derivatives)?)
+    }
+
     /// The roots of the whole model; solved again when the options kept part of its modes.
     fn roots(
         &self,
@@ -226,16 +247,14 @@ pub fn theory(
     sensors: &[Sensor],
     options: &ModeOptions,
 ) -> Result<Theory, SceneError> {
-    let named = named_model(table, folder, path)?;
-    if is_modes_file(&named) {
-        let (modes, geometry) = load_modes(&named, None)?;
+    let Some(model) = table_model(table, folder, path)? else {
+        let (modes, geometry) = load_modes(&named_model(table, folder, path)?, None)?;
         return Ok(Theory {
             modes,
             geometry,
             ..Theory::default()
         });
-    }
-    let model = load_model(&named, &table.parameters)?;
+    };
     let all: Vec<Sensor> = model
         .sensors
         .iter()
@@ -244,6 +263,22 @@ pub fn theory(
         .cloned()
         .collect();
     model.solve(&all, options)
+}
+
+/// The model that a `[model]` table means with its parameters; `None` for finished modes.
+///
+/// # Errors
+/// As [`theory`].
+pub fn table_model(
+    table: &ModelTable,
+    folder: &Path,
+    path: &str,
+) -> Result<Option<LoadedModel>, SceneError> {
+    let named = named_model(table, folder, path)?;
+    if is_modes_file(&named) {
+        return Ok(None);
+    }
+    load_model(&named, &table.parameters).map(Some)
 }
 
 /// The model that a `[model]` table names: a built-in name as it stands, or the path of a file.

@@ -34,6 +34,8 @@ pub struct Scene {
     pub tables: Vec<ReportTableTable>,
     /// Number of the first elastic root in the comparison.
     pub first_root: usize,
+    /// Band of the roots whose energy is printed.
+    pub energies: Option<Band>,
     /// Tests in order.
     pub tests: Vec<TestPlan>,
     /// Sensors and hits on the model.
@@ -138,7 +140,7 @@ impl Scene {
             .iter()
             .map(|test| test_plan(test, &folder, &name))
             .collect::<Result<Vec<_>, _>>()?;
-        check_tests(&tests, &name)?;
+        check_tests(&tests, typed.model.is_some(), &name)?;
         typed.pair.validate().map_err(|error| {
             value_error(
                 &name,
@@ -157,6 +159,7 @@ impl Scene {
             hammer: hammer_options(&typed.frf, &name)?,
             pair: typed.pair,
             first_root: typed.report.first_root.unwrap_or(1),
+            energies: energies_band(typed.report.energies_to_hz, &name)?,
             tables,
             title: typed.title,
             model: typed.model,
@@ -168,6 +171,15 @@ impl Scene {
             folder,
         })
     }
+}
+
+/// From 0 Hz to the highest root whose energy is printed.
+fn energies_band(highest_hz: Option<f64>, path: &str) -> Result<Option<Band>, SceneError> {
+    let band = highest_hz.map(|hz| Band::new(0.0, hz)).transpose();
+    band.map_err(|error| {
+        let got = format!("{highest_hz:?}");
+        value_error(path, "[report] energies_to_hz", &got, &error.to_string())
+    })
 }
 
 /// The tables as stated, every test in at least one; else one table of all tests.
@@ -217,9 +229,10 @@ fn report_tables(
     Ok(stated)
 }
 
-fn check_tests(tests: &[TestPlan], path: &str) -> Result<(), SceneError> {
-    if tests.is_empty() {
-        return Err(value_error(path, "[[test]]", "no test", "at least one"));
+fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneError> {
+    if tests.is_empty() && !model {
+        let expected = "at least one, or a [model] alone";
+        return Err(value_error(path, "[[test]]", "no test", expected));
     }
     for (index, test) in tests.iter().enumerate() {
         if tests[..index].iter().any(|other| other.name == test.name) {

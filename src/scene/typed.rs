@@ -248,6 +248,8 @@ pub struct ReportTable {
     pub caption: Option<String>,
     /// Number of the first elastic root in the comparison, as a paper counts it; 1 when not stated.
     pub first_root: Option<usize>,
+    /// The energy of the model's roots up to this frequency is printed; none when not stated.
+    pub energies_to_hz: Option<f64>,
     /// Tables by the names of their tests; one table of all tests when not stated.
     #[serde(default)]
     pub table: Vec<ReportTableTable>,

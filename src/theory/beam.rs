@@ -11,11 +11,13 @@ use crate::linalg::{RealMatrix, real_matrix};
 
 use super::beam_line::{BeamLine, BeamPoint, find_line, find_point};
 use super::description::{BeamDescription, BeamFile, SCHEMA, distinct};
+use super::dual::Values;
 use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::coordinate_index;
 use super::{
-    Assumption, Coordinate, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError, hermite,
+    Assumption, Coordinate, ParameterSpec, SystemDerivative, SystemMatrices, TheoreticalModel,
+    TheoryError, hermite,
 };
 
 /// A model of beams, made from a [`BeamFile`].
@@ -59,33 +61,53 @@ impl BeamModel {
         Ok(model)
     }
 
-    fn property(&self, property: &Property<'_>, values: &[f64]) -> Result<f64, TheoryError> {
-        property.resolve(&self.file.parameters, values)
+    /// M and K, or their derivatives by the parameter of `values`: both are sums of what is taken out of each number.
+    fn sum(&self, values: &Values<'_>) -> Result<SystemMatrices, TheoryError> {
+        check_values(self.name(), self.parameters(), values.values)?;
+        let n = self.coordinates.len();
+        let mut matrices = SystemMatrices {
+            mass: real_matrix(n, n, |_, _| 0.0),
+            damping: None,
+            stiffness: real_matrix(n, n, |_, _| 0.0),
+            coordinates: self.coordinates.clone(),
+            springs: Vec::new(),
+        };
+        self.add_beams(&mut matrices, values)?;
+        self.add_masses(&mut matrices, values)?;
+        self.add_springs(&mut matrices, values)?;
+        Ok(matrices)
     }
 
-    fn add_beams(&self, matrices: &mut SystemMatrices, values: &[f64]) -> Result<(), TheoryError> {
+    fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
+        let specs = &self.file.parameters;
+        Values { specs, values, by }
+    }
+
+    fn add_beams(
+        &self,
+        matrices: &mut SystemMatrices,
+        values: &Values<'_>,
+    ) -> Result<(), TheoryError> {
         for (line, beam) in self.lines.iter().zip(&self.file.beams) {
             let part = beam.label();
             let get = |name, value| {
                 let sign = Sign::Positive;
                 let part = &part;
-                self.property(
-                    &Property {
-                        part,
-                        name,
-                        value,
-                        sign,
-                    },
-                    values,
-                )
+                Property {
+                    part,
+                    name,
+                    value,
+                    sign,
+                }
+                .dual(values)
             };
             let bending = get("youngs_modulus_pa", &beam.youngs_modulus_pa)?
                 * get("second_moment_m4", &beam.second_moment_m4)?;
             let mass_per_length =
                 get("density_kg_per_m3", &beam.density_kg_per_m3)? * get("area_m2", &beam.area_m2)?;
             let h = line.length_m / line.elements as f64;
-            let stiffness = hermite::stiffness(bending, h);
-            let mass = hermite::mass(mass_per_length, h);
+            let stiffness = hermite::stiffness(values.part(bending), h);
+            let mass = hermite::mass(values.part(mass_per_length), h);
             for element in 0..line.elements {
                 let columns = line.element_columns(element);
                 add_element(&mut matrices.stiffness, columns, &stiffness);
@@ -95,33 +117,43 @@ impl BeamModel {
         Ok(())
     }
 
-    fn add_masses(&self, matrices: &mut SystemMatrices, values: &[f64]) -> Result<(), TheoryError> {
+    fn add_masses(
+        &self,
+        matrices: &mut SystemMatrices,
+        values: &Values<'_>,
+    ) -> Result<(), TheoryError> {
         let sign = Sign::NotNegative;
         for (point, mass) in self.masses.iter().zip(&self.file.point_masses) {
             let part = &mass.label();
             let (name, value) = ("mass_kg", &mass.mass_kg);
-            let kg = self.property(
-                &Property {
+            let kg = Property {
+                part,
+                name,
+                value,
+                sign,
+            }
+            .dual(values)?;
+            add_outer(
+                &mut matrices.mass,
+                point.columns,
+                point.deflection,
+                values.part(kg),
+            );
+            if let Some(value) = &mass.rotary_inertia_kg_m2 {
+                let name = "rotary_inertia_kg_m2";
+                let inertia = Property {
                     part,
                     name,
                     value,
                     sign,
-                },
-                values,
-            )?;
-            add_outer(&mut matrices.mass, point.columns, point.deflection, kg);
-            if let Some(value) = &mass.rotary_inertia_kg_m2 {
-                let name = "rotary_inertia_kg_m2";
-                let inertia = self.property(
-                    &Property {
-                        part,
-                        name,
-                        value,
-                        sign,
-                    },
-                    values,
-                )?;
-                add_outer(&mut matrices.mass, point.columns, point.rotation, inertia);
+                }
+                .dual(values)?;
+                add_outer(
+                    &mut matrices.mass,
+                    point.columns,
+                    point.rotation,
+                    values.part(inertia),
+                );
             }
         }
         Ok(())
@@ -130,7 +162,7 @@ impl BeamModel {
     fn add_springs(
         &self,
         matrices: &mut SystemMatrices,
-        values: &[f64],
+        values: &Values<'_>,
     ) -> Result<(), TheoryError> {
         let sign = Sign::NotNegative;
         for (point, spring) in self.springs.iter().zip(&self.file.springs) {
@@ -149,16 +181,14 @@ impl BeamModel {
             ];
             for (name, value, row) in directions {
                 let Some(value) = value else { continue };
-                let k = self.property(
-                    &Property {
-                        part,
-                        name,
-                        value,
-                        sign,
-                    },
-                    values,
-                )?;
-                add_outer(&mut matrices.stiffness, point.columns, row, k);
+                let k = Property {
+                    part,
+                    name,
+                    value,
+                    sign,
+                }
+                .dual(values)?;
+                add_outer(&mut matrices.stiffness, point.columns, row, values.part(k));
             }
         }
         Ok(())
@@ -175,18 +205,16 @@ impl TheoreticalModel for BeamModel {
     }
 
     fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
-        check_values(self.name(), self.parameters(), values)?;
-        let n = self.coordinates.len();
-        let mut matrices = SystemMatrices {
-            mass: real_matrix(n, n, |_, _| 0.0),
+        self.sum(&self.values(values, None))
+    }
+
+    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
+        let sum = self.sum(&self.values(values, Some(j)))?;
+        Ok(SystemDerivative {
+            mass: sum.mass,
             damping: None,
-            stiffness: real_matrix(n, n, |_, _| 0.0),
-            coordinates: self.coordinates.clone(),
-        };
-        self.add_beams(&mut matrices, values)?;
-        self.add_masses(&mut matrices, values)?;
-        self.add_springs(&mut matrices, values)?;
-        Ok(matrices)
+            stiffness: sum.stiffness,
+        })
     }
 
     /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the cosine to the

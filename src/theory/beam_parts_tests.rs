@@ -34,7 +34,7 @@ fn rigid_motion(model: &BeamModel, turn: bool) -> Vec<f64> {
     let matrices = model.assemble(&[]).unwrap();
     let value = |c: &Coordinate| match (c.motion, turn) {
         (Motion::Translation, false) | (Motion::Rotation, true) => 1.0,
-        (Motion::Rotation, false) => 0.0,
+        (Motion::Rotation, false) | (Motion::Arc, _) => 0.0,
         (Motion::Translation, true) => (c.at_m[0] - 0.1).hypot(c.at_m[1] - 0.2),
     };
     matrices.coordinates.iter().map(value).collect()

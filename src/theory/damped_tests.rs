@@ -37,6 +37,7 @@ impl Chain {
                 _ => 0.0,
             }),
             coordinates: (0..n).map(coordinate).collect(),
+            springs: Vec::new(),
         }
     }
 }

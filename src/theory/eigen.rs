@@ -15,7 +15,7 @@ use crate::linalg::{self, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearity};
 
 use super::basis::{canonicalise, fix_sign};
-use super::energy::kinetic_shares;
+use super::energy::{StrainShares, kinetic_shares, strain_shares};
 use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
 
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
@@ -48,6 +48,8 @@ pub struct TheoryModes {
     pub coordinates: Vec<Coordinate>,
     /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column adds up to 1.
     pub kinetic_shares: RealMatrix,
+    /// Where the strain energy is, by the names of the springs.
+    pub strain_shares: StrainShares,
 }
 
 /// Modes of a model with these parameter values at these sensors.
@@ -139,6 +141,7 @@ pub fn modes_of_matrices(
     let vectors = columns(&solution.vectors, &kept);
     Ok(TheoryModes {
         kinetic_shares: kinetic_shares(&matrices.mass, &vectors),
+        strain_shares: strain_shares(&matrices.springs, &vectors),
         model: ModalModel {
             producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
             band: options.band,

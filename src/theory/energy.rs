@@ -1,8 +1,8 @@
-//! The distinct roots of a model, and where the kinetic energy of each of them is.
+//! The distinct roots of a model, and where the kinetic and the strain energy of each of them are.
 
 use crate::linalg::RealMatrix;
 
-use super::{TheoreticalModel, TheoryModes};
+use super::{Spring, TheoreticalModel, TheoryModes};
 
 /// One root of a model with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,9 @@ pub struct ModelRoot {
     /// Share of the kinetic energy in each body, bodies in the order of the model; the shares add up to 1. For a repeated
     /// root the mean over its modes, which does not depend on the basis.
     pub kinetic_energy: Vec<(String, f64)>,
+    /// Share of the strain energy in the springs of each name, in the order of the model; the shares add up to 1. Of a
+    /// repeated root the mean over its modes. Empty for a root at 0 and for a model without springs.
+    pub strain_energy: Vec<(String, f64)>,
     /// What kind of motion it is, in the words of the model; `None` for a model that has no such words.
     pub class: Option<String>,
 }
@@ -38,14 +41,54 @@ impl ModelRoot {
     }
 }
 
+/// Share of the strain energy of a mode (column) in the springs of one name (row).
+#[derive(Clone, Debug)]
+pub struct StrainShares {
+    /// The names, each once, in the order of the springs.
+    pub names: Vec<String>,
+    /// The shares; a column adds up to 1, or is 0 where nothing is strained.
+    pub shares: RealMatrix,
+}
+
+/// `k (b^T phi)^2` of every spring in every mode over its sum. Rounding strains a rigid-body mode a little, by which its
+/// shares mean nothing.
+pub(super) fn strain_shares(springs: &[Spring], vectors: &RealMatrix) -> StrainShares {
+    let mut names: Vec<String> = Vec::new();
+    for spring in springs {
+        if !names.contains(&spring.name) {
+            names.push(spring.name.clone());
+        }
+    }
+    let mut shares = crate::linalg::real_matrix(names.len(), vectors.ncols(), |_, _| 0.0);
+    for j in 0..vectors.ncols() {
+        for spring in springs {
+            let parts = spring.row.iter().enumerate();
+            let stretch: f64 = parts.map(|(i, part)| part * vectors[(i, j)]).sum();
+            let row = names.iter().position(|name| *name == spring.name);
+            shares[(row.unwrap_or_default(), j)] += spring.stiffness * stretch * stretch;
+        }
+        let total: f64 = (0..names.len()).map(|i| shares[(i, j)]).sum();
+        if total > 0.0 {
+            (0..names.len()).for_each(|i| shares[(i, j)] /= total);
+        }
+    }
+    StrainShares { names, shares }
+}
+
 /// The distinct roots in ascending order; modes of one group number are one root.
 pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<ModelRoot> {
     let root = |own: Vec<usize>| {
         let omega_rad_s = modes.omega_rad_s[own[0]];
-        let shares = mean_shares(modes, &own);
+        let shares = mean_shares(&modes.kinetic_shares, &own);
+        let strain = &modes.strain_shares;
+        let strained = (omega_rad_s > 0.0).then(|| {
+            let means = mean_shares(&strain.shares, &own).into_iter();
+            strain.names.iter().cloned().zip(means).collect()
+        });
         ModelRoot {
             omega_rad_s,
             kinetic_energy: by_body(modes, &shares),
+            strain_energy: strained.unwrap_or_default(),
             class: model.mode_class(omega_rad_s, &shares).map(str::to_owned),
             modes: own,
         }
@@ -61,13 +104,10 @@ pub(super) fn kinetic_shares(mass: &RealMatrix, vectors: &RealMatrix) -> RealMat
     })
 }
 
-/// Share of each coordinate, the mean over the modes of a root.
-fn mean_shares(modes: &TheoryModes, own: &[usize]) -> Vec<f64> {
-    let mean = |i: usize| {
-        let sum: f64 = own.iter().map(|&j| modes.kinetic_shares[(i, j)]).sum();
-        sum / own.len() as f64
-    };
-    (0..modes.coordinates.len()).map(mean).collect()
+/// Each row's mean over the modes of a root.
+fn mean_shares(shares: &RealMatrix, own: &[usize]) -> Vec<f64> {
+    let mean = |i: usize| own.iter().map(|&j| shares[(i, j)]).sum::<f64>() / own.len() as f64;
+    (0..shares.nrows()).map(mean).collect()
 }
 
 fn by_body(modes: &TheoryModes, shares: &[f64]) -> Vec<(String, f64)> {

@@ -161,6 +161,18 @@ pub enum TheoryError {
         /// How many there are.
         count: usize,
     },
+    /// A point or an angle of a body whose coordinate is a radius times an angle, the radius not known.
+    #[error(
+        "{used_by}: `{body}` moves by `{coordinate}`, a radius times an angle; expected the coordinate instead of a point"
+    )]
+    NoRadius {
+        /// Who asked for it.
+        used_by: String,
+        /// The body.
+        body: String,
+        /// Its coordinate.
+        coordinate: String,
+    },
     /// A point beyond the ends of a body.
     #[error("{used_by}: got a point {got_m} m along `{body}`, expected 0 to {length_m} m")]
     PointOutside {

@@ -3,15 +3,17 @@
 use crate::geometry::Target;
 
 use super::description::{SCHEMA, Value, distinct};
+use super::dual::Values;
 use super::error::nearest_name;
 use super::lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
 use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
-use super::rigid::{Attachment, RigidBodies, SpringRow};
+use super::rigid::{Attachment, RigidBodies};
 use super::{
-    Assumption, Coordinate, Motion, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError,
+    Assumption, Coordinate, Motion, ParameterSpec, Spring, SystemDerivative, SystemMatrices,
+    TheoreticalModel, TheoryError,
 };
 
 /// The name of what does not move.
@@ -65,7 +67,7 @@ impl LumpedModel {
     }
 
     /// Mass or moment of inertia of every coordinate.
-    fn inertia(&self, values: &[f64]) -> Result<Vec<f64>, TheoryError> {
+    fn inertia(&self, values: &Values<'_>) -> Result<Vec<f64>, TheoryError> {
         let mut inertia = Vec::with_capacity(self.bodies.coordinates.len());
         for body in &self.file.bodies {
             let part = &body.label();
@@ -83,13 +85,22 @@ impl LumpedModel {
                     value,
                     sign,
                 };
-                inertia.push(property.resolve(&self.file.parameters, values)?);
+                inertia.push(values.part(property.dual(values)?));
             }
         }
         Ok(inertia)
     }
 
-    fn springs(&self, values: &[f64]) -> Result<Vec<SpringRow>, TheoryError> {
+    /// M and K, or their derivatives by a parameter: both are sums, since no parameter moves a point.
+    fn sum(&self, values: &[f64], by: Option<usize>) -> Result<SystemMatrices, TheoryError> {
+        check_values(self.name(), self.parameters(), values)?;
+        let specs = &self.file.parameters;
+        let values = &Values { specs, values, by };
+        let (inertia, springs) = (self.inertia(values)?, self.springs(values)?);
+        Ok(self.bodies.matrices(&inertia, springs))
+    }
+
+    fn springs(&self, values: &Values<'_>) -> Result<Vec<Spring>, TheoryError> {
         let spring = |(own, link): (&Stiffness, &LinkDescription)| {
             let property = Property {
                 part: &link.label(),
@@ -97,9 +108,10 @@ impl LumpedModel {
                 value: &own.value,
                 sign: Sign::NotNegative,
             };
-            Ok(SpringRow {
+            Ok(Spring {
+                name: link.name.clone(),
                 row: own.row.clone(),
-                stiffness: property.resolve(&self.file.parameters, values)?,
+                stiffness: values.part(property.dual(values)?),
             })
         };
         let pairs = self.stiffnesses.iter().zip(&self.file.springs);
@@ -117,10 +129,16 @@ impl TheoreticalModel for LumpedModel {
     }
 
     fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
-        check_values(self.name(), self.parameters(), values)?;
-        Ok(self
-            .bodies
-            .matrices(&self.inertia(values)?, &self.springs(values)?))
+        self.sum(values, None)
+    }
+
+    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
+        let sum = self.sum(values, Some(j))?;
+        Ok(SystemDerivative {
+            mass: sum.mass,
+            damping: None,
+            stiffness: sum.stiffness,
+        })
     }
 
     /// A point need not lie on the body: it moves as if it were fixed to it.

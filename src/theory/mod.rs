@@ -9,6 +9,7 @@ mod beam;
 mod beam_line;
 mod damped;
 mod description;
+mod dual;
 mod eigen;
 mod energy;
 mod error;
@@ -16,10 +17,13 @@ mod gear;
 mod hermite;
 mod lumped;
 mod lumped_description;
+mod machine;
 mod parameter;
 mod property;
+mod quantity;
 mod residues;
 mod rigid;
+mod sensitivity;
 
 #[cfg(test)]
 mod beam_modes_tests;
@@ -31,6 +35,8 @@ mod damped_tests;
 mod eigen_tests;
 #[cfg(test)]
 mod lumped_tests;
+#[cfg(test)]
+mod sensitivity_tests;
 
 use crate::geometry::Target;
 use crate::linalg::RealMatrix;
@@ -41,9 +47,9 @@ pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
-pub use energy::{ModelRoot, model_roots};
+pub use energy::{ModelRoot, StrainShares, model_roots};
 pub use error::TheoryError;
-pub use gear::{BUILT_IN, BuiltIn, CycloidBall, built_in};
+pub use gear::{BUILT_IN, BuiltIn, CycloidBall, SpiderReducer, TorsionalPlanetary, built_in};
 pub use lumped::LumpedModel;
 pub use lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
@@ -51,8 +57,10 @@ pub use lumped_description::{
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
+pub use quantity::ModelQuantity;
 pub use residues::{PairResidues, residues};
 pub use rigid::coordinate_sensors;
+pub use sensitivity::{RootSensitivity, sensitivities, system_derivatives};
 
 /// What kind of motion a coordinate is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +69,8 @@ pub enum Motion {
     Translation,
     /// A rotation, rad.
     Rotation,
+    /// A rotation times a radius that the model does not name, m: the displacement along a circle of a torsional model.
+    Arc,
 }
 
 /// One generalised coordinate of a model.
@@ -72,10 +82,22 @@ pub struct Coordinate {
     pub body: String,
     /// Displacement or rotation.
     pub motion: Motion,
-    /// Unit vector of the displacement, or of the rotation by the right-hand rule, in the model's frame.
+    /// Unit vector of the displacement, or of the rotation by the right-hand rule (that of an arc, too), in the model's
+    /// frame.
     pub axis: [f64; 3],
     /// Where on the body it is, m, in the model's frame.
     pub at_m: [f64; 3],
+}
+
+/// A spring of a model: `K = sum k b b^T` over them where the model has no other elasticity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spring {
+    /// The name that its share of the strain energy goes by; springs of one name are counted together.
+    pub name: String,
+    /// Stretch (or twist) per unit of each coordinate, `b`.
+    pub row: Vec<f64>,
+    /// Stiffness, N/m; N m/rad against rotation.
+    pub stiffness: f64,
 }
 
 /// Matrices of `M x'' + C x' + K x = f` over the model's coordinates, all `n` by `n` and symmetric.
@@ -89,6 +111,8 @@ pub struct SystemMatrices {
     pub stiffness: RealMatrix,
     /// The coordinates, in the order of rows and columns.
     pub coordinates: Vec<Coordinate>,
+    /// The springs, where they are all of the elasticity; none for a model with elasticity of another kind.
+    pub springs: Vec<Spring>,
 }
 
 /// Derivative of the matrices by one parameter, in their units per unit of the parameter.
@@ -137,21 +161,25 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// [`TheoryError::ZeroDirection`].
     fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError>;
 
-    /// Derivative of the matrices by parameter `j`, for a model that knows it in closed form.
+    /// Derivative of the matrices by parameter `j`, in closed form.
     ///
-    /// `None` when it does not; a caller then takes differences.
-    fn derivative(
-        &self,
-        _values: &[f64],
-        _j: usize,
-    ) -> Option<Result<SystemDerivative, TheoryError>> {
-        None
-    }
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble).
+    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError>;
 
     /// What kind of motion a root is, in words that mean something for this machine, from its angular
     /// frequency and the share of the kinetic energy of each coordinate (of a repeated root the mean over its modes). `None` for a model without such words.
     fn mode_class(&self, _omega_rad_s: f64, _shares: &[f64]) -> Option<&'static str> {
         None
+    }
+
+    /// Numbers that the theory of this machine gives beside its matrices: closed forms, places of veering, static
+    /// balances. None for a model without such a theory.
+    ///
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble), and those of the modes where a quantity needs them.
+    fn quantities(&self, _values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
+        Ok(Vec::new())
     }
 
     /// What the model takes for granted.

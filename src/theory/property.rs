@@ -1,6 +1,7 @@
 //! A number that a part of a model needs, and which values it may have.
 
 use super::description::Value;
+use super::dual::{Dual, Values};
 use super::{ParameterSpec, TheoryError};
 
 /// Which sign a property may have.
@@ -40,6 +41,19 @@ impl Property<'_> {
             got,
             expected,
         })
+    }
+
+    /// The number with its derivative by the parameter of `values`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Property::resolve).
+    pub fn dual(&self, values: &Values<'_>) -> Result<Dual, TheoryError> {
+        let value = self.resolve(values.specs, values.values)?;
+        let slope = match self.value {
+            Value::Parameter(name) => values.get(name).slope,
+            Value::Number(_) => 0.0,
+        };
+        Ok(Dual { value, slope })
     }
 
     /// A parameter is in the unit of the property that it stands for: nothing is converted, and nothing guessed.

@@ -10,7 +10,7 @@ use crate::geometry::{self, Sensor, Target};
 use crate::linalg::{Vector3, real_matrix};
 
 use super::error::nearest_name;
-use super::{Coordinate, Motion, SystemMatrices, TheoryError};
+use super::{Coordinate, Motion, Spring, SystemMatrices, TheoryError};
 
 /// The bodies of a model and how they may move.
 #[derive(Clone, Debug, Default)]
@@ -19,13 +19,6 @@ pub(super) struct RigidBodies {
     pub names: Vec<String>,
     /// The coordinates; those of one body stand together.
     pub coordinates: Vec<Coordinate>,
-}
-
-/// A spring as its stretch per unit of each coordinate, and its stiffness: N/m, or N m/rad against rotation.
-#[derive(Clone, Debug)]
-pub(super) struct SpringRow {
-    pub row: Vec<f64>,
-    pub stiffness: f64,
 }
 
 /// A point of a body, or of the ground.
@@ -45,11 +38,12 @@ impl RigidBodies {
         direction: [f64; 3],
     ) -> Result<Vec<f64>, TheoryError> {
         self.check_body(used_by, body)?;
+        self.check_radius(used_by, body)?;
         let direction = unit_direction(used_by, direction)?;
         let reading = |coordinate: &Coordinate| {
             let axis = Vector3::from(coordinate.axis);
             let moved = match coordinate.motion {
-                Motion::Translation => axis,
+                Motion::Translation | Motion::Arc => axis,
                 Motion::Rotation => {
                     axis.cross(&(Vector3::from(at_m) - Vector3::from(coordinate.at_m)))
                 }
@@ -67,9 +61,10 @@ impl RigidBodies {
         direction: [f64; 3],
     ) -> Result<Vec<f64>, TheoryError> {
         self.check_body(used_by, body)?;
+        self.check_radius(used_by, body)?;
         let direction = unit_direction(used_by, direction)?;
         let reading = |coordinate: &Coordinate| match coordinate.motion {
-            Motion::Translation => 0.0,
+            Motion::Translation | Motion::Arc => 0.0,
             Motion::Rotation => Vector3::from(coordinate.axis).dot(&direction),
         };
         Ok(self.row(body, reading))
@@ -118,10 +113,10 @@ impl RigidBodies {
     }
 
     /// `M = diag(inertia)`, `K = sum k b b^T` over the springs.
-    pub fn matrices(&self, inertia: &[f64], springs: &[SpringRow]) -> SystemMatrices {
+    pub fn matrices(&self, inertia: &[f64], springs: Vec<Spring>) -> SystemMatrices {
         let n = self.coordinates.len();
         let mut stiffness = real_matrix(n, n, |_, _| 0.0);
-        for spring in springs {
+        for spring in &springs {
             let moved: Vec<usize> = (0..n).filter(|&i| spring.row[i] != 0.0).collect();
             for (&i, &j) in moved.iter().flat_map(|i| moved.iter().map(move |j| (i, j))) {
                 stiffness[(i, j)] += spring.stiffness * spring.row[i] * spring.row[j];
@@ -132,6 +127,7 @@ impl RigidBodies {
             damping: None,
             stiffness,
             coordinates: self.coordinates.clone(),
+            springs,
         }
     }
 
@@ -159,6 +155,19 @@ impl RigidBodies {
             }
         }
         Ok(difference)
+    }
+
+    /// A coordinate that is a radius times an angle says nothing of a point of its body, nor of its angle.
+    fn check_radius(&self, used_by: &str, body: &str) -> Result<(), TheoryError> {
+        let mut own = self.coordinates.iter().filter(|c| c.body == body);
+        match own.find(|c| c.motion == Motion::Arc) {
+            None => Ok(()),
+            Some(coordinate) => Err(TheoryError::NoRadius {
+                used_by: used_by.to_owned(),
+                body: body.to_owned(),
+                coordinate: coordinate.name.clone(),
+            }),
+        }
     }
 
     /// Whether there is such a body.
@@ -200,7 +209,7 @@ pub(super) fn coordinate_index(
 }
 
 /// A sensor on every coordinate, named after its body and axis (`output:+Y`); none for a model whose coordinates these do
-/// not name, such as the nodes of a beam.
+/// not name, such as the nodes of a beam. A displacement along a circle is a scalar (`sun:+S`).
 pub fn coordinate_sensors(coordinates: &[Coordinate]) -> Vec<Sensor> {
     let sensor = |coordinate: &Coordinate| {
         Some(Sensor {
@@ -219,6 +228,7 @@ pub fn coordinate_sensors(coordinates: &[Coordinate]) -> Vec<Sensor> {
 /// The positive axis along or about which a coordinate moves.
 fn axis(coordinate: &Coordinate) -> Option<Axis> {
     let all = match coordinate.motion {
+        Motion::Arc => return Some(Axis::S),
         Motion::Translation => [Axis::X, Axis::Y, Axis::Z],
         Motion::Rotation => [Axis::RX, Axis::RY, Axis::RZ],
     };
@@ -279,7 +289,8 @@ mod tests {
         assert_eq!(row((rim, housing)), [-1.0, 0.0, -2.0]);
         let k = disc().matrices(
             &[2.0, 2.0, 3.0],
-            &[SpringRow {
+            vec![Spring {
+                name: "support".to_owned(),
                 row: row((ground, rim)),
                 stiffness: 10.0,
             }],

@@ -21,4 +21,5 @@ mod roving;
 #[path = "../population/seeds.rs"]
 mod seeds;
 mod torture;
+mod transmissions;
 mod truncation;

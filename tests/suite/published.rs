@@ -19,7 +19,7 @@ fn cycloid_ball() -> Expected {
 }
 
 fn judged() -> ExpectedResult {
-    cycloid_ball().judge(Some(&model_roots()))
+    cycloid_ball().judge(Some(&model_roots()), Vec::new())
 }
 
 /// The verdicts on claims that begin so.

@@ -3,7 +3,10 @@
 //! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is 7.5 %, and no other is
 //! larger. They are audited apart, since either can be wrong alone.
 
-use super::roots::RootMatch;
+use crate::theory::{ModelQuantity, ModelRoot};
+
+use super::digits::Digits;
+use super::roots::{RootMatch, RootRow, frequency_hz};
 use super::table::{PublishedComparison, RecomputedRow, RecomputedTable, recompute};
 
 /// One claim.
@@ -13,8 +16,52 @@ pub struct Claim {
     pub text: String,
     /// What it says.
     pub statement: Statement,
-    /// Digits after the point of the printed value; the value is confirmed when the recomputed one rounds to it.
-    pub decimals: usize,
+    /// Digits of the printed value; the value is confirmed when the recomputed one rounds to it.
+    pub digits: Digits,
+    /// What there is to say of it besides; `None` for most.
+    pub remark: Option<String>,
+}
+
+/// What a claim says of a quantity of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Relation {
+    /// It is this much.
+    Equal(f64),
+    /// It is more than this.
+    Above(f64),
+    /// It is less than this.
+    Below(f64),
+    /// Nothing in figures: the model's own is told, and nothing judged.
+    Untold,
+}
+
+/// A claim about a number that a model's theory gives beside its roots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuantityClaim {
+    /// Name of the model; `None` for the one that the publication is held against.
+    pub model: Option<String>,
+    /// Name of the quantity.
+    pub quantity: String,
+    /// What is said of it.
+    pub relation: Relation,
+}
+
+/// The quantities of one model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelQuantities {
+    /// Name, as claims have it; `None` for the model that the publication is held against.
+    pub model: Option<String>,
+    /// Its quantities.
+    pub quantities: Vec<ModelQuantity>,
+}
+
+/// What claims are held against besides the published tables.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Grounds<'a> {
+    /// The published roots and those of a model.
+    pub roots: Option<&'a RootMatch>,
+    /// Quantities of every model that a claim names.
+    pub quantities: &'a [ModelQuantities],
 }
 
 /// What an error is measured in.
@@ -97,6 +144,17 @@ pub enum Statement {
     },
     /// The theory's frequency of every row is its printed root over 2 pi, rounded.
     TheoryColumn,
+    /// The frequency of a printed root is that of the model's root, rounded.
+    Frequency {
+        /// Label of the printed root.
+        row: String,
+        /// As printed, Hz.
+        hz: f64,
+    },
+    /// A number that a model's theory gives.
+    Quantity(QuantityClaim),
+    /// Nothing here can be held against it; the remark says why.
+    NotCheckable,
 }
 
 /// A value, rows, or a value at rows.
@@ -115,54 +173,106 @@ pub struct Verdict {
     pub text: String,
     /// Unit of both values; empty for counts.
     pub unit: &'static str,
-    /// Digits after the point of the printed value.
-    pub decimals: usize,
+    /// Digits of the printed value.
+    pub digits: Digits,
+    /// `>` or `<` where the printed value is a bound; empty else.
+    pub relation: &'static str,
+    /// What there is to say of it besides.
+    pub remark: Option<String>,
     /// As printed.
     pub printed: Stated,
     /// As recomputed; `None` where there is nothing to recompute it from.
     pub recomputed: Option<Stated>,
-    /// Whether they agree; `None` where nothing could be recomputed.
+    /// Whether they agree; `None` where nothing could be recomputed, or nothing is printed in figures.
     pub confirmed: Option<bool>,
 }
 
 /// Recomputes every claim from the published rows, or from the model where the claim is about the model.
 ///
 /// One verdict for each claim in their order; [`Statement::TheoryColumn`] has one for the rows that agree and one for each
-/// row that does not. Without `roots` a claim about roots has no verdict, nor has one about a row or test that is not there.
-pub fn audit(
-    table: &PublishedComparison,
-    roots: Option<&RootMatch>,
-    claims: &[Claim],
-) -> Vec<Verdict> {
-    let published: Vec<_> = roots.iter().flat_map(|roots| roots.published()).collect();
+/// row that does not. Without roots a claim about roots has no verdict, nor has one about a row, test or quantity that is not
+/// there.
+pub fn audit(table: &PublishedComparison, grounds: &Grounds<'_>, claims: &[Claim]) -> Vec<Verdict> {
+    let published: Vec<_> = grounds
+        .roots
+        .iter()
+        .flat_map(|roots| roots.published())
+        .collect();
     let recomputed = recompute(table, &published);
     let of_claim = |claim: &Claim| match &claim.statement {
         Statement::TheoryColumn => theory_column(claim, &recomputed.rows),
-        _ => vec![verdict(claim, &recomputed, roots)],
+        _ => vec![verdict(claim, &recomputed, grounds)],
     };
     claims.iter().flat_map(of_claim).collect()
 }
 
-/// Whether a value rounds to the printed one; at a tie to either side.
-fn rounds_to(value: f64, printed: f64, decimals: usize) -> bool {
-    let half_digit = 0.5 * 10f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX));
-    let rounding = 4.0 * f64::EPSILON * value.abs().max(printed.abs());
-    (value - printed).abs() <= half_digit + rounding
-}
-
-fn verdict(claim: &Claim, table: &RecomputedTable, roots: Option<&RootMatch>) -> Verdict {
-    let (printed, recomputed) = printed_and_recomputed(&claim.statement, table, roots);
-    let agree = |found: &Stated| agree(&printed, found, claim.decimals);
+fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Verdict {
+    let told = match &claim.statement {
+        Statement::Quantity(own) => grounds.quantity(own),
+        _ => None,
+    };
+    let (printed, recomputed) = match &claim.statement {
+        Statement::Quantity(own) => {
+            let found = told.and_then(|quantity| quantity.value);
+            (own.relation.stated(), found.map(value_alone))
+        }
+        other => printed_and_recomputed(other, table, grounds.roots),
+    };
+    let (unit, relation) = match &claim.statement {
+        Statement::LargestError(error) | Statement::ErrorAt(error) => (error.unit.symbol(), ""),
+        Statement::Frequency { .. } => ("Hz", ""),
+        Statement::Quantity(own) => (told.map_or("", |told| told.unit), own.relation.sign()),
+        _ => ("", ""),
+    };
+    let agree = |found: &Stated| match &claim.statement {
+        Statement::Quantity(own) => own.relation.holds(found.value?, claim.digits),
+        _ => Some(agree(&printed, found, claim.digits)),
+    };
     Verdict {
         text: claim.text.clone(),
-        unit: match &claim.statement {
-            Statement::LargestError(error) | Statement::ErrorAt(error) => error.unit.symbol(),
-            _ => "",
-        },
-        decimals: claim.decimals,
-        confirmed: recomputed.as_ref().map(agree),
+        unit,
+        digits: claim.digits,
+        relation,
+        remark: claim.remark.clone(),
+        confirmed: recomputed.as_ref().and_then(agree),
         printed,
         recomputed,
+    }
+}
+
+impl Relation {
+    fn stated(self) -> Stated {
+        match self {
+            Relation::Equal(value) | Relation::Above(value) | Relation::Below(value) => {
+                value_alone(value)
+            }
+            Relation::Untold => Stated::default(),
+        }
+    }
+
+    fn sign(self) -> &'static str {
+        match self {
+            Relation::Above(_) => ">",
+            Relation::Below(_) => "<",
+            Relation::Equal(_) | Relation::Untold => "",
+        }
+    }
+
+    fn holds(self, value: f64, digits: Digits) -> Option<bool> {
+        match self {
+            Relation::Equal(printed) => Some(digits.round_to(value, printed)),
+            Relation::Above(bound) => Some(value > bound),
+            Relation::Below(bound) => Some(value < bound),
+            Relation::Untold => None,
+        }
+    }
+}
+
+impl<'a> Grounds<'a> {
+    fn quantity(&self, claim: &QuantityClaim) -> Option<&'a ModelQuantity> {
+        let mut models = self.quantities.iter();
+        let own = models.find(|own| own.model == claim.model)?;
+        own.quantities.iter().find(|q| q.name == claim.quantity)
     }
 }
 
@@ -182,25 +292,31 @@ fn printed_and_recomputed(
         }
         Statement::SingleRoots { side, value } => {
             let single = |m: &[usize]| m.iter().filter(|m| **m == 1).count();
-            (count(*value), counted(roots, *side, single))
+            (value_alone(*value), counted(roots, *side, single))
         }
         Statement::TotalRoots { side, value } => {
             let total = |m: &[usize]| m.iter().sum();
-            (count(*value), counted(roots, *side, total))
+            (value_alone(*value), counted(roots, *side, total))
         }
         Statement::Multiplicity { side, row, value } => {
             let found = multiplicity(roots, *side, row).map(|m| at(m as f64, row));
             (at(*value, row), found)
         }
-        Statement::TheoryColumn => (Stated::default(), None),
+        Statement::Frequency { row, hz } => {
+            let found = model_root(roots, row).map(|root| at(frequency_hz(root.omega_rad_s), row));
+            (at(*hz, row), found)
+        }
+        Statement::TheoryColumn | Statement::Quantity(_) | Statement::NotCheckable => {
+            (Stated::default(), None)
+        }
     }
 }
 
 /// Values round to each other and every printed row is among those found; without values the rows are the same.
-fn agree(printed: &Stated, found: &Stated, decimals: usize) -> bool {
+fn agree(printed: &Stated, found: &Stated, digits: Digits) -> bool {
     if let (Some(value), Some(own)) = (printed.value, found.value) {
         let there = printed.rows.iter().all(|row| found.rows.contains(row));
-        return there && rounds_to(own, value, decimals);
+        return there && digits.round_to(own, value);
     }
     let all_in = |a: &Stated, b: &Stated| a.rows.iter().all(|row| b.rows.contains(row));
     all_in(printed, found) && all_in(found, printed)
@@ -213,7 +329,7 @@ fn at(value: f64, row: &str) -> Stated {
     }
 }
 
-fn count(value: f64) -> Stated {
+fn value_alone(value: f64) -> Stated {
     Stated {
         value: Some(value),
         rows: Vec::new(),
@@ -258,16 +374,27 @@ fn counted(
         RootSide::Printed => roots.published().map(|root| root.multiplicity).collect(),
         RootSide::Model => roots.model().map(|root| root.modes.len()).collect(),
     };
-    (!multiplicities.is_empty()).then(|| count(of(&multiplicities) as f64))
+    (!multiplicities.is_empty()).then(|| value_alone(of(&multiplicities) as f64))
 }
 
 fn multiplicity(roots: Option<&RootMatch>, side: RootSide, label: &str) -> Option<usize> {
-    let named = |row: &&super::RootRow| row.published.as_ref().is_some_and(|p| p.label == label);
-    let row = roots?.rows.iter().find(named)?;
     match side {
-        RootSide::Printed => row.published.as_ref().map(|root| root.multiplicity),
-        RootSide::Model => row.model.as_ref().map(|root| root.modes.len()),
+        RootSide::Printed => row_of(roots, label)?
+            .published
+            .as_ref()
+            .map(|root| root.multiplicity),
+        RootSide::Model => model_root(roots, label).map(|root| root.modes.len()),
     }
+}
+
+fn row_of<'a>(roots: Option<&'a RootMatch>, label: &str) -> Option<&'a RootRow> {
+    let named = |row: &&RootRow| row.published.as_ref().is_some_and(|p| p.label == label);
+    roots?.rows.iter().find(named)
+}
+
+/// The root of the model that matches a printed one.
+fn model_root<'a>(roots: Option<&'a RootMatch>, label: &str) -> Option<&'a ModelRoot> {
+    row_of(roots, label)?.model.as_ref()
 }
 
 /// One verdict for the rows whose printed frequency is that of their root, and one for each other row.
@@ -275,14 +402,16 @@ fn theory_column(claim: &Claim, rows: &[RecomputedRow]) -> Vec<Verdict> {
     let about = |printed: Stated, recomputed: Option<Stated>, confirmed: Option<bool>| Verdict {
         text: claim.text.clone(),
         unit: "Hz",
-        decimals: claim.decimals,
+        digits: claim.digits,
+        relation: "",
+        remark: claim.remark.clone(),
         printed,
         recomputed,
         confirmed,
     };
     let known = rows.iter().filter_map(|row| Some((row, row.root_hz?)));
     let (good, bad): (Vec<_>, Vec<_>) =
-        known.partition(|(row, hz)| rounds_to(*hz, row.theory_hz, claim.decimals));
+        known.partition(|(row, hz)| claim.digits.round_to(*hz, row.theory_hz));
     let mut verdicts = Vec::new();
     if !good.is_empty() {
         let labels = rows_alone(good.iter().map(|(row, _)| row.label.clone()).collect());

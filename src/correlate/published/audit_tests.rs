@@ -1,6 +1,6 @@
 use super::*;
 use crate::correlate::ErrorReference;
-use crate::theory::ModelRoot;
+use crate::theory::{ModelQuantity, ModelRoot};
 
 fn row(label: &str, root: Option<&str>, theory_hz: f64, tests: &[(&str, f64)]) -> PublishedRow {
     let cell = |(name, hz): &(&str, f64)| ((*name).to_owned(), *hz);
@@ -32,6 +32,7 @@ fn roots() -> RootMatch {
         [("w1", 100.4, 1), ("w2", 200.6, 2)].map(|(label, hz, multiplicity)| PublishedRoot {
             label: label.to_owned(),
             omega_rad_s: tau * hz,
+            printed_hz: None,
             multiplicity,
             class: None,
             calibrated: false,
@@ -40,18 +41,27 @@ fn roots() -> RootMatch {
         modes: vec![0],
         omega_rad_s: tau * hz,
         kinetic_energy: Vec::new(),
+        strain_energy: Vec::new(),
         class: None,
     });
     match_roots(&model, &printed, &MatchOptions::default())
+}
+
+fn grounds(roots: &RootMatch) -> Grounds<'_> {
+    Grounds {
+        roots: Some(roots),
+        quantities: &[],
+    }
 }
 
 fn judge(statement: Statement, decimals: usize) -> Vec<Verdict> {
     let claim = Claim {
         text: "as claimed".to_owned(),
         statement,
-        decimals,
+        digits: Digits::Decimals(decimals),
+        remark: None,
     };
-    audit(&table(), Some(&roots()), &[claim])
+    audit(&table(), &grounds(&roots()), &[claim])
 }
 
 fn confirmed(statement: Statement, decimals: usize) -> Option<bool> {
@@ -109,9 +119,14 @@ fn rows_that_share_the_largest_error_are_all_where_it_is() {
     let claim = |row: &str| Claim {
         text: String::new(),
         statement: largest(ErrorUnit::Hz, "a", row, 15.0),
-        decimals: 0,
+        digits: Digits::Decimals(0),
+        remark: None,
     };
-    let verdicts = audit(&table, None, &[claim("f1"), claim("f2"), claim("f3")]);
+    let verdicts = audit(
+        &table,
+        &Grounds::default(),
+        &[claim("f1"), claim("f2"), claim("f3")],
+    );
     let all: Vec<_> = verdicts.iter().map(|verdict| verdict.confirmed).collect();
     assert_eq!(all, [Some(true), Some(true), Some(false)]);
 }
@@ -189,9 +204,10 @@ fn without_roots_a_claim_about_roots_has_no_verdict() {
         let claim = Claim {
             text: String::new(),
             statement,
-            decimals: 0,
+            digits: Digits::Decimals(0),
+            remark: None,
         };
-        let verdicts = audit(&table(), None, &[claim]);
+        let verdicts = audit(&table(), &Grounds::default(), &[claim]);
         assert_eq!(verdicts.len(), 1);
         assert_eq!(
             (verdicts[0].confirmed, &verdicts[0].recomputed),
@@ -213,4 +229,90 @@ fn errors_relative_to_the_test_have_its_sign_and_denominator() {
     assert_eq!(recomputed.tests[1].missed, ["f1", "f3"]);
     let mean = recomputed.tests[0].mean_percent.unwrap();
     assert!((mean - 50.0 * (10.0 / 90.0 + 15.0 / 215.0)).abs() < 1e-12);
+}
+
+#[test]
+fn a_frequency_is_held_against_the_models_root_that_matches_it() {
+    let claim = |row: &str, hz: f64| Statement::Frequency {
+        row: row.to_owned(),
+        hz,
+    };
+    // The model has w1 at 100 Hz, w2 at 200 Hz.
+    assert_eq!(confirmed(claim("w1", 100.4), 0), Some(true));
+    assert_eq!(confirmed(claim("w1", 100.4), 1), Some(false));
+    assert_eq!(confirmed(claim("w3", 100.4), 0), None, "no such root");
+    let verdict = &judge(claim("w2", 200.6), 1)[0];
+    assert_eq!(verdict.unit, "Hz");
+    let found = verdict.recomputed.as_ref().unwrap();
+    assert!((found.value.unwrap() - 200.0).abs() < 1e-9);
+}
+
+#[test]
+fn quantities_are_found_by_model_and_name_and_held_against_value_or_bound() {
+    let quantity = |value| ModelQuantity::new("place", value, "N/m", "where it is");
+    let of = |model: Option<&str>, value| ModelQuantities {
+        model: model.map(str::to_owned),
+        quantities: vec![quantity(value)],
+    };
+    let all = [
+        of(None, 1.0),
+        of(Some("other"), 2.512238e9),
+        of(Some("none"), f64::NAN),
+    ];
+    let judged = |model: Option<&str>, name: &str, relation| {
+        let claim = Claim {
+            text: "c".to_owned(),
+            statement: Statement::Quantity(QuantityClaim {
+                model: model.map(str::to_owned),
+                quantity: name.to_owned(),
+                relation,
+            }),
+            digits: Digits::Significant(4),
+            remark: Some("seen".to_owned()),
+        };
+        let grounds = Grounds {
+            roots: None,
+            quantities: &all,
+        };
+        audit(&PublishedComparison::default(), &grounds, &[claim]).remove(0)
+    };
+    let other = Some("other");
+    assert_eq!(
+        judged(other, "place", Relation::Equal(2.512e9)).confirmed,
+        Some(true)
+    );
+    assert_eq!(
+        judged(other, "place", Relation::Equal(2.511e9)).confirmed,
+        Some(false)
+    );
+    assert_eq!(
+        judged(None, "place", Relation::Above(0.5)).confirmed,
+        Some(true)
+    );
+    assert_eq!(
+        judged(None, "place", Relation::Below(0.5)).confirmed,
+        Some(false)
+    );
+    assert_eq!(judged(None, "other", Relation::Below(0.5)).confirmed, None);
+    assert_eq!(
+        judged(Some("none"), "place", Relation::Above(0.0)).confirmed,
+        None
+    );
+    let untold = judged(None, "place", Relation::Untold);
+    assert_eq!((untold.confirmed, untold.unit), (None, "N/m"));
+    assert_eq!(untold.recomputed.unwrap().value, Some(1.0));
+    let bound = judged(None, "place", Relation::Above(0.5));
+    assert_eq!(
+        (bound.relation, bound.remark.as_deref()),
+        (">", Some("seen"))
+    );
+}
+
+#[test]
+fn what_cannot_be_checked_has_no_verdict() {
+    let verdict = &judge(Statement::NotCheckable, 0)[0];
+    assert_eq!(
+        (verdict.confirmed, verdict.recomputed.clone()),
+        (None, None)
+    );
 }

@@ -5,6 +5,7 @@
 //! text that its own tables do not bear out.
 
 mod audit;
+mod digits;
 mod roots;
 mod table;
 
@@ -13,7 +14,11 @@ mod audit_tests;
 #[cfg(test)]
 mod roots_tests;
 
-pub use audit::{Claim, ErrorClaim, ErrorUnit, RootSide, Stated, Statement, Verdict, audit};
+pub use audit::{
+    Claim, ErrorClaim, ErrorUnit, Grounds, ModelQuantities, QuantityClaim, Relation, RootSide,
+    Stated, Statement, Verdict, audit,
+};
+pub use digits::Digits;
 pub use roots::{
     ErrorSummary, MatchOptions, PublishedRoot, RootMatch, RootRow, frequency_hz, match_roots,
 };

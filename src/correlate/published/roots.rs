@@ -2,31 +2,24 @@
 
 use std::f64::consts::TAU;
 
-use serde::Deserialize;
-
 use crate::correlate::assign;
 use crate::theory::ModelRoot;
 
 /// One root as a table of natural frequencies prints it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PublishedRoot {
     /// Label, as printed.
     pub label: String,
     /// Angular frequency, rad/s; 0 for rigid-body modes.
     pub omega_rad_s: f64,
+    /// The same as a frequency, Hz, as printed; `None` where the angular frequency is what is printed.
+    pub printed_hz: Option<f64>,
     /// Number of modes that share it.
-    #[serde(default = "one")]
     pub multiplicity: usize,
     /// What kind of motion the publication calls it.
     pub class: Option<String>,
     /// Whether a parameter of the model was inferred from it, so that its agreement says nothing.
-    #[serde(default)]
     pub calibrated: bool,
-}
-
-fn one() -> usize {
-    1
 }
 
 /// Options of matching.

@@ -8,6 +8,7 @@ fn model(roots: &[(f64, usize)]) -> Vec<ModelRoot> {
         modes: (0..*multiplicity).collect(),
         omega_rad_s: *omega_rad_s,
         kinetic_energy: Vec::new(),
+        strain_energy: Vec::new(),
         class: None,
     };
     roots.iter().map(root).collect()
@@ -17,6 +18,7 @@ fn published(roots: &[(f64, usize)]) -> Vec<PublishedRoot> {
     let root = |(i, (omega_rad_s, multiplicity)): (usize, &(f64, usize))| PublishedRoot {
         label: format!("w{}", i + 1),
         omega_rad_s: *omega_rad_s,
+        printed_hz: None,
         multiplicity: *multiplicity,
         class: None,
         calibrated: false,

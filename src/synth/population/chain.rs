@@ -148,6 +148,7 @@ fn with_appended(row: &Row, carrier: usize, mass_kg: f64, stiffness: f64) -> Sys
             own + stiffness * tie[(i, j)]
         }),
         coordinates: (0..=n).map(coordinate).collect(),
+        springs: Vec::new(),
         damping: None,
     }
 }

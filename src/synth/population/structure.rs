@@ -127,6 +127,7 @@ impl Row {
                 _ => 0.0,
             }),
             coordinates: (0..n).map(coordinate).collect(),
+            springs: Vec::new(),
         }
     }
 

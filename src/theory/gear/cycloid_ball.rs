@@ -17,10 +17,13 @@
 use std::f64::consts::TAU;
 
 use crate::geometry::Target;
+use crate::theory::dual::{Dual, Values};
+use crate::theory::machine::{Machine, minus};
 use crate::theory::parameter::{check_values, nominal_values};
-use crate::theory::rigid::{Attachment, RigidBodies, SpringRow};
+use crate::theory::rigid::RigidBodies;
 use crate::theory::{
-    Assumption, Coordinate, Motion, ParameterSpec, SystemMatrices, TheoreticalModel, TheoryError,
+    Assumption, Coordinate, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
+    TheoreticalModel, TheoryError,
 };
 
 use super::cycloid_ball_parameters::{SET_NAMES, parameters};
@@ -28,6 +31,8 @@ use super::cycloid_ball_parameters::{SET_NAMES, parameters};
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
+/// The arm of a body's own centre.
+const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 
 /// Number of reduction balls Z2 of the machine tested.
 const BALLS: usize = 10;
@@ -73,30 +78,30 @@ impl CycloidBall {
         Some(model)
     }
 
-    /// The value of a parameter that this file names; not a number, which no matrix passes, for one that is not there.
-    fn value(&self, values: &[f64], name: &str) -> f64 {
-        let mut named = self.parameters.iter().zip(values);
-        named
-            .find(|(spec, _)| spec.name == name)
-            .map_or(f64::NAN, |(_, value)| *value)
+    fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
+        let specs = &self.parameters;
+        Values { specs, values, by }
     }
 
     /// Angle of ball i (from 0) on its circle, and the sine and cosine of its normal Φ3.
-    fn ball(&self, values: &[f64], i: usize) -> (f64, [f64; 2]) {
-        let theta = self.value(values, "ball_phase") + TAU * i as f64 / self.balls as f64;
-        let ratio = self.value(values, "trochoid_ratio");
-        let (sin, cos) = theta.sin().atan2(theta.cos() + ratio).sin_cos();
-        (theta, [sin, cos])
+    fn ball(&self, values: &Values<'_>, i: usize) -> (Dual, [Dual; 2]) {
+        let turn = Dual::constant(TAU * i as f64 / self.balls as f64);
+        let theta = values.get("ball_phase") + turn;
+        let (sin, cos) = theta.sin_cos();
+        let cos = cos + values.get("trochoid_ratio");
+        let length = (sin * sin + cos * cos).sqrt();
+        (theta, [sin / length, cos / length])
     }
 
     fn bodies(&self, values: &[f64]) -> RigidBodies {
-        let e = self.value(values, "half_eccentricity");
-        let radius = self.balls as f64 * e / self.value(values, "trochoid_ratio");
+        let values = &self.values(values, None);
+        let e = values.get("half_eccentricity").value;
+        let radius = self.balls as f64 * e / values.get("trochoid_ratio").value;
         let mut all = Builder::default();
         all.body("input", [0.0; 3], &[("x0", X), ("y0", Y), ("u0", Z)]);
         all.body("centre-disc", [0.0; 3], &[("x1", X), ("y1", Y), ("u1", Z)]);
         for i in 0..self.balls {
-            let (theta, _) = self.ball(values, i);
+            let theta = self.ball(values, i).0.value;
             let at_m = [-radius * theta.sin(), e + radius * theta.cos(), 0.0];
             let n = i + 1;
             let names = [format!("x2_{n}"), format!("y2_{n}")];
@@ -109,7 +114,7 @@ impl CycloidBall {
         let planet = [0.0, 2.0 * e, 0.0];
         all.body("planet-disc", planet, &[("x3", X), ("y3", Y), ("u3", Z)]);
         for j in 0..PIN_BALLS {
-            let [x, y] = self.pin(values, j);
+            let [x, y] = self.pin(values, j).map(|part| part.value);
             // Half way between its grooves in the planet disc and in the output.
             let (at_m, name) = ([x, y + e, 0.0], format!("y4_{}", j + 1));
             all.body(&format!("pin-ball-{}", j + 1), at_m, &[(&name, Y)]);
@@ -119,95 +124,93 @@ impl CycloidBall {
     }
 
     /// Position of pin ball j (from 0) on its circle: the angle φ counts from y.
-    fn pin(&self, values: &[f64], j: usize) -> [f64; 2] {
-        let phi = self.value(values, "pin_phase") + TAU * j as f64 / PIN_BALLS as f64;
-        let radius = self.value(values, "pin_circle_radius");
-        [radius * phi.sin(), radius * phi.cos()]
+    fn pin(&self, values: &Values<'_>, j: usize) -> [Dual; 2] {
+        let turn = Dual::constant(TAU * j as f64 / PIN_BALLS as f64);
+        let (sin, cos) = (values.get("pin_phase") + turn).sin_cos();
+        let radius = values.get("pin_circle_radius");
+        [radius * sin, radius * cos]
     }
 
-    fn inertia(&self, values: &[f64], coordinates: &[Coordinate]) -> Vec<f64> {
+    fn inertia(&self, values: &Values<'_>) -> Vec<Dual> {
         let of_coordinate = |coordinate: &Coordinate| {
             let (letter, part) = coordinate.name.split_at(1);
             let part = &part[..1];
             match letter {
-                "u" => self.value(values, &format!("j_{part}")),
-                _ => self.value(values, &format!("m_{part}")),
+                "u" => values.get(&format!("j_{part}")),
+                _ => values.get(&format!("m_{part}")),
             }
         };
-        coordinates.iter().map(of_coordinate).collect()
+        self.bodies.coordinates.iter().map(of_coordinate).collect()
     }
 
-    fn springs(&self, values: &[f64], bodies: &RigidBodies) -> Result<Vec<SpringRow>, TheoryError> {
-        let value = |name: &str| self.value(values, name);
-        let e = value("half_eccentricity");
-        let mut all = Springs {
-            bodies,
-            rows: Vec::new(),
-        };
-        let (o1, o3) = ([0.0; 3], [0.0, 2.0 * e, 0.0]);
-        for (axis, letter) in [(X, "x"), (Y, "y")] {
-            let k = |name: &str| value(&format!("{name}{letter}"));
-            all.stretch(k("k_01"), (at("centre-disc", o1), at("input", o1)), axis)?;
-            all.stretch(k("k_03"), (at("planet-disc", o3), at("input", o3)), axis)?;
-            all.stretch(k("k_1"), (GROUND, at("centre-disc", o1)), axis)?;
+    fn machine(&self, values: &Values<'_>) -> Machine {
+        let mut all = Machine::new(&self.bodies.coordinates, self.inertia(values));
+        let shift = [
+            Dual::ZERO,
+            2.0 * values.get("half_eccentricity"),
+            Dual::ZERO,
+        ];
+        for (axis, [k_01, k_03, k_1]) in [
+            (X, ["k_01x", "k_03x", "k_1x"]),
+            (Y, ["k_01y", "k_03y", "k_1y"]),
+        ] {
+            let axis = axis.map(Dual::constant);
+            let centre = |body: &str, machine: &Machine| machine.point(body, CENTRE, axis);
+            let (disc, planet) = (centre("centre-disc", &all), centre("planet-disc", &all));
+            let input = all.point("input", shift, axis);
+            let held = minus(disc.clone(), centre("input", &all));
+            all.add(k_01, values.get(k_01), held);
+            all.add(k_03, values.get(k_03), minus(planet, input));
+            all.add(k_1, values.get(k_1), disc);
         }
-        all.stretch(value("k_5y"), (GROUND, at("output", o1)), Y)?;
-        let twist = bodies.twist_row("k_1u", (GROUND, at("centre-disc", o1)), Z)?;
-        all.rows.push(SpringRow {
-            row: twist,
-            stiffness: value("k_1u"),
-        });
-        self.add_balls(values, &mut all)?;
-        self.add_pin_balls(values, &mut all)?;
-        Ok(all.rows)
+        let output = all.point("output", CENTRE, Y.map(Dual::constant));
+        all.add("k_5y", values.get("k_5y"), output);
+        let twist = all.rotation("centre-disc", Z.map(Dual::constant));
+        all.add("k_1u", values.get("k_1u"), twist);
+        self.add_balls(values, &mut all);
+        self.add_pin_balls(values, &mut all);
+        all
     }
 
     /// The contacts A, B with the planet disc and C, D with the centre disc. They act along the normal through the pitch
     /// point, so that its foot there gives the arm Z3 e sin Φ3.
-    fn add_balls(&self, values: &[f64], all: &mut Springs<'_>) -> Result<(), TheoryError> {
-        let e = self.value(values, "half_eccentricity");
-        let arm = (self.balls + 1) as f64 * e;
-        let on_planet = at("planet-disc", [0.0, 2.0 * e - arm, 0.0]);
-        let on_centre = at("centre-disc", [0.0, -arm, 0.0]);
-        let cos2 = self.value(values, "cos2_beta");
+    fn add_balls(&self, values: &Values<'_>, all: &mut Machine) {
+        let arm = (self.balls + 1) as f64 * values.get("half_eccentricity");
+        let arm = [Dual::ZERO, -arm, Dual::ZERO];
+        let cos2 = values.get("cos2_beta");
         for i in 0..self.balls {
             let (_, [sin, cos]) = self.ball(values, i);
-            let name = format!("ball-{}", i + 1);
-            let ball = at(&name, [0.0; 3]);
+            let normal = [sin, -cos, Dual::ZERO];
+            let ball = all.point(&format!("ball-{}", i + 1), CENTRE, normal);
             for (contact, disc) in [
-                ("k_a", on_planet),
-                ("k_b", on_planet),
-                ("k_c", on_centre),
-                ("k_d", on_centre),
+                ("k_a", "planet-disc"),
+                ("k_b", "planet-disc"),
+                ("k_c", "centre-disc"),
+                ("k_d", "centre-disc"),
             ] {
-                let k = cos2 * self.value(values, contact);
-                all.stretch(k, (ball, disc), [sin, -cos, 0.0])?;
+                let stretch = minus(ball.clone(), all.point(disc, arm, normal));
+                all.add(contact, cos2 * values.get(contact), stretch);
             }
         }
-        Ok(())
     }
 
     /// The contacts A, B with the planet disc and C, D with the output, along y.
-    fn add_pin_balls(&self, values: &[f64], all: &mut Springs<'_>) -> Result<(), TheoryError> {
-        let e = self.value(values, "half_eccentricity");
-        let cos2_1 = self.value(values, "cos2_beta_1");
-        let cos2_2 = self.value(values, "cos2_beta_2");
+    fn add_pin_balls(&self, values: &Values<'_>, all: &mut Machine) {
+        let y = Y.map(Dual::constant);
         for j in 0..PIN_BALLS {
-            let [x, y] = self.pin(values, j);
-            let name = format!("pin-ball-{}", j + 1);
-            let ball = at(&name, [0.0; 3]);
-            let on_planet = at("planet-disc", [x, y + 2.0 * e, 0.0]);
-            let on_output = at("output", [x, y, 0.0]);
+            let [to_x, to_y] = self.pin(values, j);
+            let ball = all.point(&format!("pin-ball-{}", j + 1), CENTRE, y);
             for (contact, cos2, disc) in [
-                ("k_da", cos2_1, on_planet),
-                ("k_db", cos2_2, on_planet),
-                ("k_dd", cos2_1, on_output),
-                ("k_dc", cos2_2, on_output),
+                ("k_da", "cos2_beta_1", "planet-disc"),
+                ("k_db", "cos2_beta_2", "planet-disc"),
+                ("k_dd", "cos2_beta_1", "output"),
+                ("k_dc", "cos2_beta_2", "output"),
             ] {
-                all.stretch(cos2 * self.value(values, contact), (ball, disc), Y)?;
+                let groove = all.point(disc, [to_x, to_y, Dual::ZERO], y);
+                let stiffness = values.get(cos2) * values.get(contact);
+                all.add(contact, stiffness, minus(ball.clone(), groove));
             }
         }
-        Ok(())
     }
 }
 
@@ -222,10 +225,12 @@ impl TheoreticalModel for CycloidBall {
 
     fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
         check_values(&self.name, &self.parameters, values)?;
-        let bodies = self.bodies(values);
-        let springs = self.springs(values, &bodies)?;
-        let inertia = self.inertia(values, &bodies.coordinates);
-        Ok(bodies.matrices(&inertia, &springs))
+        Ok(self.machine(&self.values(values, None)).matrices())
+    }
+
+    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
+        check_values(&self.name, &self.parameters, values)?;
+        Ok(self.machine(&self.values(values, Some(j))).derivative())
     }
 
     fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
@@ -275,18 +280,6 @@ impl TheoreticalModel for CycloidBall {
     }
 }
 
-const GROUND: Attachment<'static> = Attachment {
-    body: None,
-    at_m: [0.0; 3],
-};
-
-fn at(body: &str, at_m: [f64; 3]) -> Attachment<'_> {
-    Attachment {
-        body: Some(body),
-        at_m,
-    }
-}
-
 /// Bodies as they are added, in the order of the paper's vector of coordinates.
 #[derive(Default)]
 struct Builder {
@@ -310,24 +303,5 @@ impl Builder {
         };
         let coordinates = free.iter().map(coordinate);
         self.bodies.coordinates.extend(coordinates);
-    }
-}
-
-/// Springs as they are added.
-struct Springs<'a> {
-    bodies: &'a RigidBodies,
-    rows: Vec<SpringRow>,
-}
-
-impl Springs<'_> {
-    fn stretch(
-        &mut self,
-        stiffness: f64,
-        ends: (Attachment<'_>, Attachment<'_>),
-        direction: [f64; 3],
-    ) -> Result<(), TheoryError> {
-        let row = self.bodies.stretch_row("spring", ends, direction)?;
-        self.rows.push(SpringRow { row, stiffness });
-        Ok(())
     }
 }

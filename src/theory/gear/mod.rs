@@ -6,10 +6,22 @@ mod cycloid_ball_parameters;
 mod cycloid_ball_printed_tests;
 #[cfg(test)]
 mod cycloid_ball_tests;
+mod spider_reducer;
+mod spider_reducer_parameters;
+mod spider_reducer_results;
+#[cfg(test)]
+mod spider_reducer_tests;
+mod torsional_closed_forms;
+mod torsional_planetary;
+#[cfg(test)]
+mod torsional_planetary_tests;
+mod torsional_results;
 
 use super::{TheoreticalModel, TheoryError};
 
 pub use cycloid_ball::CycloidBall;
+pub use spider_reducer::SpiderReducer;
+pub use torsional_planetary::TorsionalPlanetary;
 
 /// A built-in model.
 pub struct BuiltIn {
@@ -22,11 +34,23 @@ pub struct BuiltIn {
 }
 
 /// Every built-in model.
-pub const BUILT_IN: &[BuiltIn] = &[BuiltIn {
-    name: "cycloid-ball",
-    sets: cycloid_ball_parameters::SET_NAMES,
-    build: |set| Some(Box::new(CycloidBall::new(set)?)),
-}];
+pub const BUILT_IN: &[BuiltIn] = &[
+    BuiltIn {
+        name: "cycloid-ball",
+        sets: cycloid_ball_parameters::SET_NAMES,
+        build: |set| Some(Box::new(CycloidBall::new(set)?)),
+    },
+    BuiltIn {
+        name: "torsional-planetary",
+        sets: torsional_planetary::SET_NAMES,
+        build: |set| Some(Box::new(TorsionalPlanetary::new(set)?)),
+    },
+    BuiltIn {
+        name: "spider-reducer",
+        sets: &["paper"],
+        build: |set| Some(Box::new(SpiderReducer::new(set)?)),
+    },
+];
 
 /// The built-in model of a name such as `cycloid-ball`, or `cycloid-ball/D` for a parameter set.
 ///

@@ -1,0 +1,26 @@
+//! Named numbers that a model's theory gives beside its matrices.
+
+/// A number with its name, unit and formula.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelQuantity {
+    /// Name, unique in its model, by which a claim of a publication asks for it.
+    pub name: &'static str,
+    /// The value; `None` where it does not exist for these parameters, such as a crossing of roots that do not cross.
+    pub value: Option<f64>,
+    /// Unit; empty for a pure number.
+    pub unit: &'static str,
+    /// What it is, with formula or source.
+    pub meaning: String,
+}
+
+impl ModelQuantity {
+    /// A quantity; a value that is not finite is one that does not exist.
+    pub fn new(name: &'static str, value: f64, unit: &'static str, meaning: &str) -> Self {
+        Self {
+            name,
+            value: value.is_finite().then_some(value),
+            unit,
+            meaning: meaning.to_owned(),
+        }
+    }
+}

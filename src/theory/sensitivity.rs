@@ -1,0 +1,87 @@
+//! Sensitivities of eigenvalues to the parameters of a model, repeated roots included.
+//!
+//! For a root `lambda` with the mass-normalised modes `Phi`, the derivatives by a parameter p are the eigenvalues of
+//! `Phi^T (dK/dp - lambda dM/dp) Phi`: one for a single root; of a repeated root, which splits, one for each branch as p
+//! grows, and the same ones, taken with the branches in the reverse order, as it falls. The mean of the branches is the
+//! derivative of the cluster's mean, to both sides. None of them depends on the choice of basis.
+//!
+//! # Reference
+//! Fox and Kapoor (1968), Rates of change of eigenvalues and eigenvectors, AIAA Journal 6, 2426; Mills-Curran (1988),
+//! Calculation of eigenvector derivatives for structures with repeated eigenvalues, AIAA Journal 26, 867.
+
+use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+
+use super::{ModelRoot, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes};
+
+/// How one root depends on the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RootSensitivity {
+    /// Angular frequency of the root, rad/s.
+    pub omega_rad_s: f64,
+    /// For every parameter, in the order of the model, the derivatives of `lambda = omega^2`, (rad/s)² per unit of the
+    /// parameter, of the branches into which the root splits, ascending; as many as the root has modes.
+    pub branches: Vec<Vec<f64>>,
+}
+
+impl RootSensitivity {
+    /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit.
+    pub fn mean(&self, j: usize) -> f64 {
+        self.branches[j].iter().sum::<f64>() / self.branches[j].len() as f64
+    }
+
+    /// Relative change of the frequency per relative change of parameter `j` with this value, `p/(2 lambda) dlambda/dp`;
+    /// `None` for a root at 0.
+    pub fn scaled(&self, j: usize, value: f64) -> Option<f64> {
+        let lambda = self.omega_rad_s * self.omega_rad_s;
+        (lambda > 0.0).then(|| 0.5 * value * self.mean(j) / lambda)
+    }
+}
+
+/// Derivatives of the matrices by every parameter, in their order.
+///
+/// # Errors
+/// As [`TheoreticalModel::derivative`].
+pub fn system_derivatives(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+) -> Result<Vec<SystemDerivative>, TheoryError> {
+    let all = 0..model.parameters().len();
+    all.map(|j| model.derivative(values, j)).collect()
+}
+
+/// Sensitivities of the roots of these modes, which must be those of the matrices that were differentiated.
+///
+/// # Errors
+/// [`TheoryError::Linalg`] when the eigenvalues of a projection do not converge.
+pub fn sensitivities(
+    modes: &TheoryModes,
+    roots: &[ModelRoot],
+    derivatives: &[SystemDerivative],
+) -> Result<Vec<RootSensitivity>, TheoryError> {
+    let of_root = |root: &ModelRoot| {
+        let branches = derivatives.iter().map(|by| branches(modes, root, by));
+        Ok(RootSensitivity {
+            omega_rad_s: root.omega_rad_s,
+            branches: branches.collect::<Result<_, _>>()?,
+        })
+    };
+    roots.iter().map(of_root).collect()
+}
+
+fn branches(
+    modes: &TheoryModes,
+    root: &ModelRoot,
+    by: &SystemDerivative,
+) -> Result<Vec<f64>, TheoryError> {
+    let lambda = root.omega_rad_s * root.omega_rad_s;
+    let (n, m) = (modes.vectors.nrows(), root.modes.len());
+    let phi = real_matrix(n, m, |i, k| modes.vectors[(i, root.modes[k])]);
+    let operator = real_matrix(n, n, |i, j| by.stiffness[(i, j)] - lambda * by.mass[(i, j)]);
+    let projected: RealMatrix = phi.transpose() * (&operator * &phi);
+    if m == 1 {
+        return Ok(vec![projected[(0, 0)]]);
+    }
+    let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
+    let symmetric = real_matrix(m, m, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
+    Ok(symmetric_modes(&symmetric, &identity)?.omega_squared)
+}

@@ -1,0 +1,270 @@
+//! Sensitivities against differences extrapolated to a step of 0, for every parameter of every built-in model; and against
+//! an independent computation for the torsional gear, to its printed digits.
+
+use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+
+use super::{
+    BUILT_IN, ModeOptions, ModelRoot, RootSensitivity, TheoreticalModel, TheoryModes, built_in,
+    model_roots, modes, sensitivities, system_derivatives,
+};
+use crate::theory::parameter::nominal_values;
+
+struct Solved {
+    model: Box<dyn TheoreticalModel>,
+    values: Vec<f64>,
+    modes: TheoryModes,
+    roots: Vec<ModelRoot>,
+    sensitivities: Vec<RootSensitivity>,
+}
+
+fn solved(name: &str) -> Solved {
+    let model = built_in(name).unwrap();
+    let values = nominal_values(model.parameters());
+    let modes = modes(model.as_ref(), &values, &[], &ModeOptions::default()).unwrap();
+    let roots = model_roots(model.as_ref(), &modes);
+    let derivatives = system_derivatives(model.as_ref(), &values).unwrap();
+    Solved {
+        sensitivities: sensitivities(&modes, &roots, &derivatives).unwrap(),
+        model,
+        values,
+        modes,
+        roots,
+    }
+}
+
+impl Solved {
+    fn index(&self, parameter: &str) -> usize {
+        let mut all = self.model.parameters().iter();
+        all.position(|spec| spec.name == parameter).unwrap()
+    }
+}
+
+#[test]
+fn sensitivities_of_the_torsional_gear_are_the_reference() {
+    let gear = solved("torsional-planetary");
+    let parameters = ["k_r", "k_s", "m_c", "m_r", "m_s", "m_p", "k_cu"];
+    for (root, expected) in [
+        (
+            1,
+            [
+                "2.6230511e-3",
+                "9.8361537e-5",
+                "-1.2013727e7",
+                "-1.0570356e7",
+                "-1.1375608e7",
+                "-1.1452782e5",
+                "1.0892891e-1",
+            ],
+        ),
+        (
+            2,
+            [
+                "1.7211704e-1",
+                "1.7211704e-1",
+                "0.0000000e0",
+                "0.0000000e0",
+                "0.0000000e0",
+                "-2.9624275e7",
+                "0.0000000e0",
+            ],
+        ),
+        (
+            3,
+            [
+                "3.2664361e0",
+                "2.2431752e-3",
+                "-3.2191636e7",
+                "-8.7782388e8",
+                "-1.7300668e7",
+                "-1.5404458e7",
+                "1.9465196e-2",
+            ],
+        ),
+        (
+            4,
+            [
+                "8.2976269e-3",
+                "1.4894063e1",
+                "-3.1550485e7",
+                "-4.9465195e5",
+                "-2.5481528e10",
+                "-1.4105289e7",
+                "4.2318901e-3",
+            ],
+        ),
+    ] {
+        for (parameter, text) in parameters.iter().zip(expected) {
+            let own = gear.sensitivities[root].mean(gear.index(parameter));
+            let wanted: f64 = text.parse().unwrap();
+            // Half a unit of the last printed digit; still bodies are still to rounding.
+            assert!(
+                (own - wanted).abs() <= 6e-8 * wanted.abs() + 1e-12,
+                "{root} {parameter}: {own} {text}"
+            );
+        }
+    }
+    // Every planet branch has the same derivative.
+    let planet = &gear.sensitivities[2].branches[gear.index("m_p")];
+    assert_eq!(planet.len(), 3);
+    assert!((planet[2] / planet[0] - 1.0).abs() < 1e-12);
+}
+
+/// `d(A + B p)` of matrices by central differences at two steps, extrapolated: exact to h^4.
+fn difference(at: impl Fn(f64) -> RealMatrix, step: f64) -> RealMatrix {
+    let central = |h: f64| {
+        let (up, down) = (at(h), at(-h));
+        real_matrix(up.nrows(), up.ncols(), |i, j| {
+            (up[(i, j)] - down[(i, j)]) / (2.0 * h)
+        })
+    };
+    let (wide, narrow) = (central(step), central(0.5 * step));
+    real_matrix(wide.nrows(), wide.ncols(), |i, j| {
+        (4.0 * narrow[(i, j)] - wide[(i, j)]) / 3.0
+    })
+}
+
+#[test]
+fn derivatives_of_the_matrices_are_their_differences_for_every_parameter_of_every_model() {
+    for name in BUILT_IN.iter().flat_map(|own| {
+        own.sets
+            .iter()
+            .map(move |set| format!("{}/{set}", own.name))
+    }) {
+        let model = built_in(&name).unwrap();
+        let values = nominal_values(model.parameters());
+        for (j, spec) in model.parameters().iter().enumerate() {
+            // Forward from a value on its lower bound.
+            let base = if spec.nominal.abs() > 0.0 {
+                spec.nominal
+            } else {
+                spec.upper.unwrap().min(1e6) * 1e-2
+            };
+            let mut values = values.clone();
+            values[j] = base;
+            let by = model.derivative(&values, j).unwrap();
+            let step = 1e-3 * base.abs();
+            let at = |pick: fn(super::SystemMatrices) -> RealMatrix| {
+                let (model, values) = (&model, values.clone());
+                move |h: f64| {
+                    let mut values = values.clone();
+                    values[j] = base + h;
+                    pick(model.assemble(&values).unwrap())
+                }
+            };
+            for (own, expected) in [
+                (&by.stiffness, difference(at(|m| m.stiffness), step)),
+                (&by.mass, difference(at(|m| m.mass), step)),
+            ] {
+                let all = || (0..own.nrows()).flat_map(|i| (0..own.nrows()).map(move |j| (i, j)));
+                let largest = all().map(|at| own[at].abs()).fold(0.0, f64::max);
+                for place in all() {
+                    assert!(
+                        (own[place] - expected[place]).abs() <= 1e-8 * largest,
+                        "{name} {} {place:?}: {} {}",
+                        spec.name,
+                        own[place],
+                        expected[place]
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// All eigenvalues `omega^2` of a model, ascending, with one value changed.
+fn eigenvalues(model: &dyn TheoreticalModel, values: &[f64], (j, value): (usize, f64)) -> Vec<f64> {
+    let mut values = values.to_vec();
+    values[j] = value;
+    let matrices = model.assemble(&values).unwrap();
+    symmetric_modes(&matrices.stiffness, &matrices.mass)
+        .unwrap()
+        .omega_squared
+}
+
+/// The largest scaled sensitivity `|p dlambda/dp|` of a root.
+fn largest(sensitivity: &RootSensitivity, values: &[f64]) -> f64 {
+    let scaled = values.iter().zip(&sensitivity.branches);
+    let scaled = scaled.flat_map(|(p, all)| all.iter().map(move |by| (p * by).abs()));
+    scaled.fold(0.0, f64::max)
+}
+
+#[test]
+fn sensitivities_of_all_roots_are_extrapolated_differences_repeated_ones_by_branch_and_by_mean() {
+    let mut repeated = 0;
+    for name in [
+        "cycloid-ball/B",
+        "torsional-planetary/table-2",
+        "torsional-planetary/carrier-fixed",
+        "spider-reducer/paper",
+    ] {
+        let own = solved(name);
+        let model = own.model.as_ref();
+        for (j, &value) in own.values.iter().enumerate() {
+            // Where the value is 0 there is no scale: angles, and supports that may not be negative.
+            if value.abs() <= 0.0 {
+                continue;
+            }
+            let step = 1e-4 * value.abs();
+            let at = |h: f64| eigenvalues(model, &own.values, (j, value + h));
+            let [low, half_low, here, half_high, high] =
+                [-step, -0.5 * step, 0.0, 0.5 * step, step].map(at);
+            for (root, sensitivity) in own.roots.iter().zip(&own.sensitivities) {
+                if root.omega_rad_s <= 0.0 {
+                    continue;
+                }
+                let limit = 1e-6 * largest(sensitivity, &own.values);
+                let mean = |all: &[f64]| -> f64 {
+                    root.modes.iter().map(|&i| all[i]).sum::<f64>() / root.modes.len() as f64
+                };
+                let central =
+                    |up: &[f64], down: &[f64], h: f64| (mean(up) - mean(down)) / (2.0 * h);
+                let wide = central(&high, &low, step);
+                let narrow = central(&half_high, &half_low, 0.5 * step);
+                let expected = value * (4.0 * narrow - wide) / 3.0;
+                let got = value * sensitivity.mean(j);
+                let parameter = &model.parameters()[j].name;
+                assert!(
+                    (got - expected).abs() <= limit,
+                    "{name} {parameter} {root:?}: {got} {expected}"
+                );
+                if root.modes.len() == 1 {
+                    continue;
+                }
+                repeated += 1;
+                for (branch, &i) in sensitivity.branches[j].iter().zip(&root.modes) {
+                    let forward = |up: &[f64], h: f64| (up[i] - mean(&here)) / h;
+                    let forward = 2.0 * forward(&half_high, 0.5 * step) - forward(&high, step);
+                    let (got, expected) = (value.abs() * branch, value.abs() * forward);
+                    assert!(
+                        (got - expected).abs() <= limit,
+                        "{name} {parameter} {root:?}: {got} {expected}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(repeated > 100, "{repeated}");
+}
+
+#[test]
+fn a_scaled_sensitivity_is_half_the_strain_share_of_its_spring() {
+    let own = solved("spider-reducer");
+    let roots = own.roots.iter().zip(&own.sensitivities);
+    for (root, sensitivity) in roots {
+        for (name, share) in &root.strain_energy {
+            let j = own.index(name);
+            let scaled = sensitivity.scaled(j, own.values[j]).unwrap();
+            assert!(
+                (scaled - 0.5 * share).abs() < 1e-9,
+                "{name}: {scaled} {share}"
+            );
+        }
+    }
+    assert_eq!(own.modes.rigid, 0);
+    let free = solved("torsional-planetary");
+    assert_eq!(
+        free.sensitivities[0].scaled(0, 1.0),
+        None,
+        "a root at 0 has no scale"
+    );
+}
