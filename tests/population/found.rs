@@ -1,0 +1,320 @@
+//! What a perfect tool could find of a system known by its modes, and what was found of it.
+//!
+//! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the noise of some function,
+//!   and whose Cramér-Rao deviation of the frequency is under a quarter of the distance to the next mode.
+//! - **Found**: a mode within the larger of three such deviations (no more than a half-power width) and a quarter of the
+//!   half-power width, with a MAC of 0.9 or more. Modes that nobody can tell apart (within a half-power width, and a
+//!   deviation of either over a quarter of their distance), and modes that the tool calls one repeated root, are held
+//!   against each other's span.
+//! - **Spurious**: a found mode without such a partner, in the band or outside.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use modalign::correlate::subspace_mac;
+use modalign::modal::{ModalModel, Mode};
+use num_complex::Complex64;
+
+use super::bound::{Deviation, Noise, Term, deviations};
+use super::systems::{System, TrueMode, omega};
+
+/// Peak over noise, as a power: 10 dB.
+const OVER_NOISE: f64 = 10.0;
+/// Deviation over distance from which on two modes are not told apart.
+const OF_SPACING: f64 = 0.25;
+/// Modes outside the band that are nearer to it than so many half-power widths are unknowns of the bound; residuals stand for
+/// those beyond.
+const NEAR_WIDTHS: f64 = 3.0;
+const LEAST_MAC: f64 = 0.9;
+
+/// What the noise lets anyone know of a mode of the truth.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// `None` for a mode far outside the band.
+    pub bound: Option<Deviation>,
+    /// Its peak over the noise in the best function, dB.
+    pub peak_db: f64,
+    /// Distance to the next mode, Hz.
+    pub spacing_hz: f64,
+    pub observable: bool,
+}
+
+/// What is known of every mode of a system.
+pub fn known(system: &System) -> Vec<Known> {
+    let variances = system.variances(&system.exact());
+    let bounds = bounds(system, &variances);
+    let of_mode = |(r, bound): (usize, Option<Deviation>)| {
+        let mode = &system.modes[r];
+        let others = system.modes.iter().enumerate().filter(|(o, _)| *o != r);
+        let distance = |(_, other): (usize, &TrueMode)| (other.hz() - mode.hz()).abs();
+        let spacing_hz = others.map(distance).fold(mode.hz(), f64::min);
+        let peak_db = 10.0 * peak(system, mode, &variances).log10();
+        let told = bound.is_some_and(|b| b.frequency_hz < OF_SPACING * spacing_hz);
+        let above = peak_db >= 10.0 * OVER_NOISE.log10();
+        Known {
+            bound,
+            peak_db,
+            spacing_hz,
+            observable: told && above && system.inside(mode),
+        }
+    };
+    bounds.into_iter().enumerate().map(of_mode).collect()
+}
+
+/// The bound of every mode in the band and near it.
+pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
+    let near = |mode: &TrueMode| {
+        let reach = NEAR_WIDTHS * mode.width_hz();
+        mode.hz() > system.band.lo_hz - reach && mode.hz() < system.band.hi_hz + reach
+    };
+    let chosen: Vec<usize> = (0..system.modes.len())
+        .filter(|r| near(&system.modes[*r]))
+        .collect();
+    let term = |r: &usize| {
+        let mode = &system.modes[*r];
+        Term {
+            lambda: mode.pole.lambda,
+            shape: mode.shape.clone(),
+            participation: (0..system.references)
+                .map(|i| mode.participation(i))
+                .collect(),
+        }
+    };
+    let terms: Vec<Term> = chosen.iter().map(term).collect();
+    let mut bounds = vec![None; system.modes.len()];
+    let noise = Noise {
+        omega: &omega(system),
+        order: system.kind.derivative_order(),
+        variance: &|output, input| variances[input * system.responses + output],
+    };
+    for (r, bound) in chosen.iter().zip(deviations(&terms, &noise)) {
+        bounds[*r] = Some(bound);
+    }
+    bounds
+}
+
+/// Squared height of a mode's own term at the line nearest to its peak over the noise, in the function that shows it best.
+fn peak(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
+    let Some(line) = system.axis.nearest(mode.pole.damped_frequency_hz()) else {
+        return 0.0;
+    };
+    let s = Complex64::new(0.0, TAU * system.axis.hz(line));
+    let gain = s.powi(system.kind.derivative_order()) / (s - mode.pole.lambda);
+    let pairs = system.pairs();
+    let height = pairs.iter().zip(variances);
+    let height = height.map(|(&(o, i), v)| (gain * mode.residue(o, i)).norm_sqr() / v);
+    height.fold(0.0, f64::max)
+}
+
+/// A judged identification.
+pub struct Verdict {
+    pub known: Vec<Known>,
+    /// Number of the found mode of every true one.
+    pub partner: Vec<Option<usize>>,
+    /// Numbers of the found modes that are none.
+    pub spurious: Vec<usize>,
+    /// Of every mode that went wrong, what it is and why.
+    pub notes: Vec<String>,
+}
+
+impl Verdict {
+    pub fn observable(&self) -> usize {
+        self.known.iter().filter(|k| k.observable).count()
+    }
+
+    pub fn missed(&self) -> usize {
+        let own = self.known.iter().zip(&self.partner);
+        own.filter(|(k, p)| k.observable && p.is_none()).count()
+    }
+
+    pub fn wholly_right(&self) -> bool {
+        self.missed() == 0 && self.spurious.is_empty()
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let observable = self.observable();
+        write!(
+            f,
+            "{} of {observable} observable found, {} spurious",
+            observable - self.missed(),
+            self.spurious.len()
+        )?;
+        self.notes
+            .iter()
+            .try_for_each(|note| write!(f, "\n    {note}"))
+    }
+}
+
+/// Judges what was found of a system.
+pub fn judge(system: &System, found: &ModalModel) -> Verdict {
+    let known = known(system);
+    let court = Court {
+        system,
+        known: &known,
+        found: &found.modes,
+        shapes: found.modes.iter().map(|m| components(system, m)).collect(),
+    };
+    let partner = court.partners();
+    let free = |f: &usize| !partner.contains(&Some(*f));
+    let spurious: Vec<usize> = (0..found.modes.len()).filter(free).collect();
+    let missed = (0..known.len()).filter(|r| known[*r].observable && partner[*r].is_none());
+    let notes = missed.map(|r| court.why_missed(r));
+    let notes = notes.chain(spurious.iter().map(|f| court.why_spurious(*f)));
+    Verdict {
+        notes: notes.collect(),
+        partner,
+        spurious,
+        known,
+    }
+}
+
+/// A found shape at the responses; empty when one is missing.
+pub fn components(system: &System, mode: &Mode) -> Vec<Complex64> {
+    let at = |o| mode.shape.along_positive(&System::dof(o));
+    let shape: Option<Vec<Complex64>> = (0..system.responses).map(at).collect();
+    shape.unwrap_or_default()
+}
+
+struct Court<'a> {
+    system: &'a System,
+    known: &'a [Known],
+    found: &'a [Mode],
+    shapes: Vec<Vec<Complex64>>,
+}
+
+impl Court<'_> {
+    /// How far from a true mode a found one may be, Hz.
+    fn reach_hz(&self, r: usize) -> f64 {
+        let width = self.system.modes[r].width_hz();
+        let bound = self.known[r].bound.map_or(0.0, |b| 3.0 * b.frequency_hz);
+        bound.min(width).max(0.25 * width)
+    }
+
+    fn distance_hz(&self, r: usize, f: usize) -> f64 {
+        (self.found[f].frequency_hz - self.system.modes[r].hz()).abs()
+    }
+
+    /// A true mode and those that nobody can tell from it.
+    fn cluster(&self, r: usize) -> Vec<usize> {
+        let mode = &self.system.modes[r];
+        let not_told = |o: &usize| {
+            let other = &self.system.modes[*o];
+            let apart = (other.hz() - mode.hz()).abs();
+            let told = |r: usize| {
+                let bound = self.known[r].bound;
+                bound.is_some_and(|b| b.frequency_hz < OF_SPACING * apart)
+            };
+            *o == r || apart <= other.width_hz().max(mode.width_hz()) && !(told(r) && told(*o))
+        };
+        (0..self.system.modes.len()).filter(not_told).collect()
+    }
+
+    fn mac(&self, r: usize, f: usize) -> f64 {
+        let own = &self.shapes[f];
+        if own.is_empty() {
+            return 0.0;
+        }
+        let truth = |r: usize| self.system.modes[r].shape.clone();
+        let span: Vec<_> = self.cluster(r).into_iter().map(truth).collect();
+        let mac = subspace_mac(own, &span).unwrap_or(0.0);
+        let group = self.found[f].group;
+        let same =
+            (0..self.found.len()).filter(|o| group.is_some() && self.found[*o].group == group);
+        let repeated: Vec<_> = same.map(|o| self.shapes[o].clone()).collect();
+        mac.max(subspace_mac(&truth(r), &repeated).unwrap_or(0.0))
+    }
+
+    /// Each true mode with a found one: as many observable modes as can have one, then as many of the others.
+    fn partners(&self) -> Vec<Option<usize>> {
+        let count = self.known.len();
+        let offers: Vec<Vec<usize>> = (0..count).map(|r| self.offers(r)).collect();
+        let mut owner = vec![None; self.found.len()];
+        for observable in [true, false] {
+            for r in (0..count).filter(|r| self.known[*r].observable == observable) {
+                claim(r, &offers, &mut owner, &mut vec![false; self.found.len()]);
+            }
+        }
+        let mut partner = vec![None; count];
+        for (f, r) in owner.iter().enumerate() {
+            if let Some(r) = r {
+                partner[*r] = Some(f);
+            }
+        }
+        partner
+    }
+
+    /// Found modes that could be a true one, nearest first.
+    fn offers(&self, r: usize) -> Vec<usize> {
+        let near = |f: &usize| self.distance_hz(r, *f) <= self.reach_hz(r);
+        let fits = |f: &usize| self.mac(r, *f) >= LEAST_MAC;
+        let mut offers: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
+        offers.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
+        offers
+    }
+
+    fn why_missed(&self, r: usize) -> String {
+        let (mode, known) = (&self.system.modes[r], &self.known[r]);
+        let width = mode.width_hz();
+        let nearest = (0..self.found.len())
+            .min_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
+        let nearest = nearest.map_or("nothing found".to_owned(), |f| {
+            format!(
+                "nearest found at {:+.3} reaches, MAC {:.3}",
+                (self.found[f].frequency_hz - mode.hz()) / self.reach_hz(r),
+                self.mac(r, f)
+            )
+        });
+        let sigma = known.bound.map_or(f64::NAN, |b| b.frequency_hz);
+        format!(
+            "missed {:.3} Hz {:.2} %: {:.1} dB, {:.1} lines, neighbour {:.3} widths ({:.0} deviations), edge {:.1} widths; {nearest}",
+            mode.hz(),
+            100.0 * mode.pole.damping_ratio(),
+            known.peak_db,
+            width / self.system.axis.step_hz,
+            known.spacing_hz / width,
+            known.spacing_hz / sigma,
+            (mode.hz() - self.system.band.lo_hz).min(self.system.band.hi_hz - mode.hz()) / width,
+        )
+    }
+
+    fn why_spurious(&self, f: usize) -> String {
+        let found = &self.found[f];
+        let modes = &self.system.modes;
+        let nearest = (0..modes.len())
+            .min_by(|a, b| self.distance_hz(*a, f).total_cmp(&self.distance_hz(*b, f)))
+            .expect("a system has modes");
+        let (truth, known) = (&modes[nearest], &self.known[nearest]);
+        format!(
+            "spurious {:.3} Hz {:.2} %: from the mode at {:.3} Hz {:.2} % ({}, {:.1} dB) {:+.3} widths, {:.2} reaches, MAC {:.3}",
+            found.frequency_hz,
+            100.0 * found.damping_ratio.unwrap_or(f64::NAN),
+            truth.hz(),
+            100.0 * truth.pole.damping_ratio(),
+            if known.observable {
+                "observable"
+            } else {
+                "not observable"
+            },
+            known.peak_db,
+            (found.frequency_hz - truth.hz()) / truth.width_hz(),
+            self.distance_hz(nearest, f) / self.reach_hz(nearest),
+            self.mac(nearest, f),
+        )
+    }
+}
+
+/// Finds a partner for a mode, others giving theirs up for another one where they can (Kuhn 1955, by augmenting paths).
+fn claim(r: usize, offers: &[Vec<usize>], owner: &mut [Option<usize>], seen: &mut [bool]) -> bool {
+    for &f in &offers[r] {
+        if std::mem::replace(&mut seen[f], true) {
+            continue;
+        }
+        if owner[f].is_none_or(|other| claim(other, offers, owner, seen)) {
+            owner[f] = Some(r);
+            return true;
+        }
+    }
+    false
+}

@@ -1,0 +1,91 @@
+//! What identification finds of 300 systems known by their modes: all that anyone could find, and nothing else.
+
+use modalign::identify::{IdentifyOptions, identify};
+use modalign::modal::ModalModel;
+use rayon::prelude::*;
+
+use super::found::{Verdict, judge};
+use super::systems::{SYSTEMS, System};
+
+/// The method that is held to the limits.
+pub const METHOD: &str = "ml";
+/// Least share of the observable modes that is found.
+const LEAST_RECALL: f64 = 0.995;
+/// Most spurious modes, as a share of all that are found.
+const MOST_SPURIOUS: f64 = 0.005;
+/// Least share of systems without a missed or spurious mode.
+const LEAST_RIGHT: f64 = 0.97;
+
+/// The modes of one draw of a system.
+pub fn identified(system: &System, draw: u64) -> ModalModel {
+    let options = IdentifyOptions {
+        method: METHOD.to_owned(),
+        band: Some(system.band),
+        ..IdentifyOptions::default()
+    };
+    identify(&system.measured(draw), &options).unwrap()
+}
+
+/// A system of the family with what is found of it.
+pub fn judged(number: usize) -> (System, ModalModel, Verdict) {
+    let system = System::draw(number as u64);
+    let model = identified(&system, 0);
+    let verdict = judge(&system, &model);
+    (system, model, verdict)
+}
+
+/// Counts over systems.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Score {
+    pub systems: usize,
+    pub right: usize,
+    /// Modes of the bands.
+    pub modes: usize,
+    pub observable: usize,
+    pub missed: usize,
+    pub found: usize,
+    pub spurious: usize,
+}
+
+impl Score {
+    pub fn add(&mut self, (system, model, verdict): &(System, ModalModel, Verdict)) {
+        self.systems += 1;
+        self.right += usize::from(verdict.wholly_right());
+        self.modes += system.modes.iter().filter(|m| system.inside(m)).count();
+        self.observable += verdict.observable();
+        self.missed += verdict.missed();
+        self.found += model.modes.len();
+        self.spurious += verdict.spurious.len();
+    }
+
+    /// Share of the observable modes that is found.
+    pub fn recall(&self) -> f64 {
+        1.0 - self.missed as f64 / self.observable as f64
+    }
+
+    /// Share of the found modes that is spurious.
+    pub fn spurious(&self) -> f64 {
+        self.spurious as f64 / self.found as f64
+    }
+
+    /// Share of systems without a missed or spurious mode.
+    pub fn right(&self) -> f64 {
+        self.right as f64 / self.systems as f64
+    }
+}
+
+#[test]
+fn every_observable_mode_is_found_and_none_is_invented() {
+    let judged: Vec<_> = (0..SYSTEMS).into_par_iter().map(judged).collect();
+    let mut score = Score::default();
+    for own in &judged {
+        score.add(own);
+        if !own.2.wholly_right() {
+            println!("{}: {}", own.0, own.2);
+        }
+    }
+    println!("{score:?}");
+    assert!(score.recall() >= LEAST_RECALL, "{}", score.recall());
+    assert!(score.spurious() <= MOST_SPURIOUS, "{}", score.spurious());
+    assert!(score.right() >= LEAST_RIGHT, "{}", score.right());
+}
