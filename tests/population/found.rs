@@ -3,7 +3,7 @@
 //! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the noise of some function,
 //!   and whose Cramér-Rao deviation of the frequency is under a quarter of the distance to the next mode.
 //! - **Found**: a mode within the larger of three such deviations (no more than a half-power width) and a quarter of the
-//!   half-power width, with a MAC of 0.9 or more. Modes that nobody can tell apart (within a half-power width, and a
+//!   half-power width, with a MAC of 0.9 or more of what the noise leaves of a shape. Modes that nobody can tell apart (within a half-power width, and a
 //!   deviation of either over a quarter of their distance), and modes that the tool calls one repeated root, are held
 //!   against each other's span.
 //! - **Spurious**: a found mode without such a partner, in the band or outside.
@@ -36,6 +36,8 @@ pub struct Known {
     pub peak_db: f64,
     /// Distance to the next mode, Hz.
     pub spacing_hz: f64,
+    /// Expected MAC of the best estimate of its shape: `1/(1 + ε²)`, `ε²` the variance of a lone mode's shape over its square.
+    pub mac: f64,
     pub observable: bool,
 }
 
@@ -55,6 +57,7 @@ pub fn known(system: &System) -> Vec<Known> {
             bound,
             peak_db,
             spacing_hz,
+            mac: expected_mac(system, mode, &variances),
             observable: told && above && system.inside(mode),
         }
     };
@@ -104,6 +107,21 @@ fn peak(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let height = pairs.iter().zip(variances);
     let height = height.map(|(&(o, i), v)| (gain * mode.residue(o, i)).norm_sqr() / v);
     height.fold(0.0, f64::max)
+}
+
+/// With a known pole `ψ_o` has the variance `(σ dω/π) / Σ_i |L_i|²/v_oi`, since `∫ dω/|iω − λ|² = π/σ`.
+fn expected_mac(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
+    let order = system.kind.derivative_order();
+    let gain = mode.pole.lambda.norm().powi(2 * order);
+    let lines = -mode.pole.lambda.re * TAU * system.axis.step_hz / std::f64::consts::PI;
+    let variance = |o: usize| {
+        let known =
+            |i| gain * mode.participation(i).norm_sqr() / variances[i * system.responses + o];
+        lines / (0..system.references).map(known).sum::<f64>()
+    };
+    let noise: f64 = (0..system.responses).map(variance).sum();
+    let square: f64 = mode.shape.iter().map(Complex64::norm_sqr).sum();
+    (1.0 + noise / square).recip()
 }
 
 /// A judged identification.
@@ -248,7 +266,7 @@ impl Court<'_> {
     /// Found modes that could be a true one, nearest first.
     fn offers(&self, r: usize) -> Vec<usize> {
         let near = |f: &usize| self.distance_hz(r, *f) <= self.reach_hz(r);
-        let fits = |f: &usize| self.mac(r, *f) >= LEAST_MAC;
+        let fits = |f: &usize| self.mac(r, *f) >= LEAST_MAC * self.known[r].mac;
         let mut offers: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
         offers.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
         offers

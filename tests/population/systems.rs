@@ -298,7 +298,8 @@ fn white(random: &mut ChaCha8Rng, variance: f64) -> Complex64 {
     Complex64::new(part(), part()) * (0.5 * variance).sqrt()
 }
 
-fn component(random: &mut ChaCha8Rng, phase: f64) -> Complex64 {
+/// A normal component with a normal phase.
+pub fn component(random: &mut ChaCha8Rng, phase: f64) -> Complex64 {
     let size: f64 = StandardNormal.sample(random);
     let turn: f64 = StandardNormal.sample(random);
     Complex64::from_polar(1.0, phase * turn) * size
