@@ -3,6 +3,8 @@
 //! known variance. And every reader on damaged files.
 
 mod bound;
+mod close_pairs;
+mod efficiency;
 mod finding;
 mod found;
 mod hits;

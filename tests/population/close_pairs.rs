@@ -1,0 +1,205 @@
+//! Close pairs and repeated roots that several references tell apart.
+
+use modalign::axis::{Band, FrequencyAxis};
+use modalign::correlate::principal_angles_deg;
+use modalign::modal::Pole;
+use modalign::quantity::FrfKind;
+use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::found::{components, known};
+use super::identification::identified;
+use super::systems::{System, TrueMode, component};
+
+/// Draws of each cell, each with shapes, damping and noise of its own.
+const DRAWS: u64 = 100;
+const RESPONSES: usize = 10;
+/// Distance in half-power widths, and least share of draws that are found as two where the bound allows it.
+const SPACINGS: [(f64, f64); 3] = [(0.5, 1.0), (0.2, 0.99), (0.05, 0.9)];
+/// Angles between the participation vectors, degrees.
+const ANGLES_DEG: [f64; 3] = [90.0, 30.0, 10.0];
+/// Natural frequency of the lower of the two, Hz.
+const PAIR_HZ: f64 = 200.0;
+/// Most angle between the subspaces of the shapes of a repeated root, degrees.
+const MOST_ANGLE_DEG: f64 = 2.0;
+
+/// A pair, its distance in half-power widths, with single modes on both sides.
+struct Setup {
+    spacing_widths: f64,
+    /// Of the participation vectors.
+    angle_deg: f64,
+    references: usize,
+    snr_db: f64,
+}
+
+impl Setup {
+    fn draw(&self, number: u64) -> System {
+        let mut random = ChaCha8Rng::seed_from_u64(4);
+        random.set_stream(number);
+        let zeta = 0.005 * 4f64.powf(random.random_range(0.0..1.0));
+        let width = 2.0 * zeta * PAIR_HZ;
+        let second_hz = PAIR_HZ + self.spacing_widths * width;
+        let frequencies = [PAIR_HZ - 60.0, PAIR_HZ, second_hz, PAIR_HZ + 70.0];
+        let mut modes = frequencies.map(|hz| TrueMode {
+            pole: Pole::from_frequency(hz, zeta),
+            shape: (0..RESPONSES)
+                .map(|_| component(&mut random, 0.0))
+                .collect(),
+        });
+        let (first, second) = self.participation(&mut random);
+        modes[1].shape[..self.references].copy_from_slice(&first);
+        modes[2].shape[..self.references].copy_from_slice(&second);
+        let step_hz = width / random.random_range(5.0..10.0);
+        let band = Band::new(PAIR_HZ - 100.0, PAIR_HZ + 110.0).unwrap();
+        System {
+            number,
+            modes: modes.to_vec(),
+            axis: FrequencyAxis {
+                start_hz: band.lo_hz,
+                step_hz,
+                len: (band.width_hz() / step_hz).ceil() as usize + 1,
+            },
+            band,
+            kind: FrfKind::Accelerance,
+            references: self.references,
+            responses: RESPONSES,
+            snr_db: self.snr_db,
+            averages: None,
+        }
+    }
+
+    /// Two vectors of length 1 at the references, the angle apart, in a random plane.
+    fn participation(&self, random: &mut ChaCha8Rng) -> (Vec<Complex64>, Vec<Complex64>) {
+        let mut vector = || -> Vec<Complex64> {
+            let own = (0..self.references).map(|_| component(random, 0.0));
+            unit(own.collect())
+        };
+        let (first, other) = (vector(), vector());
+        let along: Complex64 = first.iter().zip(&other).map(|(a, b)| a * b).sum();
+        let across = other.iter().zip(&first).map(|(b, a)| b - along * a);
+        let across = unit(across.collect());
+        let (sin, cos) = self.angle_deg.to_radians().sin_cos();
+        let turned = first.iter().zip(&across).map(|(a, b)| cos * a + sin * b);
+        let second = turned.collect();
+        (first, second)
+    }
+}
+
+fn unit(vector: Vec<Complex64>) -> Vec<Complex64> {
+    let length = vector.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+    vector.into_iter().map(|v| v / length).collect()
+}
+
+/// What came of one draw.
+struct Outcome {
+    /// Whether the bound tells the two poles apart.
+    allowed: bool,
+    /// Modes found within half a half-power width of the pair.
+    found: usize,
+    /// Modes found elsewhere.
+    others: usize,
+    /// Largest principal angle between the two shapes and those found, degrees; `None` unless there are two.
+    angle_deg: Option<f64>,
+    /// Whether those found are one repeated root.
+    grouped: bool,
+}
+
+fn outcome(setup: &Setup, number: u64) -> Outcome {
+    let system = setup.draw(number);
+    let model = identified(&system, 1 + number);
+    let half = 0.5 * system.modes[1].width_hz();
+    let (lo, hi) = (system.modes[1].hz() - half, system.modes[2].hz() + half);
+    let of_pair = |m: &&modalign::modal::Mode| m.frequency_hz > lo && m.frequency_hz < hi;
+    let near: Vec<_> = model.modes.iter().filter(of_pair).collect();
+    let shapes: Vec<_> = near.iter().map(|mode| components(&system, mode)).collect();
+    let truth = [system.modes[1].shape.clone(), system.modes[2].shape.clone()];
+    let angles = (near.len() == 2).then(|| principal_angles_deg(&shapes, &truth).unwrap());
+    let known = known(&system);
+    Outcome {
+        allowed: known[1].observable && known[2].observable,
+        found: near.len(),
+        others: model.modes.len() - near.len(),
+        angle_deg: angles.map(|angles| angles.into_iter().fold(0.0, f64::max)),
+        grouped: near.iter().any(|mode| mode.group.is_some()),
+    }
+}
+
+fn outcomes(setup: &Setup) -> Vec<Outcome> {
+    (0..DRAWS)
+        .into_par_iter()
+        .map(|n| outcome(setup, n))
+        .collect()
+}
+
+/// The angle that a share of the outcomes stays under, degrees.
+fn angle_quantile(outcomes: &[Outcome], share: f64) -> f64 {
+    let mut angles: Vec<f64> = outcomes.iter().filter_map(|o| o.angle_deg).collect();
+    angles.sort_by(f64::total_cmp);
+    let place = (share * angles.len() as f64) as usize;
+    angles
+        .get(place.min(angles.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or(f64::NAN)
+}
+
+/// Prints a line on some outcomes and gives the share of those allowed that were found as two, with no mode too many elsewhere.
+fn share(label: &str, outcomes: &[Outcome]) -> f64 {
+    let allowed: Vec<&Outcome> = outcomes.iter().filter(|o| o.allowed).collect();
+    let two = allowed.iter().filter(|o| o.found == 2 && o.others == 2);
+    let (two, count) = (two.count(), allowed.len());
+    let any = outcomes.iter().filter(|o| o.found == 2).count();
+    println!(
+        "{label}: {two} of {count} that the bound allows found as two, {any} of all {}, {} as one root; \
+         subspace {:.2} degrees (median), {:.2} (95 %)",
+        outcomes.len(),
+        outcomes
+            .iter()
+            .filter(|o| o.found == 2 && o.grouped)
+            .count(),
+        angle_quantile(outcomes, 0.5),
+        angle_quantile(outcomes, 0.95),
+    );
+    if count == 0 {
+        1.0
+    } else {
+        two as f64 / count as f64
+    }
+}
+
+#[test]
+fn two_references_tell_close_pairs_where_the_bound_does() {
+    let mut shares = Vec::new();
+    for (spacing_widths, least) in SPACINGS {
+        for angle_deg in ANGLES_DEG {
+            let setup = Setup {
+                spacing_widths,
+                angle_deg,
+                references: 2,
+                snr_db: 60.0,
+            };
+            let label = format!("{spacing_widths} widths, {angle_deg} degrees");
+            shares.push((label.clone(), share(&label, &outcomes(&setup)), least));
+        }
+    }
+    for (label, share, least) in shares {
+        assert!(share >= least, "{label}: {share}");
+    }
+}
+
+#[test]
+fn three_references_find_both_modes_of_a_repeated_root() {
+    let setup = Setup {
+        spacing_widths: 0.0,
+        angle_deg: 60.0,
+        references: 3,
+        snr_db: 55.0,
+    };
+    let outcomes = outcomes(&setup);
+    share("repeated root", &outcomes);
+    let angle = |o: &Outcome| o.angle_deg.unwrap_or(f64::INFINITY);
+    let worst = outcomes.iter().map(angle).fold(0.0, f64::max);
+    assert!(outcomes.iter().all(|o| o.others == 2));
+    assert!(worst <= MOST_ANGLE_DEG, "{worst}");
+}
