@@ -3,9 +3,9 @@
 //! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the noise of some function,
 //!   and whose Cramér-Rao deviation of the frequency is under a quarter of the distance to the next mode.
 //! - **Found**: a mode within the larger of three such deviations (no more than a half-power width) and a quarter of the
-//!   half-power width, with a MAC of 0.9 or more of what the noise leaves of a shape. Modes that nobody can tell apart (within a half-power width, and a
-//!   deviation of either over a quarter of their distance), and modes that the tool calls one repeated root, are held
-//!   against each other's span.
+//!   half-power width, with a MAC of 0.9 or more of what the noise leaves of a shape. Modes that nobody can tell apart
+//!   (within a half-power width, and a deviation of either over a quarter of their distance), and modes that the tool calls
+//!   one repeated root, are held against each other's span.
 //! - **Spurious**: a found mode without such a partner, in the band or outside.
 
 use std::f64::consts::TAU;
