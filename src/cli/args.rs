@@ -178,7 +178,7 @@ pub struct IdentifyArgs {
     /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// auto (circle), peak, circle or ml.
+    /// auto (ml), peak, circle or ml.
     #[arg(long, value_name = "NAME")]
     pub method: Option<String>,
     /// Band in Hz, LO:HI; the whole axis when not given.

@@ -35,6 +35,9 @@ pub(super) fn roots_to_double(
     rest: &ComplexMatrix,
     chance: f64,
 ) -> Vec<(usize, Root)> {
+    if roots.is_empty() {
+        return Vec::new();
+    }
     let functions = data.functions();
     let quantile = upper_quantile(2.0 * functions as f64, chance / roots.len() as f64);
     let second = |j: usize| {

@@ -14,8 +14,7 @@
 //! out once, when candidates become modes. This stage reads no file and knows no model.
 //!
 //! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
-//! one group (`parts`). `ml` tells close modes apart by the participation of several references as well; `auto` is
-//! the circle fit until `ml` has been through all population tests.
+//! one group (`parts`). `ml`, which `auto` stands for, tells close modes apart by the participation of several references as well.
 //! A single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
@@ -186,12 +185,12 @@ pub const ESTIMATORS: &[Entry] = &[
 ];
 
 /// What `auto` stands for.
-const AUTO: &str = "circle";
+const AUTO: &str = "ml";
 
 /// Options of an identification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifyOptions {
-    /// Name of an estimator, or `auto` (the circle fit).
+    /// Name of an estimator, or `auto` (maximum likelihood).
     pub method: String,
     /// Band to search; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
     pub band: Option<Band>,

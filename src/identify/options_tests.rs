@@ -52,7 +52,7 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
         };
         let model = identify(&set(0.01), &options).unwrap();
         let method = model.modes[0].method.as_deref();
-        assert_eq!(method, Some(if name == "auto" { "circle" } else { name }));
+        assert_eq!(method, Some(if name == "auto" { "ml" } else { name }));
         assert_eq!((model.modes.len(), model.references.len()), (2, 1));
         assert_eq!(model.band, Band::new(0.1, 200.0).ok());
         assert!(model.added_damping_rad_s.is_none() && model.findings.is_empty());

@@ -17,7 +17,7 @@ pub(super) const WIDEST: f64 = 0.5;
 /// Narrowest half-power width, lines: what is narrower is a single line.
 const NARROWEST: f64 = 0.01;
 /// Deviation of a pole over its decay rate that is still a pole.
-const KNOWN: f64 = 0.5;
+const KNOWN: f64 = 0.2;
 /// Deviations by which two roots must be apart.
 const TOLD_APART: f64 = 2.0;
 /// Participation factors less alike than this can be two modes of one root.

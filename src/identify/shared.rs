@@ -147,7 +147,15 @@ impl Shared {
                 let own = |f: usize| root.residues[f] * course / data.deviation(f, k);
                 let part = split(group, own, |f| response(k, f) / data.deviation(f, k));
                 let excess = self.at(number, k);
-                parts.push(Part { excess, ..part });
+                // Noise that is not shared has no direction of its own.
+                parts.push(match excess > 1.0 {
+                    true => Part { excess, ..part },
+                    false => Part {
+                        along: 0.0,
+                        across: part.across + part.along,
+                        excess,
+                    },
+                });
             }
         }
         parts
