@@ -5,7 +5,7 @@
 //!    roots are and how many modes share each ([`several`](super::several)).
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
 //! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
-//!    half its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
+//!    a fifth of its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
 //!    cannot be told apart but have different participation factors are one repeated root ([`pruning`](super::pruning)).
 //! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
 //!    noise, and raises limits and deviations ([`correlation`](super::correlation)).
@@ -31,7 +31,6 @@ use crate::linalg::{self, ComplexMatrix};
 
 use super::block::Measured;
 use super::correlation::Correlation;
-use super::doubled::roots_to_double;
 use super::indicator::Indicator;
 use super::pruning::{Change, Judge, less};
 use super::reasons::{Dropped, Evidence, Reason};
@@ -42,9 +41,8 @@ use super::search::{self, Found};
 use super::seeds::seeds;
 use super::several::{alone, completed};
 use super::sides::Sides;
-use super::significance::upper_quantile;
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
-use super::unexplained::roots_to_try;
+use super::tries::WORTHWHILE;
 use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
 /// Roots may lie outside the lines by this share of their range.
@@ -53,11 +51,6 @@ const OUTSIDE: f64 = 0.05;
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
 const DOUBTS: usize = 30;
-/// Roots that a search may try at once: a quarter of those that are there, and so many at least. More would mean that the model
-/// misses the data, not that modes are missing.
-const FEWEST_TRIED: usize = 4;
-/// Factor by which a search must lessen what is left over where it leaves doubts.
-const WORTHWHILE: f64 = 2.0;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
 const SEVERAL: usize = 2;
 /// Factor of what the model misses from which on a dropped root is needed.
@@ -107,12 +100,13 @@ impl PoleEstimator for Automatic {
     }
 }
 
-struct Fit {
-    data: Receptances,
-    sides: Sides,
-    options: MethodOptions,
-    roots: Vec<Root>,
-    dropped: Vec<Dropped>,
+/// A fit on its way.
+pub(super) struct Fit {
+    pub data: Receptances,
+    pub sides: Sides,
+    pub options: MethodOptions,
+    pub roots: Vec<Root>,
+    pub dropped: Vec<Dropped>,
 }
 
 impl Fit {
@@ -169,7 +163,7 @@ impl Fit {
     }
 
     /// Refines and drops roots until all that are left pass.
-    fn settle(&mut self, stop: Stop) {
+    pub fn settle(&mut self, stop: Stop) {
         self.refine(stop);
         for _ in 0..PRUNINGS {
             let unfit = self.judge().unfit(&self.roots);
@@ -186,7 +180,7 @@ impl Fit {
     }
 
     /// Roots that go lose their parts; they are taken out afterwards.
-    fn apply(&mut self, change: Change) {
+    pub fn apply(&mut self, change: Change) {
         match change {
             Change::Drop(j, reason) => {
                 let lambda = self.roots[j].lambda;
@@ -290,7 +284,7 @@ impl Fit {
         }
     }
 
-    fn doubts(&self) -> Vec<Option<Doubt>> {
+    pub fn doubts(&self) -> Vec<Option<Doubt>> {
         let standings = self.standings();
         (0..self.roots.len())
             .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
@@ -338,119 +332,6 @@ impl Fit {
         self.data.raise_variances();
     }
 
-    /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
-    fn search(&mut self) -> Option<f64> {
-        let chance = self.options.false_alarm_probability;
-        let most = (self.roots.len() / 4).max(FEWEST_TRIED);
-        let rest = self.rest();
-        let own = (&self.data, &self.sides);
-        let found = roots_to_try(own, &self.roots, &rest, (chance, most));
-        if let Some(gain) = self.try_roots(found, &rest) {
-            return Some(gain);
-        }
-        self.double()
-    }
-
-    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when none did.
-    ///
-    /// Two poles that lie closer together than their distance is known to may be told from one all the same: by what one leaves
-    /// over, which must become less by more than so many unknowns make of noise.
-    fn double(&mut self) -> Option<f64> {
-        let chance = self.options.false_alarm_probability / self.roots.len().max(1) as f64;
-        let unknowns = 2.0 * (self.data.functions() + 1) as f64;
-        let before = self.rest();
-        let energy = before.squared_norm_l2();
-        let own = (&self.data, &self.sides);
-        let mut left = energy;
-        let mut found = roots_to_double(
-            own,
-            &self.roots,
-            &before,
-            self.options.false_alarm_probability,
-        );
-        let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
-        found.truncate((self.roots.len() / 4).max(FEWEST_TRIED));
-        let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
-        for (place, root) in found {
-            let (roots, told) = (self.roots.clone(), self.dropped.len());
-            let alike = self
-                .data
-                .correlation
-                .of_amplitude(root.decay(), self.data.step);
-            let Some(first) = self
-                .roots
-                .iter_mut()
-                .find(|own| own.lambda == lambdas[place])
-            else {
-                continue;
-            };
-            first.twins = true;
-            self.roots.push(Root {
-                suspect: true,
-                twins: true,
-                ..root
-            });
-            self.settle(Stop::Judging);
-            let now = self.rest().squared_norm_l2();
-            let enough = 2.0 * (left - now) > alike * upper_quantile(unknowns, chance);
-            if !enough || modes(&self.roots) <= modes(&roots) || self.drop_doubtful_tries() {
-                self.roots = roots;
-                self.dropped.truncate(told);
-                continue;
-            }
-            left = now;
-            self.roots.iter_mut().for_each(|root| root.suspect = false);
-        }
-        (left < energy).then_some(energy / left)
-    }
-
-    /// As [`Self::search`], with these roots, from what is left over without them.
-    fn try_roots(&mut self, found: Vec<Root>, rest: &ComplexMatrix) -> Option<f64> {
-        if found.is_empty() {
-            return None;
-        }
-        let modes = |roots: &[Root]| roots.iter().map(Root::multiplicity).sum::<usize>();
-        let (before, told) = (self.roots.clone(), self.dropped.len());
-        self.roots.extend(found.into_iter().map(|root| Root {
-            suspect: true,
-            ..root
-        }));
-        unsettle(&mut self.roots);
-        self.settle(Stop::Coarse);
-        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().squared_norm_l2();
-        let mut now = gain(self);
-        if now < WORTHWHILE && self.drop_doubtful_tries() {
-            self.settle(Stop::Coarse);
-            let more = modes(&self.roots) > modes(&before);
-            now = if more { gain(self) } else { 0.0 };
-        }
-        if now < 1.0 {
-            // New roots drove others away, or none of them stayed.
-            self.roots = before;
-            self.dropped.truncate(told);
-            return None;
-        }
-        for root in &mut self.roots {
-            root.suspect = false;
-        }
-        (modes(&self.roots) > modes(&before)).then_some(now)
-    }
-
-    /// Takes modes that a search tried out again where something speaks against them; whether there were any.
-    fn drop_doubtful_tries(&mut self) -> bool {
-        let doubts = self.doubts();
-        let changes: Vec<Change> = (0..self.roots.len())
-            .filter(|j| self.roots[*j].suspect)
-            .filter_map(|j| Some(less(&self.roots, j, Reason::Doubt(doubts[j]?))))
-            .collect();
-        for change in &changes {
-            self.apply(*change);
-        }
-        self.roots.retain(|root| !root.parts.is_empty());
-        unsettle(&mut self.roots);
-        !changes.is_empty()
-    }
-
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
     /// they cost what is known of modes near the ends of the lines. What they explained may have been a wide mode inside: it is
     /// searched for without them.
@@ -485,7 +366,7 @@ impl Fit {
     }
 
     /// What roots and background leave over, over the noise: lines × functions.
-    fn rest(&self) -> ComplexMatrix {
+    pub fn rest(&self) -> ComplexMatrix {
         let measured = measured(&self.data, &self.sides);
         let far = Far::new(&self.data, &measured);
         far.left_over(&self.data, &measured, &self.roots)

@@ -116,8 +116,8 @@ impl Correlation {
         Some(Self { lags })
     }
 
-    /// Of the phases of some series of values, 0 where there is none.
-    pub fn of_phases(series: &[Vec<Complex64>]) -> Self {
+    /// Of the phases of some series of values, 0 where there is none. `None` where they are too few to tell.
+    pub fn of_phases(series: &[Vec<Complex64>]) -> Option<Self> {
         let lines = series.iter().map(Vec::len).max().unwrap_or(0);
         let mut lags = Vec::new();
         for lag in 1..lines / LAGS {
@@ -130,13 +130,16 @@ impl Correlation {
             }
             let own = sum / pairs;
             let limit = CERTAIN * (0.5 / pairs).sqrt();
+            if pairs < FEWEST_PAIRS && lag == 1 {
+                return None;
+            }
             // What comes after the first that chance makes is chance; so is all of a few.
             if pairs < FEWEST_PAIRS || own.re.abs() < limit && own.im.abs() < limit {
                 break;
             }
             lags.push(correlation(own));
         }
-        Self { lags }
+        Some(Self { lags })
     }
 
     /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the spacing of the lines, rad/s.

@@ -107,3 +107,70 @@ fn second_terms(
     };
     Some((0..rest.ncols()).map(term).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::{Band, FrequencyAxis};
+    use crate::identify::synthetic::{Measurement, Structure, white_noise};
+    use crate::modal::Pole;
+
+    const SENSORS: usize = 8;
+
+    /// One mode, its root, and noise that the fit leaves over.
+    fn fitted(seed: u64) -> (Receptances, Sides, Root, ComplexMatrix) {
+        let axis = FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.05,
+            len: 3000,
+        };
+        let structure = Structure {
+            modes: vec![(100.0, 0.01, vec![1.0; SENSORS])],
+        };
+        let set = structure.measured(&Measurement {
+            snr_db: Some(60.0),
+            ..Measurement::of_sensors(SENSORS, axis)
+        });
+        let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let root = Root::single(
+            Pole::from_frequency(100.0, 0.01).lambda,
+            &[Complex64::ONE],
+            SENSORS,
+        );
+        let noise: Vec<Vec<Complex64>> = (0..SENSORS as u64)
+            .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
+            .collect();
+        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
+        (data, Sides::new(set.functions()), root, rest)
+    }
+
+    #[test]
+    fn a_double_pole_below_the_noise_of_every_line_is_told() {
+        let (data, sides, root, noise) = fitted(1);
+        let second = |k: usize| {
+            let first = root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda);
+            first * first
+        };
+        // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole explains it.
+        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
+            let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
+            noise[(k, f)] + sign * second(k)
+        });
+        let found = roots_to_double((&data, &sides), &[root.clone()], &rest, 1e-3);
+        let [(place, beside)] = &found[..] else {
+            panic!("{} roots", found.len());
+        };
+        assert_eq!(*place, 0);
+        assert!((beside.lambda - root.lambda).norm() < root.width());
+    }
+
+    #[test]
+    fn noise_alone_doubles_no_root() {
+        for seed in 0..20 {
+            let (data, sides, root, rest) = fitted(seed);
+            assert!(roots_to_double((&data, &sides), &[root], &rest, 1e-3).is_empty());
+        }
+        let (data, sides, _, rest) = fitted(0);
+        assert!(roots_to_double((&data, &sides), &[], &rest, 1e-3).is_empty());
+    }
+}

@@ -76,6 +76,7 @@ mod standing;
 mod strength;
 #[cfg(test)]
 mod synthetic;
+mod tries;
 mod unexplained;
 
 use num_complex::Complex64;

@@ -30,6 +30,8 @@ const GAIN: f64 = 10.0;
 const BY_CHANCE: f64 = 1e-6;
 /// Degrees of freedom where the data do not state them: those of three averages.
 const UNSTATED: f64 = 4.0;
+/// Degrees of freedom beyond which variances hardly scatter.
+const KNOWN: f64 = 1e4;
 /// Least part of the course over the mean: below it lie rounding and zeros.
 const LEAST: f64 = 1e-6;
 
@@ -88,7 +90,11 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
                 };
                 smooth.variance.push(variance);
                 // Of a few dozen lines, `a` takes what b misses by chance.
-                let share = force / (response + force);
+                let share = if outstanding {
+                    0.0
+                } else {
+                    force / (response + force)
+                };
                 smooth
                     .by_force
                     .push(if share.is_finite() { share } else { 0.0 });
@@ -110,9 +116,11 @@ fn between(values: &[f64], place: f64) -> f64 {
 /// b of every stretch. The noise of a force does not end with a stretch: one that says nothing has that of the nearest that does, unless
 /// it speaks against that.
 fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> {
+    let most: Vec<f64> = functions.iter().map(|own| own.most()).collect();
     let likelihood = |n: usize, b: f64| -> f64 {
-        let of = |own: &&Estimated| own.likelihood(stretches[n].clone(), b);
-        functions.iter().map(of).sum()
+        let own = functions.iter().zip(&most);
+        own.map(|(own, most)| own.likelihood(stretches[n].clone(), b, *most))
+            .sum()
     };
     let mean = |n: usize, own: &&Estimated| {
         let sum = |values: &[f64]| values[stretches[n].clone()].iter().sum::<f64>();
@@ -157,7 +165,8 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
 
 impl Estimated {
     fn freedom(&self) -> f64 {
-        self.degrees_of_freedom.unwrap_or(UNSTATED).max(1.0)
+        let stated = self.degrees_of_freedom.filter(|freedom| *freedom > 0.0);
+        stated.unwrap_or(UNSTATED).clamp(1.0, KNOWN)
     }
 
     /// Factor by which a variance exceeds its expectation only when the line is another's.
@@ -195,9 +204,12 @@ impl Estimated {
         a
     }
 
-    fn likelihood(&self, lines: Range<usize>, b: f64) -> f64 {
-        let most = self.most();
+    fn likelihood(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
         let a = self.even(lines.clone(), b, most);
+        // More than half zeros: nothing is known of its noise.
+        if a <= 0.0 {
+            return 0.0;
+        }
         let term = |k: usize| {
             let expected = (a + b * self.power[k]).max(f64::MIN_POSITIVE);
             expected.ln() + (self.variance[k] / expected).min(most)

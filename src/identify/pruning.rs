@@ -113,7 +113,7 @@ fn twin(roots: &[Root], inputs: usize, j: usize) -> Option<Change> {
         let apart = (a.lambda - b.lambda).norm();
         let stronger = a.quality.significance() >= b.quality.significance();
         let beside = apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q);
-        *i != j && stronger && beside && !(a.twins && b.twins)
+        *i != j && stronger && beside && (a.pair.is_none() || a.pair != b.pair)
     };
     let distance = |i: &usize| (roots[*i].lambda - roots[j].lambda).norm();
     let i = (0..roots.len())

@@ -30,8 +30,8 @@ pub(super) struct Root {
     pub progress: Progress,
     /// Whether something speaks against its being a mode.
     pub suspect: bool,
-    /// Whether it was told from one beside it by what one alone leaves over.
-    pub twins: bool,
+    /// Number that it shares with the root beside it from which it was told by what one alone leaves over.
+    pub pair: Option<u32>,
 }
 
 /// What a fit says of one root besides its numbers.
@@ -46,7 +46,7 @@ pub(super) struct Quality {
     pub combinations: Vec<Vec<Complex64>>,
     /// The largest of one output.
     pub largest: f64,
-    /// Factor by which noise that hangs together over the lines raises both where there is no mode.
+    /// Factor by which noise that hangs together over the lines, or that functions share, raises both where there is no mode.
     pub by_lines: f64,
 }
 
@@ -120,7 +120,7 @@ impl Root {
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
             suspect: false,
-            twins: false,
+            pair: None,
         }
     }
 

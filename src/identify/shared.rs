@@ -8,7 +8,8 @@
 //! g = 1 + Σ p_f − Σ p_f |h_f|²/|h|²
 //! ```
 //!
-//! where that part is shared, and 1 where functions err each by itself, as those of a roving sensor do. What is left over tells which.
+//! where that part is shared, and 1 where functions err each by itself, as those of a roving sensor do. What is left over tells how
+//! much of it is.
 //! The part of a root in that direction is held against such noise, the rest of it against noise that is the functions' own.
 
 use std::collections::BTreeMap;
@@ -31,6 +32,8 @@ const SHARED: f64 = 4.0;
 const MOST_POWER: f64 = 6.0;
 /// Excess from which on a line says how shared noise hangs together over the lines.
 const MOSTLY: f64 = 2.0;
+/// Steps of halving for the part that is shared.
+const HALVINGS: usize = 20;
 /// Half-power widths on either side in which a root is compared with the response.
 const REACH: f64 = 2.0;
 
@@ -67,11 +70,18 @@ impl Shared {
         };
         let groups: Vec<Vec<Line>> = self.groups.par_iter().map(of_group).collect();
         let alike = data.correlation.alike();
-        let excess = groups.iter().map(|lines| match are_shared(lines, alike) {
-            true => lines.iter().map(|line| line.excess).collect(),
-            false => vec![1.0; lines.len()],
+        let excess = groups.iter().map(|lines| {
+            let part = shared_part(lines, alike);
+            let of = |line: &Line| 1.0 + part * (line.excess - 1.0);
+            lines.iter().map(of).collect()
         });
         let excess: Vec<Vec<f64>> = excess.collect();
+        if excess.iter().flatten().all(|g| *g <= 1.0) {
+            return Self {
+                excess: Vec::new(),
+                ..self.clone()
+            };
+        }
         let along = groups.iter().zip(&excess).map(|(lines, excess)| {
             let own = lines.iter().zip(excess);
             let own = own.map(|(line, g)| match line.noise && *g > MOSTLY {
@@ -82,7 +92,8 @@ impl Shared {
         });
         Self {
             groups: self.groups.clone(),
-            along: Correlation::of_phases(&along.collect::<Vec<_>>()),
+            along: Correlation::of_phases(&along.collect::<Vec<_>>())
+                .unwrap_or_else(|| data.correlation.clone()),
             excess,
         }
     }
@@ -91,6 +102,9 @@ impl Shared {
     /// other roots' response counts as that.
     pub fn of_amplitude(&self, data: &Receptances, root: &Root) -> f64 {
         let own = data.correlation.of_amplitude(root.decay(), data.step);
+        if self.excess.is_empty() {
+            return own;
+        }
         let along = self.along.of_amplitude(root.decay(), data.step);
         let parts = self.parts(data, root, 1, |k, f| {
             data.values[f][k] - contribution(data, root, (k, f))
@@ -104,6 +118,9 @@ impl Shared {
     /// Factor of the variance of a root's pole over that of white noise that is every function's own.
     pub fn of_pole(&self, data: &Receptances, root: &Root) -> f64 {
         let own = data.correlation.of_pole(root.decay(), data.step);
+        if self.excess.is_empty() {
+            return own;
+        }
         let along = self.along.of_pole(root.decay(), data.step);
         let parts = self.parts(data, root, 2, |k, f| data.values[f][k]);
         let by_itself: f64 = parts.iter().map(|part| part.across).sum();
@@ -119,6 +136,10 @@ impl Shared {
         line: usize,
         value: impl Fn(usize) -> Complex64,
     ) -> f64 {
+        if self.excess.is_empty() {
+            let of = |f: &usize| value(*f).norm_sqr();
+            return self.groups.iter().flatten().map(of).sum();
+        }
         let response = Response { data, rest };
         let of = |(number, group): (usize, &Vec<usize>)| {
             let part = split(group, &value, |f| response.over_noise(f, line));
@@ -254,14 +275,76 @@ struct Line {
     noise: bool,
 }
 
-/// Whether what is left over is larger along the response where the force is what makes noise: the score of exponential variables, of
-/// which so many count for one.
-fn are_shared(lines: &[Line], alike: f64) -> bool {
-    let (mut score, mut information) = (0.0, 0.0);
-    for line in lines.iter().filter(|line| line.noise) {
-        let weight = line.excess - 1.0;
-        score += weight * (line.along.norm_sqr() - 1.0);
-        information += weight * weight;
+/// The part c of the force's noise that functions share, with `1 + c (g − 1)` of the greatest likelihood of exponential variables of
+/// which so many count for one; 0 where the score does not stand out. Sensors that were moved share it with some others only.
+fn shared_part(lines: &[Line], alike: f64) -> f64 {
+    let score = |part: f64| {
+        let (mut score, mut information) = (0.0, 0.0);
+        for line in lines.iter().filter(|line| line.noise) {
+            let mean = 1.0 + part * (line.excess - 1.0);
+            let weight = (line.excess - 1.0) / mean;
+            score += weight * (line.along.norm_sqr() / mean - 1.0);
+            information += weight * weight;
+        }
+        (score, information)
+    };
+    let (first, information) = score(0.0);
+    if first <= SHARED * (alike * information).sqrt() {
+        return 0.0;
     }
-    score > SHARED * (alike * information).sqrt()
+    let (mut low, mut high) = (0.0, 1.0);
+    if score(high).0 >= 0.0 {
+        return high;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if score(middle).0 > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::synthetic::white_noise;
+
+    fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
+        let along = white_noise(400, variance, seed);
+        let line = |along| Line {
+            along,
+            excess,
+            noise: true,
+        };
+        along.into_iter().map(line).collect()
+    }
+
+    #[test]
+    fn noise_along_the_response_is_shared_when_it_is_larger_there() {
+        for seed in 0..20 {
+            // 400 squares of one exponential variable each tell their mean to 5 %.
+            assert!(shared_part(&lines(3.0, 3.0, seed), 1.0) > 0.7);
+            assert!((shared_part(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
+            assert_eq!(shared_part(&lines(3.0, 1.0, seed), 1.0), 0.0);
+            // Functions without noise of the force have nothing to share.
+            assert_eq!(shared_part(&lines(1.0, 1.0, seed), 1.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn energies_along_and_across_the_response_add_up() {
+        let response = [
+            Complex64::new(1.0, 1.0),
+            Complex64::new(0.0, -2.0),
+            Complex64::ONE,
+        ];
+        let of = |own: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], own, |f| response[f]);
+        let same = of(&|f| Complex64::new(0.0, 3.0) * response[f]);
+        assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
+        let other = of(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
+        assert!((other.along - 7.0).abs() < 1e-12 && (other.across - 42.0).abs() < 1e-12);
+    }
 }

@@ -1,0 +1,169 @@
+//! Roots that a fit tries where it leaves over more than noise.
+
+use num_complex::Complex64;
+
+use crate::linalg::ComplexMatrix;
+
+use super::automatic::Fit;
+use super::doubled::roots_to_double;
+use super::pruning::{Change, less};
+use super::reasons::Reason;
+use super::refine::{Stop, unsettle};
+use super::roots::Root;
+use super::significance::upper_quantile;
+use super::unexplained::roots_to_try;
+
+/// Roots that a search may try at once: a quarter of those that are there, and so many at least. More would mean that the model
+/// misses the data, not that modes are missing.
+const FEWEST_TRIED: usize = 4;
+/// Factor by which a search must lessen what is left over where it leaves doubts.
+pub(super) const WORTHWHILE: f64 = 2.0;
+/// Least distance of two roots that one is doubled into, half-power widths: a pole that moves so far from function to function, by the
+/// mass of a sensor or from hit to hit, leaves over the same.
+const LEAST_APART: f64 = 0.04;
+
+impl Fit {
+    /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
+    pub fn search(&mut self) -> Option<f64> {
+        let chance = self.options.false_alarm_probability;
+        let rest = self.rest();
+        let own = (&self.data, &self.sides);
+        let found = roots_to_try(own, &self.roots, &rest, (chance, self.most_tried()));
+        if let Some(gain) = self.try_roots(found, &rest) {
+            return Some(gain);
+        }
+        self.double()
+    }
+
+    fn most_tried(&self) -> usize {
+        (self.roots.len() / 4).max(FEWEST_TRIED)
+    }
+
+    fn modes(&self) -> usize {
+        self.roots.iter().map(Root::multiplicity).sum()
+    }
+
+    /// As [`Self::search`], with these roots, from what is left over without them.
+    fn try_roots(&mut self, found: Vec<Root>, rest: &ComplexMatrix) -> Option<f64> {
+        if found.is_empty() {
+            return None;
+        }
+        let (before, modes, told) = (self.roots.clone(), self.modes(), self.dropped.len());
+        self.roots.extend(found.into_iter().map(|root| Root {
+            suspect: true,
+            ..root
+        }));
+        unsettle(&mut self.roots);
+        self.settle(Stop::Coarse);
+        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().squared_norm_l2();
+        let mut now = gain(self);
+        if now < WORTHWHILE && self.drop_doubtful_tries() {
+            self.settle(Stop::Coarse);
+            now = if self.modes() > modes {
+                gain(self)
+            } else {
+                0.0
+            };
+        }
+        if now < 1.0 {
+            // New roots drove others away, or none of them stayed.
+            self.roots = before;
+            self.dropped.truncate(told);
+            return None;
+        }
+        for root in &mut self.roots {
+            root.suspect = false;
+        }
+        (self.modes() > modes).then_some(now)
+    }
+
+    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when none did.
+    ///
+    /// Two poles that lie closer together than their distance is known to may be told from one all the same: by what one leaves
+    /// over, which must become less by more than so many unknowns make of noise.
+    fn double(&mut self) -> Option<f64> {
+        let chance = self.options.false_alarm_probability;
+        let own = (&self.data, &self.sides);
+        let found = roots_to_double(own, &self.roots, &self.rest(), chance);
+        let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
+        let chance = chance / lambdas.len().max(1) as f64;
+        let (first, most) = (self.left(), self.most_tried());
+        let mut left = first;
+        for (place, second) in found.into_iter().take(most) {
+            let distance = |root: &Root| (root.lambda - lambdas[place]).norm();
+            let free = |j: &usize| self.roots[*j].pair.is_none();
+            let nearest = (0..self.roots.len())
+                .filter(free)
+                .min_by(|a, b| distance(&self.roots[*a]).total_cmp(&distance(&self.roots[*b])));
+            // Others that moved since may have taken its place.
+            let near = |j: &usize| distance(&self.roots[*j]) < self.roots[*j].decay();
+            let Some(j) = nearest.filter(near) else {
+                continue;
+            };
+            let (before, told) = (self.roots.clone(), self.dropped.len());
+            match self.doubled((j, second), (left, chance)) {
+                Some(now) => left = now,
+                None => {
+                    self.roots = before;
+                    self.dropped.truncate(told);
+                }
+            }
+        }
+        (left < first).then_some(first / left)
+    }
+
+    /// What is left over with a second root beside one; `None` where that is not worth it, or not a mode.
+    fn doubled(&mut self, (j, second): (usize, Root), (left, chance): (f64, f64)) -> Option<f64> {
+        let pairs = self.roots.iter().filter_map(|root| root.pair);
+        let pair = Some(pairs.max().map_or(0, |last| last + 1));
+        let modes = self.modes();
+        let decay = second.decay();
+        self.roots[j].pair = pair;
+        self.roots.push(Root {
+            suspect: true,
+            pair,
+            ..second
+        });
+        self.settle(Stop::Judging);
+        let own: Vec<&Root> = self.roots.iter().filter(|root| root.pair == pair).collect();
+        let [a, b] = own[..] else { return None };
+        let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
+        let now = self.left();
+        let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
+        let alike = self.data.correlation.of_amplitude(decay, self.data.step);
+        let enough = alike * upper_quantile(unknowns as f64, chance);
+        if apart < LEAST_APART || 2.0 * (left - now) <= enough || self.modes() <= modes {
+            return None;
+        }
+        if self.drop_doubtful_tries() {
+            return None;
+        }
+        self.roots.iter_mut().for_each(|root| root.suspect = false);
+        Some(now)
+    }
+
+    /// Energy of what is left over, over the noise, as far as functions do not share it.
+    fn left(&self) -> f64 {
+        let rest = self.rest();
+        let held = |k: usize| {
+            let shared = &self.data.shared;
+            shared.held((&self.data, &rest), k, |f| rest[(k, f)])
+        };
+        (0..self.data.lines()).map(held).sum()
+    }
+
+    /// Takes modes that a search tried out again where something speaks against them; whether there were any.
+    fn drop_doubtful_tries(&mut self) -> bool {
+        let doubts = self.doubts();
+        let changes: Vec<Change> = (0..self.roots.len())
+            .filter(|j| self.roots[*j].suspect)
+            .filter_map(|j| Some(less(&self.roots, j, Reason::Doubt(doubts[j]?))))
+            .collect();
+        for change in &changes {
+            self.apply(*change);
+        }
+        self.roots.retain(|root| !root.parts.is_empty());
+        unsettle(&mut self.roots);
+        !changes.is_empty()
+    }
+}
