@@ -4,8 +4,8 @@
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
 use super::{
-    BUILT_IN, ModeOptions, ModelRoot, RootSensitivity, TheoreticalModel, TheoryModes, built_in,
-    model_roots, modes, sensitivities, system_derivatives,
+    BUILT_IN, BeamModel, LumpedModel, ModeOptions, ModelRoot, RootSensitivity, TheoreticalModel,
+    TheoryModes, built_in, model_roots, modes, sensitivities, system_derivatives,
 };
 use crate::theory::parameter::nominal_values;
 
@@ -123,52 +123,186 @@ fn difference(at: impl Fn(f64) -> RealMatrix, step: f64) -> RealMatrix {
     })
 }
 
-#[test]
-fn derivatives_of_the_matrices_are_their_differences_for_every_parameter_of_every_model() {
-    for name in BUILT_IN.iter().flat_map(|own| {
-        own.sets
-            .iter()
-            .map(move |set| format!("{}/{set}", own.name))
-    }) {
-        let model = built_in(&name).unwrap();
-        let values = nominal_values(model.parameters());
-        for (j, spec) in model.parameters().iter().enumerate() {
-            // Forward from a value on its lower bound.
-            let base = if spec.nominal.abs() > 0.0 {
-                spec.nominal
-            } else {
-                spec.upper.unwrap().min(1e6) * 1e-2
-            };
-            let mut values = values.clone();
-            values[j] = base;
-            let by = model.derivative(&values, j).unwrap();
-            let step = 1e-3 * base.abs();
-            let at = |pick: fn(super::SystemMatrices) -> RealMatrix| {
-                let (model, values) = (&model, values.clone());
-                move |h: f64| {
-                    let mut values = values.clone();
-                    values[j] = base + h;
-                    pick(model.assemble(&values).unwrap())
-                }
-            };
-            for (own, expected) in [
-                (&by.stiffness, difference(at(|m| m.stiffness), step)),
-                (&by.mass, difference(at(|m| m.mass), step)),
-            ] {
-                let all = || (0..own.nrows()).flat_map(|i| (0..own.nrows()).map(move |j| (i, j)));
-                let largest = all().map(|at| own[at].abs()).fold(0.0, f64::max);
-                for place in all() {
-                    assert!(
-                        (own[place] - expected[place]).abs() <= 1e-8 * largest,
-                        "{name} {} {place:?}: {} {}",
-                        spec.name,
-                        own[place],
-                        expected[place]
-                    );
-                }
+/// Every derivative of the matrices against differences, over every parameter.
+fn check_derivatives(name: &str, model: &dyn TheoreticalModel) {
+    let nominal = nominal_values(model.parameters());
+    for (j, spec) in model.parameters().iter().enumerate() {
+        // A value of 0 may be on its bound: away from it.
+        let base = if spec.nominal.abs() > 0.0 {
+            spec.nominal
+        } else {
+            spec.upper.unwrap().min(1e6) * 1e-2
+        };
+        let mut values = nominal.clone();
+        values[j] = base;
+        let by = model.derivative(&values, j).unwrap();
+        let step = 1e-3 * base.abs();
+        let at = |pick: fn(super::SystemMatrices) -> RealMatrix| {
+            let values = values.clone();
+            move |h: f64| {
+                let mut values = values.clone();
+                values[j] = base + h;
+                pick(model.assemble(&values).unwrap())
+            }
+        };
+        let mut moved = 0.0f64;
+        for (own, expected) in [
+            (&by.stiffness, difference(at(|m| m.stiffness), step)),
+            (&by.mass, difference(at(|m| m.mass), step)),
+        ] {
+            let all = || (0..own.nrows()).flat_map(|i| (0..own.nrows()).map(move |j| (i, j)));
+            let largest = all().map(|at| expected[at].abs()).fold(0.0, f64::max);
+            moved = moved.max(largest);
+            for place in all() {
+                assert!(
+                    (own[place] - expected[place]).abs() <= 1e-8 * largest,
+                    "{name} {} {place:?}: {} {}",
+                    spec.name,
+                    own[place],
+                    expected[place]
+                );
             }
         }
+        assert!(by.damping.is_none(), "{name} has no damping matrix");
+        if name.starts_with("file") {
+            assert!(moved > 0.0, "{name} {} moves something", spec.name);
+        }
     }
+}
+
+#[test]
+fn derivatives_of_the_matrices_are_their_differences_for_every_parameter_of_every_built_in_model() {
+    for own in BUILT_IN {
+        for set in own.sets {
+            let name = format!("{}/{set}", own.name);
+            check_derivatives(&name, built_in(&name).unwrap().as_ref());
+        }
+    }
+}
+
+/// Parameters of a model file, each `name = (unit, value)`.
+fn parameters(all: &[(&str, &str, f64)]) -> String {
+    let table = |(name, unit, value): &(&str, &str, f64)| {
+        format!(
+            "[[parameter]]\nname = \"{name}\"\nunit = \"{unit}\"\nnominal = {value:?}\nlower = 0.0\nupper = 1e13\nstatus = \"assumed\"\n"
+        )
+    };
+    all.iter().map(table).collect()
+}
+
+/// A block on springs with every kind of number that a lumped file can name: a mass for two bodies, an inertia for one
+/// axis and for all, a stiffness along and about a direction, and one for two springs.
+const LUMPED: &str = r#"
+    title = "block"
+    [[body]]
+    name = "block"
+    at_m = [0.1, 0.2, 0.3]
+    mass_kg = "mass"
+    inertia_kg_m2 = ["roll", 0.02, "roll"]
+    free = ["x", "y", "z", "rx", "ry", "rz"]
+    [[body]]
+    name = "rider"
+    at_m = [0.4, 0.2, 0.5]
+    mass_kg = "mass"
+    inertia_kg_m2 = "round"
+    free = ["y", "rx", "rz"]
+    [[point]]
+    name = "foot"
+    body = "block"
+    at_m = [0.3, -0.1, 0.0]
+    [[point]]
+    name = "saddle"
+    body = "rider"
+    at_m = [0.35, 0.4, 0.6]
+    [[spring]]
+    name = "leg"
+    from = "foot"
+    to = "ground"
+    direction = [0.3, 0.8, -0.5]
+    parameter = "mount"
+    [[spring]]
+    name = "seat"
+    from = "foot"
+    to = "saddle"
+    stiffness_n_per_m = "mount"
+    [[spring]]
+    name = "hinge"
+    from = "foot"
+    to = "saddle"
+    direction = [0.0, 0.6, 0.8]
+    stiffness_nm_per_rad = "twist"
+"#;
+
+#[test]
+fn derivatives_of_a_lumped_file_are_its_differences() {
+    let parameters = parameters(&[
+        ("mass", "kg", 3.0),
+        ("roll", "kg m2", 0.05),
+        ("round", "kg m2", 0.01),
+        ("mount", "N/m", 2e5),
+        ("twist", "N m/rad", 150.0),
+    ]);
+    let file = toml::from_str(&format!("{LUMPED}{parameters}")).unwrap();
+    check_derivatives("file, lumped", &LumpedModel::new(file).unwrap());
+}
+
+/// Two beams of one material, a point mass with its rotary inertia and a spring in both directions.
+const BEAMS: &str = r#"
+    schema = "modalign-model/1"
+    kind = "beam"
+    title = "two beams"
+    [[beam]]
+    name = "shaft"
+    from_m = [0.0, 0.0, 0.0]
+    to_m = [0.5, 0.2, 0.0]
+    deflection = [0.0, 0.0, 1.0]
+    elements = 5
+    start = "clamped"
+    end = "free"
+    youngs_modulus_pa = "modulus"
+    density_kg_per_m3 = "density"
+    area_m2 = "area"
+    second_moment_m4 = "second_moment"
+    [[beam]]
+    name = "arm"
+    from_m = [0.0, 1.0, 0.0]
+    to_m = [0.3, 1.0, 0.0]
+    deflection = [0.0, 0.0, 1.0]
+    elements = 3
+    start = "free"
+    end = "pinned"
+    youngs_modulus_pa = "modulus"
+    density_kg_per_m3 = "density"
+    area_m2 = 2e-4
+    second_moment_m4 = "second_moment"
+    [[point_mass]]
+    name = "disc"
+    beam = "shaft"
+    at_m = [0.25, 0.1, 0.0]
+    mass_kg = "disc"
+    rotary_inertia_kg_m2 = "spin"
+    [[spring]]
+    name = "bearing"
+    beam = "arm"
+    at_m = [0.05, 1.0, 0.0]
+    stiffness_n_per_m = "bearing"
+    stiffness_nm_per_rad = "tilt"
+"#;
+
+#[test]
+fn derivatives_of_a_beam_file_are_its_differences() {
+    let parameters = parameters(&[
+        ("modulus", "Pa", 2.1e11),
+        ("density", "kg/m3", 7850.0),
+        ("area", "m2", 3e-4),
+        ("second_moment", "m4", 2.5e-9),
+        ("disc", "kg", 0.7),
+        ("spin", "kg m2", 2e-4),
+        ("bearing", "N/m", 4e6),
+        ("tilt", "N m/rad", 900.0),
+    ]);
+    let file = toml::from_str(&format!("{BEAMS}{parameters}")).unwrap();
+    check_derivatives("file, beams", &BeamModel::new(file).unwrap());
 }
 
 /// All eigenvalues `omega^2` of a model, ascending, with one value changed.

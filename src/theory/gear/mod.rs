@@ -16,6 +16,7 @@ mod torsional_planetary;
 #[cfg(test)]
 mod torsional_planetary_tests;
 mod torsional_results;
+mod torsional_sensitivities;
 
 use super::{TheoreticalModel, TheoryError};
 

@@ -384,3 +384,31 @@ fn the_quantities_that_the_claims_ask_for_are_those_of_the_matrices() {
         .unwrap();
     assert_eq!(lower.value, None);
 }
+
+#[test]
+fn equations_13_14_and_19_hold_and_the_rate_of_a_mesh_energy_does_not() {
+    let model = TorsionalPlanetary::new("table-2").unwrap();
+    let values = nominal_values(model.parameters());
+    let all = model.quantities(&values).unwrap();
+    let value = |name: &str| {
+        let own = all.iter().find(|quantity| quantity.name == name).unwrap();
+        own.value.unwrap()
+    };
+    // Percent: 1e-6 of a root's largest scaled sensitivity for differences, rounding for sums.
+    assert!(
+        value("equation_13_error") < 1e-4,
+        "{}",
+        value("equation_13_error")
+    );
+    for name in ["equation_14_error", "equation_19_error"] {
+        assert!(value(name) < 1e-8, "{name}: {}", value(name));
+    }
+    // The support holds 98.77 % of the energy of the lowest mode: it is counted λ² times.
+    assert!(value("equation_19_misread_error") > 1e6);
+    // k d²λ/dk² over dλ/dk of the root at 1671 Hz, whose support carries nearly all, is near -2.
+    assert!(
+        value("mesh_energy_rate_error") > 50.0,
+        "{}",
+        value("mesh_energy_rate_error")
+    );
+}

@@ -8,6 +8,8 @@ use crate::theory::{
     TorsionalPlanetary, model_roots, modes,
 };
 
+use super::torsional_sensitivities::sensitivity_quantities;
+
 /// The carrier as printed, without the planets that it carries, kg.
 const PRINTED_CARRIER_KG: f64 = 4.90;
 /// Planets whose motions differ by less than this part of the largest motion move alike: far above rounding.
@@ -41,6 +43,7 @@ pub(super) fn quantities(
             "modes that are neither planet modes nor rotational ones, in which all planets move alike",
         ),
     ];
+    all.extend(sensitivity_quantities(model, values)?);
     let Some(forms) = model.closed_forms(values) else {
         let printed = Solved::new(model, values, &[("m_c", PRINTED_CARRIER_KG)])?;
         let what = "lowest rotational frequency above 0 with the carrier of 4.90 kg as printed";
