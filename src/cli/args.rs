@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Code;
+use crate::theory::SweepRange;
 
 /// Correlates a hammer test with a theoretical model of the same machine.
 #[derive(Debug, Parser)]
@@ -218,6 +219,9 @@ pub struct TheoryArgs {
     /// Print the numbers that the model's theory gives beside its roots.
     #[arg(long)]
     pub quantities: bool,
+    /// Follow the roots over N values of a parameter, by their shapes, and name where they cross or veer; from LO to ten times LO on in equal ratios, else in equal steps. May be repeated.
+    #[arg(long, value_name = "NAME=LO:HI:N", value_parser = sweep)]
+    pub sweep: Vec<(String, SweepRange)>,
 }
 
 /// `correlate`.
@@ -293,6 +297,24 @@ fn band(text: &str) -> Result<Band, String> {
     let (lo, hi) = text.split_once(':').ok_or_else(expected)?;
     let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());
     Band::new(number(lo)?, number(hi)?).map_err(|error| error.to_string())
+}
+
+fn sweep(text: &str) -> Result<(String, SweepRange), String> {
+    let expected = || format!("got sweep `{text}`, expected NAME=LO:HI:N");
+    let (name, range) = text.split_once('=').ok_or_else(expected)?;
+    let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+    let [lower, upper, count] = parts[..] else {
+        return Err(expected());
+    };
+    let number = |part: &str| part.parse::<f64>().map_err(|_| expected());
+    Ok((
+        name.trim().to_owned(),
+        SweepRange {
+            lower: number(lower)?,
+            upper: number(upper)?,
+            count: count.parse().map_err(|_| expected())?,
+        },
+    ))
 }
 
 fn setting(text: &str) -> Result<(String, f64), String> {

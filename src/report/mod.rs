@@ -12,6 +12,7 @@ mod latex;
 mod markdown;
 mod modes;
 mod published;
+mod sweep;
 mod terminal;
 
 pub use block::{Align, Block, Cell, Column, Table};
@@ -26,6 +27,7 @@ pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, t
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
+pub use sweep::sweep_blocks;
 pub use terminal::Terminal;
 
 /// Turns blocks into the text of one output format.

@@ -300,7 +300,7 @@ pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Blo
 }
 
 /// Seven digits, in scientific notation where others would be zeros or lost.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     if value == 0.0 {
         return "0".to_owned();

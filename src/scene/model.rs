@@ -9,9 +9,9 @@ use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelQuantity,
-    ModelRoot, ParameterSpec, RootSensitivity, SCHEMA, TheoreticalModel, TheoryError, TheoryModes,
-    built_in, coordinate_sensors, model_roots, modes, override_values, sensitivities,
-    system_derivatives,
+    ModelRoot, ParameterSpec, RootSensitivity, SCHEMA, Sweep, SweepRange, TheoreticalModel,
+    TheoryError, TheoryModes, built_in, coordinate_sensors, model_roots, modes, override_values,
+    sensitivities, sweep, system_derivatives,
 };
 
 use super::SceneError;
@@ -201,6 +201,14 @@ impl LoadedModel {
         let derivatives = system_derivatives(model, &self.values)?;
         let roots = model_roots(model, &solved);
         Ok(sensitivities(&solved, &roots, &derivatives)?)
+    }
+
+    /// The roots followed over a range of a parameter, by its name.
+    ///
+    /// # Errors
+    /// The model's own reasons.
+    pub fn sweep(&self, parameter: &str, range: SweepRange) -> Result<Sweep, SceneError> {
+        Ok(sweep(self.model.as_ref(), &self.values, parameter, range)?)
     }
 
     /// The roots of the whole model; solved again when the options kept part of its modes.

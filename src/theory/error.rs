@@ -297,6 +297,32 @@ pub enum TheoryError {
         /// The least.
         expected: f64,
     },
+    /// Values of a parameter that are no range.
+    #[error(
+        "parameter `{parameter}`: got a sweep from {lower} to {upper} in {count} values, expected ascending finite ends and at least 2 values"
+    )]
+    SweepRange {
+        /// The parameter.
+        parameter: String,
+        /// The first value.
+        lower: f64,
+        /// The last value.
+        upper: f64,
+        /// How many values.
+        count: usize,
+    },
+    /// Modes that change from one value of a parameter to the next, however near.
+    #[error(
+        "parameter `{parameter}` between {lower} and {upper}: got shapes that do not go over into each other, expected them to"
+    )]
+    NotFollowed {
+        /// The parameter.
+        parameter: String,
+        /// One value.
+        lower: f64,
+        /// The next.
+        upper: f64,
+    },
     /// A matrix problem without an answer.
     #[error(transparent)]
     Linalg(#[from] LinalgError),

@@ -24,6 +24,9 @@ mod quantity;
 mod residues;
 mod rigid;
 mod sensitivity;
+mod sweep;
+mod sweep_events;
+mod sweep_track;
 
 #[cfg(test)]
 mod beam_modes_tests;
@@ -37,6 +40,8 @@ mod eigen_tests;
 mod lumped_tests;
 #[cfg(test)]
 mod sensitivity_tests;
+#[cfg(test)]
+mod sweep_tests;
 
 use crate::geometry::Target;
 use crate::linalg::RealMatrix;
@@ -61,6 +66,7 @@ pub use quantity::ModelQuantity;
 pub use residues::{PairResidues, residues};
 pub use rigid::coordinate_sensors;
 pub use sensitivity::{RootSensitivity, sensitivities, system_derivatives};
+pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
 
 /// What kind of motion a coordinate is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -235,6 +235,8 @@ fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
         "rms error 1.0865 %, largest +2.8973 % at ω2",
         "73303.571088",
         "142414.893758",
+        "3.19e7 N/m",
+        "6.93 mm",
     ] {
         assert!(printed.contains(line), "{line}");
     }

@@ -2,9 +2,11 @@
 
 mod comparison;
 mod hits;
+mod sweep;
 
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
     comparison_from_json, comparison_to_json,
 };
 pub use hits::hits;
+pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};

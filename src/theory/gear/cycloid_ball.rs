@@ -22,11 +22,12 @@ use crate::theory::machine::{Machine, minus};
 use crate::theory::parameter::{check_values, nominal_values};
 use crate::theory::rigid::RigidBodies;
 use crate::theory::{
-    Assumption, Coordinate, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
+    Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
     TheoreticalModel, TheoryError,
 };
 
 use super::cycloid_ball_parameters::{SET_NAMES, parameters};
+use super::cycloid_studies::study_quantities;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -76,6 +77,17 @@ impl CycloidBall {
         };
         model.bodies = model.bodies(&nominal_values(&model.parameters));
         Some(model)
+    }
+
+    /// The machine with more reduction balls, or fewer, and Z3 = Z2 + 1.
+    pub(super) fn with_more_balls(&self, more: isize) -> Self {
+        let balls = self.balls.saturating_add_signed(more);
+        let mut model = Self {
+            balls,
+            ..self.clone()
+        };
+        model.bodies = model.bodies(&nominal_values(&model.parameters));
+        model
     }
 
     fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
@@ -264,6 +276,10 @@ impl TheoreticalModel for CycloidBall {
             (false, true) => "x and torsion, output turns",
             _ => "coupled",
         })
+    }
+
+    fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
+        study_quantities(self, values)
     }
 
     fn assumptions(&self) -> Vec<Assumption> {

@@ -6,6 +6,9 @@ mod cycloid_ball_parameters;
 mod cycloid_ball_printed_tests;
 #[cfg(test)]
 mod cycloid_ball_tests;
+mod cycloid_studies;
+#[cfg(test)]
+mod cycloid_studies_tests;
 mod spider_reducer;
 mod spider_reducer_parameters;
 mod spider_reducer_results;

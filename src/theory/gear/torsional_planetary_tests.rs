@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use crate::geometry::Target;
 use crate::theory::parameter::{nominal_values, override_values};
 use crate::theory::{
-    ModeOptions, ModelQuantity, ModelRoot, TheoreticalModel, TheoryError, TheoryModes,
-    TorsionalPlanetary, built_in, model_roots, modes,
+    EventKind, ModeOptions, ModelQuantity, ModelRoot, SweepRange, TheoreticalModel, TheoryError,
+    TheoryModes, TorsionalPlanetary, built_in, model_roots, modes, sweep,
 };
 
 fn solved(model: &TorsionalPlanetary, changes: &[(&str, f64)]) -> (TheoryModes, Vec<ModelRoot>) {
@@ -410,5 +410,62 @@ fn equations_13_14_and_19_hold_and_the_rate_of_a_mesh_energy_does_not() {
         value("mesh_energy_rate_error") > 50.0,
         "{}",
         value("mesh_energy_rate_error")
+    );
+}
+
+#[test]
+fn with_a_free_carrier_one_crossing_with_the_planet_modes_is_left() {
+    let model = TorsionalPlanetary::with_planets("table-2", 3).unwrap();
+    let values = nominal_values(model.parameters());
+    let range = SweepRange {
+        lower: 3e6,
+        upper: 3e11,
+        count: 40,
+    };
+    let own = sweep(&model, &values, "k_r", range).unwrap();
+    let planet = own
+        .loci
+        .iter()
+        .position(|locus| locus.multiplicity == 2)
+        .unwrap();
+    let class = own.loci[planet].class.as_deref();
+    assert!(class.unwrap().starts_with("planet mode"));
+    let crossings: Vec<_> = own
+        .events
+        .iter()
+        .filter(|e| e.kind == EventKind::Crossing)
+        .collect();
+    assert_eq!(crossings.len(), 1, "{:?}", own.events);
+    assert!(crossings[0].loci.contains(&planet));
+    assert!(
+        (crossings[0].place / 3.206990e10 - 1.0).abs() < 2e-7,
+        "{}",
+        crossings[0].place
+    );
+}
+
+#[test]
+fn places_by_following_the_loci_are_those_of_the_closed_forms() {
+    let model = TorsionalPlanetary::new("carrier-fixed").unwrap();
+    let all = model
+        .quantities(&nominal_values(model.parameters()))
+        .unwrap();
+    let value = |name: &str| all.iter().find(|own| own.name == name).unwrap().value;
+    for (name, expected) in [
+        ("swept_crossing_k_r_lower", 4.308891e7),
+        ("swept_crossing_k_r_upper", 3.108191e10),
+        ("swept_veering_k_r", 2.502803e9),
+        ("swept_gap_k_r", 415.611341),
+        ("swept_crossing_m_s_lower", 15.93),
+        ("swept_veering_m_s", 1.489840),
+        ("swept_gap_m_s", 415.611341),
+    ] {
+        let own = value(name).unwrap();
+        assert!((own / expected - 1.0).abs() < 4e-7, "{name}: {own}");
+    }
+    assert_eq!(value("swept_crossing_m_s_upper"), None);
+    assert_eq!(
+        (value("swept_others_k_r"), value("swept_others_m_s")),
+        (Some(0.0), Some(0.0))
     );
 }

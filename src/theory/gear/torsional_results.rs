@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::theory::parameter::index_of;
 use crate::theory::{
-    ModeOptions, ModelQuantity, ModelRoot, TheoreticalModel, TheoryError, TheoryModes,
-    TorsionalPlanetary, model_roots, modes,
+    EventKind, LocusEvent, ModeOptions, ModelQuantity, ModelRoot, SweepRange, TheoreticalModel,
+    TheoryError, TheoryModes, TorsionalPlanetary, model_roots, modes, sweep,
 };
 
 use super::torsional_sensitivities::sensitivity_quantities;
@@ -17,6 +17,12 @@ const ALIKE: f64 = 1e-9;
 /// How far before and after a place of veering the energies are told.
 const BEFORE: f64 = 0.8;
 const AFTER: f64 = 1.25;
+
+/// Ranges of the sweeps as parts of the sun mesh's stiffness and of the ring's mass: wide enough for both crossings.
+const MESH_RANGE: [f64; 2] = [0.02, 200.0];
+const SUN_RANGE: [f64; 2] = [0.1, 25.0];
+/// Values of a sweep; the places do not depend on them.
+const SWEEP_VALUES: usize = 9;
 
 /// Every quantity, by name.
 pub(super) fn quantities(
@@ -87,8 +93,90 @@ pub(super) fn quantities(
             "",
             &told("crossing"),
         ));
+        let (k_s, m_r) = (value("k_s")?, value("m_r")?);
+        let mesh = MESH_RANGE.map(|part| part * k_s);
+        all.extend(swept(model, values, "k_r", mesh)?);
+        let sun = SUN_RANGE.map(|part| part * m_r);
+        all.extend(swept(model, values, "m_s", sun)?);
     }
     Ok(all)
+}
+
+/// Names of what a sweep finds: lowest crossing, highest crossing, veering, its gap, other events.
+fn names_of(parameter: &str) -> [&'static str; 5] {
+    match parameter {
+        "k_r" => [
+            "swept_crossing_k_r_lower",
+            "swept_crossing_k_r_upper",
+            "swept_veering_k_r",
+            "swept_gap_k_r",
+            "swept_others_k_r",
+        ],
+        _ => [
+            "swept_crossing_m_s_lower",
+            "swept_crossing_m_s_upper",
+            "swept_veering_m_s",
+            "swept_gap_m_s",
+            "swept_others_m_s",
+        ],
+    }
+}
+
+/// Crossings and the veering as loci followed by shape have them.
+fn swept(
+    model: &TorsionalPlanetary,
+    values: &[f64],
+    parameter: &str,
+    [lower, upper]: [f64; 2],
+) -> Result<Vec<ModelQuantity>, TheoryError> {
+    let specs = model.parameters();
+    let spec = &specs[index_of(model.name(), specs, parameter)?];
+    let range = SweepRange {
+        lower: lower.max(spec.lower.unwrap_or(lower)),
+        upper: upper.min(spec.upper.unwrap_or(upper)),
+        count: SWEEP_VALUES,
+    };
+    let swept = sweep(model, values, parameter, range)?;
+    let of = |kind: EventKind| {
+        let all = swept.events.iter();
+        all.filter(move |event| event.kind == kind)
+    };
+    let place = |event: Option<&LocusEvent>| event.map_or(f64::NAN, |event| event.place);
+    let veering = of(EventKind::Veering).next();
+    let gap = veering.map_or(f64::NAN, |event| event.gap_hz);
+    // Two crossings at most and one veering are told.
+    let others = of(EventKind::Crossing).count().saturating_sub(2)
+        + of(EventKind::Veering).count().saturating_sub(1);
+    let unit: &'static str = if parameter == "k_r" { "N/m" } else { "kg" };
+    let names = names_of(parameter);
+    let followed = |what: &str| format!("{what}, of loci followed by shape over {parameter}");
+    Ok(vec![
+        ModelQuantity::new(
+            names[0],
+            place(of(EventKind::Crossing).next()),
+            unit,
+            &followed("first crossing"),
+        ),
+        ModelQuantity::new(
+            names[1],
+            place(of(EventKind::Crossing).nth(1)),
+            unit,
+            &followed("second crossing"),
+        ),
+        ModelQuantity::new(
+            names[2],
+            place(veering),
+            unit,
+            &followed("veering: nearest frequencies"),
+        ),
+        ModelQuantity::new(names[3], gap, "Hz", &followed("their distance there")),
+        ModelQuantity::new(
+            names[4],
+            others as f64,
+            "",
+            &followed("further crossings and veerings"),
+        ),
+    ])
 }
 
 /// Modes and roots at some values.

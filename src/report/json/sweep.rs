@@ -1,0 +1,79 @@
+//! Sweeps as JSON, schema `modalign-sweep/1`.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use crate::theory::{Locus, LocusEvent, Sweep};
+
+/// The schema of [`sweeps_to_json`].
+pub const SWEEP_SCHEMA: &str = "modalign-sweep/1";
+
+#[derive(Serialize)]
+struct SweepsFile<'a> {
+    schema: &'static str,
+    sweeps: Vec<SweepFile<'a>>,
+}
+
+#[derive(Serialize)]
+struct SweepFile<'a> {
+    parameter: &'a str,
+    unit: &'a str,
+    values: &'a [f64],
+    loci: Vec<LocusFile<'a>>,
+    events: Vec<EventFile>,
+}
+
+#[derive(Serialize)]
+struct LocusFile<'a> {
+    multiplicity: usize,
+    class: Option<&'a str>,
+    frequency_hz: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct EventFile {
+    kind: &'static str,
+    /// Places in `loci`, from 0.
+    loci: [usize; 2],
+    place: f64,
+    frequency_hz: [f64; 2],
+    gap_hz: f64,
+    coupling: f64,
+    width: Option<f64>,
+}
+
+/// The text of sweeps, ending in a newline.
+pub fn sweeps_to_json(sweeps: &[Sweep]) -> String {
+    let file = SweepsFile {
+        schema: SWEEP_SCHEMA,
+        sweeps: sweeps.iter().map(sweep_file).collect(),
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
+    text + "\n"
+}
+
+fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
+    let locus = |locus: &'_ Locus| locus.omega_rad_s.iter().map(|omega| omega / TAU).collect();
+    let event = |event: &LocusEvent| EventFile {
+        kind: event.kind.name(),
+        loci: event.loci,
+        place: event.place,
+        frequency_hz: event.frequency_hz,
+        gap_hz: event.gap_hz,
+        coupling: event.coupling,
+        width: event.width,
+    };
+    let loci = sweep.loci.iter().map(|own| LocusFile {
+        multiplicity: own.multiplicity,
+        class: own.class.as_deref(),
+        frequency_hz: locus(own),
+    });
+    SweepFile {
+        parameter: &sweep.parameter.name,
+        unit: &sweep.parameter.unit,
+        values: &sweep.values,
+        loci: loci.collect(),
+        events: sweep.events.iter().map(event).collect(),
+    }
+}

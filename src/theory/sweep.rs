@@ -1,0 +1,195 @@
+//! Roots of a model over one of its parameters, each followed by its shape, and where their loci cross or veer.
+//!
+//! The values to be told are joined by as many more as the shapes need (`sweep_track`); where two loci meet or come nearest
+//! is then found between the samples (`sweep_events`).
+//!
+//! # Reference
+//! Perkins and Mote (1986), Comments on curve veering in eigenvalue problems, Journal of Sound and Vibration 106, 451; du
+//! Bois, Adhikari and Lieven (2011), On the quantification of eigenvalue curve veering: a veering index, Journal of
+//! Applied Mechanics 78, 041007.
+
+use super::parameter::{check_values, index_of};
+use super::sweep_events::events;
+use super::sweep_track::{Follower, Trail};
+use super::{ParameterSpec, TheoreticalModel, TheoryError};
+
+/// From this ratio of its ends a range is divided into equal ratios.
+const GEOMETRIC_FROM: f64 = 10.0;
+
+/// The values that a parameter is to take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepRange {
+    /// The first value.
+    pub lower: f64,
+    /// The last value.
+    pub upper: f64,
+    /// How many values, ends included; at least 2.
+    pub count: usize,
+}
+
+impl SweepRange {
+    /// Whether the values stand in equal ratios: from a range of a factor of 10 above 0 on.
+    pub fn is_geometric(&self) -> bool {
+        self.lower > 0.0 && self.upper >= GEOMETRIC_FROM * self.lower
+    }
+
+    /// The values, ascending: in equal ratios where the range is wide, else in equal steps.
+    pub fn values(&self) -> Vec<f64> {
+        let last = self.count - 1;
+        let inner = |i: usize| {
+            let part = i as f64 / last as f64;
+            if self.is_geometric() {
+                self.lower * (self.upper / self.lower).powf(part)
+            } else {
+                self.lower + part * (self.upper - self.lower)
+            }
+        };
+        let value = |i| match i {
+            0 => self.lower,
+            _ if i == last => self.upper,
+            _ => inner(i),
+        };
+        (0..self.count).map(value).collect()
+    }
+
+    fn check(&self, parameter: &str) -> Result<(), TheoryError> {
+        let ascending = self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper;
+        if ascending && self.count >= 2 {
+            return Ok(());
+        }
+        Err(TheoryError::SweepRange {
+            parameter: parameter.to_owned(),
+            lower: self.lower,
+            upper: self.upper,
+            count: self.count,
+        })
+    }
+}
+
+/// A root followed through a sweep, with all modes that share it throughout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Locus {
+    /// How many modes share it.
+    pub multiplicity: usize,
+    /// Angular frequency at each value, rad/s.
+    pub omega_rad_s: Vec<f64>,
+    /// What kind of motion it is at the first value, in the words of the model.
+    pub class: Option<String>,
+}
+
+/// What two loci do to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// They meet and go on as if they were alone; their shapes stay.
+    Crossing,
+    /// They come near, do not meet, and exchange their shapes.
+    Veering,
+}
+
+impl EventKind {
+    /// The word that is printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::Crossing => "crossing",
+            EventKind::Veering => "veering",
+        }
+    }
+}
+
+/// A crossing or a veering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusEvent {
+    /// Which of both.
+    pub kind: EventKind,
+    /// Indices of the two loci, the one that is lower before the event first.
+    pub loci: [usize; 2],
+    /// Value of the parameter where they meet, or where their frequencies are nearest.
+    pub place: f64,
+    /// Their frequencies there, Hz.
+    pub frequency_hz: [f64; 2],
+    /// Distance of their frequencies there, Hz; 0 at a crossing.
+    pub gap_hz: f64,
+    /// Coupling factor there, 0 (none) to 1: `c^2/(c^2 + (s_a - s_b)^2/4)` with the slopes `s = dlambda/dp` and the coupling
+    /// `c = phi_a^T (dK/dp - lambda dM/dp) phi_b`, lambda the mean of both (the cross-sensitivity quotient).
+    pub coupling: f64,
+    /// The change of the parameter over which a veering takes place, `gap in lambda / 2 c`; `None` for a crossing.
+    pub width: Option<f64>,
+}
+
+/// A model swept over one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// The parameter.
+    pub parameter: ParameterSpec,
+    /// Its values.
+    pub values: Vec<f64>,
+    /// The loci, in the order of their frequencies at the first value.
+    pub loci: Vec<Locus>,
+    /// Crossings and veerings in the order of their places.
+    pub events: Vec<LocusEvent>,
+    /// Eigenproblems solved.
+    pub solved: usize,
+}
+
+/// Sweeps a parameter of a model, by its name, over a range, the other parameters at `values`.
+///
+/// Modes at neighbouring values belong together by their shapes: the share of one in the other, weighted by the mass, must be
+/// 0.9 at least, or values between are taken. Modes of one root are followed as a subspace. Loci that change their order are
+/// held to cross only once the shapes next to the meeting point say so; roots nearer than a millionth of their
+/// frequency count as one there, so that a veering narrower than this is called a crossing.
+///
+/// # Errors
+/// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::NotFollowed`] where shapes do not go over
+/// into each other however near the values; those of the model.
+pub fn sweep(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    parameter: &str,
+    range: SweepRange,
+) -> Result<Sweep, TheoryError> {
+    let specs = model.parameters();
+    check_values(model.name(), specs, values)?;
+    let j = index_of("sweep", specs, parameter)?;
+    let parameter = &specs[j];
+    range.check(&parameter.name)?;
+    for end in [range.lower, range.upper] {
+        let mut values = values.to_vec();
+        values[j] = end;
+        check_values(model.name(), specs, &values)?;
+    }
+    let grid = range.values();
+    let follower = Follower::new(model, values, j);
+    let trail = follower.trail(&grid)?;
+    let families = trail.families();
+    Ok(Sweep {
+        events: events(&follower, &trail, &families)?,
+        loci: loci(model, &trail, &families, &grid),
+        parameter: parameter.clone(),
+        values: grid,
+        solved: follower.solved(),
+    })
+}
+
+fn loci(
+    model: &dyn TheoreticalModel,
+    trail: &Trail,
+    families: &[Vec<usize>],
+    grid: &[f64],
+) -> Vec<Locus> {
+    let told = grid.iter().filter_map(|value| trail.at(*value));
+    let told: Vec<_> = told.collect();
+    let locus = |family: &Vec<usize>| Locus {
+        multiplicity: family.len(),
+        omega_rad_s: told
+            .iter()
+            .map(|sample| sample.omega_rad_s[family[0]])
+            .collect(),
+        class: model
+            .mode_class(
+                told[0].omega_rad_s[family[0]],
+                &told[0].kinetic_shares(family),
+            )
+            .map(str::to_owned),
+    };
+    families.iter().map(locus).collect()
+}

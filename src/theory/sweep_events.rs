@@ -1,0 +1,221 @@
+//! Where followed loci cross or veer, and how much they are coupled there.
+
+use std::f64::consts::TAU;
+
+use crate::linalg::RealMatrix;
+
+use super::TheoryError;
+use super::sweep::{EventKind, LocusEvent};
+use super::sweep_track::{Follower, Sample, Trail, pairs, zero_between};
+
+/// The least veering index: more than half of how a shape changes comes from the other one of the pair.
+const VEERING_INDEX: f64 = 0.5;
+/// On both sides a pair must part to this multiple of its least distance in lambda: half of the exchange of shapes lies within.
+const PARTED: f64 = std::f64::consts::SQRT_2;
+
+/// Crossings and veerings of families of modes, in the order of their places.
+pub(super) fn events(
+    follower: &Follower<'_>,
+    trail: &Trail,
+    families: &[Vec<usize>],
+) -> Result<Vec<LocusEvent>, TheoryError> {
+    let mut found = Vec::new();
+    for (a, b) in pairs(families.len()) {
+        found.extend(crossings(follower, trail, families, [a, b])?);
+        found.extend(veerings(follower, trail, families, [a, b])?);
+    }
+    found.sort_by(|x, y| x.place.total_cmp(&y.place).then(x.loci.cmp(&y.loci)));
+    Ok(found)
+}
+
+fn crossings(
+    follower: &Follower<'_>,
+    trail: &Trail,
+    families: &[Vec<usize>],
+    [a, b]: [usize; 2],
+) -> Result<Vec<LocusEvent>, TheoryError> {
+    let firsts = [families[a][0], families[b][0]];
+    let mut found = Vec::new();
+    for meeting in &trail.meetings {
+        let loci = match meeting.modes {
+            own if own == firsts => [a, b],
+            [y, x] if [x, y] == firsts => [b, a],
+            _ => continue,
+        };
+        // Beside the place, where the two still have shapes of their own.
+        let from = before(trail, meeting.between[0]);
+        let Some(sample) = follower.follow(from, meeting.place)? else {
+            continue;
+        };
+        let pair = Pair::new(follower, from, families, loci)?;
+        let hz = 0.5
+            * loci
+                .map(|own| sample.omega_rad_s[families[own][0]])
+                .iter()
+                .sum::<f64>()
+            / TAU;
+        found.push(LocusEvent {
+            kind: EventKind::Crossing,
+            loci,
+            place: meeting.place,
+            frequency_hz: [hz, hz],
+            gap_hz: 0.0,
+            coupling: pair.quotient(),
+            width: None,
+        });
+    }
+    Ok(found)
+}
+
+/// The last sample at or before a value.
+fn before(trail: &Trail, value: f64) -> &Sample {
+    let after = trail.samples.partition_point(|own| own.value <= value);
+    &trail.samples[after.saturating_sub(1)]
+}
+
+fn veerings(
+    follower: &Follower<'_>,
+    trail: &Trail,
+    families: &[Vec<usize>],
+    [a, b]: [usize; 2],
+) -> Result<Vec<LocusEvent>, TheoryError> {
+    let firsts = [families[a][0], families[b][0]];
+    let mut found = Vec::new();
+    let at = |sample: &Sample| -> Result<Option<f64>, TheoryError> {
+        Ok(approach(sample, &follower.couplings(sample)?, firsts))
+    };
+    let mut left = at(&trail.samples[0])?;
+    for (i, ends) in trail.samples.windows(2).enumerate() {
+        let right = at(&ends[1])?;
+        let (from, to) = (left, right);
+        left = right;
+        let (Some(from), Some(to)) = (from, to) else {
+            continue;
+        };
+        let met = trail.meetings.iter().any(|own| {
+            let both = own.modes.iter().all(|mode| firsts.contains(mode));
+            both && own.between[0] < ends[1].value && own.between[1] > ends[0].value
+        });
+        if met || from >= 0.0 || to <= 0.0 || !parted(trail, i, firsts) {
+            continue;
+        }
+        let brackets = [(ends[0].value, from), (ends[1].value, to)];
+        let place = zero_between(brackets, |value| {
+            match follower.follow(&ends[0], value)? {
+                Some(sample) => at(&sample),
+                None => Ok(None),
+            }
+        })?;
+        let (Ok(place) | Err(place)) = place;
+        let Some(sample) = follower.follow(&ends[0], place)? else {
+            continue;
+        };
+        let low_first = sample.distance(firsts[0], firsts[1]) > 0.0;
+        let loci = if low_first { [a, b] } else { [b, a] };
+        let pair = Pair::new(follower, &sample, families, loci)?;
+        if pair.index() >= VEERING_INDEX {
+            found.push(pair.veering(loci, place));
+        }
+    }
+    Ok(found)
+}
+
+/// Rate of the distance of two frequencies over the parameter, below 0 where they come nearer; `None` for modes of one root
+/// and for roots at 0, which stay there.
+fn approach(sample: &Sample, couplings: &RealMatrix, [a, b]: [usize; 2]) -> Option<f64> {
+    let [x, y] = [a, b].map(|mode| sample.omega_rad_s[mode]);
+    let apart = sample.root[a] != sample.root[b];
+    let rate = couplings[(b, b)] / (2.0 * y) - couplings[(a, a)] / (2.0 * x);
+    (apart && x > 0.0 && y > 0.0).then(|| rate * sample.distance(a, b).signum())
+}
+
+/// Whether two modes, coming from the least distance between samples `i` and `i + 1`, part on both sides.
+fn parted(trail: &Trail, i: usize, [a, b]: [usize; 2]) -> bool {
+    let gap =
+        |sample: &Sample| (sample.omega_rad_s[b].powi(2) - sample.omega_rad_s[a].powi(2)).abs();
+    let least = gap(&trail.samples[i]).min(gap(&trail.samples[i + 1]));
+    let reaches = |side: &mut dyn Iterator<Item = &Sample>| {
+        let mut last = least;
+        for own in side.map(gap) {
+            if own >= PARTED * least {
+                return true;
+            }
+            if own < last {
+                return false;
+            }
+            last = own;
+        }
+        false
+    };
+    reaches(&mut trail.samples[..=i].iter().rev()) && reaches(&mut trail.samples[i + 1..].iter())
+}
+
+/// Two families of modes at one value.
+struct Pair {
+    omega_rad_s: [f64; 2],
+    slopes: [f64; 2],
+    /// Squared coupling of a mode of the first with all of the second.
+    coupling2: f64,
+    /// How much of the change of a shape of one comes from the other.
+    dependence: [f64; 2],
+}
+
+impl Pair {
+    fn new(
+        follower: &Follower<'_>,
+        sample: &Sample,
+        families: &[Vec<usize>],
+        loci: [usize; 2],
+    ) -> Result<Self, TheoryError> {
+        let couplings = follower.couplings(sample)?;
+        let firsts = loci.map(|own| families[own][0]);
+        let lambda = |mode: usize| sample.omega_rad_s[mode].powi(2);
+        let dependence = |own: usize, other: usize| {
+            let mode = families[own][0];
+            let part = |k: usize| (couplings[(mode, k)] / (lambda(k) - lambda(mode))).powi(2);
+            let strangers = (0..sample.root.len()).filter(|&k| sample.root[k] != sample.root[mode]);
+            let all: f64 = strangers.map(part).sum();
+            let theirs: f64 = families[other].iter().map(|&k| part(k)).sum();
+            if all > 0.0 { theirs / all } else { 0.0 }
+        };
+        let squares = families[loci[1]]
+            .iter()
+            .map(|&k| couplings[(firsts[0], k)].powi(2));
+        Ok(Self {
+            omega_rad_s: firsts.map(|mode| sample.omega_rad_s[mode]),
+            slopes: firsts.map(|mode| couplings[(mode, mode)]),
+            coupling2: squares.sum(),
+            dependence: [dependence(loci[0], loci[1]), dependence(loci[1], loci[0])],
+        })
+    }
+
+    /// The cross-sensitivity quotient (du Bois, Adhikari and Lieven 2011).
+    fn quotient(&self) -> f64 {
+        let difference = 0.5 * (self.slopes[0] - self.slopes[1]);
+        let both = self.coupling2 + difference * difference;
+        if both > 0.0 {
+            self.coupling2 / both
+        } else {
+            0.0
+        }
+    }
+
+    /// The veering index: the quotient times the modal dependence factor of both (the same, their geometric mean).
+    fn index(&self) -> f64 {
+        self.quotient() * (self.dependence[0] * self.dependence[1]).sqrt()
+    }
+
+    fn veering(&self, loci: [usize; 2], place: f64) -> LocusEvent {
+        let [low, high] = self.omega_rad_s;
+        let gap = high * high - low * low;
+        LocusEvent {
+            kind: EventKind::Veering,
+            loci,
+            place,
+            frequency_hz: [low / TAU, high / TAU],
+            gap_hz: (high - low) / TAU,
+            coupling: self.quotient(),
+            width: Some(gap / (2.0 * self.coupling2.sqrt())),
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! Modes followed by shape from one value of a parameter to the next.
+
+use std::cell::Cell;
+
+use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+
+use super::{ModeOptions, TheoreticalModel, TheoryError, modes_of_matrices};
+
+/// The least share of a shape in the root that it goes over into: a rotation by 18 degrees from one value to the next.
+const SAME_SHAPE: f64 = 0.9;
+/// Values nearer than this part of their interval's ends are not divided further: a thousand times the rounding.
+const NEAREST_VALUES: f64 = 1e-13;
+/// Steps to a zero between two values; bisection alone would need 52.
+const ZERO_STEPS: usize = 80;
+
+/// The modes at one value of the parameter, each in its place in the order of the first value.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub value: f64,
+    pub omega_rad_s: Vec<f64>,
+    /// One column per mode, of unit modal mass.
+    pub vectors: RealMatrix,
+    /// Which root of this value a mode belongs to.
+    pub root: Vec<usize>,
+    mass: RealMatrix,
+    stiffness: RealMatrix,
+}
+
+impl Sample {
+    /// Distance of two modes, rad/s, with its sign; exactly 0 for modes of one root.
+    pub fn distance(&self, a: usize, b: usize) -> f64 {
+        if self.root[a] == self.root[b] {
+            return 0.0;
+        }
+        self.omega_rad_s[b] - self.omega_rad_s[a]
+    }
+
+    /// Distance of the Rayleigh quotients of two shapes, (rad/s)²: tells modes of one root apart, whose frequency is the mean
+    /// of the root, by shapes that were followed from where they were apart.
+    fn quotient_distance(&self, a: usize, b: usize) -> f64 {
+        let n = self.vectors.nrows();
+        let quotient = |mode: usize| -> f64 {
+            let force = |i: usize| -> f64 {
+                (0..n)
+                    .map(|k| self.stiffness[(i, k)] * self.vectors[(k, mode)])
+                    .sum()
+            };
+            (0..n).map(|i| self.vectors[(i, mode)] * force(i)).sum()
+        };
+        quotient(b) - quotient(a)
+    }
+
+    /// Share of every coordinate in the kinetic energy, mean over some modes.
+    pub fn kinetic_shares(&self, modes: &[usize]) -> Vec<f64> {
+        let moved = &self.mass * &self.vectors;
+        let share = |i: usize| {
+            let parts = modes.iter().map(|&k| self.vectors[(i, k)] * moved[(i, k)]);
+            parts.sum::<f64>() / modes.len() as f64
+        };
+        (0..moved.nrows()).map(share).collect()
+    }
+}
+
+/// Two modes that change their order.
+#[derive(Clone, Debug)]
+pub(super) struct Meeting {
+    /// The one that is lower before first.
+    pub modes: [usize; 2],
+    /// Last values on both sides at which they are apart.
+    pub between: [f64; 2],
+    /// Where they meet.
+    pub place: f64,
+}
+
+/// The samples of a sweep, ascending, and where modes change their order.
+#[derive(Clone, Debug)]
+pub(super) struct Trail {
+    pub samples: Vec<Sample>,
+    pub meetings: Vec<Meeting>,
+}
+
+impl Trail {
+    /// The sample at exactly this value.
+    pub fn at(&self, value: f64) -> Option<&Sample> {
+        let place = self
+            .samples
+            .binary_search_by(|own| own.value.total_cmp(&value));
+        place.ok().map(|i| &self.samples[i])
+    }
+
+    /// Modes that share one root at every value, in the order of the first one.
+    pub fn families(&self) -> Vec<Vec<usize>> {
+        let mut families: Vec<Vec<usize>> = Vec::new();
+        for mode in 0..self.samples[0].omega_rad_s.len() {
+            let together = |own: usize| self.samples.iter().all(|s| s.root[own] == s.root[mode]);
+            match families.iter_mut().find(|family| together(family[0])) {
+                Some(family) => family.push(mode),
+                None => families.push(vec![mode]),
+            }
+        }
+        families
+    }
+}
+
+/// Solves a model at values of one parameter and follows its modes.
+pub(super) struct Follower<'a> {
+    model: &'a dyn TheoreticalModel,
+    values: &'a [f64],
+    j: usize,
+    solved: Cell<usize>,
+}
+
+impl<'a> Follower<'a> {
+    pub fn new(model: &'a dyn TheoreticalModel, values: &'a [f64], j: usize) -> Self {
+        let solved = Cell::new(0);
+        Self {
+            model,
+            values,
+            j,
+            solved,
+        }
+    }
+
+    /// How many eigenproblems were solved.
+    pub fn solved(&self) -> usize {
+        self.solved.get()
+    }
+
+    fn values_at(&self, value: f64) -> Vec<f64> {
+        let mut values = self.values.to_vec();
+        values[self.j] = value;
+        values
+    }
+
+    fn solve(&self, value: f64) -> Result<Sample, TheoryError> {
+        self.solved.set(self.solved.get() + 1);
+        let matrices = self.model.assemble(&self.values_at(value))?;
+        let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
+        let mut root = vec![0; modes.omega_rad_s.len()];
+        for (number, own) in modes.model.roots().into_iter().enumerate() {
+            own.into_iter().for_each(|mode| root[mode] = number);
+        }
+        Ok(Sample {
+            value,
+            omega_rad_s: modes.omega_rad_s,
+            vectors: modes.vectors,
+            root,
+            mass: matrices.mass,
+            stiffness: matrices.stiffness,
+        })
+    }
+
+    /// `phi_a^T (dK/dp - lambda dM/dp) phi_b` of all modes of a sample, lambda the mean of both.
+    pub fn couplings(&self, sample: &Sample) -> Result<RealMatrix, TheoryError> {
+        let by = self
+            .model
+            .derivative(&self.values_at(sample.value), self.j)?;
+        let phi = &sample.vectors;
+        let stiffness = phi.transpose() * (&by.stiffness * phi);
+        let mass = phi.transpose() * (&by.mass * phi);
+        let lambda = |a: usize| sample.omega_rad_s[a].powi(2);
+        let n = phi.ncols();
+        Ok(real_matrix(n, n, |a, b| {
+            stiffness[(a, b)] - 0.5 * (lambda(a) + lambda(b)) * mass[(a, b)]
+        }))
+    }
+
+    /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell it.
+    pub fn follow(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
+        let found = self.solve(value)?;
+        let overlap = from.vectors.transpose() * (&found.mass * &found.vectors);
+        let Some(own) = roots_of_modes(&overlap, &found.root) else {
+            return Ok(None);
+        };
+        let n = own.len();
+        let mut sample = found.clone();
+        for (mode, &root) in own.iter().enumerate() {
+            let first = found.root.iter().position(|other| *other == root);
+            sample.omega_rad_s[mode] = found.omega_rad_s[first.unwrap_or_default()];
+        }
+        let roots = found.root.iter().max().map_or(0, |last| last + 1);
+        for root in 0..roots {
+            let modes: Vec<usize> = (0..n).filter(|&mode| own[mode] == root).collect();
+            let columns: Vec<usize> = (0..n)
+                .filter(|&column| found.root[column] == root)
+                .collect();
+            let rotation = nearest_rotation(&real_matrix(modes.len(), modes.len(), |t, c| {
+                overlap[(modes[t], columns[c])]
+            }))?;
+            for (t, &mode) in modes.iter().enumerate() {
+                for i in 0..found.vectors.nrows() {
+                    let parts = columns.iter().enumerate();
+                    let parts = parts.map(|(c, &own)| found.vectors[(i, own)] * rotation[(t, c)]);
+                    sample.vectors[(i, mode)] = parts.sum();
+                }
+            }
+        }
+        sample.root = own;
+        Ok(Some(sample))
+    }
+
+    /// The modes through all values of a grid.
+    pub fn trail(&self, grid: &[f64]) -> Result<Trail, TheoryError> {
+        let mut trail = Trail {
+            samples: vec![self.solve(grid[0])?],
+            meetings: Vec::new(),
+        };
+        let mut targets: Vec<f64> = grid[1..].iter().rev().copied().collect();
+        while let Some(&target) = targets.last() {
+            let from = &trail.samples[trail.samples.len() - 1];
+            match self.step(&trail, from, target)? {
+                Step::Taken(sample, meetings) => {
+                    trail.samples.push(*sample);
+                    trail.meetings.extend(meetings);
+                    targets.pop();
+                }
+                Step::Divided(value) => {
+                    let apart = value - from.value > NEAREST_VALUES * value.abs()
+                        && target - value > NEAREST_VALUES * value.abs();
+                    if !apart {
+                        return Err(TheoryError::NotFollowed {
+                            parameter: self.model.parameters()[self.j].name.clone(),
+                            lower: from.value,
+                            upper: target,
+                        });
+                    }
+                    targets.push(value);
+                }
+            }
+        }
+        Ok(trail)
+    }
+
+    fn step(&self, trail: &Trail, from: &Sample, target: f64) -> Result<Step, TheoryError> {
+        let middle = 0.5 * (from.value + target);
+        let Some(to) = self.follow(from, target)? else {
+            return Ok(Step::Divided(middle));
+        };
+        let mut meetings: Vec<Meeting> = Vec::new();
+        let mut seen: Vec<[usize; 4]> = Vec::new();
+        for (a, b) in pairs(to.root.len()) {
+            let Some(before) = trail.samples.iter().rev().find(|s| s.root[a] != s.root[b]) else {
+                continue;
+            };
+            if before.distance(a, b) * to.distance(a, b) >= 0.0 {
+                continue;
+            }
+            let modes = if before.distance(a, b) > 0.0 {
+                [a, b]
+            } else {
+                [b, a]
+            };
+            // Modes that share their roots on both sides meet the same others at the same place.
+            let key = [before.root[a], before.root[b], to.root[a], to.root[b]];
+            if let Some(same) = seen.iter().position(|own| *own == key) {
+                meetings.push(Meeting {
+                    modes,
+                    ..meetings[same].clone()
+                });
+                seen.push(key);
+                continue;
+            }
+            match self.meeting(before, &to, modes)? {
+                Ok(place) => {
+                    let between = [before.value, target];
+                    meetings.push(Meeting {
+                        modes,
+                        between,
+                        place,
+                    });
+                    seen.push(key);
+                }
+                // The shapes mix on the way: no crossing, or not these two alone.
+                Err(value) if value > from.value => return Ok(Step::Divided(value)),
+                Err(_) => return Ok(Step::Divided(middle)),
+            }
+        }
+        Ok(Step::Taken(Box::new(to), meetings))
+    }
+
+    /// Where two modes meet between two samples; the value at which their shapes are not to be told apart from others.
+    fn meeting(
+        &self,
+        before: &Sample,
+        after: &Sample,
+        [a, b]: [usize; 2],
+    ) -> Result<Result<f64, f64>, TheoryError> {
+        let ends = [before, after].map(|own| (own.value, own.quotient_distance(a, b)));
+        zero_between(ends, |value| {
+            let sample = self.follow(before, value)?;
+            Ok(sample.map(|sample| sample.quotient_distance(a, b)))
+        })
+    }
+}
+
+/// What came of a step.
+enum Step {
+    Taken(Box<Sample>, Vec<Meeting>),
+    /// This value is needed first.
+    Divided(f64),
+}
+
+/// All pairs of `n` things.
+pub(super) fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)))
+}
+
+/// Zero of a function between two values at which it has opposite signs, by the Illinois rule; the value at which it has
+/// none, if it meets such a one. Ends at a function value of exactly 0, or when the values are neighbours.
+///
+/// # Reference
+/// Dowell and Jarratt (1971), A modified regula falsi method, BIT 11, 168.
+pub(super) fn zero_between<E>(
+    [mut low, mut high]: [(f64, f64); 2],
+    at: impl Fn(f64) -> Result<Option<f64>, E>,
+) -> Result<Result<f64, f64>, E> {
+    let mut place = low.0;
+    for step in 0..ZERO_STEPS {
+        let straight = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let inside = straight > low.0.min(high.0) && straight < low.0.max(high.0);
+        // Every fourth step halves, so that a kink cannot hold the rule up.
+        place = if inside && step % 4 != 3 {
+            straight
+        } else {
+            0.5 * (low.0 + high.0)
+        };
+        if (high.0 - low.0).abs() <= NEAREST_VALUES * place.abs() {
+            break;
+        }
+        let Some(found) = at(place)? else {
+            return Ok(Err(place));
+        };
+        if found.abs() <= 0.0 {
+            break;
+        }
+        if found * high.1 < 0.0 {
+            low = high;
+        } else {
+            low.1 *= 0.5;
+        }
+        high = (place, found);
+    }
+    Ok(Ok(place))
+}
+
+/// The root that each mode (row) goes over into: the one with the largest share of it, which must be most of it. `None`
+/// unless every root gets as many modes as it has.
+fn roots_of_modes(overlap: &RealMatrix, root: &[usize]) -> Option<Vec<usize>> {
+    let n = root.len();
+    let mut left = vec![0usize; n];
+    root.iter().for_each(|&own| left[own] += 1);
+    let mut own = Vec::with_capacity(n);
+    for mode in 0..n {
+        let mut shares = vec![0.0; n];
+        (0..n).for_each(|column| shares[root[column]] += overlap[(mode, column)].powi(2));
+        let total: f64 = shares.iter().sum();
+        let found = shares
+            .iter()
+            .position(|share| *share >= SAME_SHAPE * total)?;
+        left[found] = left[found].checked_sub(1)?;
+        own.push(found);
+    }
+    Some(own)
+}
+
+/// The rotation nearest to a square matrix that nearly is one, `(A A^T)^(-1/2) A`.
+///
+/// # Reference
+/// Higham (1986), Computing the polar decomposition, SIAM Journal on Scientific and Statistical Computing 7, 1160.
+fn nearest_rotation(a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+    let m = a.nrows();
+    if m == 1 {
+        return Ok(real_matrix(1, 1, |_, _| a[(0, 0)].signum()));
+    }
+    let identity = real_matrix(m, m, |i, k| if i == k { 1.0 } else { 0.0 });
+    let gram = a * a.transpose();
+    let symmetric = real_matrix(m, m, |i, k| 0.5 * (gram[(i, k)] + gram[(k, i)]));
+    let own = symmetric_modes(&symmetric, &identity)?;
+    let scaled = real_matrix(m, m, |i, k| {
+        own.vectors[(i, k)] / own.omega_squared[k].sqrt()
+    });
+    Ok(scaled * (own.vectors.transpose() * a))
+}
