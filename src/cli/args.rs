@@ -199,7 +199,7 @@ pub struct IdentifyArgs {
 /// `theory`.
 #[derive(Debug, Args)]
 pub struct TheoryArgs {
-    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer; with a parameter set cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
+    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
     pub model: PathBuf,
     /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
@@ -222,6 +222,9 @@ pub struct TheoryArgs {
     /// Follow the roots over N values of a parameter, by their shapes, and name where they cross or veer; from LO to ten times LO on in equal ratios, else in equal steps. May be repeated.
     #[arg(long, value_name = "NAME=LO:HI:N", value_parser = sweep)]
     pub sweep: Vec<(String, SweepRange)>,
+    /// Compute the steady response over time in growing detail of the model, with the cost of each detail and its distance from the last (helical-planetary).
+    #[arg(long, conflicts_with = "sweep")]
+    pub response: bool,
 }
 
 /// `correlate`.

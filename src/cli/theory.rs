@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::io::modes_to_json;
-use crate::report::json::sweeps_to_json;
+use crate::report::json::{response_to_json, sweeps_to_json};
 use crate::report::{
-    Block, energies_block, parameters_block, quantities_block, roots_block, sensitivities_block,
-    sweep_blocks, theory_block,
+    Block, energies_block, parameters_block, quantities_block, response_blocks, roots_block,
+    sensitivities_block, sweep_blocks, theory_block,
 };
 use crate::scene::{
     LoadedModel, ModelTable, Scene, SceneError, Theory, load_model, table_model,
@@ -28,7 +28,7 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
         output.findings(&lost);
     }
-    let mut sweeps = Vec::new();
+    let (mut sweeps, mut response) = (Vec::new(), None);
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();
     blocks.push(if result.roots.is_empty() {
@@ -54,6 +54,11 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         if args.quantities {
             blocks.extend(quantities_block(&name.to_string(), &model.quantities()?));
         }
+        if args.response {
+            let found = model.response()?;
+            blocks.extend(response_blocks(&name.to_string(), &found));
+            response = Some(found);
+        }
         for (parameter, range) in &args.sweep {
             let swept = model.sweep(parameter, *range)?;
             blocks.extend(sweep_blocks(&name.to_string(), &swept, args.band));
@@ -61,9 +66,10 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         }
     }
     output.blocks(&blocks);
-    output.json(|| match args.sweep.is_empty() {
-        true => json,
-        false => sweeps_to_json(&sweeps),
+    output.json(|| match (&response, args.sweep.is_empty()) {
+        (Some(response), _) => response_to_json(response),
+        (None, true) => json,
+        (None, false) => sweeps_to_json(&sweeps),
     });
     output.findings(&result.modes.findings);
     Ok(Outcome::Done)

@@ -12,6 +12,7 @@ mod latex;
 mod markdown;
 mod modes;
 mod published;
+mod response;
 mod sweep;
 mod terminal;
 
@@ -27,6 +28,7 @@ pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, t
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
+pub use response::response_blocks;
 pub use sweep::sweep_blocks;
 pub use terminal::Terminal;
 

@@ -9,9 +9,9 @@ use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelQuantity,
-    ModelRoot, ParameterSpec, RootSensitivity, SCHEMA, Sweep, SweepRange, TheoreticalModel,
-    TheoryError, TheoryModes, built_in, coordinate_sensors, model_roots, modes, override_values,
-    sensitivities, sweep, system_derivatives,
+    ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA, Sweep, SweepRange,
+    TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in, coordinate_sensors,
+    model_roots, modes, override_values, sensitivities, sweep, system_derivatives,
 };
 
 use super::SceneError;
@@ -201,6 +201,23 @@ impl LoadedModel {
         let derivatives = system_derivatives(model, &self.values)?;
         let roots = model_roots(model, &solved);
         Ok(sensitivities(&solved, &roots, &derivatives)?)
+    }
+
+    /// The steady response over time in growing detail.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`] for a model that is its matrices alone; the model's own reasons.
+    pub fn response(&self) -> Result<TimeResponse, SceneError> {
+        let nonlinear = self.model.nonlinear().ok_or_else(|| {
+            let got = "a model that is its matrices alone";
+            value_error(
+                self.model.name(),
+                "response",
+                got,
+                "a model with equations of motion: helical-planetary",
+            )
+        })?;
+        Ok(nonlinear.response(&self.values, ResponseSpan::default())?)
     }
 
     /// The roots followed over a range of a parameter, by its name.

@@ -311,6 +311,16 @@ pub enum TheoryError {
         /// How many values.
         count: usize,
     },
+    /// A response over nothing.
+    #[error(
+        "response: got {periods} periods to tell in steps of {step_radians} rad of the highest frequency, expected at least 1 and a step above 0"
+    )]
+    NoPeriods {
+        /// Periods that were to be told.
+        periods: usize,
+        /// Step times the highest angular frequency.
+        step_radians: f64,
+    },
     /// Modes that change from one value of a parameter to the next, however near.
     #[error(
         "parameter `{parameter}` between {lower} and {upper}: got shapes that do not go over into each other, expected them to"

@@ -15,6 +15,7 @@ mod energy;
 mod error;
 mod gear;
 mod hermite;
+mod integrate;
 mod lumped;
 mod lumped_description;
 mod machine;
@@ -22,6 +23,7 @@ mod parameter;
 mod property;
 mod quantity;
 mod residues;
+mod response;
 mod rigid;
 mod sensitivity;
 mod sweep;
@@ -54,7 +56,9 @@ pub use description::{
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
 pub use energy::{ModelRoot, StrainShares, model_roots};
 pub use error::TheoryError;
-pub use gear::{BUILT_IN, BuiltIn, CycloidBall, SpiderReducer, TorsionalPlanetary, built_in};
+pub use gear::{
+    BUILT_IN, BuiltIn, CycloidBall, HelicalPlanetary, SpiderReducer, TorsionalPlanetary, built_in,
+};
 pub use lumped::LumpedModel;
 pub use lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
@@ -64,6 +68,7 @@ pub use parameter::{
 };
 pub use quantity::ModelQuantity;
 pub use residues::{PairResidues, residues};
+pub use response::{DetailResponse, Nonlinear, ResponseSignal, ResponseSpan, TimeResponse};
 pub use rigid::coordinate_sensors;
 pub use sensitivity::{RootSensitivity, sensitivities, system_derivatives};
 pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
@@ -186,6 +191,11 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// As [`assemble`](TheoreticalModel::assemble), and those of the modes where a quantity needs them.
     fn quantities(&self, _values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         Ok(Vec::new())
+    }
+
+    /// The motion over time, for a model whose equations are more than its matrices.
+    fn nonlinear(&self) -> Option<&dyn Nonlinear> {
+        None
     }
 
     /// What the model takes for granted.

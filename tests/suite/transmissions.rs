@@ -190,3 +190,54 @@ fn a_sweep_follows_the_modes_and_names_crossings_and_veerings() {
         assert!(message.contains(expected), "{bad}: {message}");
     }
 }
+
+#[test]
+fn the_helical_gear_judges_every_claim_and_says_which_detail_suffices() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = run("measurements/helical-planetary", folder.path());
+    for part in [
+        "779.4556",
+        "10410.2185",
+        "worst_constant_angle",
+        "best_torsional",
+        "assumed",
+    ] {
+        assert!(text.contains(part), "{part}:\n{text}");
+    }
+    // Not reproduced: the teeth, the torque, the richer spectrum, figure 5, the sun's motion, and the conclusion.
+    assert_eq!(verdicts(folder.path()), [8, 6, 1]);
+}
+
+#[test]
+fn a_response_is_told_for_every_detail_with_its_cost() {
+    let arguments = ["theory", "helical-planetary", "--response"];
+    let text = succeed(arguments.into_iter().chain(["--json"]));
+    let file: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(file["schema"], "modalign-response/1");
+    let details = file["details"].as_array().unwrap();
+    let names: Vec<&str> = details
+        .iter()
+        .map(|own| own["detail"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "torsional",
+            "constant angle",
+            "varying angle as printed",
+            "varying angle, exact"
+        ]
+    );
+    let rms = |own: &Value| own["signals"][0]["rms"].as_f64().unwrap();
+    for (own, expected) in details.iter().zip([
+        1.798035934e-7,
+        1.898666933e-7,
+        1.898667444e-7,
+        1.898667189e-7,
+    ]) {
+        assert!((rms(own) / expected - 1.0).abs() < 2e-6, "{own}");
+    }
+    assert_eq!(details[0]["coordinates"], 6);
+    let message = fail(["theory", "cycloid-ball", "--response"]);
+    assert!(message.contains("helical-planetary"), "{message}");
+}

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod hits;
+mod response;
 mod sweep;
 
 pub use comparison::{
@@ -9,4 +10,5 @@ pub use comparison::{
     comparison_from_json, comparison_to_json,
 };
 pub use hits::hits;
+pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};

@@ -9,6 +9,17 @@ mod cycloid_ball_tests;
 mod cycloid_studies;
 #[cfg(test)]
 mod cycloid_studies_tests;
+mod helical_checks;
+mod helical_motion;
+#[cfg(test)]
+mod helical_motion_tests;
+mod helical_parameters;
+mod helical_planetary;
+#[cfg(test)]
+mod helical_planetary_tests;
+mod helical_response;
+#[cfg(test)]
+mod helical_response_tests;
 mod spider_reducer;
 mod spider_reducer_parameters;
 mod spider_reducer_results;
@@ -24,6 +35,7 @@ mod torsional_sensitivities;
 use super::{TheoreticalModel, TheoryError};
 
 pub use cycloid_ball::CycloidBall;
+pub use helical_planetary::HelicalPlanetary;
 pub use spider_reducer::SpiderReducer;
 pub use torsional_planetary::TorsionalPlanetary;
 
@@ -53,6 +65,11 @@ pub const BUILT_IN: &[BuiltIn] = &[
         name: "spider-reducer",
         sets: &["paper"],
         build: |set| Some(Box::new(SpiderReducer::new(set)?)),
+    },
+    BuiltIn {
+        name: "helical-planetary",
+        sets: helical_parameters::SET_NAMES,
+        build: |set| Some(Box::new(HelicalPlanetary::new(set)?)),
     },
 ];
 

@@ -1,0 +1,80 @@
+//! Responses over time as JSON, schema `modalign-response/1`.
+
+use serde::Serialize;
+
+use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
+
+/// The schema of [`response_to_json`].
+pub const RESPONSE_SCHEMA: &str = "modalign-response/1";
+
+#[derive(Serialize)]
+struct ResponseFile<'a> {
+    schema: &'static str,
+    excitation_hz: f64,
+    settling_periods: usize,
+    told_periods: usize,
+    details: Vec<DetailFile<'a>>,
+}
+
+#[derive(Serialize)]
+struct DetailFile<'a> {
+    detail: &'a str,
+    coordinates: usize,
+    evaluations_per_period: usize,
+    functions_per_evaluation: usize,
+    signals: Vec<SignalFile<'a>>,
+}
+
+#[derive(Serialize)]
+struct SignalFile<'a> {
+    name: &'a str,
+    unit: &'a str,
+    meaning: &'a str,
+    mean: f64,
+    rms: f64,
+    std: f64,
+    largest: f64,
+    least: f64,
+    /// From the last detail, as a part of it; null where that has no such signal.
+    distance_from_last: Option<f64>,
+    harmonics: &'a [f64],
+}
+
+/// The text of a response, ending in a newline. Samples are left out.
+pub fn response_to_json(response: &TimeResponse) -> String {
+    let last = response.details.last().map_or("", |own| own.detail);
+    let signal = |detail: &DetailResponse, own: &'_ ResponseSignal| {
+        response.difference(own.name, detail.detail, last)
+    };
+    let details = response.details.iter().map(|detail| DetailFile {
+        detail: detail.detail,
+        coordinates: detail.coordinates,
+        evaluations_per_period: detail.evaluations_per_period,
+        functions_per_evaluation: detail.functions_per_evaluation,
+        signals: detail
+            .signals
+            .iter()
+            .map(|own| SignalFile {
+                name: own.name,
+                unit: own.unit,
+                meaning: own.meaning,
+                mean: own.mean(),
+                rms: own.rms(),
+                std: own.deviation(),
+                largest: own.largest(),
+                least: own.least(),
+                distance_from_last: signal(detail, own),
+                harmonics: &own.harmonics,
+            })
+            .collect(),
+    });
+    let file = ResponseFile {
+        schema: RESPONSE_SCHEMA,
+        excitation_hz: response.excitation_hz,
+        settling_periods: response.span.settling_periods,
+        told_periods: response.span.told_periods,
+        details: details.collect(),
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
+    text + "\n"
+}

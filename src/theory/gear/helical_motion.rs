@@ -1,0 +1,495 @@
+//! The motion of the helical planetary gear over time: large rotations, parametric mesh stiffness, and pressure angles that
+//! follow the centres of the gears, in the detail that is asked for.
+//!
+//! State: `xc, yc, psi_c, xs, ys, psi_s`, then `xi, eta, psi` of each planet, then their rates. `xi` and `eta` are displacements of a
+//! planet's centre against its pin along and across the turning radius; `psi` are the rotations less those of the ideal
+//! motion, `theta_c = W t + psi_c`, `theta_s = (1 + Zr/Zs) W t + psi_s`, `theta_i = (Rr/Rp) W t + psi_i`, in which planets are
+//! counted against the carrier: `theta_c - theta_i` is a planet's absolute rotation.
+//!
+//! With `u` and `v` the centre of a planet seen from that of the sun along and across its radius, β = atan2(v, u) and
+//! `cos α = Rb / sqrt(u^2 + v^2)`, `Rb` the sum or difference of the base radii, a mesh is compressed by
+//! `g(u, v) + Rs (psi_s - psi_c) - Rp psi_i` (sun, σ = 1) or `g(u, v) + Rp psi_i - Rr psi_c` (ring, σ = -1; `u`, `v` from the
+//! ring's centre), where `g` is
+//!
+//! - constant angle: `-σ (u - Rc) sin α0 - v cos α0`;
+//! - as printed (equations 8 to 11): the same with α - σβ for α0, which counts the term of second order twice;
+//! - exact (involutes): `-Rb (β + σ (inv α - inv α0))`, whose gradient is the actual line of action.
+//!
+//! The planets' equations are solved for their own accelerations, which leaves the carrier its own mass and moment of
+//! inertia: the system is explicit.
+//!
+//! # Reference
+//! Zhang, Liao and Huang (2013), equations 1 to 27, derived again; the exact compression from the involute.
+
+use crate::theory::integrate::Equations;
+use crate::theory::{TheoreticalModel, TheoryError};
+
+use super::HelicalPlanetary;
+use super::helical_parameters::{PLANETS, RING_TEETH, SUN_TEETH};
+use super::helical_planetary::planet_angle;
+
+/// Coordinates; the state has twice as many entries.
+pub(super) const COORDINATES: usize = 6 + 3 * PLANETS;
+
+/// How much of the motion a model has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Rotations alone, as with rigid bearings (equation 28).
+    Torsional,
+    /// Bearings, pressure angles as at rest.
+    ConstantAngle,
+    /// Bearings, pressure angles as the paper prints them.
+    PrintedAngle,
+    /// Bearings, compressions of involutes at their actual centres.
+    ExactAngle,
+}
+
+impl Detail {
+    /// All, in the order of their detail.
+    pub const ALL: [Detail; 4] = [
+        Detail::Torsional,
+        Detail::ConstantAngle,
+        Detail::PrintedAngle,
+        Detail::ExactAngle,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Detail::Torsional => "torsional",
+            Detail::ConstantAngle => "constant angle",
+            Detail::PrintedAngle => "varying angle as printed",
+            Detail::ExactAngle => "varying angle, exact",
+        }
+    }
+}
+
+/// Compression of a mesh by the centres of its gears, its gradient, and the pressure angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Approach {
+    pub compression: f64,
+    pub by_u: f64,
+    pub by_v: f64,
+    pub angle: f64,
+}
+
+/// One kind of mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshGeometry {
+    /// 1 for the sun, -1 for the ring.
+    pub side: f64,
+    /// Sum or difference of the base radii: the same for both, as both have one centre distance.
+    pub base: f64,
+    pub rest_angle: f64,
+    pub pins: f64,
+}
+
+impl MeshGeometry {
+    pub fn approach(&self, detail: Detail, u: f64, v: f64) -> Approach {
+        let Self {
+            side,
+            base,
+            rest_angle,
+            pins,
+        } = *self;
+        if matches!(detail, Detail::Torsional | Detail::ConstantAngle) {
+            let (sin, cos) = rest_angle.sin_cos();
+            return Approach {
+                compression: -side * (u - pins) * sin - v * cos,
+                by_u: -side * sin,
+                by_v: -cos,
+                angle: rest_angle,
+            };
+        }
+        let square = u * u + v * v;
+        let distance = square.sqrt();
+        let angle = (base / distance).acos();
+        let tan = angle.tan();
+        let turn = v.atan2(u);
+        if detail == Detail::ExactAngle {
+            let involute = |angle: f64| angle.tan() - angle;
+            return Approach {
+                compression: -base * (turn + side * (involute(angle) - involute(rest_angle))),
+                by_u: -base * (side * tan * u - v) / square,
+                by_v: -base * (side * tan * v + u) / square,
+                angle,
+            };
+        }
+        let (sin, cos) = (angle - side * turn).sin_cos();
+        let by_angle = v * sin - side * (u - pins) * cos;
+        Approach {
+            compression: -side * (u - pins) * sin - v * cos,
+            by_u: -side * sin + by_angle * (u / tan + side * v) / square,
+            by_v: -cos + by_angle * (v / tan - side * u) / square,
+            angle,
+        }
+    }
+}
+
+/// Trapezoid over the mesh period: the stiffness of a mesh.
+#[derive(Clone, Copy, Debug)]
+struct Wave {
+    least: f64,
+    most: f64,
+    edge: f64,
+    /// Part of the period with more pairs in contact, mean of the flanks.
+    share: f64,
+}
+
+impl Wave {
+    fn at(&self, periods: f64) -> f64 {
+        let place = periods - periods.floor();
+        let up = (place / self.edge).min(1.0);
+        let down = ((self.share + self.edge - place) / self.edge).clamp(0.0, 1.0);
+        self.least + (self.most - self.least) * up.min(down)
+    }
+}
+
+/// Compression, rate and stiffness of one mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct MeshState {
+    pub compression_m: f64,
+    pub stiffness_n_per_m: f64,
+    pub angle_rad: f64,
+}
+
+/// The machine as its equations of motion need it.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    pub detail: Detail,
+    mass: [f64; 3],
+    inertia: [f64; 3],
+    /// Bearings of carrier, sun and planets, N/m.
+    bearing: [f64; 3],
+    /// Bearings and meshes have a damper of this times their stiffness, s.
+    damping_s: f64,
+    /// A mesh's damper, N s/m.
+    mesh_damper: f64,
+    radius_s: f64,
+    radius_p: f64,
+    radius_r: f64,
+    pins: f64,
+    meshes: [MeshGeometry; 2],
+    waves: [Wave; 2],
+    lead: f64,
+    mesh_mean: f64,
+    drive_nm: f64,
+    load_nm: f64,
+    /// Angular speed of the carrier, rad/s.
+    pub speed_rad_s: f64,
+    places: [(f64, f64); PLANETS],
+}
+
+impl Motion {
+    /// The motion of a model with these values. Bearings of a torsional model are rigid whatever the detail.
+    ///
+    /// # Errors
+    /// As [`TheoreticalModel::assemble`].
+    pub fn new(
+        model: &HelicalPlanetary,
+        values: &[f64],
+        detail: Detail,
+    ) -> Result<Self, TheoryError> {
+        model.assemble(values)?;
+        let own = model.values(values, None);
+        let get = |name: &str| own.get(name).value;
+        let (radius_s, radius_p) = (get("base_radius_s"), get("base_radius_p"));
+        let rest_angle = get("pressure_angle");
+        let base = radius_s + radius_p;
+        let pins = base / rest_angle.cos();
+        let mesh = |side| MeshGeometry {
+            side,
+            base,
+            rest_angle,
+            pins,
+        };
+        let wave = |share: &str| Wave {
+            least: get("mesh_min"),
+            most: get("mesh_max"),
+            edge: get("mesh_edge"),
+            share: get(share),
+        };
+        let torsional = model.is_torsional();
+        let speed_rad_s = get("speed") * std::f64::consts::TAU / 60.0;
+        let mesh_mean = 0.5 * (get("k_sp") + get("k_rp"));
+        Ok(Self {
+            detail: if torsional { Detail::Torsional } else { detail },
+            mass: ["m_c", "m_s", "m_p"].map(get),
+            inertia: ["j_c", "j_s", "j_p"].map(get),
+            bearing: ["k_c", "k_s", "k_p"].map(|name| if torsional { 0.0 } else { get(name) }),
+            damping_s: get("stiffness_damping"),
+            mesh_damper: get("stiffness_damping") * mesh_mean,
+            radius_s,
+            radius_p,
+            radius_r: radius_s * RING_TEETH / SUN_TEETH,
+            pins,
+            meshes: [mesh(1.0), mesh(-1.0)],
+            waves: [wave("mesh_share_sp"), wave("mesh_share_rp")],
+            lead: get("mesh_lead_rp"),
+            mesh_mean,
+            drive_nm: get("load") / (1.0 + RING_TEETH / SUN_TEETH),
+            load_nm: get("load"),
+            speed_rad_s,
+            places: std::array::from_fn(|planet| planet_angle(planet).sin_cos()),
+        })
+    }
+
+    /// The same without damping, with mesh stiffnesses that stay at the mean, and without torques: what conserves energy.
+    pub fn conservative(mut self) -> Self {
+        for wave in &mut self.waves {
+            (wave.least, wave.most) = (self.mesh_mean, self.mesh_mean);
+        }
+        (self.drive_nm, self.load_nm) = (0.0, 0.0);
+        (self.damping_s, self.mesh_damper) = (0.0, 0.0);
+        self
+    }
+
+    /// Pressure angle at rest, rad.
+    pub fn rest_angle(&self) -> f64 {
+        self.meshes[0].rest_angle
+    }
+
+    /// The period of the meshes, s: ring teeth that pass in one turn of the carrier.
+    pub fn mesh_period_s(&self) -> f64 {
+        std::f64::consts::TAU / (RING_TEETH * self.speed_rad_s)
+    }
+
+    /// The state of steady rotation under the mean mesh stiffness, by the constant angle.
+    pub fn equilibrium(&self) -> Vec<f64> {
+        let force = self.drive_nm / (PLANETS as f64 * self.radius_s);
+        let (sin, cos) = self.meshes[0].rest_angle.sin_cos();
+        // The centrifugal force grows with the radius that it stretches.
+        let turning = self.speed_rad_s * self.speed_rad_s * self.mass[2];
+        let [xi, eta] = match self.detail {
+            Detail::Torsional => [0.0, 0.0],
+            _ => [
+                turning * self.pins / (self.bearing[2] - turning),
+                2.0 * force * cos / (self.bearing[2] - turning),
+            ],
+        };
+        let deflection = force / self.mesh_mean;
+        let psi = (deflection - xi * sin + eta * cos) / self.radius_p;
+        let mut state = vec![0.0; 2 * COORDINATES];
+        state[5] = (deflection + xi * sin + eta * cos + self.radius_p * psi) / self.radius_s;
+        for planet in 0..PLANETS {
+            state[6 + 3 * planet..][..3].copy_from_slice(&[xi, eta, psi]);
+        }
+        state
+    }
+
+    /// The two meshes of a planet at a time.
+    pub fn meshes(&self, time_s: f64, state: &[f64], planet: usize) -> [MeshState; 2] {
+        let frame = self.frame(time_s, state);
+        let place = self.placed(&frame, state, planet);
+        [0, 1].map(|kind| MeshState {
+            compression_m: place.meshes[kind].compression,
+            stiffness_n_per_m: self.stiffness(time_s, kind, planet),
+            angle_rad: place.meshes[kind].angle,
+        })
+    }
+
+    fn stiffness(&self, time_s: f64, kind: usize, planet: usize) -> f64 {
+        let periods = time_s / self.mesh_period_s();
+        let passed = planet as f64 / PLANETS as f64;
+        self.waves[kind].at(match kind {
+            0 => periods - SUN_TEETH * passed,
+            _ => periods + RING_TEETH * passed + self.lead,
+        })
+    }
+
+    fn frame(&self, time_s: f64, state: &[f64]) -> (f64, f64) {
+        (self.speed_rad_s * time_s + state[2]).sin_cos()
+    }
+
+    fn placed(&self, &(sin, cos): &(f64, f64), state: &[f64], planet: usize) -> Placed {
+        let (sin_0, cos_0) = self.places[planet];
+        let (sin, cos) = (sin * cos_0 + cos * sin_0, cos * cos_0 - sin * sin_0);
+        let turned = |x: f64, y: f64| [x * cos + y * sin, y * cos - x * sin];
+        let [xi, eta, psi] = std::array::from_fn(|i| state[6 + 3 * planet + i]);
+        let own = [self.pins + xi, eta];
+        let carrier = turned(state[0], state[1]);
+        // From the sun's centre, and from the ring's.
+        let sun = turned(state[0] - state[3], state[1] - state[4]);
+        let mut meshes = [
+            self.meshes[0].approach(self.detail, own[0] + sun[0], own[1] + sun[1]),
+            self.meshes[1].approach(self.detail, own[0] + carrier[0], own[1] + carrier[1]),
+        ];
+        meshes[0].compression += self.radius_s * (state[5] - state[2]) - self.radius_p * psi;
+        meshes[1].compression += self.radius_p * psi - self.radius_r * state[2];
+        Placed {
+            sin,
+            cos,
+            own,
+            offsets: [sun, carrier],
+            meshes,
+        }
+    }
+
+    /// Derivatives of both compressions of a planet by xc, yc, psi_c, xs, ys, psi_s, xi, eta, psi.
+    fn gradients(&self, place: &Placed) -> [[f64; 9]; 2] {
+        let [sun, ring] = [0, 1].map(|kind| {
+            let own = &place.meshes[kind];
+            let [along, across] = place.offsets[kind];
+            let by_x = own.by_u * place.cos - own.by_v * place.sin;
+            let by_y = own.by_u * place.sin + own.by_v * place.cos;
+            // The frame turns with the carrier: du = v dtheta of the offset, dv = -u dtheta.
+            let by_turn = own.by_u * across - own.by_v * along;
+            ([by_x, by_y, by_turn], [own.by_u, own.by_v])
+        });
+        let ([sx, sy, st], [su, sv]) = sun;
+        let ([rx, ry, rt], [ru, rv]) = ring;
+        let (r_s, r_p) = (self.radius_s, self.radius_p);
+        [
+            [sx, sy, st - r_s, -sx, -sy, r_s, su, sv, -r_p],
+            [rx, ry, rt - self.radius_r, 0.0, 0.0, 0.0, ru, rv, r_p],
+        ]
+    }
+
+    /// Kinetic energy of the motion and energy in bearings and meshes, J, with the mesh stiffness of this time.
+    pub fn energy(&self, time_s: f64, state: &[f64]) -> [f64; 2] {
+        let rate = &state[COORDINATES..];
+        let ratio = RING_TEETH / SUN_TEETH;
+        let turning = self.speed_rad_s + rate[2];
+        let sun = (1.0 + ratio) * self.speed_rad_s + rate[5];
+        let squares = |x: f64, y: f64| x * x + y * y;
+        let mut kinetic = self.mass[0] * squares(rate[0], rate[1])
+            + self.inertia[0] * turning * turning
+            + self.mass[1] * squares(rate[3], rate[4])
+            + self.inertia[1] * sun * sun;
+        let mut strain = self.bearing[0] * squares(state[0], state[1])
+            + self.bearing[1] * squares(state[3], state[4]);
+        let frame = self.frame(time_s, state);
+        for planet in 0..PLANETS {
+            let place = self.placed(&frame, state, planet);
+            let at = 6 + 3 * planet;
+            let moving =
+                |x: f64, y: f64| [x * place.cos + y * place.sin, y * place.cos - x * place.sin];
+            let [along, across] = moving(rate[0], rate[1]);
+            let radial = along + rate[at] - place.own[1] * turning;
+            let tangential = across + rate[at + 1] + place.own[0] * turning;
+            let spin = turning - self.radius_r / self.radius_p * self.speed_rad_s - rate[at + 2];
+            kinetic += self.mass[2] * squares(radial, tangential) + self.inertia[2] * spin * spin;
+            strain += self.bearing[2] * squares(state[at], state[at + 1]);
+            for mesh in self.meshes(time_s, state, planet) {
+                strain += mesh.stiffness_n_per_m * mesh.compression_m * mesh.compression_m;
+            }
+        }
+        [0.5 * kinetic, 0.5 * strain]
+    }
+}
+
+/// A planet at a time: its frame, its centre in it, the offsets of the carrier from sun and ring, and both meshes.
+struct Placed {
+    sin: f64,
+    cos: f64,
+    own: [f64; 2],
+    offsets: [[f64; 2]; 2],
+    meshes: [Approach; 2],
+}
+
+impl Equations for Motion {
+    fn len(&self) -> usize {
+        2 * COORDINATES
+    }
+
+    fn rate(&self, time_s: f64, state: &[f64], rate: &mut [f64]) {
+        let (now, acceleration) = rate.split_at_mut(COORDINATES);
+        now.copy_from_slice(&state[COORDINATES..]);
+        // The geometry turns with the whole rotation, though `now` has that of psi alone.
+        let turning = self.speed_rad_s + now[2];
+        let frame = self.frame(time_s, state);
+        let support = |kind: usize, x: f64, v: f64| -self.bearing[kind] * (x + self.damping_s * v);
+        let central = |i: usize, kind| support(kind, state[i], now[i]);
+        let mut force = [
+            central(0, 0),
+            central(1, 0),
+            -self.load_nm,
+            central(3, 1),
+            central(4, 1),
+            self.drive_nm,
+        ];
+        let mut carried_inertia = 0.0;
+        for planet in 0..PLANETS {
+            let place = self.placed(&frame, state, planet);
+            let at = 6 + 3 * planet;
+            let mut own = [
+                support(2, state[at], now[at]),
+                support(2, state[at + 1], now[at + 1]),
+                0.0,
+            ];
+            for (kind, by) in self.gradients(&place).iter().enumerate() {
+                let mut closing = self.speed_rad_s * self.turn_of_frame(&place, kind);
+                for i in 0..6 {
+                    closing += by[i] * now[i];
+                }
+                for i in 0..3 {
+                    closing += by[6 + i] * now[at + i];
+                }
+                let pressed = self.stiffness(time_s, kind, planet) * place.meshes[kind].compression
+                    + self.mesh_damper * closing;
+                (0..6).for_each(|i| force[i] -= pressed * by[i]);
+                (0..3).for_each(|i| own[i] -= pressed * by[6 + i]);
+            }
+            self.add_planet(&place, own, &mut force, &mut carried_inertia);
+            acceleration[at..at + 3].copy_from_slice(&own);
+        }
+        self.central_accelerations(&force, carried_inertia, acceleration);
+        for planet in 0..PLANETS {
+            let place = self.placed(&frame, state, planet);
+            let at = 6 + 3 * planet;
+            let own: [f64; 3] = std::array::from_fn(|i| acceleration[at + i]);
+            let [x, y, turn] = [acceleration[0], acceleration[1], acceleration[2]];
+            let [u, v] = place.own;
+            let (du, dv) = (now[at], now[at + 1]);
+            acceleration[at + 2] = own[2] / self.inertia[2] + turn;
+            if self.detail == Detail::Torsional {
+                (acceleration[at], acceleration[at + 1]) = (0.0, 0.0);
+                continue;
+            }
+            acceleration[at] = own[0] / self.mass[2] + u * turning * turning + 2.0 * dv * turning
+                - (x * place.cos + y * place.sin - v * turn);
+            acceleration[at + 1] = own[1] / self.mass[2] + v * turning * turning
+                - 2.0 * du * turning
+                - (y * place.cos - x * place.sin + u * turn);
+        }
+    }
+}
+
+impl Motion {
+    /// Derivative of a compression by the ideal rotation of the frame, which `psi` does not count.
+    fn turn_of_frame(&self, place: &Placed, kind: usize) -> f64 {
+        let own = &place.meshes[kind];
+        let [along, across] = place.offsets[kind];
+        own.by_u * across - own.by_v * along
+    }
+
+    /// What the planets' bearings and rotations hand on to the carrier.
+    fn add_planet(&self, place: &Placed, own: [f64; 3], force: &mut [f64; 6], inertia: &mut f64) {
+        let [along, across, turn] = own;
+        force[2] += turn;
+        if self.detail == Detail::Torsional {
+            *inertia += self.mass[2] * self.pins * self.pins;
+            return;
+        }
+        let [u, v] = place.own;
+        force[0] -= along * place.cos - across * place.sin;
+        force[1] -= along * place.sin + across * place.cos;
+        force[2] -= -along * v + across * u;
+    }
+
+    fn central_accelerations(&self, force: &[f64; 6], carried: f64, acceleration: &mut [f64]) {
+        let inertia = [
+            self.mass[0],
+            self.mass[0],
+            self.inertia[0] + carried,
+            self.mass[1],
+            self.mass[1],
+            self.inertia[1],
+        ];
+        for i in 0..6 {
+            acceleration[i] = force[i] / inertia[i];
+        }
+        if self.detail == Detail::Torsional {
+            [0, 1, 3, 4].into_iter().for_each(|i| acceleration[i] = 0.0);
+        }
+    }
+}
