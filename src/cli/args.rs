@@ -225,6 +225,9 @@ pub struct TheoryArgs {
     /// Compute the steady response over time in growing detail of the model, with the cost of each detail and its distance from the last (helical-planetary).
     #[arg(long, conflicts_with = "sweep")]
     pub response: bool,
+    /// Hold models of growing detail of the machine against each other and name the simplest within an error, percent (1 when none is given).
+    #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
+    pub compare: Option<f64>,
 }
 
 /// `correlate`.

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::io::modes_to_json;
-use crate::report::json::{response_to_json, sweeps_to_json};
+use crate::report::json::{details_to_json, response_to_json, sweeps_to_json};
 use crate::report::{
-    Block, energies_block, parameters_block, quantities_block, response_blocks, roots_block,
-    sensitivities_block, sweep_blocks, theory_block,
+    Block, details_blocks, energies_block, parameters_block, quantities_block, response_blocks,
+    roots_block, sensitivities_block, simplest_details_block, sweep_blocks, theory_block,
 };
 use crate::scene::{
     LoadedModel, ModelTable, Scene, SceneError, Theory, load_model, table_model,
@@ -28,7 +28,6 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
         output.findings(&lost);
     }
-    let (mut sweeps, mut response) = (Vec::new(), None);
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();
     blocks.push(if result.roots.is_empty() {
@@ -40,39 +39,53 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
         let caption = format!("Energy of the roots of {name}");
         blocks.extend(energies_block(&caption, &result.roots, args.band));
     }
-    if let Some(model) = model(args)? {
-        if args.sensitivities {
-            let caption = format!("Sensitivities of the roots of {name}");
-            let found = model.sensitivities()?;
-            blocks.push(sensitivities_block(
-                &caption,
-                &result.parameters,
-                &found,
-                args.band,
-            ));
-        }
-        if args.quantities {
-            blocks.extend(quantities_block(&name.to_string(), &model.quantities()?));
-        }
-        if args.response {
-            let found = model.response()?;
-            blocks.extend(response_blocks(&name.to_string(), &found));
-            response = Some(found);
-        }
-        for (parameter, range) in &args.sweep {
-            let swept = model.sweep(parameter, *range)?;
-            blocks.extend(sweep_blocks(&name.to_string(), &swept, args.band));
-            sweeps.push(swept);
-        }
-    }
+    let special = match model(args)? {
+        Some(model) => analyses(args, &model, &result, &mut blocks)?,
+        None => None,
+    };
     output.blocks(&blocks);
-    output.json(|| match (&response, args.sweep.is_empty()) {
-        (Some(response), _) => response_to_json(response),
-        (None, true) => json,
-        (None, false) => sweeps_to_json(&sweeps),
-    });
+    output.json(|| special.unwrap_or(json));
     output.findings(&result.modes.findings);
     Ok(Outcome::Done)
+}
+
+/// What was asked of a model beside its modes, as blocks; its JSON where it has one of its own.
+fn analyses(
+    args: &TheoryArgs,
+    model: &LoadedModel,
+    result: &Theory,
+    blocks: &mut Vec<Block>,
+) -> Result<Option<String>, SceneError> {
+    let name = &args.model.display().to_string();
+    let mut special = None;
+    if args.sensitivities {
+        let caption = format!("Sensitivities of the roots of {name}");
+        let found = model.sensitivities()?;
+        let block = sensitivities_block(&caption, &result.parameters, &found, args.band);
+        blocks.push(block);
+    }
+    if args.quantities {
+        blocks.extend(quantities_block(name, &model.quantities()?));
+    }
+    let within = args.compare.map(|percent| 0.01 * percent);
+    if args.response || within.is_some() && model.model.nonlinear().is_some() {
+        let found = model.response()?;
+        blocks.extend(response_blocks(name, &found));
+        blocks.extend(within.map(|within| simplest_details_block(name, &found, within)));
+        special = Some(response_to_json(&found));
+    } else if let Some(within) = within {
+        let found = model.compare_details()?;
+        blocks.extend(details_blocks(name, &found, within));
+        special = Some(details_to_json(&found, within));
+    }
+    let mut sweeps = Vec::new();
+    for (parameter, range) in &args.sweep {
+        let swept = model.sweep(parameter, *range)?;
+        blocks.extend(sweep_blocks(name, &swept, args.band));
+        sweeps.push(swept);
+    }
+    let swept = !sweeps.is_empty();
+    Ok(special.or_else(|| swept.then(|| sweeps_to_json(&sweeps))))
 }
 
 /// The model file itself, or the model of a scene at the scene's sensors.

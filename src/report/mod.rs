@@ -4,6 +4,7 @@
 //! Nothing here computes: numbers arrive finished and leave rounded.
 
 mod block;
+mod compare;
 mod comparison;
 mod csv_text;
 mod frf;
@@ -17,6 +18,7 @@ mod sweep;
 mod terminal;
 
 pub use block::{Align, Block, Cell, Column, Table};
+pub use compare::{details_blocks, simplest_details_block};
 pub use comparison::{
     TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
 };

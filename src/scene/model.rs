@@ -8,10 +8,11 @@ use serde::Deserialize;
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
-    Assumption, BUILT_IN, BeamFile, BeamModel, LumpedFile, LumpedModel, ModeOptions, ModelQuantity,
-    ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA, Sweep, SweepRange,
-    TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in, coordinate_sensors,
-    model_roots, modes, override_values, sensitivities, sweep, system_derivatives,
+    Assumption, BUILT_IN, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel,
+    ModeOptions, ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA,
+    Sweep, SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
+    compare_details, coordinate_sensors, model_roots, modes, override_values, sensitivities, sweep,
+    system_derivatives,
 };
 
 use super::SceneError;
@@ -201,6 +202,14 @@ impl LoadedModel {
         let derivatives = system_derivatives(model, &self.values)?;
         let roots = model_roots(model, &solved);
         Ok(sensitivities(&solved, &roots, &derivatives)?)
+    }
+
+    /// The model against simpler ones without the mass of its small bodies.
+    ///
+    /// # Errors
+    /// The model's own reasons.
+    pub fn compare_details(&self) -> Result<DetailComparison, SceneError> {
+        Ok(compare_details(self.model.as_ref(), &self.values)?)
     }
 
     /// The steady response over time in growing detail.

@@ -311,6 +311,14 @@ pub enum TheoryError {
         /// How many values.
         count: usize,
     },
+    /// A model of which no simpler one is known.
+    #[error(
+        "model `{model}`: got no simpler model to compare, expected small bodies or a response over time"
+    )]
+    NothingSmall {
+        /// The model.
+        model: String,
+    },
     /// A response over nothing.
     #[error(
         "response: got {periods} periods to tell in steps of {step_radians} rad of the highest frequency, expected at least 1 and a step above 0"

@@ -7,6 +7,7 @@
 mod basis;
 mod beam;
 mod beam_line;
+mod compare;
 mod damped;
 mod description;
 mod dual;
@@ -49,6 +50,7 @@ use crate::geometry::Target;
 use crate::linalg::RealMatrix;
 
 pub use beam::BeamModel;
+pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
 pub use damped::{DampedModes, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
@@ -191,6 +193,11 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// As [`assemble`](TheoreticalModel::assemble), and those of the modes where a quantity needs them.
     fn quantities(&self, _values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         Ok(Vec::new())
+    }
+
+    /// Kinds of bodies (`ball` of `ball-1`, `ball-2`, ...) that a simpler model may leave without mass.
+    fn small_bodies(&self) -> &'static [&'static str] {
+        &[]
     }
 
     /// The motion over time, for a model whose equations are more than its matrices.

@@ -241,3 +241,30 @@ fn a_response_is_told_for_every_detail_with_its_cost() {
     let message = fail(["theory", "cycloid-ball", "--response"]);
     assert!(message.contains("helical-planetary"), "{message}");
 }
+
+#[test]
+fn models_of_growing_detail_are_compared_and_the_simplest_is_named() {
+    let text = succeed(["theory", "cycloid-ball", "--compare", "5"]);
+    for part in [
+        "without mass: ball, pin-ball",
+        "every body with its mass",
+        "simplest within 5 %",
+        "100.0",
+    ] {
+        assert!(text.contains(part), "{part}:\n{text}");
+    }
+    let text = succeed(["theory", "cycloid-ball", "--compare", "5", "--json"]);
+    let file: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(file["schema"], "modalign-details/1");
+    assert_eq!(file["models"].as_array().unwrap().len(), 4);
+    assert!(file["roots"][0]["errors"][3].as_f64().unwrap().abs() < 1e-12);
+    let text = succeed(["theory", "helical-planetary", "--compare"]);
+    let start = text.find("The simplest model of").unwrap();
+    let row = text[start..]
+        .lines()
+        .find(|line| line.starts_with(" delta_sp1 "))
+        .unwrap();
+    assert!(row.contains("constant angle"), "{row}");
+    let message = fail(["theory", "torsional-planetary", "--compare"]);
+    assert!(message.contains("no simpler model"), "{message}");
+}

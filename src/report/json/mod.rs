@@ -1,10 +1,12 @@
 //! The JSON files that others may rely on; a change that breaks a reader raises the number in the schema's name.
 
+mod compare;
 mod comparison;
 mod hits;
 mod response;
 mod sweep;
 
+pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
     comparison_from_json, comparison_to_json,

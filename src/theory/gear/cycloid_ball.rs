@@ -278,6 +278,10 @@ impl TheoreticalModel for CycloidBall {
         })
     }
 
+    fn small_bodies(&self) -> &'static [&'static str] {
+        &["ball", "pin-ball"]
+    }
+
     fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         study_quantities(self, values)
     }

@@ -1,0 +1,62 @@
+//! Models of growing detail as JSON, schema `modalign-details/1`.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use crate::theory::DetailComparison;
+
+/// The schema of [`details_to_json`].
+pub const DETAILS_SCHEMA: &str = "modalign-details/1";
+
+#[derive(Serialize)]
+struct DetailsFile<'a> {
+    schema: &'static str,
+    within: f64,
+    models: Vec<ModelFile<'a>>,
+    roots: Vec<RootFile>,
+}
+
+#[derive(Serialize)]
+struct ModelFile<'a> {
+    name: &'a str,
+    coordinates: usize,
+    /// As a part of the whole model's.
+    cost: f64,
+}
+
+#[derive(Serialize)]
+struct RootFile {
+    frequency_hz: f64,
+    multiplicity: usize,
+    /// In each of the models, as a part of the frequency; null for a model that has no such root.
+    errors: Vec<Option<f64>>,
+    /// Coordinates of the simplest model within the error.
+    simplest_coordinates: Option<usize>,
+}
+
+/// The text of a comparison with an error as a part, ending in a newline.
+pub fn details_to_json(own: &DetailComparison, within: f64) -> String {
+    let whole = own.models.last().map_or(1, |model| model.coordinates);
+    let models = own.models.iter().map(|model| ModelFile {
+        name: &model.name,
+        coordinates: model.coordinates,
+        cost: model.cost(whole),
+    });
+    let roots = own.roots.iter().enumerate().map(|(i, root)| RootFile {
+        frequency_hz: root.omega_rad_s / TAU,
+        multiplicity: root.modes.len(),
+        errors: (0..own.models.len())
+            .map(|model| own.error(model, i))
+            .collect(),
+        simplest_coordinates: own.simplest(i, within).map(|model| model.coordinates),
+    });
+    let file = DetailsFile {
+        schema: DETAILS_SCHEMA,
+        within,
+        models: models.collect(),
+        roots: roots.collect(),
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
+    text + "\n"
+}
