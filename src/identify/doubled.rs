@@ -156,7 +156,7 @@ mod tests {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise[(k, f)] + sign * second(k)
         });
-        let found = roots_to_double((&data, &sides), &[root.clone()], &rest, 1e-3);
+        let found = roots_to_double((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
         let [(place, beside)] = &found[..] else {
             panic!("{} roots", found.len());
         };
