@@ -2,11 +2,16 @@
 //! asserts nothing.
 //!
 //! `cargo bench --bench frf_estimate [-- CHANNELS HITS SAMPLES]` writes the test (200 channels, 10 hits, 65,536 single
-//! precision samples, 0.5 GB in each format) into a temporary folder, estimates H1 with coherence and variance (`estimate`),
-//! and the same with every hit judged and the set checked (`judged`), and prints the throughput in millions of samples per second, its ratio to the bare loop (`realfft`, double precision, one thread,
-//! one plan, buffers reused) and the largest resident memory of a process that does nothing else.
+//! precision samples, 0.5 GB a file) into a temporary folder: dataset 58b hit after hit (`hits.uff`) and channel after
+//! channel (`channels.uff`), and HDF5 hit after hit (`hits.h5`). Of each it estimates H1 with coherence and variance
+//! (`estimate`), and the same with every hit judged and the set checked (`judged`).
+//!
+//! The bare loop is a transform in double precision of as many single precision samples that are in memory: one thread, one
+//! plan, buffers reused. It runs in the same process before every estimate, so that both meet the same load of the machine. What is
+//! printed is the median of the ratios, by the clock and by processor time (of all threads, as the system counts it, in steps of
+//! 10 ms), the median throughput by the clock, and the largest resident memory of the process.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
@@ -15,76 +20,60 @@ use modalign::frf::{
     EstimateOptions, HammerOptions, ResponseWindow, Selection, estimate_recording, hammer,
 };
 use modalign::io::{
-    FileRecording, Hints, HitFile, HitGrouping, WriteOptions, group_hits, hit_source, open_path,
-    write_path,
+    Block, FileRecording, Hints, HitFile, HitGrouping, MemorySource, WriteOptions, group_hits,
+    hit_source, open_path, write_path,
 };
 use modalign::quantity::Quantity;
 use modalign::record::{Channel, Hit, Recording, Role, Samples};
 use modalign::signal::JudgeLimits;
 
-/// Runs of which the fastest counts.
-const RUNS: usize = 3;
+/// Runs of which the median counts.
+const RUNS: usize = 5;
 /// Sampling rate, Hz.
 const RATE_HZ: f64 = 51_200.0;
+
+/// Channels, hits and samples.
+type Sizes = [usize; 3];
 
 fn main() {
     let arguments: Vec<String> = std::env::args()
         .skip(1)
         .filter(|own| own != "--bench")
         .collect();
-    match arguments.first().map(String::as_str) {
-        Some("child-write") => write(&sizes(&arguments[2..]), Path::new(&arguments[1])),
-        Some("child-estimate") => child(Path::new(&arguments[1]), &arguments[2], estimate),
-        Some("child-judged") => child(Path::new(&arguments[1]), &arguments[2], judged),
-        _ => all(&sizes(&arguments)),
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["child-write", path, sizes @ ..] => write(&sizes_of(sizes), Path::new(path)),
+        ["child-run", path, what, threads, sizes @ ..] => {
+            run(&sizes_of(sizes), Path::new(path), what, threads);
+        }
+        sizes => all(&sizes_of(sizes)),
     }
 }
 
-/// Channels, hits and samples.
-fn sizes(arguments: &[String]) -> [usize; 3] {
+fn sizes_of(words: &[&str]) -> Sizes {
     let of = |index: usize, default| {
-        let stated = arguments.get(index).and_then(|text| text.parse().ok());
+        let stated = words.get(index).and_then(|text| text.parse().ok());
         stated.unwrap_or(default)
     };
     [of(0, 200), of(1, 10), of(2, 65_536)]
 }
 
-fn all(sizes: &[usize; 3]) {
+fn all(sizes: &Sizes) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [channels, hits, samples] = *sizes;
-    let total = ((channels + 1) * hits * samples) as f64;
-    let bare = bare_loop(sizes);
-    println!("{channels} channels, {hits} hits, {samples} samples; fastest of {RUNS}");
-    println!("bare transforms  {:8.1} Msamples/s", total / bare / 1e6);
-    for name in ["hits.uff", "hits.h5"] {
-        let path = folder.path().join(name);
-        let mut arguments = vec!["child-write".to_owned(), path.display().to_string()];
-        arguments.extend(sizes.iter().map(usize::to_string));
-        run_self(&arguments);
-        let runs = [
-            ("estimate", "1"),
-            ("estimate", "2"),
-            ("judged", "1"),
-            ("judged", "2"),
-        ];
-        for (what, threads) in runs {
-            let arguments = [
-                format!("child-{what}"),
-                path.display().to_string(),
-                threads.to_owned(),
-            ];
-            let text = run_self(&arguments);
-            let numbers: Vec<f64> = text
-                .split_whitespace()
-                .filter_map(|word| word.parse().ok())
-                .collect();
-            let (seconds, kibibytes) = (numbers[0], numbers[1]);
-            println!(
-                "{name} {what:8} {threads} thread(s)  {:8.1} Msamples/s, {:5.2} of bare, {:5.0} MB",
-                total / seconds / 1e6,
-                bare / seconds,
-                kibibytes * 1.024e-3
-            );
+    println!("{channels} channels, {hits} hits, {samples} samples; median of {RUNS}");
+    for name in ["hits.uff", "channels.uff", "hits.h5"] {
+        let path = folder.path().join(name).display().to_string();
+        let with = |words: &[&str]| {
+            let own = words.iter().map(|word| (*word).to_owned());
+            run_self(&own.chain(sizes.map(|n| n.to_string())).collect::<Vec<_>>())
+        };
+        with(&["child-write", &path]);
+        for what in ["estimate", "judged"] {
+            for threads in ["1", "2"] {
+                let text = with(&["child-run", &path, what, threads]);
+                println!("{name:12} {what:8} {threads} thread(s) {}", text.trim_end());
+            }
         }
         std::fs::remove_file(&path).expect("removed");
     }
@@ -104,36 +93,82 @@ fn run_self(arguments: &[String]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Seconds of transforming as many samples, from memory.
-fn bare_loop(sizes: &[usize; 3]) -> f64 {
-    let [channels, hits, samples] = *sizes;
-    let plan = realfft::RealFftPlanner::<f64>::new().plan_fft_forward(samples);
-    let (mut input, mut output) = (plan.make_input_vec(), plan.make_output_vec());
-    let mut work = plan.make_scratch_vec();
-    let record: Vec<f32> = (0..samples).map(|n| (n as f32 * 0.37).sin()).collect();
-    fastest(|| {
-        for _ in 0..(channels + 1) * hits {
-            for (place, sample) in input.iter_mut().zip(&record) {
+/// The bare loop and the estimate in turns, in this process; prints what came of them.
+fn run(sizes: &Sizes, path: &Path, what: &str, threads: &str) {
+    let estimates = if what == "judged" { judged } else { estimate };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.parse().expect("a number of threads"))
+        .build()
+        .expect("threads");
+    let mut bare = BareLoop::new(sizes);
+    let (mut rates, mut clock, mut processor) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..RUNS {
+        let beside = timed(|| bare.run());
+        let own = timed(|| pool.install(|| estimates(path)));
+        rates.push(bare.samples() / own.0 / 1e6);
+        clock.push(beside.0 / own.0);
+        processor.push(beside.1 / own.1);
+    }
+    println!(
+        "{:7.1} Msamples/s, {:4.2} of bare by the clock, {:4.2} by processor time, {:4.0} MB",
+        median(rates),
+        median(clock),
+        median(processor),
+        peak_kibibytes() as f64 * 1.024e-3
+    );
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Seconds by the clock and of processor time.
+fn timed(run: impl FnOnce()) -> (f64, f64) {
+    let (start, before) = (Instant::now(), processor_s());
+    run();
+    (start.elapsed().as_secs_f64(), processor_s() - before)
+}
+
+/// A transform of as many samples as the test has.
+struct BareLoop {
+    plan: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
+    record: Vec<f32>,
+    records: usize,
+}
+
+impl BareLoop {
+    fn new(sizes: &Sizes) -> Self {
+        let [channels, hits, samples] = *sizes;
+        Self {
+            plan: realfft::RealFftPlanner::<f64>::new().plan_fft_forward(samples),
+            record: (0..samples).map(|n| (n as f32 * 0.37).sin()).collect(),
+            records: (channels + 1) * hits,
+        }
+    }
+
+    fn samples(&self) -> f64 {
+        (self.records * self.record.len()) as f64
+    }
+
+    fn run(&mut self) {
+        let mut input = self.plan.make_input_vec();
+        let mut output = self.plan.make_output_vec();
+        let mut work = self.plan.make_scratch_vec();
+        for _ in 0..self.records {
+            for (place, sample) in input.iter_mut().zip(&self.record) {
                 *place = f64::from(*sample);
             }
-            plan.process_with_scratch(&mut input, &mut output, &mut work)
+            self.plan
+                .process_with_scratch(&mut input, &mut output, &mut work)
                 .expect("lengths of the plan");
             std::hint::black_box(&output);
         }
-    })
-}
-
-fn fastest(mut run: impl FnMut()) -> f64 {
-    let seconds = (0..RUNS).map(|_| {
-        let start = Instant::now();
-        run();
-        start.elapsed().as_secs_f64()
-    });
-    seconds.fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// A decaying cosine of its own for each channel, with noise.
-fn write(sizes: &[usize; 3], path: &Path) {
+fn write(sizes: &Sizes, path: &Path) {
     let [channels, hits, samples] = *sizes;
     let mut state = 1u64;
     let mut noise = move || {
@@ -181,18 +216,23 @@ fn write(sizes: &[usize; 3], path: &Path) {
         });
     }
     let mut source = hit_source(&all, "bench");
+    drop(all);
+    if path.file_name().is_some_and(|name| name == "channels.uff") {
+        source = by_channel(source, channels + 1, hits);
+    }
     write_path(path, &mut source, WriteOptions::default()).expect("written");
 }
 
-/// Estimates in this process; prints the seconds and the largest resident memory in KiB.
-fn child(path: &Path, threads: &str, run: fn(&Path)) {
-    let threads = threads.parse().expect("a number of threads");
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .expect("threads");
-    let seconds = fastest(|| pool.install(|| run(path)));
-    println!("{seconds} {}", peak_kibibytes());
+/// All records of the force, then all of the first response, and so on.
+fn by_channel(mut source: MemorySource, channels: usize, hits: usize) -> MemorySource {
+    let mut turned = MemorySource::default();
+    for channel in 0..channels {
+        for entry in (0..hits).map(|hit| hit * channels + channel) {
+            let values = std::mem::replace(&mut source.blocks[entry], Block::F32(Vec::new()));
+            turned.push(source.catalog.entries[entry].clone(), values, Vec::new());
+        }
+    }
+    turned
 }
 
 fn estimate(path: &Path) {
@@ -227,8 +267,21 @@ fn open(path: &Path) -> FileRecording {
 
 /// `VmHWM` of this process; 0 where the system does not say.
 fn peak_kibibytes() -> u64 {
-    let status = std::fs::read_to_string(PathBuf::from("/proc/self/status")).unwrap_or_default();
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM:"));
     line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok())
         .unwrap_or(0)
+}
+
+/// Processor time of this process so far, s, user and system; not a number where the system does not say.
+fn processor_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // The second field is a name in brackets; user and system time are fields 14 and 15, in hundredths.
+    let fields = stat.rsplit_once(')').map_or("", |(_, fields)| fields);
+    let ticks = fields.split_whitespace().skip(11).take(2);
+    let ticks: Vec<f64> = ticks.filter_map(|field| field.parse().ok()).collect();
+    match ticks.as_slice() {
+        [user, system] => (user + system) / 100.0,
+        _ => f64::NAN,
+    }
 }
