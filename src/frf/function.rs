@@ -162,7 +162,7 @@ impl Estimation<'_> {
         work.clear(self.plan.lines());
         for (member, samples) in task.members.iter().zip(records) {
             let extent = self.to_si(*member, samples, work)?;
-            match self.unusable(*member, &work.record, extent) {
+            match self.unusable(*member, &work.record, &extent) {
                 Some(finding) => findings.push(finding),
                 None => self.add(*member, work, &mut totals)?,
             }
@@ -209,7 +209,12 @@ impl Estimation<'_> {
     }
 
     /// The finding of a response of this extent that holds nothing, or ran into the rail.
-    fn unusable(&self, (h, r): (usize, usize), record: &[f64], extent: Extent) -> Option<Finding> {
+    fn unusable(
+        &self,
+        (h, r): (usize, usize),
+        record: &[f64],
+        extent: &Extent,
+    ) -> Option<Finding> {
         let number = self.group.numbers[h];
         let limits = self.selection.overloads.as_ref()?;
         if self.selection.accepted.contains(&number) {

@@ -19,8 +19,8 @@ pub fn lane_sum(values: &[f64], f: impl Fn(f64) -> f64) -> f64 {
         #[inline(always)]
         || {
             let mut sums = [0.0; LANES];
-            let chunks = values.chunks_exact(LANES);
-            let rest: f64 = chunks.remainder().iter().map(|x| f(*x)).sum();
+            let (chunks, rest) = values.as_chunks::<LANES>();
+            let rest: f64 = rest.iter().map(|x| f(*x)).sum();
             for chunk in chunks {
                 for (sum, x) in sums.iter_mut().zip(chunk) {
                     *sum += f(*x);
@@ -38,10 +38,9 @@ pub fn lane_sum_of_pairs(x: &[f64], y: &[f64], f: impl Fn(f64, f64) -> f64) -> f
         #[inline(always)]
         || {
             let mut sums = [0.0; LANES];
-            let (left, right) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
-            let rest = left.remainder().iter().zip(right.remainder());
-            let rest: f64 = rest.map(|(x, y)| f(*x, *y)).sum();
-            for (x, y) in left.zip(right) {
+            let ((left, x), (right, y)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+            let rest: f64 = x.iter().zip(y).map(|(x, y)| f(*x, *y)).sum();
+            for (x, y) in left.iter().zip(right) {
                 for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
                     *sum += f(*x, *y);
                 }
@@ -53,26 +52,44 @@ pub fn lane_sum_of_pairs(x: &[f64], y: &[f64], f: impl Fn(f64, f64) -> f64) -> f
 
 /// `Σ(x − c)` and `Σ(x − c)²`.
 pub fn lane_moments(values: &[f64], about: f64) -> (f64, f64) {
-    vectorised(
+    // Both of one piece while it is in the nearest cache.
+    values.chunks(PIECE).fold((0.0, 0.0), |(sum, squares), x| {
+        (
+            sum + lane_sum(x, |x| x - about),
+            squares + lane_sum(x, |x| (x - about) * (x - about)),
+        )
+    })
+}
+
+/// The value that none of the others comes before.
+fn lane_first(values: &[f64], start: f64, before: impl Fn(f64, f64) -> bool) -> f64 {
+    let first = |a: f64, b: f64| if before(b, a) { b } else { a };
+    let lanes = vectorised(
         #[inline(always)]
         || {
-            let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
-            let chunks = values.chunks_exact(LANES);
-            let rest = chunks.remainder();
+            let mut lanes = [start; LANES];
+            let (chunks, rest) = values.as_chunks::<LANES>();
             for chunk in chunks {
-                for ((sum, square), x) in sums.iter_mut().zip(&mut squares).zip(chunk) {
-                    let x = x - about;
-                    *sum += x;
-                    *square += x * x;
+                for (lane, x) in lanes.iter_mut().zip(chunk) {
+                    *lane = first(*lane, *x);
                 }
             }
-            let rest = rest.iter().map(|x| x - about);
-            let total = |sums: [f64; LANES]| sums.iter().sum::<f64>();
-            (
-                total(sums) + rest.clone().sum::<f64>(),
-                total(squares) + rest.map(|x| x * x).sum::<f64>(),
-            )
+            for (lane, x) in lanes.iter_mut().zip(rest) {
+                *lane = first(*lane, *x);
+            }
+            lanes
         },
+    );
+    lanes.into_iter().fold(start, first)
+}
+
+/// Sum, smallest and largest of a piece.
+fn sum_and_ends(piece: &[f64]) -> (f64, f64, f64) {
+    // One result at a time: several at once do not stay in registers.
+    (
+        lane_sum(piece, |x| x),
+        lane_first(piece, f64::INFINITY, |a, b| a < b),
+        lane_first(piece, f64::NEG_INFINITY, |a, b| a > b),
     )
 }
 
@@ -82,8 +99,11 @@ pub fn lane_count(values: &[f64], is: impl Fn(f64) -> bool) -> usize {
     lane_sum(values, |x| if is(x) { 1.0 } else { 0.0 }) as usize
 }
 
-/// What some values span.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Values of which the ends are known together.
+const PIECE: usize = 64 * LANES;
+
+/// What some values span, and what each piece of them spans.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
     /// Their sum, finite only if all of them are.
     pub sum: f64,
@@ -91,77 +111,60 @@ pub struct Extent {
     pub lo: f64,
     /// The largest; negative and infinite without any.
     pub hi: f64,
+    /// The smallest and the largest of each piece.
+    pieces: Vec<(f64, f64)>,
 }
 
 impl Extent {
     /// Of these values.
     pub fn of(values: &[f64]) -> Self {
-        vectorised(
-            #[inline(always)]
-            || {
-                let mut lanes = ExtentLanes::NONE;
-                let chunks = values.chunks_exact(LANES);
-                lanes.add(chunks.remainder());
-                chunks.for_each(|chunk| lanes.add(chunk));
-                lanes.extent()
-            },
-        )
+        Self::of_pieces(values.chunks(PIECE).map(sum_and_ends))
     }
 
     /// Of values times a factor, which are put in place of what `out` held.
     pub fn of_scaled<T: Copy + Into<f64>>(values: &[T], factor: f64, out: &mut Vec<f64>) -> Self {
         out.resize(values.len(), 0.0);
-        vectorised(
-            #[inline(always)]
-            || {
-                let mut lanes = ExtentLanes::NONE;
-                for (out, values) in out.chunks_mut(LANES).zip(values.chunks(LANES)) {
+        let pieces = out.chunks_mut(PIECE).zip(values.chunks(PIECE));
+        Self::of_pieces(pieces.map(|(out, values)| {
+            vectorised(
+                #[inline(always)]
+                || {
                     for (place, x) in out.iter_mut().zip(values) {
                         *place = (*x).into() * factor;
                     }
-                    lanes.add(out);
-                }
-                lanes.extent()
-            },
-        )
+                },
+            );
+            sum_and_ends(out)
+        }))
+    }
+
+    fn of_pieces(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
+        let mut whole = Self {
+            sum: 0.0,
+            lo: f64::INFINITY,
+            hi: f64::NEG_INFINITY,
+            pieces: Vec::with_capacity(each.size_hint().0),
+        };
+        for (sum, lo, hi) in each {
+            whole.sum += sum;
+            whole.lo = whole.lo.min(lo);
+            whole.hi = whole.hi.max(hi);
+            whole.pieces.push((lo, hi));
+        }
+        whole
     }
 
     /// From the smallest to the largest.
     pub fn range(&self) -> f64 {
         self.hi - self.lo
     }
-}
 
-/// An extent in the making.
-struct ExtentLanes {
-    sums: [f64; LANES],
-    lo: [f64; LANES],
-    hi: [f64; LANES],
-}
-
-impl ExtentLanes {
-    const NONE: Self = Self {
-        sums: [0.0; LANES],
-        lo: [f64::INFINITY; LANES],
-        hi: [f64::NEG_INFINITY; LANES],
-    };
-
-    #[inline(always)]
-    fn add(&mut self, values: &[f64]) {
-        let ends = self.lo.iter_mut().zip(&mut self.hi);
-        for ((sum, (lo, hi)), x) in self.sums.iter_mut().zip(ends).zip(values) {
-            *sum += x;
-            *lo = if *x < *lo { *x } else { *lo };
-            *hi = if *x > *hi { *x } else { *hi };
-        }
-    }
-
-    fn extent(&self) -> Extent {
-        Extent {
-            sum: self.sums.iter().sum(),
-            lo: self.lo.iter().copied().fold(f64::INFINITY, f64::min),
-            hi: self.hi.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        }
+    /// How many of the values, which are those that this is the extent of, are not between two limits.
+    pub fn count_beyond(&self, values: &[f64], low: f64, high: f64) -> usize {
+        let pieces = values.chunks(PIECE).zip(&self.pieces);
+        let reaching = pieces.filter(|(_, (lo, hi))| *lo <= low || *hi >= high);
+        let count = |values| lane_count(values, |x| x >= high || x <= low);
+        reaching.map(|(values, _)| count(values)).sum()
     }
 }
 
@@ -176,6 +179,21 @@ mod tests {
             let extent = Extent::of(&x);
             assert_eq!((extent.lo, extent.hi), (-3.0, f64::from(len) - 4.0));
             assert!((extent.sum - x.iter().sum::<f64>()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn values_beyond_limits_are_counted_in_every_piece() {
+        for len in [10, PIECE - 1, PIECE, 3 * PIECE + 17] {
+            let x: Vec<f64> = (0..len).map(|n| ((n * 37) % 101) as f64).collect();
+            let mut out = Vec::new();
+            for extent in [Extent::of(&x), Extent::of_scaled(&x, 1.0, &mut out)] {
+                for (low, high) in [(-1.0, 101.0), (0.0, 100.0), (3.0, 97.5), (-1.0, 0.0)] {
+                    let expected = x.iter().filter(|x| **x <= low || **x >= high).count();
+                    assert_eq!(extent.count_beyond(&x, low, high), expected, "{low} {high}");
+                }
+            }
+            assert_eq!(out, x);
         }
     }
 

@@ -201,7 +201,7 @@ pub fn judge_force(
     }
     vec![
         contact::double_hit(force_n, step_s, pulse, limits),
-        rail::overload(force_n, Extent::of(force_n), full_scale_n, limits),
+        rail::overload(force_n, &Extent::of(force_n), full_scale_n, limits),
         quiet::force_pre_trigger(force_n, pulse, limits),
         roll_off::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
         quiet::dead_force(force_n, pulse),
@@ -237,7 +237,7 @@ pub fn judge_response(
     let checks = [
         rail::overload(
             record.samples,
-            Extent::of(record.samples),
+            &Extent::of(record.samples),
             record.full_scale,
             limits,
         ),
@@ -256,7 +256,7 @@ pub fn judge_response(
 /// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any other.
 pub fn overloaded(
     samples: &[f64],
-    extent: Extent,
+    extent: &Extent,
     full_scale: Option<f64>,
     limits: &JudgeLimits,
 ) -> Option<Check> {

@@ -8,7 +8,7 @@
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::super::{Extent, lane_count};
+use super::super::Extent;
 use super::quiet::converter_step;
 use super::{Check, JudgeLimits, Outcome, Rule};
 
@@ -19,6 +19,11 @@ const LEAST_DEPTH: f64 = 1e-6;
 /// Samples from the start of the record that show the step of the converter, together with as many of the upper half of each
 /// side.
 const STEP_SAMPLES: usize = 1024;
+/// Samples from the start of the record by which the step is bounded at a glance.
+const GLANCED: usize = 64;
+/// Gap of two samples, relative to the range, that holds a step: above the rounding (see [`converter_step`]) between as many
+/// samples as show the step.
+const SURE_GAP: f64 = 4e-6;
 /// The smallest K: samples within five depths.
 const FIRST_DEPTHS: f64 = 5.0;
 /// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail of a 12-bit converter with one in
@@ -35,7 +40,7 @@ const NEAR_THE_END: f64 = 2.5e-3;
 /// glance. `extent` is that of the samples.
 pub(super) fn overload(
     samples: &[f64],
-    extent: Extent,
+    extent: &Extent,
     full_scale: Option<f64>,
     limits: &JudgeLimits,
 ) -> Check {
@@ -58,24 +63,26 @@ pub(super) fn overload(
     )
 }
 
-fn on_a_known_rail(samples: &[f64], extent: Extent, rail: f64, fewest: usize) -> usize {
+fn on_a_known_rail(samples: &[f64], extent: &Extent, rail: f64, fewest: usize) -> usize {
     let near = rail - NEAR_THE_END * extent.range();
-    if extent.hi.max(-extent.lo) < near || lane_count(samples, |x| x.abs() >= near) < fewest {
+    if extent.hi.max(-extent.lo) < near || extent.count_beyond(samples, -near, near) < fewest {
         return 0;
     }
     let rail = rail - depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
-    lane_count(samples, |x| x.abs() >= rail)
+    extent.count_beyond(samples, -rail, rail)
 }
 
-fn on_the_extremes(samples: &[f64], extent: Extent, fewest: usize) -> usize {
+fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     let depth_of_search = NEAR_THE_END * extent.range();
-    let (high, low) = (extent.hi - depth_of_search, extent.lo + depth_of_search);
-    if extent.range() <= 0.0 || lane_count(samples, |x| x >= high || x <= low) < fewest {
+    let reach = most_depth(samples, extent).min(depth_of_search);
+    let (high, low) = (extent.hi - reach, extent.lo + reach);
+    if extent.range() <= 0.0 || extent.count_beyond(samples, low, high) < fewest {
         return 0;
     }
+    let (high, low) = (extent.hi - depth_of_search, extent.lo + depth_of_search);
     let crowded = [
-        (1.0, lane_count(samples, |x| x >= high)),
-        (-1.0, lane_count(samples, |x| x <= low)),
+        (1.0, extent.count_beyond(samples, f64::NEG_INFINITY, high)),
+        (-1.0, extent.count_beyond(samples, low, f64::INFINITY)),
     ];
     let crowded = crowded.iter().filter(|(_, count)| *count >= fewest);
     let sides: Vec<Upper> = crowded
@@ -93,8 +100,24 @@ fn on_the_extremes(samples: &[f64], extent: Extent, fewest: usize) -> usize {
     counts.max().unwrap_or(0)
 }
 
+/// A bound of the depth of the rail from above, by which most records pass at a glance; infinite where the first samples know
+/// none.
+///
+/// Two samples a step or more apart bound the step. Others may lie between them in steps that count as rounding, in all less
+/// than [`SURE_GAP`].
+fn most_depth(samples: &[f64], extent: &Extent) -> f64 {
+    let mut first = [0.0; GLANCED];
+    let first = &mut first[..samples.len().min(GLANCED)];
+    first.copy_from_slice(&samples[..first.len()]);
+    first.sort_unstable_by(f64::total_cmp);
+    let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
+    let sure = gaps.filter(|gap| *gap > SURE_GAP * extent.range());
+    let step = sure.fold(f64::INFINITY, f64::min);
+    (RAIL_STEPS * step).max(LEAST_DEPTH * extent.range())
+}
+
 /// Depth of the rail, from a few samples.
-fn depth(few: &[f64], extent: Extent) -> f64 {
+fn depth(few: &[f64], extent: &Extent) -> f64 {
     (RAIL_STEPS * converter_step(few)).max(LEAST_DEPTH * extent.range())
 }
 
@@ -112,7 +135,7 @@ struct Upper {
 
 impl Upper {
     /// Of the positive or the negative side; `None` where that is but the level of a pulse of the other.
-    fn of(samples: &[f64], sign: f64, extent: Extent) -> Option<Self> {
+    fn of(samples: &[f64], sign: f64, extent: &Extent) -> Option<Self> {
         let highest = (sign * extent.hi).max(sign * extent.lo);
         let height = highest - sign * extent.sum / samples.len() as f64;
         // An extreme less than half as far from the mean as the other is none.
@@ -167,4 +190,58 @@ fn chance(on: usize, all: usize, depths: f64) -> f64 {
     let share = Binomial::new(depths.sqrt().recip(), all as u64);
     // A share between 0 and 1 is always a distribution; without one nothing is proved.
     share.map_or(1.0, |binomial| binomial.sf(on.saturating_sub(1) as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of 1.3 over a little noise, in steps of a converter, cut off at `rail`.
+    fn record(step: f64, noise: f64, rail: f64) -> Vec<f64> {
+        let value = |n: u32| {
+            let random = (f64::from(n) * 12.9898).sin() * 43_758.545_3;
+            let rings = if n < 1100 {
+                0.0
+            } else {
+                1.3 * (0.05 * f64::from(n)).sin()
+            };
+            let sample = rings + noise * (random - random.floor() - 0.5);
+            (sample.clamp(-rail, rail) / step).round() * step
+        };
+        (0..8192).map(value).collect()
+    }
+
+    #[test]
+    fn the_bound_at_a_glance_is_never_below_the_depth() {
+        let mut bounds = 0;
+        for step in [1e-2, 3e-4, 1e-6, 1e-9, 1e-12] {
+            for noise in [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1] {
+                let samples = record(step, noise, 10.0);
+                let extent = Extent::of(&samples);
+                let bound = most_depth(&samples, &extent);
+                bounds += usize::from(bound.is_finite());
+                for few in [STEP_SAMPLES, 3 * STEP_SAMPLES] {
+                    let depth = depth(&samples[..few], &extent);
+                    assert!(bound >= depth, "{step} {noise}: {bound} {depth}");
+                }
+            }
+        }
+        // Wherever the noise is well above the step or the gaps that count.
+        assert!(bounds >= 8, "{bounds}");
+    }
+
+    #[test]
+    fn what_passes_at_a_glance_is_no_overload() {
+        for step in [1e-3, 1e-5, 1e-7] {
+            for noise in [1e-5, 1e-3, 1e-2] {
+                let judge = |rail| {
+                    let samples = record(step, noise, rail);
+                    let limits = JudgeLimits::default();
+                    overload(&samples, &Extent::of(&samples), None, &limits).outcome
+                };
+                assert_eq!(judge(1.2), Outcome::Rejected, "{step} {noise}");
+                assert_eq!(judge(10.0), Outcome::Passed, "{step} {noise}");
+            }
+        }
+    }
 }
