@@ -8,7 +8,8 @@ use super::sums::LineSums;
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6 (single-input, single-output relationships).
-pub(super) fn coherence(sums: &LineSums) -> f64 {
+#[inline]
+pub(super) fn coherence(sums: LineSums) -> f64 {
     let power = sums.gff * sums.gxx;
     if power > 0.0 {
         (sums.gfx.norm_sqr() / power).min(1.0)
@@ -29,8 +30,8 @@ mod tests {
             gxx: 62.0,
             gfx: Complex64::new(0.0, 29.0),
         };
-        assert!((coherence(&sums) - 841.0 / 868.0).abs() < 1e-15);
-        assert!(coherence(&LineSums::default()).abs() < 1e-300);
+        assert!((coherence(sums) - 841.0 / 868.0).abs() < 1e-15);
+        assert!(coherence(LineSums::default()).abs() < 1e-300);
     }
 
     #[test]
@@ -39,7 +40,7 @@ mod tests {
         for n in 1..50 {
             let force = Complex64::new(0.1 * f64::from(n), 0.7 / f64::from(n));
             sums.add(force, Complex64::new(0.3, 0.9) * force);
-            let gamma_squared = coherence(&sums);
+            let gamma_squared = coherence(sums);
             assert!((1.0 - 1e-14..=1.0).contains(&gamma_squared));
         }
     }

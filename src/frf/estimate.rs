@@ -4,10 +4,11 @@
 //! sensors and the samples are taken as they are. It does not choose hits: what comes in is averaged.
 //!
 //! Point after point the forces are transformed and kept; then response after response its records are read from all
-//! hits, transformed and summed, so that nothing larger than the forces of one point, a few records and the finished
-//! functions is held. While some responses are transformed the next ones are read.
+//! hits, one at a time, transformed and summed, so that nothing larger than the forces of one point, a record of each thread
+//! and the finished functions is held.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -15,12 +16,12 @@ use crate::axis::TimeAxis;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::ForwardPlan;
-use crate::record::{ChannelPlace, Hit, HitInfo, InMemory, Recording, Samples, Stretch};
+use crate::record::{Hit, HitInfo, InMemory, Recording, Samples};
 
-use crate::signal::JudgeLimits;
+use crate::signal::{JudgeLimits, lane_count};
 
 use super::force::{Extent, ForceHit, read_force};
-use super::function::{Estimation, Finished, Group, Task, Work, force_power};
+use super::function::{Estimation, Finished, Group, SharedRecording, Task, Work, force_power};
 use super::preconditions::check;
 use super::truncation::{QuarterEnergies, truncation_finding};
 use super::usable::ForcePower;
@@ -141,9 +142,10 @@ pub fn estimate_recording(
             plan: &plan,
             pooled_lines: independent_lines(weights.as_deref()),
             selection,
+            several_references: explained.is_some(),
             options,
         };
-        let own = functions(recording, &estimation, &members, &mut explained)?;
+        let own = functions(recording, &estimation, &mut explained)?;
         finished.extend(own);
     }
     let mut estimated = collect(finished, &power, &cuts, options)?;
@@ -232,38 +234,38 @@ fn forces(
     hits.iter().map(force).collect()
 }
 
-/// Stored samples that are held at a time, but at least one response for each thread.
-const HELD_SAMPLES: usize = 1 << 21;
+/// Functions that are finished before what their references explain is added up.
+const AT_A_TIME: usize = 64;
 
 /// Every function of a hit point.
 fn functions(
     recording: &mut dyn Recording,
     estimation: &Estimation,
-    hits: &[usize],
     explained: &mut Option<Explained>,
 ) -> Result<Vec<Finished>, FrfError> {
     let tasks = tasks(&estimation.group);
-    let len = estimation.group.hits[0].axis.len;
-    let batches = batches(&tasks, len);
+    let recording = SharedRecording::new(recording);
+    let spare: Mutex<Vec<Work>> = Mutex::default();
+    let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+    let finish = |task: &Task| {
+        let own = spare().pop();
+        let mut work = own.unwrap_or_else(|| Work::new(estimation.plan));
+        let done = estimation.finish(task, &recording, &mut work);
+        spare().push(work);
+        done
+    };
     let mut finished = Vec::with_capacity(tasks.len());
-    // Records that are transformed, and memory for those that are read meanwhile.
-    let (mut records, mut ahead): (Vec<Vec<Samples>>, Vec<Vec<Samples>>) = Default::default();
-    for step in 0..=batches.len() {
-        let now = step.checked_sub(1).map_or(&[][..], |now| batches[now]);
-        let next = batches.get(step).copied().unwrap_or_default();
-        let (done, read) = rayon::join(
-            || transform(estimation, now, &records),
-            || read_batch(recording, (next, hits), len, &mut ahead),
-        );
-        for mut own in done? {
+    for tasks in tasks.chunks(AT_A_TIME) {
+        // Each takes long: no thread takes several at once.
+        let done: Vec<_> = tasks.par_iter().with_max_len(1).map(finish).collect();
+        for own in done {
+            let mut own = own?;
             if let Some(explained) = explained {
                 explained.add(&own);
             }
             own.response_power = Vec::new();
             finished.push(own);
         }
-        read?;
-        std::mem::swap(&mut records, &mut ahead);
     }
     Ok(finished)
 }
@@ -281,53 +283,6 @@ fn tasks(group: &Group) -> Vec<Task> {
         members,
     };
     members.into_iter().map(task).collect()
-}
-
-/// Tasks in pieces that are read and held together.
-fn batches(tasks: &[Task], len: usize) -> Vec<&[Task]> {
-    let largest = tasks.iter().map(|task| task.members.len()).max();
-    let fitting = HELD_SAMPLES / (len * largest.unwrap_or(1)).max(1);
-    tasks
-        .chunks(fitting.max(rayon::current_num_threads()))
-        .collect()
-}
-
-/// Reads the records of some tasks in place of what `out` held, whose memory is used again.
-fn read_batch(
-    recording: &mut dyn Recording,
-    (tasks, hits): (&[Task], &[usize]),
-    len: usize,
-    out: &mut Vec<Vec<Samples>>,
-) -> Result<(), FrfError> {
-    out.resize_with(tasks.len(), Vec::new);
-    for (task, records) in tasks.iter().zip(out) {
-        records.resize_with(task.members.len(), || Samples::F32(Vec::new()));
-        for ((h, r), samples) in task.members.iter().zip(records) {
-            let stretch = Stretch {
-                hit: hits[*h],
-                channel: ChannelPlace::Response(*r),
-                samples: 0..len,
-            };
-            recording.read(&stretch, samples)?;
-        }
-    }
-    Ok(())
-}
-
-fn transform(
-    estimation: &Estimation,
-    tasks: &[Task],
-    records: &[Vec<Samples>],
-) -> Result<Vec<Finished>, FrfError> {
-    let done: Vec<Result<Finished, FrfError>> = tasks
-        .par_iter()
-        .zip(records)
-        .map_init(
-            || Work::new(estimation.plan),
-            |work, (task, records)| estimation.finish(task, records, work),
-        )
-        .collect();
-    done.into_iter().collect()
 }
 
 /// The set of all functions with its findings.
@@ -377,9 +332,14 @@ const LOW_COHERENCE: f64 = 0.9;
 fn low_coherence(set: &FrfSet) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let median = |index: usize| {
-        let mut values = set.coherence(index)?[lines.clone()].to_vec();
+        let values = &set.coherence(index)?[lines.clone()];
         let middle = values.len() / 2;
-        (middle < values.len()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+        // Only what is too low is sought out.
+        let low = lane_count(values, |coherence| coherence < LOW_COHERENCE);
+        (middle < low).then(|| {
+            let mut values = values.to_vec();
+            *values.select_nth_unstable_by(middle, f64::total_cmp).1
+        })
     };
     let medians = (0..set.len()).filter_map(|index| Some((index, median(index)?)));
     let (index, worst) = medians.min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -389,7 +349,7 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
         reference: Some(function.reference.clone()),
     };
     let finding = Finding::new(Severity::Warning, Code::LowCoherence, place);
-    (worst < LOW_COHERENCE).then(|| finding.value(worst, "").limit(LOW_COHERENCE))
+    Some(finding.value(worst, "").limit(LOW_COHERENCE))
 }
 
 /// Largest part of the force that its window may cut off.

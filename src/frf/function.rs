@@ -1,17 +1,19 @@
 //! One (response, hit point) pair: its records transformed, summed over hits and estimated.
 
+use std::sync::{Mutex, PoisonError};
+
 use num_complex::Complex64;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
-use crate::record::{HitInfo, Samples};
-use crate::signal::{Extent, offset_of, overloaded, to_si, vectorised};
+use crate::record::{ChannelPlace, HitInfo, ReadError, Recording, Samples, Stretch};
+use crate::signal::{Extent, offset_of, overloaded, to_si};
 
 use super::coherence::coherence;
 use super::force::ForceHit;
 use super::preconditions::kind_of;
-use super::sums::{LineError, LineSums};
+use super::sums::{LineError, Sums};
 use super::truncation::QuarterEnergies;
 use super::variance::{NoisePowers, variances};
 use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData, Selection};
@@ -47,11 +49,25 @@ pub(super) struct Task {
     pub members: Vec<(usize, usize)>,
 }
 
+/// A recording that several threads read, one after the other.
+pub(super) struct SharedRecording<'a>(Mutex<&'a mut dyn Recording>);
+
+impl<'a> SharedRecording<'a> {
+    pub fn new(recording: &'a mut dyn Recording) -> Self {
+        Self(Mutex::new(recording))
+    }
+
+    fn read(&self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
+        let mut recording = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        recording.read(stretch, samples)
+    }
+}
+
 /// A finished function.
 pub(super) struct Finished {
     pub function: Function,
     pub data: FunctionData,
-    /// Power of the response at each line, summed over its hits.
+    /// Power of the response at each line, summed over its hits, where there are several references.
     pub response_power: Vec<f64>,
     /// Of all its hits, for the bound on truncation.
     pub energies: Option<QuarterEnergies>,
@@ -61,55 +77,21 @@ pub(super) struct Finished {
 /// Working memory of one thread.
 pub(super) struct Work {
     scratch: Scratch,
+    samples: Samples,
     record: Vec<f64>,
     spectrum: Vec<Complex64>,
-    gxx: Vec<f64>,
-    gfx: Vec<Complex64>,
+    sums: Sums,
 }
 
 impl Work {
     pub fn new(plan: &ForwardPlan) -> Self {
         Self {
             scratch: plan.scratch(),
+            samples: Samples::F32(Vec::new()),
             record: Vec::new(),
             spectrum: vec![Complex64::ZERO; plan.lines()],
-            gxx: Vec::new(),
-            gfx: Vec::new(),
+            sums: Sums::default(),
         }
-    }
-
-    fn clear(&mut self, lines: usize) {
-        self.gxx.clear();
-        self.gxx.resize(lines, 0.0);
-        self.gfx.clear();
-        self.gfx.resize(lines, Complex64::ZERO);
-    }
-
-    /// Adds the spectrum of a response to the sums, with that of its force.
-    fn add(&mut self, force: &[Complex64]) {
-        vectorised(
-            #[inline(always)]
-            || {
-                let sums = self.gxx.iter_mut().zip(&mut self.gfx);
-                let spectra = force.iter().zip(&self.spectrum);
-                for ((gxx, gfx), (f, x)) in sums.zip(spectra) {
-                    *gxx += x.re * x.re + x.im * x.im;
-                    gfx.re += f.re * x.re + f.im * x.im;
-                    gfx.im += f.re * x.im - f.im * x.re;
-                }
-            },
-        );
-    }
-
-    /// The sums with the power of the force.
-    fn sums(&self, force_power: &[f64]) -> Vec<LineSums> {
-        let sums = force_power.iter().zip(&self.gxx).zip(&self.gfx);
-        let line = |((gff, gxx), gfx): ((&f64, &f64), &Complex64)| LineSums {
-            gff: *gff,
-            gxx: *gxx,
-            gfx: *gfx,
-        };
-        sums.map(line).collect()
     }
 }
 
@@ -143,25 +125,27 @@ pub(super) struct Estimation<'a> {
     pub group: Group<'a>,
     pub plan: &'a ForwardPlan,
     pub selection: &'a Selection,
+    /// Whether there are other hit points.
+    pub several_references: bool,
     /// Neighbouring lines that count as one each under the window.
     pub pooled_lines: f64,
     pub options: &'a EstimateOptions,
 }
 
 impl Estimation<'_> {
-    /// Transforms and sums the records of a task, as they are stored and in the order of its members. Records that
-    /// ran into the rail or hold nothing are left out, unless none would be left.
+    /// Reads, transforms and sums the records of a task in the order of its members. Records that ran into the rail or
+    /// hold nothing are left out, unless none would be left.
     pub fn finish(
         &self,
         task: &Task,
-        records: &[Samples],
+        recording: &SharedRecording,
         work: &mut Work,
     ) -> Result<Finished, FrfError> {
         let mut totals = Totals::default();
         let mut findings = Vec::new();
-        work.clear(self.plan.lines());
-        for (member, samples) in task.members.iter().zip(records) {
-            let extent = self.to_si(*member, samples, work)?;
+        work.sums.clear(self.plan.lines());
+        for member in &task.members {
+            let extent = self.read(*member, recording, work)?;
             match self.unusable(*member, &work.record, &extent) {
                 Some(finding) => findings.push(finding),
                 None => self.add(*member, work, &mut totals)?,
@@ -169,18 +153,19 @@ impl Estimation<'_> {
         }
         if totals.hits.is_empty() {
             findings = vec![self.none_left(task)];
-            for (member, samples) in task.members.iter().zip(records) {
-                self.to_si(*member, samples, work)?;
+            for member in &task.members {
+                self.read(*member, recording, work)?;
                 self.add(*member, work, &mut totals)?;
             }
         }
-        let sums = if totals.hits.len() == self.group.forces.len() {
-            work.sums(&self.group.power)
+        let forces = &self.group.forces;
+        if totals.hits.len() == forces.len() {
+            work.sums.gff.clone_from(&self.group.power);
         } else {
-            let own = totals.hits.iter().map(|hit| &self.group.forces[*hit]);
-            work.sums(&force_power(own, self.plan.lines()))
-        };
-        let finished = self.estimate(task, &sums, totals)?;
+            let own = totals.hits.iter().map(|hit| &forces[*hit]);
+            work.sums.gff = force_power(own, self.plan.lines());
+        }
+        let finished = self.estimate(task, &work.sums, totals)?;
         findings.extend(finished.findings);
         Ok(Finished {
             findings,
@@ -198,23 +183,26 @@ impl Estimation<'_> {
         finding.value(task.members.len() as f64, "hits")
     }
 
-    fn to_si(
+    /// Reads a record in SI units.
+    fn read(
         &self,
         (h, r): (usize, usize),
-        samples: &Samples,
+        recording: &SharedRecording,
         work: &mut Work,
     ) -> Result<Extent, FrfError> {
         let hit = self.group.hits[h];
-        Ok(to_si(hit, &hit.responses[r], samples, &mut work.record)?)
+        let stretch = Stretch {
+            hit: self.group.numbers[h],
+            channel: ChannelPlace::Response(r),
+            samples: 0..hit.axis.len,
+        };
+        recording.read(&stretch, &mut work.samples)?;
+        let (channel, samples) = (&hit.responses[r], &work.samples);
+        Ok(to_si(hit, channel, samples, &mut work.record)?)
     }
 
     /// The finding of a response of this extent that holds nothing, or ran into the rail.
-    fn unusable(
-        &self,
-        (h, r): (usize, usize),
-        record: &[f64],
-        extent: &Extent,
-    ) -> Option<Finding> {
+    fn unusable(&self, (h, r): (usize, usize), record: &[f64], extent: &Extent) -> Option<Finding> {
         let number = self.group.numbers[h];
         let limits = self.selection.overloads.as_ref()?;
         if self.selection.accepted.contains(&number) {
@@ -255,7 +243,7 @@ impl Estimation<'_> {
         let energies = QuarterEnergies::of(&work.record, onset, weights, variance);
         let (spectrum, scratch) = (&mut work.spectrum, &mut work.scratch);
         self.plan.run(&mut work.record, spectrum, scratch);
-        work.add(&force.spectrum);
+        work.sums.add(&force.spectrum, &work.spectrum);
         totals.hits.push(h);
         totals.energies.push(energies);
         totals.force_noise.extend(force.noise);
@@ -268,23 +256,12 @@ impl Estimation<'_> {
         Ok(())
     }
 
-    fn estimate(
-        &self,
-        task: &Task,
-        sums: &[LineSums],
-        totals: Totals,
-    ) -> Result<Finished, FrfError> {
+    fn estimate(&self, task: &Task, sums: &Sums, totals: Totals) -> Result<Finished, FrfError> {
         let estimator = self.options.estimator;
         let powers = &totals.noise_powers();
         let (kappa, finding) = self.noise_ratio(task, powers)?;
-        let values: Vec<Complex64> = sums
-            .iter()
-            .enumerate()
-            .map(|(line, sums)| {
-                sums.estimate(estimator, kappa)
-                    .map_err(|error| self.line_error(error, task, line))
-            })
-            .collect::<Result<_, _>>()?;
+        let values = sums.estimates(estimator, kappa);
+        let values = values.map_err(|(line, error)| self.line_error(error, task, line))?;
         let n = totals.hits.len();
         let (h, r) = task.members[0];
         let variances = variances(sums, &values, n, self.pooled_lines, powers);
@@ -297,14 +274,18 @@ impl Estimation<'_> {
             variance_dof: variances.as_ref().map(|own| own.degrees_of_freedom),
         };
         let data = FunctionData {
-            coherence: (n > 1).then(|| sums.iter().map(coherence).collect()),
+            coherence: (n > 1).then(|| sums.each(coherence)),
             variance: variances.map(|own| own.values),
             values,
         };
         Ok(Finished {
             function,
             data,
-            response_power: sums.iter().map(|sums| sums.gxx).collect(),
+            response_power: if self.several_references {
+                sums.gxx.clone()
+            } else {
+                Vec::new()
+            },
             energies: QuarterEnergies::sum(totals.energies),
             findings: finding.into_iter().collect(),
         })

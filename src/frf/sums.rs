@@ -4,6 +4,8 @@
 
 use num_complex::Complex64;
 
+use crate::signal::vectorised;
+
 use super::Estimator;
 
 /// Sums over hits at one line.
@@ -24,6 +26,107 @@ pub(super) enum LineError {
     NoForce,
     /// `Gfx = 0` where the estimator divides by it.
     NotCorrelated,
+}
+
+/// Sums over hits at every line.
+#[derive(Default)]
+pub(super) struct Sums {
+    /// `Σ|F|²`.
+    pub gff: Vec<f64>,
+    /// `Σ|X|²`.
+    pub gxx: Vec<f64>,
+    /// `ΣF* X`.
+    pub gfx: Vec<Complex64>,
+}
+
+impl Sums {
+    /// Starts again with no response; `Σ|F|²` is given when all of them are there.
+    pub fn clear(&mut self, lines: usize) {
+        self.gxx.clear();
+        self.gxx.resize(lines, 0.0);
+        self.gfx.clear();
+        self.gfx.resize(lines, Complex64::ZERO);
+    }
+
+    /// Adds the spectrum of a response, with that of its force.
+    pub fn add(&mut self, force: &[Complex64], response: &[Complex64]) {
+        vectorised(
+            #[inline(always)]
+            || {
+                let sums = self.gxx.iter_mut().zip(&mut self.gfx);
+                let spectra = force.iter().zip(response);
+                for ((gxx, gfx), (f, x)) in sums.zip(spectra) {
+                    *gxx += x.re * x.re + x.im * x.im;
+                    gfx.re += f.re * x.re + f.im * x.im;
+                    gfx.im += f.re * x.im - f.im * x.re;
+                }
+            },
+        );
+    }
+
+    /// The sums of each line.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = LineSums> {
+        let sums = self.gff.iter().zip(&self.gxx).zip(&self.gfx);
+        sums.map(|((gff, gxx), gfx)| LineSums {
+            gff: *gff,
+            gxx: *gxx,
+            gfx: *gfx,
+        })
+    }
+
+    /// One number of each line.
+    pub fn each(&self, of: impl Fn(LineSums) -> f64) -> Vec<f64> {
+        let mut out = vec![0.0; self.gff.len()];
+        vectorised(
+            #[inline(always)]
+            || {
+                let lines = out.iter_mut().zip(self.iter());
+                lines.for_each(|(place, line)| *place = of(line));
+            },
+        );
+        out
+    }
+
+    /// The estimate at every line; of the first line without one its number and the reason.
+    pub fn estimates(
+        &self,
+        estimator: Estimator,
+        kappa: f64,
+    ) -> Result<Vec<Complex64>, (usize, LineError)> {
+        if estimator == Estimator::H1 && self.gff.iter().all(|gff| *gff > 0.0) {
+            return Ok(self.h1());
+        }
+        let value = |(line, sums): (usize, LineSums)| {
+            sums.estimate(estimator, kappa)
+                .map_err(|error| (line, error))
+        };
+        self.iter().enumerate().map(value).collect()
+    }
+
+    /// H1 of lines that all have a force, as [`LineSums::estimate`].
+    fn h1(&self) -> Vec<Complex64> {
+        let mut values = vec![Complex64::ZERO; self.gff.len()];
+        vectorised(
+            #[inline(always)]
+            || {
+                let lines = values.iter_mut().zip(self.gff.iter().zip(&self.gfx));
+                lines.for_each(|(value, (gff, gfx))| *value = gfx / gff);
+            },
+        );
+        values
+    }
+}
+
+#[cfg(test)]
+impl From<&[LineSums]> for Sums {
+    fn from(lines: &[LineSums]) -> Self {
+        Self {
+            gff: lines.iter().map(|line| line.gff).collect(),
+            gxx: lines.iter().map(|line| line.gxx).collect(),
+            gfx: lines.iter().map(|line| line.gfx).collect(),
+        }
+    }
 }
 
 impl LineSums {
@@ -144,6 +247,30 @@ mod tests {
                 Err(LineError::NotCorrelated)
             );
         }
+    }
+
+    #[test]
+    fn all_lines_together_have_the_estimates_of_each() {
+        let mut lines: Vec<LineSums> = (0..37)
+            .map(|line| {
+                let mut sums = hand_made();
+                sums.add(Complex64::cis(f64::from(line)), Complex64::new(0.3, 0.9));
+                sums
+            })
+            .collect();
+        let sums = Sums::from(lines.as_slice());
+        for estimator in [Estimator::H1, Estimator::H2, Estimator::Hv] {
+            let expected = lines
+                .iter()
+                .map(|line| line.estimate(estimator, 0.7).unwrap());
+            let expected: Vec<Complex64> = expected.collect();
+            assert_eq!(sums.estimates(estimator, 0.7), Ok(expected));
+        }
+        let powers: Vec<f64> = lines.iter().map(|line| line.gxx).collect();
+        assert_eq!(sums.each(|line| line.gxx), powers);
+        lines[20].gff = 0.0;
+        let without = Sums::from(lines.as_slice()).estimates(Estimator::H1, 0.7);
+        assert_eq!(without, Err((20, LineError::NoForce)));
     }
 
     proptest! {

@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use crate::signal::vectorised;
+
 use super::coherence::coherence;
-use super::sums::LineSums;
+use super::sums::{LineSums, Sums};
 
 /// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with three hits a line has
 /// four degrees of freedom, and its stated deviation is off by a third.
@@ -42,18 +44,19 @@ pub(super) struct Variances {
 ///   `Gff (n − 1)`; degrees of freedom 2(n − 1) times the lines, fewer where a window makes neighbours alike.
 /// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is not known.
 pub(super) fn variances(
-    sums: &[LineSums],
+    sums: &Sums,
     values: &[Complex64],
     averages: usize,
     pooled_lines: f64,
     noise: &NoisePowers,
 ) -> Option<Variances> {
+    let freedom = averages as f64 - 1.0;
     let lines = || sums.iter().zip(values);
     match averages {
         0 => None,
         1 => {
             let (response, force) = (noise.response?, noise.force?);
-            let of = |(sums, value): (&LineSums, &Complex64)| {
+            let of = |(sums, value): (LineSums, &Complex64)| {
                 (response + value.norm_sqr() * force) / sums.gff
             };
             Some(Variances {
@@ -61,24 +64,34 @@ pub(super) fn variances(
                 degrees_of_freedom: noise.samples as f64 - 1.0,
             })
         }
-        _ if averages <= FEW_HITS && sums.len() > POOLED + 2 => {
-            let powers: Vec<f64> = sums.iter().map(residual_power).collect();
-            let pooled = pooled(&powers);
-            let of = |((sums, value), power): ((&LineSums, &Complex64), f64)| {
-                power / (sums.gff * (averages as f64 - 1.0)) * over_h1(sums, *value)
+        _ if averages <= FEW_HITS && sums.gff.len() > POOLED + 2 => {
+            let powers = sums.each(residual_power);
+            let of = |((sums, value), power): ((LineSums, &Complex64), f64)| {
+                power / (sums.gff * freedom) * over_h1(sums, *value)
             };
             Some(Variances {
-                values: lines().zip(pooled).map(of).collect(),
-                degrees_of_freedom: 2.0 * (averages as f64 - 1.0) * pooled_lines,
+                values: lines().zip(pooled(&powers)).map(of).collect(),
+                degrees_of_freedom: 2.0 * freedom * pooled_lines,
             })
         }
         _ => Some(Variances {
-            values: lines()
-                .map(|(sums, value)| scatter(sums, *value, averages))
-                .collect(),
-            degrees_of_freedom: 2.0 * (averages as f64 - 1.0),
+            values: scatters(sums, values, averages),
+            degrees_of_freedom: 2.0 * freedom,
         }),
     }
+}
+
+/// [`scatter`] of every line.
+fn scatters(sums: &Sums, values: &[Complex64], averages: usize) -> Vec<f64> {
+    let mut out = vec![0.0; values.len()];
+    vectorised(
+        #[inline(always)]
+        || {
+            let lines = out.iter_mut().zip(sums.iter().zip(values));
+            lines.for_each(|(place, (sums, value))| *place = scatter(sums, *value, averages));
+        },
+    );
+    out
 }
 
 /// `E|H - E H|²` of the average over `n` hits, `|H|² (1 - γ²) / (γ² (n - 1))`.
@@ -92,17 +105,20 @@ pub(super) fn variances(
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., chapter 9 (gain factor estimates): the normalised random error
 /// `sqrt(1 - γ²) / (γ sqrt(2 n))` of the magnitude, whose square is half of this over `|H|²` for large `n`.
-fn scatter(sums: &LineSums, value: Complex64, averages: usize) -> f64 {
+#[inline]
+fn scatter(sums: LineSums, value: Complex64, averages: usize) -> f64 {
     residual_power(sums) / (sums.gff * (averages as f64 - 1.0)) * over_h1(sums, value)
 }
 
 /// `(1 − γ²) Gxx`: the power of the response that the force does not explain, times n.
-fn residual_power(sums: &LineSums) -> f64 {
+#[inline]
+fn residual_power(sums: LineSums) -> f64 {
     (1.0 - coherence(sums)) * sums.gxx
 }
 
 /// `|H|² / |H1|²`; 1 where H1 is 0.
-fn over_h1(sums: &LineSums, value: Complex64) -> f64 {
+#[inline]
+fn over_h1(sums: LineSums, value: Complex64) -> f64 {
     let h1 = sums.gfx.norm_sqr() / (sums.gff * sums.gff);
     if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 }
 }
@@ -181,9 +197,9 @@ mod tests {
             .map(|(f, x)| f.norm_sqr() * (x / f - h).norm_sqr())
             .sum();
         let expected = by_hit / (5.0 * sums.gff);
-        let got = scatter(&sums, h, 6);
+        let got = scatter(sums, h, 6);
         assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
-        let gamma_squared = coherence(&sums);
+        let gamma_squared = coherence(sums);
         let textbook = h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * 5.0);
         assert!((got / textbook - 1.0).abs() < 1e-12);
     }
@@ -193,7 +209,7 @@ mod tests {
         let sums = sums(&hits());
         let (h1, h2) = (Estimator::H1, Estimator::H2);
         let value = |e| sums.estimate(e, 0.0).unwrap();
-        let of = |e| scatter(&sums, value(e), 6) / value(e).norm_sqr();
+        let of = |e| scatter(sums, value(e), 6) / value(e).norm_sqr();
         assert!((of(h2) / of(h1) - 1.0).abs() < 1e-13);
     }
 
@@ -212,7 +228,7 @@ mod tests {
             }
             let estimate = sums.estimate(Estimator::H1, 0.0).unwrap();
             observed += (estimate - h).norm_sqr() / f64::from(draws);
-            stated += scatter(&sums, estimate, 3) / f64::from(draws);
+            stated += scatter(sums, estimate, 3) / f64::from(draws);
         }
         // Noise power 2 over Gff = 3.33. Relative deviations of the two means: 1 and 1/sqrt(2) over sqrt(draws).
         let expected = 2.0 / 3.33;
@@ -227,7 +243,7 @@ mod tests {
             gxx: 6.0,
             gfx: Complex64::ZERO,
         };
-        assert!((scatter(&sums, Complex64::ZERO, 4) - 0.5).abs() < 1e-15);
+        assert!((scatter(sums, Complex64::ZERO, 4) - 0.5).abs() < 1e-15);
     }
 
     const UNKNOWN: NoisePowers = NoisePowers {
@@ -238,11 +254,12 @@ mod tests {
 
     #[test]
     fn one_hit_has_that_of_the_noise_before_it_or_none() {
-        let sums = [LineSums {
+        let sums = LineSums {
             gff: 4.0,
             gxx: 36.0,
             gfx: Complex64::new(12.0, 0.0),
-        }];
+        };
+        let sums = Sums::from([sums].as_slice());
         let h = [Complex64::new(3.0, 0.0)];
         assert_eq!(variances(&sums, &h, 1, 5.0, &UNKNOWN), None);
         let noise = NoisePowers {
@@ -264,6 +281,7 @@ mod tests {
                 gfx: Complex64::ZERO,
             })
             .collect();
+        let sums = Sums::from(sums.as_slice());
         let h = [Complex64::ZERO; 20];
         let own = variances(&sums, &h, 3, 5.0, &UNKNOWN).unwrap();
         // Residual powers 1 2 1 2 1 about an even line, 2 1 2 1 2 about an odd one.
