@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::super::Pulse;
+use super::super::{Pulse, vectorised};
 use super::quiet::{converter_step, trimmed_deviation};
 use super::{Check, JudgeLimits, Outcome, Rule};
 
@@ -127,10 +127,11 @@ fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
 
 /// Looks twice: a high contact pulls the level of the whole record, so that the second look leaves the place of the first out of it.
 fn look(force_n: &[f64], pulse: &Pulse) -> Option<(Rest, Search)> {
-    let first = Search::new(&Rest::new(force_n, pulse, 0..0), pulse)?.largest()?;
-    let onset = (pulse.onset as f64 + first.delay).max(0.0) as usize;
+    let first = Answer::new(&LevelFree::new(force_n, pulse, 0..0), pulse)?;
+    let delay = first.places[first.clearest()?].delay;
+    let onset = (pulse.onset as f64 + delay).max(0.0) as usize;
     let place = onset.saturating_sub(FOOT)..onset + pulse.end - pulse.onset + guard(pulse);
-    let rest = Rest::new(force_n, pulse, place);
+    let rest = Rest::new(force_n, LevelFree::new(force_n, pulse, place));
     let search = Search::new(&rest, pulse)?;
     Some((rest, search))
 }
@@ -158,15 +159,13 @@ fn undetected(search: &Search, rest: &Rest, pulse: &Pulse, limits: &JudgeLimits)
 }
 
 /// The force turned to positive pulses, without offset and slow drift.
-struct Rest {
-    level_free_n: Vec<f64>,
+struct LevelFree {
+    force_n: Vec<f64>,
     /// First sample and first sample after what belongs to the first contact.
     own: (usize, usize),
-    noise_n: f64,
-    converter_step: f64,
 }
 
-impl Rest {
+impl LevelFree {
     /// The samples of `place` are left out of the level.
     fn new(force_n: &[f64], pulse: &Pulse, place: Range<usize>) -> Self {
         let own = (
@@ -180,16 +179,30 @@ impl Rest {
             own,
             place,
         };
-        let mut level_free_n: Vec<f64> = force_n.iter().map(|f| sign * f).collect();
-        sides.take_slope_off(&mut level_free_n);
-        sides.take_level_off(&mut level_free_n, half);
-        let quiet = level_free_n[..own.0].iter().chain(&level_free_n[own.1..]);
+        let mut force_n: Vec<f64> = force_n.iter().map(|f| sign * f).collect();
+        sides.take_slope_off(&mut force_n);
+        sides.take_level_off(&mut force_n, half);
+        Self { force_n, own }
+    }
+}
+
+/// What the first contact stands out of.
+struct Rest {
+    level_free: LevelFree,
+    noise_n: f64,
+    converter_step: f64,
+}
+
+impl Rest {
+    fn new(force_n: &[f64], level_free: LevelFree) -> Self {
+        let (first, end) = level_free.own;
+        let quiet = level_free.force_n[..first].iter();
+        let quiet = quiet.chain(&level_free.force_n[end..]);
         let converter_step = converter_step(force_n);
         // Rounding has the variance of a uniform error of one step, also where it hides the noise.
         let noise_n = trimmed_deviation(quiet.copied()).max(converter_step / 12f64.sqrt());
         Self {
-            level_free_n,
-            own,
+            level_free,
             noise_n,
             converter_step,
         }
@@ -197,21 +210,22 @@ impl Rest {
 
     /// The highest place after a valley on either side of the peak, nearer than the matched filter looks.
     fn second_rise(&self, pulse: &Pulse, ratio: f64) -> Option<Contact> {
-        let height = self.level_free_n[pulse.peak];
+        let LevelFree { force_n, own } = &self.level_free;
+        let height = force_n[pulse.peak];
         // At half its height: the ringing of a filter lengthens the foot of a short pulse, not its middle.
-        let high = |k: &usize| self.level_free_n[*k] / height > 0.5;
-        let before = (self.own.0..pulse.peak).rev().take_while(high).count();
-        let after = (pulse.peak..self.own.1).take_while(high).count();
+        let high = |k: &usize| force_n[*k] / height > 0.5;
+        let before = (own.0..pulse.peak).rev().take_while(high).count();
+        let after = (pulse.peak..own.1).take_while(high).count();
         if before + after < LEAST_RISE_WIDTH {
             return None;
         }
         let least = ratio * height + RISE_DEVIATIONS * self.noise_n;
-        let later = rise(pulse.peak..self.own.1, &self.level_free_n, least);
-        let earlier = rise((self.own.0..pulse.peak).rev(), &self.level_free_n, least);
+        let later = rise(pulse.peak..own.1, force_n, least);
+        let earlier = rise((own.0..pulse.peak).rev(), force_n, least);
         let found = later.into_iter().chain(earlier);
-        let place = found.max_by(|a, b| self.level_free_n[*a].total_cmp(&self.level_free_n[*b]))?;
+        let place = found.max_by(|a, b| force_n[*a].total_cmp(&force_n[*b]))?;
         Some(Contact {
-            ratio: self.level_free_n[place] / height,
+            ratio: force_n[place] / height,
             delay: place as f64 - pulse.peak as f64,
             detectability: 0.0,
         })
@@ -313,67 +327,47 @@ struct Place {
 }
 
 /// The matched filter over what is left of the record.
-struct Search {
+struct Answer {
     places: Vec<Place>,
-    /// Standard deviation of the ratio.
-    scale: f64,
+    /// `Σp²` of the template.
+    energy: f64,
     decimation: f64,
 }
 
-impl Search {
-    fn new(rest: &Rest, pulse: &Pulse) -> Option<Self> {
-        let length = pulse.end - pulse.onset;
-        let decimation = (length / TEMPLATE_SAMPLES).max(1);
-        let force = &rest.level_free_n;
+impl Answer {
+    fn new(level_free: &LevelFree, pulse: &Pulse) -> Option<Self> {
+        let decimation = ((pulse.end - pulse.onset) / TEMPLATE_SAMPLES).max(1);
+        let LevelFree { force_n, own } = level_free;
         let first = pulse.onset.saturating_sub(FOOT);
         let template = thinned(
-            &force[first..(pulse.end + FOOT).min(force.len())],
+            &force_n[first..(pulse.end + FOOT).min(force_n.len())],
             decimation,
         );
         let energy: f64 = template.iter().map(|p| p * p).sum();
         let sum: f64 = template.iter().sum();
         let mut places = Vec::new();
-        for (start, end) in [(0, rest.own.0), (rest.own.1, force.len())] {
-            let stretch = thinned(&force[start..end], decimation);
+        for (start, end) in [(0, own.0), (own.1, force_n.len())] {
+            let stretch = thinned(&force_n[start..end], decimation);
             let beside = stretch.len().saturating_sub(template.len()).max(1) as f64;
             let spread = (1.0 + sum * sum / (energy * beside)).sqrt();
-            let products = stretch.windows(template.len()).map(|x| dot(x, &template));
+            let products = products(&stretch, &template).into_iter();
             places.extend(products.enumerate().map(|(k, product)| Place {
                 ratio: product / energy,
                 delay: (start + k * decimation) as f64 - first as f64,
                 spread,
             }));
         }
-        if places.is_empty() || energy <= 0.0 {
-            return None;
-        }
-        let white = rest.noise_n / (decimation as f64 * energy).sqrt();
-        let independent = (places.len() * decimation) as f64 / length as f64;
-        let scatter = median_deviation(&places) / (1.0 + 2.0 * MAD_SPREAD / independent.sqrt());
-        let scale = white.max(scatter).max(f64::MIN_POSITIVE);
-        Some(Self {
+        (!places.is_empty() && energy > 0.0).then_some(Self {
             places,
-            scale,
+            energy,
             decimation: decimation as f64,
         })
     }
 
-    /// Standard deviations that white noise exceeds anywhere with this probability.
-    fn threshold(&self, false_alarms: f64) -> f64 {
-        -Normal::standard().inverse_cdf(false_alarms / self.places.len() as f64)
-    }
-
-    /// The clearest ratio, between places by a parabola.
-    fn largest(&self) -> Option<Contact> {
+    /// The place of the clearest ratio.
+    fn clearest(&self) -> Option<usize> {
         let clear = |k: &usize| self.places[*k].ratio / self.places[*k].spread;
-        let best = (0..self.places.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))?;
-        let Place { delay, spread, .. } = self.places[best];
-        let ratio = self.vertex(best);
-        Some(Contact {
-            ratio,
-            delay,
-            detectability: ratio / (self.scale * spread),
-        })
+        (0..self.places.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))
     }
 
     /// Top of the parabola through a place and its neighbours; the place itself at the end of a stretch.
@@ -392,14 +386,70 @@ impl Search {
     }
 }
 
+/// The filter's answer with its scatter.
+struct Search {
+    answer: Answer,
+    /// Standard deviation of the ratio.
+    scale: f64,
+}
+
+impl Search {
+    fn new(rest: &Rest, pulse: &Pulse) -> Option<Self> {
+        let answer = Answer::new(&rest.level_free, pulse)?;
+        let white = rest.noise_n / (answer.decimation * answer.energy).sqrt();
+        let length = (pulse.end - pulse.onset) as f64;
+        let independent = answer.places.len() as f64 * answer.decimation / length;
+        let scatter =
+            median_deviation(&answer.places) / (1.0 + 2.0 * MAD_SPREAD / independent.sqrt());
+        let scale = white.max(scatter).max(f64::MIN_POSITIVE);
+        Some(Self { answer, scale })
+    }
+
+    /// Standard deviations that white noise exceeds anywhere with this probability.
+    fn threshold(&self, false_alarms: f64) -> f64 {
+        -Normal::standard().inverse_cdf(false_alarms / self.answer.places.len() as f64)
+    }
+
+    /// The clearest ratio, between places by a parabola.
+    fn largest(&self) -> Option<Contact> {
+        let best = self.answer.clearest()?;
+        let Place { delay, spread, .. } = self.answer.places[best];
+        let ratio = self.answer.vertex(best);
+        Some(Contact {
+            ratio,
+            delay,
+            detectability: ratio / (self.scale * spread),
+        })
+    }
+}
+
 /// Means of `by` neighbouring samples; a rest is left out.
 fn thinned(samples: &[f64], by: usize) -> Vec<f64> {
     let blocks = samples.chunks_exact(by);
     blocks.map(|b| b.iter().sum::<f64>() / by as f64).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// Places whose products are summed together, in the nearest cache.
+const AT_A_TIME: usize = 512;
+
+/// `Σ x_(k+i) p_i` at every place k where the whole template fits.
+fn products(samples: &[f64], template: &[f64]) -> Vec<f64> {
+    let places = (samples.len() + 1).saturating_sub(template.len());
+    let mut sums = vec![0.0; places];
+    for (piece, sums) in sums.chunks_mut(AT_A_TIME).enumerate() {
+        let samples = &samples[piece * AT_A_TIME..];
+        vectorised(
+            #[inline(always)]
+            || {
+                for (i, p) in template.iter().enumerate() {
+                    let samples = &samples[i..i + sums.len()];
+                    let each = sums.iter_mut().zip(samples);
+                    each.for_each(|(sum, x)| *sum += x * p);
+                }
+            },
+        );
+    }
+    sums
 }
 
 /// 1.4826 times the median magnitude: the deviation of Gaussian values about 0.
