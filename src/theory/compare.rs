@@ -284,10 +284,9 @@ mod tests {
             .unwrap();
         assert_eq!(own.simplest(pins, 1e-9).unwrap().coordinates, 17);
         let loose = own.simplest_up_to(lowest, 1.0).unwrap();
-        assert_eq!(
-            (loose.coordinates, loose.cost(37)),
-            (11, (11.0f64 / 37.0).powi(3))
-        );
+        assert_eq!(loose.coordinates, 11);
+        // Two ways to a cube differ in the last digit.
+        assert!((loose.cost(37) / (11.0f64 / 37.0).powi(3) - 1.0).abs() < 1e-12);
         let error = compare_details(built_in("torsional-planetary").unwrap().as_ref(), &[]);
         assert!(matches!(error, Err(TheoryError::NothingSmall { .. })));
     }
