@@ -114,6 +114,10 @@ pub(super) fn refine(
         whole = settled;
     }
     roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+    roots.par_iter_mut().for_each(|root| {
+        root.quality.pole_std = root.quality.pole_bound * data.shared.of_pole(data, root).sqrt();
+        root.quality.by_lines = data.shared.of_amplitude(data, root);
+    });
     roots
 }
 
@@ -151,13 +155,12 @@ fn take(
         let decay = root.decay().abs();
         let strengths = fitted.strengths[place].clone();
         // A fit of the residues alone says nothing new of the pole.
-        let mut own_std = before.quality.pole_std / decay;
-        let by_pole = data.shared.of_pole(data, root).sqrt();
+        let mut bound = before.quality.pole_bound / decay;
         let mut still = true;
         for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
             let moved = match *unknown {
                 Unknown::Pole(j) if j == place => {
-                    own_std = *deviation * by_pole;
+                    bound = *deviation;
                     (root.lambda - before.lambda).norm() / decay
                 }
                 Unknown::Factor(j, part, input) if j == place => {
@@ -168,11 +171,12 @@ fn take(
             still &= moved <= STILL || moved <= by_bound * deviation;
         }
         root.quality = Quality {
-            pole_std: own_std * decay,
+            pole_bound: bound * decay,
+            pole_std: before.quality.pole_std,
             combinations: combined(&root.parts, &strengths.combinations),
             strengths: strengths.values,
             largest: strengths.largest,
-            by_lines: data.shared.of_amplitude(data, root),
+            by_lines: before.quality.by_lines,
         };
         root.choose_pivots();
         root.progress = match before.progress {

@@ -37,7 +37,9 @@ pub(super) struct Root {
 /// What a fit says of one root besides its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quality {
-    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s.
+    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s, in noise that is white over the lines and every function's own.
+    pub pole_bound: f64,
+    /// The same in the noise that there is.
     pub pole_std: f64,
     /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
     /// output where there is no mode.
@@ -63,6 +65,7 @@ pub(super) fn in_reach(lambda: Complex64) -> bool {
 impl Quality {
     /// Of a root that was not fitted yet.
     pub const UNKNOWN: Self = Self {
+        pole_bound: f64::INFINITY,
         pole_std: f64::INFINITY,
         strengths: Vec::new(),
         combinations: Vec::new(),

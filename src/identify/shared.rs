@@ -34,6 +34,8 @@ const MOST_POWER: f64 = 6.0;
 const MOSTLY: f64 = 2.0;
 /// Steps of halving for the part that is shared.
 const HALVINGS: usize = 20;
+/// Lines of a root that are compared: more tell no more.
+const MOST_LINES: usize = 64;
 /// Half-power widths on either side in which a root is compared with the response.
 const REACH: f64 = 2.0;
 
@@ -161,7 +163,9 @@ impl Shared {
         response: impl Fn(usize, usize) -> Complex64,
     ) -> Vec<Part> {
         let mut parts = Vec::new();
-        for k in lines_around(data, root, REACH) {
+        let lines = lines_around(data, root, REACH);
+        let stride = lines.len().div_ceil(MOST_LINES);
+        for k in lines.step_by(stride) {
             let course =
                 (root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda)).powi(power);
             for (number, group) in self.groups.iter().enumerate() {
