@@ -98,7 +98,7 @@ pub(super) fn refine(
             })
             .collect();
         for (block, fitted) in active.iter().zip(&fitted) {
-            take(&mut roots, (block, fitted), (data, stop));
+            take(&mut roots, (block, fitted), stop);
         }
         let before = roots.len();
         roots.retain(|root| stays(root, limits));
@@ -136,11 +136,7 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
 }
 
 /// Takes over the roots that a block decides.
-fn take(
-    roots: &mut [Root],
-    (block, fitted): (&Block, &Fitted),
-    (data, stop): (&Receptances, Stop),
-) {
+fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
     let missed = fitted.misfit.max(1.0).sqrt();
     let by_bound = match stop {
         Stop::Coarse => COARSE * missed,
