@@ -12,14 +12,14 @@ use super::pipeline::{Share, Tally, judged};
 
 /// Observable and separated modes. Measured: 444.
 const FEWEST_CLEAR: usize = 440;
-/// Most of them that are not found. Measured: 1, a mode 20 dB below its neighbour's skirt.
+/// Most of them that are not found. Measured: 1.
 const MOST_CLEAR_LOST: usize = 2;
-/// Least found of the observable modes that are not separated. Measured: 634 of 639.
+/// Least found of the observable modes that are not separated. Measured: 632 of 639.
 const FEWEST_CROWDED: usize = 628;
-/// Most modes of the close kind that are none.
+/// Most modes of the close kind that are none. Measured: 1.
 const CLOSE_SPURIOUS: usize = 3;
-/// Most of the other kinds together. Measured: 11.
-const OTHER_SPURIOUS: usize = 16;
+/// Most of the other kinds together. Measured: 21; 5 are wanted.
+const OTHER_SPURIOUS: usize = 25;
 
 #[test]
 fn nearly_every_mode_is_found_and_few_are_invented() {
