@@ -317,5 +317,5 @@ fn noise_of_the_force_that_all_functions_share_makes_no_modes() {
         errors_over_stated(shared(12)),
     );
     assert!((0.5..2.0).contains(&white), "{white}");
-    assert!((0.3..4.0).contains(&windowed), "{windowed}");
+    assert!((0.3..3.0).contains(&windowed), "{windowed}");
 }
