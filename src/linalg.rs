@@ -1,8 +1,10 @@
-//! The only place that names a matrix crate. Everything runs on the calling thread: callers parallelise over problems.
+//! The only place that names a matrix crate. Everything runs on the calling thread, as callers parallelise over problems, but
+//! products that say otherwise.
 
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, Side, c64};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Vector of three, for positions and directions.
 pub type Vector3 = nalgebra::Vector3<f64>;
@@ -302,6 +304,23 @@ pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
     Ok(GeneralModes {
         values: decomposition.S().column_vector().iter().copied().collect(),
         vectors: decomposition.U().to_owned(),
+    })
+}
+
+/// Columns of a product that one thread forms.
+const COLUMNS: usize = 48;
+
+/// `Aᴴ B`, some columns of B at a time in the caller's pool.
+pub fn adjoint_product(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
+    let parts: Vec<ComplexMatrix> = (0..b.ncols().div_ceil(COLUMNS))
+        .into_par_iter()
+        .map(|part| {
+            let first = part * COLUMNS;
+            a.adjoint() * b.subcols(first, COLUMNS.min(b.ncols() - first))
+        })
+        .collect();
+    Mat::from_fn(a.ncols(), b.ncols(), |i, j| {
+        parts[j / COLUMNS][(i, j % COLUMNS)]
     })
 }
 

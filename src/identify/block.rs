@@ -19,6 +19,7 @@
 use std::ops::Range;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
@@ -200,19 +201,7 @@ impl<'a> Window<'a> {
         let columns: Vec<(usize, usize)> = (0..members.len())
             .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
             .collect();
-        let count = unknowns.len();
-        let functions = self.measured.values.ncols();
-        let mut sums = Linearised {
-            cost: self.energy - explained,
-            information: linalg::complex_matrix(count, count, |_, _| Complex64::ZERO),
-            gradient: linalg::complex_matrix(count, 1, |_, _| Complex64::ZERO),
-            strength: members
-                .iter()
-                .map(|root| Strength::none(root.multiplicity()))
-                .collect(),
-            residues: vec![vec![Complex64::ZERO; functions]; members.len()],
-        };
-        for pattern in &self.patterns {
+        let of_pattern = |pattern: &Pattern| {
             let problem = Problem {
                 data: &data,
                 members,
@@ -220,7 +209,14 @@ impl<'a> Window<'a> {
                 unknowns,
                 pattern,
             };
-            problem.add_to(&mut sums);
+            problem.linearised()
+        };
+        let parts: Vec<Linearised> = self.patterns.par_iter().map(of_pattern).collect();
+        let functions = self.measured.values.ncols();
+        let mut sums = Linearised::none(members, unknowns.len(), functions);
+        sums.cost = self.energy - explained;
+        for part in parts {
+            sums.add(part);
         }
         sums
     }
@@ -254,7 +250,7 @@ impl<'a> Window<'a> {
         };
         let columns = first + count + moving.len();
         let qr = linalg::thin_qr(&linalg::complex_matrix(lines, columns, value));
-        let z = qr.q.adjoint() * &self.data;
+        let z = linalg::adjoint_product(&qr.q, &self.data);
         let energy = |f: usize| {
             let own = z.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
             own / (self.profile.level[f] * self.profile.level[f])
@@ -264,16 +260,20 @@ impl<'a> Window<'a> {
         let below = |matrix: &ComplexMatrix, columns: usize, column: &dyn Fn(usize) -> usize| {
             linalg::complex_matrix(rows, columns, |i, j| matrix[(first + i, column(j))])
         };
-        let mut dg = linalg::complex_matrix(rows, count, |_, _| Complex64::ZERO);
-        for (place, &j) in moving.iter().enumerate() {
-            for i in 0..rows {
-                dg[(i, j)] = qr.r[(first + i, first + count + place)];
+        let mut courses = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
+        for i in 0..rows {
+            for j in 0..count {
+                courses[(i, j)] = qr.r[(first + i, first + j)];
+            }
+            for (place, &j) in moving.iter().enumerate() {
+                courses[(i, count + j)] = qr.r[(first + i, first + count + place)];
             }
         }
         let compressed = Compressed {
             z: below(&z, z.ncols(), &|j| j),
             g: below(&qr.r, count, &|j| first + j),
-            dg,
+            squares: courses.adjoint() * &courses,
+            courses,
         };
         (compressed, explained)
     }

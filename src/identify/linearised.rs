@@ -26,8 +26,22 @@ pub(super) struct Compressed {
     pub z: ComplexMatrix,
     /// Columns × members.
     pub g: ComplexMatrix,
-    /// Derivatives, columns × members.
-    pub dg: ComplexMatrix,
+    /// The same with their derivatives beside them, columns × twice the members; 0 for poles that stay.
+    pub courses: ComplexMatrix,
+    /// Products of these with each other.
+    pub squares: ComplexMatrix,
+}
+
+/// A derivative of the model: a course over the window with a factor for each input, which the shapes of one column multiply.
+struct Term {
+    /// Of the unknown.
+    number: usize,
+    /// Of the shapes.
+    column: usize,
+    /// Of the courses.
+    course: usize,
+    /// One for each input of the pattern, over its noise.
+    factors: Vec<Complex64>,
 }
 
 /// Outputs that are measured from the same inputs with the same ratio of noise.
@@ -50,8 +64,41 @@ pub(super) struct Linearised {
     pub residues: Vec<Vec<Complex64>>,
 }
 
+impl Linearised {
+    /// Of no output yet.
+    pub fn none(members: &[Root], unknowns: usize, functions: usize) -> Self {
+        Self {
+            cost: 0.0,
+            information: linalg::complex_matrix(unknowns, unknowns, |_, _| Complex64::ZERO),
+            gradient: linalg::complex_matrix(unknowns, 1, |_, _| Complex64::ZERO),
+            strength: members
+                .iter()
+                .map(|root| Strength::none(root.multiplicity()))
+                .collect(),
+            residues: vec![vec![Complex64::ZERO; functions]; members.len()],
+        }
+    }
+
+    /// Takes in what other outputs say.
+    pub fn add(&mut self, other: Self) {
+        self.cost += other.cost;
+        self.information += other.information;
+        self.gradient += other.gradient;
+        for (own, other) in self.strength.iter_mut().zip(other.strength) {
+            own.take_in(other);
+        }
+        for (own, other) in self.residues.iter_mut().zip(other.residues) {
+            for (sum, residue) in own.iter_mut().zip(other) {
+                *sum += residue;
+            }
+        }
+    }
+}
+
 /// Ratios of noise that differ by less are the same.
 const SAME_RATIO: f64 = 0.1;
+/// Least part of a derivative that the shapes do not explain: what rounding leaves.
+const ROUNDING: f64 = 1e-15;
 
 /// The patterns of all outputs.
 pub(super) fn patterns(sides: &Sides, profile: &Profile) -> Vec<Pattern> {
@@ -91,8 +138,10 @@ pub(super) struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Adds what these outputs say.
-    pub fn add_to(&self, sums: &mut Linearised) {
+    /// What these outputs say.
+    pub fn linearised(&self) -> Linearised {
+        let functions = self.data.z.ncols();
+        let mut sums = Linearised::none(self.members, self.unknowns.len(), functions);
         let rows = self.data.g.nrows();
         let high = rows * self.pattern.inputs.len();
         let factor = |column: usize, input: usize| {
@@ -111,7 +160,7 @@ impl Problem<'_> {
         });
         if high < self.columns.len() {
             // More shapes than numbers: nothing is known.
-            return;
+            return sums;
         }
         let qr = linalg::thin_qr(&b);
         let inverse = linalg::inverse_upper(&qr.r);
@@ -122,65 +171,98 @@ impl Problem<'_> {
         sums.cost += (0..rest.ncols())
             .map(|o| rest.col(o).iter().map(Complex64::norm_sqr).sum::<f64>())
             .sum::<f64>();
-        self.add_information(sums, (&qr.q, &shapes, &rest));
-        self.add_significance(sums, (&inverse, &shapes));
-        self.set_residues(sums, &shapes);
+        self.add_information(&mut sums, (&qr.q, &shapes, &rest));
+        self.add_significance(&mut sums, (&inverse, &shapes));
+        self.set_residues(&mut sums, &shapes);
+        sums
     }
 
-    /// Terms of the derivatives: unknown, column of the shape that multiplies it, course over the rows.
-    fn terms(&self) -> Vec<(usize, usize)> {
+    /// Derivatives by the unknowns, one for each column of shapes that an unknown concerns.
+    fn terms(&self) -> Vec<Term> {
+        let members = self.members.len();
+        let scaled = |place: usize, factor: Complex64| factor / self.pattern.scale[place];
         let mut terms = Vec::new();
-        for (place, unknown) in self.unknowns.iter().enumerate() {
-            match *unknown {
-                Unknown::Pole(j) => {
-                    let own = (0..self.columns.len()).filter(|c| self.columns[*c].0 == j);
-                    terms.extend(own.map(|column| (place, column)));
-                }
-                Unknown::Factor(j, part, input) => {
-                    if self.pattern.inputs.contains(&input) {
-                        let own = self.columns.iter().position(|c| *c == (j, part));
-                        terms.extend(own.map(|column| (place, column)));
+        for (number, unknown) in self.unknowns.iter().enumerate() {
+            for (column, &(j, part)) in self.columns.iter().enumerate() {
+                let (course, factors): (usize, Vec<Complex64>) = match *unknown {
+                    Unknown::Pole(own) if own == j => {
+                        let factor = |(place, input): (usize, &usize)| {
+                            scaled(place, self.members[j].parts[part][*input])
+                        };
+                        let inputs = self.pattern.inputs.iter().enumerate();
+                        (members + j, inputs.map(factor).collect())
                     }
-                }
+                    Unknown::Factor(own, of, input) if (own, of) == (j, part) => {
+                        let factor = |(place, other): (usize, &usize)| {
+                            let one = if *other == input { 1.0 } else { 0.0 };
+                            scaled(place, one.into())
+                        };
+                        let inputs = self.pattern.inputs.iter().enumerate();
+                        (j, inputs.map(factor).collect())
+                    }
+                    _ => continue,
+                };
+                terms.push(Term {
+                    number,
+                    column,
+                    course,
+                    factors,
+                });
             }
         }
         terms
     }
 
-    fn derivative(&self, (place, column): (usize, usize), row: usize) -> Complex64 {
-        let rows = self.data.g.nrows();
-        let (within, input) = (row % rows, self.pattern.inputs[row / rows]);
-        let scale = self.pattern.scale[row / rows];
-        let (j, part) = self.columns[column];
-        match self.unknowns[place] {
-            Unknown::Pole(_) => {
-                self.data.dg[(within, j)] * self.members[j].parts[part][input] / scale
-            }
-            Unknown::Factor(_, _, own) if own == input => self.data.g[(within, j)] / scale,
-            Unknown::Factor(..) => Complex64::ZERO,
-        }
-    }
-
+    /// What the derivatives say beside the columns of the shapes: `(1 − QQᴴ) D`, D = `factor × course` input by input.
+    ///
+    /// Its squares are those of D without those of QᴴD, each formed from the courses alone, of which there are far fewer than
+    /// derivatives. A difference of squares keeps 1e-16 of D: poles whose derivatives have less of their own are not told apart anyway.
     fn add_information(
         &self,
         sums: &mut Linearised,
         (q, shapes, rest): (&ComplexMatrix, &ComplexMatrix, &ComplexMatrix),
     ) {
         let terms = self.terms();
-        let raw = linalg::complex_matrix(q.nrows(), terms.len(), |row, t| {
-            self.derivative(terms[t], row)
-        });
-        let courses = &raw - q * (q.adjoint() * &raw);
-        let inner = courses.adjoint() * &courses;
-        let against = courses.adjoint() * rest;
-        let alike = shapes.as_ref() * shapes.adjoint();
-        for (a, (p, c)) in terms.iter().enumerate() {
-            for o in 0..shapes.ncols() {
-                sums.gradient[(*p, 0)] += shapes[(*c, o)].conj() * against[(a, o)];
+        let rows = self.data.g.nrows();
+        let (inputs, outputs) = (self.pattern.inputs.len(), rest.ncols());
+        let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
+        let mut within = zero(q.ncols(), terms.len());
+        let mut against = zero(terms.len(), outputs);
+        for place in 0..inputs {
+            let own = rows * place;
+            let of_q = q.subrows(own, rows).adjoint() * &self.data.courses;
+            let of_rest = self.data.courses.adjoint() * rest.subrows(own, rows);
+            for (t, term) in terms.iter().enumerate() {
+                let factor = term.factors[place];
+                if factor == Complex64::ZERO {
+                    continue;
+                }
+                for c in 0..q.ncols() {
+                    within[(c, t)] += factor * of_q[(c, term.course)];
+                }
+                for o in 0..outputs {
+                    against[(t, o)] += factor.conj() * of_rest[(term.course, o)];
+                }
             }
-            for (b, (r, d)) in terms.iter().enumerate() {
+        }
+        let factors =
+            linalg::complex_matrix(inputs, terms.len(), |place, t| terms[t].factors[place]);
+        let all = factors.adjoint() * &factors;
+        let explained = within.adjoint() * &within;
+        let alike = shapes.as_ref() * shapes.adjoint();
+        for (a, one) in terms.iter().enumerate() {
+            for o in 0..outputs {
+                sums.gradient[(one.number, 0)] += shapes[(one.column, o)].conj() * against[(a, o)];
+            }
+            for (b, other) in terms.iter().enumerate() {
+                let whole = all[(a, b)] * self.data.squares[(one.course, other.course)];
+                let mut inner = whole - explained[(a, b)];
+                if a == b {
+                    inner.re = inner.re.max(ROUNDING * whole.re);
+                }
                 // Σ_o conj(ψ_c) ψ_d.
-                sums.information[(*p, *r)] += alike[(*d, *c)] * inner[(a, b)];
+                sums.information[(one.number, other.number)] +=
+                    alike[(other.column, one.column)] * inner;
             }
         }
     }

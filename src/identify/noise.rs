@@ -1,7 +1,7 @@
 //! The noise variance of a measured function, line by line, from the best source there is.
 //!
 //! In this order: the variances that came with the data; coherence and number of averages (two or more),
-//! `var H = |H|² (1 − γ²)/(γ² n)`; else the data alone. Variances of a few averages scatter widely, and a value that is
+//! `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf), the coherence being that of n averages; else the data alone. Variances of a few averages scatter widely, and a value that is
 //! small by chance makes noise look like a signal: their course over the lines counts ([`noise_course`](super::noise_course)).
 
 use std::collections::BTreeMap;
@@ -121,7 +121,7 @@ fn raise_to_floor(variance: &mut [f64], values: &[Complex64]) {
 fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec<f64> {
     let variance = |(h, g): (&Complex64, &f64)| {
         let gamma_squared = g.clamp(1e-6, 1.0);
-        h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages))
+        h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
     };
     values.iter().zip(coherence).map(variance).collect()
 }
@@ -179,6 +179,6 @@ mod tests {
     #[test]
     fn coherence_gives_the_textbook_variance() {
         let variance = from_coherence(&[Complex64::new(0.0, 2.0)], &[0.8], 5);
-        assert!((variance[0] - 4.0 * 0.2 / (0.8 * 5.0)).abs() < 1e-15);
+        assert!((variance[0] - 4.0 * 0.2 / (0.8 * 4.0)).abs() < 1e-15);
     }
 }

@@ -295,8 +295,12 @@ fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usiz
 
 /// Values of the model's roots and their conjugates on some lines: lines × functions.
 pub(super) fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) -> ComplexMatrix {
-    let omega = &measured.omega[lines];
-    let courses = linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
+    courses(&measured.omega[lines], roots) * residues(roots, measured.values.ncols())
+}
+
+/// `1/(iω − λ)` of every root and of its conjugate: lines × twice the roots.
+fn courses(omega: &[f64], roots: &[Root]) -> ComplexMatrix {
+    linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
         let lambda = roots[place / 2].lambda;
         let lambda = if place % 2 == 0 {
             lambda
@@ -304,17 +308,19 @@ pub(super) fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) ->
             lambda.conj()
         };
         (Complex64::new(0.0, omega[k]) - lambda).inv()
-    });
-    let functions = measured.values.ncols();
-    let residues = linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
+    })
+}
+
+/// Residues of every root and of its conjugate: twice the roots × functions.
+fn residues(roots: &[Root], functions: usize) -> ComplexMatrix {
+    linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
         let residue = roots[place / 2].residues[f];
         if place % 2 == 0 {
             residue
         } else {
             residue.conj()
         }
-    });
-    courses * residues
+    })
 }
 
 /// What lies outside the lines, told from all of them together: the background of the whole band.
@@ -322,34 +328,47 @@ pub(super) fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) ->
 /// A window in the middle has constant and slope alone for what is outside; a strong mode beyond the end of a long band is curved
 /// there, and the whole band knows by how much.
 pub(super) struct Far {
-    profile: Profile,
-    /// Lines × columns, orthonormal over the course of the noise.
-    basis: ComplexMatrix,
+    level: Vec<f64>,
+    /// Columns of the background times their coordinates, and what gives the coordinates: lines × columns.
+    columns: ComplexMatrix,
+    weights: ComplexMatrix,
+    /// Of the measured values: columns × functions.
+    coordinates: ComplexMatrix,
 }
 
 impl Far {
     /// Of the lines of a band.
     pub fn new(data: &Receptances, measured: &Measured) -> Self {
         let lines = 0..data.lines();
-        let profile = Profile::new(data, lines.clone());
+        let Profile { level, course } = Profile::new(data, lines.clone());
         let background = Background::new(measured.omega, &lines, measured.outside);
-        let basis = background.basis(measured.omega, &profile.course);
-        Self { profile, basis }
+        // Orthonormal over the course of the noise.
+        let basis = background.basis(measured.omega, &course);
+        let of = |scale: &dyn Fn(usize) -> f64| {
+            linalg::complex_matrix(basis.nrows(), basis.ncols(), |k, c| {
+                basis[(k, c)] * scale(k)
+            })
+        };
+        let weights = of(&|k| course[k].recip());
+        Self {
+            coordinates: linalg::adjoint_product(&weights, &measured.values),
+            columns: of(&|k| course[k]),
+            weights,
+            level,
+        }
+    }
+
+    /// Coordinates of what the roots leave over: columns × functions.
+    fn of_rest(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
+        let courses = self.weights.adjoint() * courses(measured.omega, roots);
+        &self.coordinates - courses * residues(roots, measured.values.ncols())
     }
 
     /// The measured values without what the background explains of what the roots leave over.
     pub fn taken_out<'a>(&self, measured: &Measured<'a>, roots: &[Root]) -> Measured<'a> {
-        let course = &self.profile.course;
-        let rest = &measured.values - model(measured, roots, 0..course.len());
-        let rest =
-            linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| rest[(k, f)] / course[k]);
-        let explained = &self.basis * (self.basis.adjoint() * rest);
-        let values = linalg::complex_matrix(explained.nrows(), explained.ncols(), |k, f| {
-            measured.values[(k, f)] - course[k] * explained[(k, f)]
-        });
         Measured {
             omega: measured.omega,
-            values,
+            values: &measured.values - &self.columns * self.of_rest(measured, roots),
             sides: measured.sides,
             outside: measured.outside,
         }
@@ -371,15 +390,14 @@ impl Far {
 
     /// Energy that the background explains of what the roots leave over, over the noise, with the complex unknowns that it has.
     pub fn explained(&self, measured: &Measured, roots: &[Root]) -> (f64, usize) {
-        let course = &self.profile.course;
-        let rest = &measured.values - model(measured, roots, 0..course.len());
-        let rest = linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
-            rest[(k, f)] / (course[k] * self.profile.level[f])
-        });
-        let coordinates = self.basis.adjoint() * rest;
+        let rest = self.of_rest(measured, roots);
+        let energy = |f: usize| {
+            let own = rest.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
+            own / (self.level[f] * self.level[f])
+        };
         (
-            coordinates.squared_norm_l2(),
-            coordinates.nrows() * coordinates.ncols(),
+            (0..rest.ncols()).map(energy).sum(),
+            rest.nrows() * rest.ncols(),
         )
     }
 }

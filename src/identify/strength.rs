@@ -57,6 +57,13 @@ impl Strength {
         self.outputs.push((covariance, shapes));
     }
 
+    /// Takes in further outputs.
+    pub fn take_in(&mut self, other: Self) {
+        self.outputs.extend(other.outputs);
+        self.sum += other.sum;
+        self.largest = self.largest.max(other.largest);
+    }
+
     /// The strengths with their combinations.
     pub fn values(&self) -> Strengths {
         let alone = Strengths {
