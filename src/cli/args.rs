@@ -179,12 +179,18 @@ pub struct IdentifyArgs {
     /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// auto (ml), peak, circle or ml.
+    /// auto (ml), peak, circle, line, rfp, lsce, lscf or ml.
     #[arg(long, value_name = "NAME")]
     pub method: Option<String>,
     /// Band in Hz, LO:HI; the whole axis when not given.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
+    /// Highest model order of rfp, lsce, lscf and ml; chosen by the number of peaks when not given.
+    #[arg(long, value_name = "N")]
+    pub order: Option<usize>,
+    /// Write the poles of all model orders here (.csv).
+    #[arg(long, value_name = "FILE")]
+    pub stabilization: Option<PathBuf>,
     /// Use these references alone.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,

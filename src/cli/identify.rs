@@ -1,10 +1,12 @@
 //! `modalign identify`: FRFs to modes.
 
+use std::path::Path;
+
 use crate::error::Error;
-use crate::identify::IdentifyOptions;
-use crate::io::{modes_to_json, sha256_hex};
+use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
+use crate::io::{modes_to_json, sha256_hex, write_whole};
 use crate::modal::InputFile;
-use crate::report::modes_block;
+use crate::report::{Block, CsvText, Renderer, modes_block, stabilization_block};
 use crate::scene::{FilePlan, IngestOptions, SceneError, identify_sets, ingest_files};
 
 use super::Outcome;
@@ -18,6 +20,10 @@ pub fn identify(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), MODES)?;
+    check_extension(args.stabilization.as_deref(), &["csv"])?;
+    let name = args.inputs[0].display().to_string();
+    let options = options(args)?;
+    check_order(args, &options, &name)?;
     let files: Vec<FilePlan> = args
         .inputs
         .iter()
@@ -41,15 +47,8 @@ pub fn identify(
             expected,
         });
     }
-    let defaults = IdentifyOptions::default();
-    let options = IdentifyOptions {
-        method: args.method.clone().unwrap_or(defaults.method.clone()),
-        band: args.band,
-        references: (!args.reference.is_empty()).then(|| args.reference.clone()),
-        ..defaults
-    };
-    let name = args.inputs[0].display().to_string();
-    let mut modes = identify_sets(&data.frfs, &options, &name)?;
+    let own = identify_sets(&data.frfs, &options, &name)?;
+    let mut modes = own.model;
     modes.findings.splice(0..0, data.findings);
     modes.inputs = args
         .inputs
@@ -67,12 +66,51 @@ pub fn identify(
         output.findings(&lost);
     }
     output.blocks(&[modes_block(&name, &modes)]);
+    if let Some(path) = &args.stabilization {
+        write_csv(path, stabilization_block(&name, &own.stabilization))?;
+    }
     output.json(|| json);
     output.findings(&modes.findings);
     Ok(Outcome::missed_if(data.partly_bad))
 }
 
-fn input(path: &std::path::Path) -> Result<InputFile, SceneError> {
+fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Error> {
+    let defaults = IdentifyOptions::default();
+    Ok(IdentifyOptions {
+        method: args.method.clone().unwrap_or(defaults.method),
+        band: args.band,
+        references: (!args.reference.is_empty()).then(|| args.reference.clone()),
+        estimator: MethodOptions {
+            max_order: args.order,
+            ..defaults.estimator
+        },
+    })
+}
+
+/// A listing of all model orders is for methods that have some.
+fn check_order(args: &IdentifyArgs, options: &IdentifyOptions, name: &str) -> Result<(), Error> {
+    let method = options.validate().map_err(|source| SceneError::Identify {
+        test: name.to_owned(),
+        source: Box::new(source),
+    })?;
+    if args.stabilization.is_none() || method.has_order {
+        return Ok(());
+    }
+    let with_order = ESTIMATORS.iter().filter(|entry| entry.has_order);
+    let names: Vec<&str> = with_order.map(|entry| entry.name).collect();
+    Err(Error::Argument {
+        argument: "--stabilization",
+        got: format!("method {}", method.name),
+        expected: format!("a method with model orders: {}", names.join(" ")),
+    })
+}
+
+fn write_csv(path: &Path, block: Block) -> Result<(), Error> {
+    write_whole(path, &CsvText.render(&[block]))?;
+    Ok(())
+}
+
+fn input(path: &Path) -> Result<InputFile, SceneError> {
     Ok(InputFile {
         path: path.display().to_string(),
         sha256: sha256_hex(path)?,

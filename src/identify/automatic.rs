@@ -38,12 +38,13 @@ use super::receptance::Receptances;
 use super::refine::{Far, Stop, apart, model, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
-use super::seeds::seeds;
+use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
+use super::stabilization::{MultiModeMethod, roots_of, stabilised};
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
 use super::tries::WORTHWHILE;
-use super::{IdentifyError, MethodOptions, PoleEstimator, PoleTable};
+use super::{IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
 
 /// Roots may lie outside the lines by this share of their range.
 const OUTSIDE: f64 = 0.05;
@@ -107,20 +108,26 @@ pub(super) struct Fit {
     pub options: MethodOptions,
     pub roots: Vec<Root>,
     pub dropped: Vec<Dropped>,
+    /// Poles of all model orders.
+    pub listing: Vec<PoleAtOrder>,
+    /// Whether poles stay where they are and residues alone are fitted.
+    pub fixed: bool,
 }
 
 impl Fit {
-    fn new(data: Receptances, sides: Sides, options: MethodOptions) -> Self {
+    pub fn new(data: Receptances, sides: Sides, options: MethodOptions) -> Self {
         Self {
             data,
             sides,
             options,
             roots: Vec::new(),
             dropped: Vec::new(),
+            listing: Vec::new(),
+            fixed: false,
         }
     }
 
-    fn limits(&self) -> (f64, f64) {
+    pub fn limits(&self) -> (f64, f64) {
         let outside = OUTSIDE * self.data.range();
         let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
         ((first - outside).max(0.5 * first), last + outside)
@@ -131,20 +138,17 @@ impl Fit {
     /// Many references leave few orders, and a root that many modes share is then fewer poles than it has modes: the poles of the
     /// functions as outputs of one input say where roots are, and their residues how many modes each has ([`several`](super::several)).
     fn seed(&mut self, found: &Found) -> Result<(), IdentifyError> {
-        self.roots = seeds(&self.data, &self.sides, (found, self.limits()))?;
+        let lscf = LeastSquaresComplexFrequency {
+            max_order: self.options.max_order,
+        };
+        self.roots = self.stable_roots(&lscf, found)?;
         if self.sides.inputs == 1 {
             return Ok(());
         }
         let one = self.sides.as_one_input();
         let sides = std::mem::replace(&mut self.sides, one);
         let by_inputs = std::mem::take(&mut self.roots);
-        self.roots = alone(
-            &[
-                by_inputs.clone(),
-                seeds(&self.data, &self.sides, (found, self.limits()))?,
-            ]
-            .concat(),
-        );
+        self.roots = alone(&[by_inputs.clone(), self.stable_roots(&lscf, found)?].concat());
         self.settle(Stop::Coarse);
         let standings = self.standings();
         let free = std::mem::take(&mut self.roots);
@@ -156,7 +160,19 @@ impl Fit {
         Ok(())
     }
 
+    fn stable_roots(
+        &mut self,
+        method: &dyn MultiModeMethod,
+        found: &Found,
+    ) -> Result<Vec<Root>, IdentifyError> {
+        let on = (&self.data, &self.sides);
+        let own = stabilised(method, on, (found, self.limits(), &[]))?;
+        self.listing = own.poles;
+        Ok(roots_of(&own.seeds, self.data.functions()))
+    }
+
     fn refine(&mut self, stop: Stop) {
+        let stop = if self.fixed { Stop::Residues } else { stop };
         let measured = measured(&self.data, &self.sides);
         let roots = std::mem::take(&mut self.roots);
         self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
@@ -202,7 +218,7 @@ impl Fit {
     ///
     /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
     /// less. Where it misses them in several places, everything is looked at again each time.
-    fn doubt(&mut self) {
+    pub fn doubt(&mut self) {
         let doubts = self.doubts();
         let several = self.misses_data(&doubts);
         let scrutiny = if several {
@@ -297,14 +313,14 @@ impl Fit {
         misses.count() >= SEVERAL.max(self.roots.len() / 10)
     }
 
-    fn standings(&self) -> Vec<Standing> {
+    pub fn standings(&self) -> Vec<Standing> {
         let measured = measured(&self.data, &self.sides);
         standings(&self.data, &measured, &self.roots)
     }
 
     /// How the noise hangs together over the lines or, where the data brought no variances, how large it is: from what the fit
     /// leaves over.
-    fn measure_noise(&mut self) {
+    pub fn measure_noise(&mut self) {
         unsettle(&mut self.roots);
         if self.data.variance_measured {
             let rest = self.rest();
@@ -372,7 +388,7 @@ impl Fit {
         far.left_over(&self.data, &measured, &self.roots)
     }
 
-    fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
+    pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let standings = self.standings();
         let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
         kept.retain(|(root, _)| {
@@ -399,6 +415,7 @@ impl Fit {
                 .map(|(root, own)| candidate(root, own))
                 .collect(),
             findings: evidence.findings(),
+            stabilization: self.listing.clone(),
         }
     }
 }

@@ -81,6 +81,8 @@ pub(super) struct Fitted {
     pub misfit: f64,
     /// How strong the modes of each member are.
     pub strengths: Vec<Strengths>,
+    /// The Gauss-Newton step that was not taken, by unknown, poles in decay rates; where no steps were to be taken.
+    pub next: Vec<Complex64>,
 }
 
 /// Fits a block with so many steps at most; none finds the residues alone.
@@ -117,9 +119,16 @@ pub(super) fn fit(
     for (root, residues) in members.iter_mut().zip(here.residues) {
         root.residues = residues;
     }
+    let next = if steps == 0 && !unknowns.is_empty() {
+        let step = damped_solution(&here.information, &here.gradient, LEAST_DAMPING);
+        (0..unknowns.len()).map(|place| step[(place, 0)]).collect()
+    } else {
+        Vec::new()
+    };
     let misfit = here.cost / window.freedom(&members, &unknowns);
     Fitted {
         misfit,
+        next,
         members,
         unknowns,
         information: here.information,

@@ -15,6 +15,17 @@ pub enum IdentifyError {
         /// The names that exist.
         known: Vec<&'static str>,
     },
+    /// A model order for a method without one.
+    #[error(
+        "got a model order for method `{got}`, expected one of {}",
+        known.join(" ")
+    )]
+    NoOrder {
+        /// The method.
+        got: &'static str,
+        /// The methods that have one.
+        known: Vec<&'static str>,
+    },
     /// A number outside its range.
     #[error("got {name} = {got}, expected {expected}")]
     OptionOutOfRange {

@@ -8,6 +8,10 @@
 //! |---|---|
 //! | `peak` | peak-picking with half-power damping (Ewins 2000) |
 //! | `circle` | circle fit with damping surface (Kennedy and Pancu 1947) |
+//! | `line` | line fit (Dobson 1987) |
+//! | `rfp` | global rational fraction polynomials with orthogonal bases (Richardson and Formenti 1982) |
+//! | `lsce` | least-squares complex exponentials, polyreference (Brown et al. 1979, Vold et al. 1982) |
+//! | `lscf` | polyreference least-squares complex frequency domain (Guillaume et al. 2003) |
 //! | `ml` | maximum likelihood from the poles of the polyreference LSCF that stay (Guillaume et al. 2003), with bounds (Golub and Pereyra 1973) |
 //!
 //! An estimator sees poles as they are in the data, the damping of an exponential window included; the window is taken
@@ -15,6 +19,8 @@
 //!
 //! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
 //! one group (`parts`). `ml`, which `auto` stands for, tells close modes apart by the participation of several references as well.
+//! `rfp`, `lsce` and `lscf` take the poles that stay while the model order rises, with residues by least squares (`multi`), and
+//! list the poles of all orders.
 //! A single reference or response cannot show it, and a repeated root then gives one mode.
 
 #[cfg(test)]
@@ -35,9 +41,16 @@ mod error;
 #[cfg(test)]
 mod hump_tests;
 mod indicator;
+mod line;
 mod linearised;
+mod lsce;
+#[cfg(test)]
+mod lscf_tests;
+#[cfg(test)]
+mod methods_tests;
 #[cfg(test)]
 mod ml_tests;
+mod multi;
 mod noise;
 mod noise_course;
 mod noise_profile;
@@ -58,6 +71,7 @@ mod repeated;
 #[cfg(test)]
 mod repeated_tests;
 mod residues;
+mod rfp;
 mod roots;
 mod search;
 mod seeds;
@@ -71,6 +85,7 @@ mod sides;
 mod significance;
 mod single;
 mod spread;
+mod stabilization;
 mod stable;
 mod standing;
 mod strength;
@@ -96,6 +111,8 @@ pub struct MethodOptions {
     pub false_alarm_probability: f64,
     /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
     pub max_modes: Option<usize>,
+    /// Highest model order of a method that has one; chosen by the number of peaks without it.
+    pub max_order: Option<usize>,
 }
 
 impl Default for MethodOptions {
@@ -103,6 +120,7 @@ impl Default for MethodOptions {
         Self {
             false_alarm_probability: 1e-3,
             max_modes: None,
+            max_order: None,
         }
     }
 }
@@ -130,6 +148,39 @@ pub struct Candidate {
     pub quality: Option<f64>,
 }
 
+/// What became of a pole of one model order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoleStatus {
+    /// It stays over fewer than three orders.
+    Alone,
+    /// It stays over three orders or more, and no mode was made of it.
+    Stable,
+    /// It is the pole of a mode.
+    Chosen,
+}
+
+impl PoleStatus {
+    /// Its name in the listing.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Alone => "alone",
+            Self::Stable => "stable",
+            Self::Chosen => "chosen",
+        }
+    }
+}
+
+/// A pole of one model order: a point of the stabilisation diagram.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoleAtOrder {
+    /// Model order.
+    pub order: usize,
+    /// Pole as in the data.
+    pub pole: Pole,
+    /// What became of it.
+    pub status: PoleStatus,
+}
+
 /// What an estimator found.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PoleTable {
@@ -137,6 +188,8 @@ pub struct PoleTable {
     pub candidates: Vec<Candidate>,
     /// What the data said on the way.
     pub findings: Vec<Finding>,
+    /// Poles of all model orders, for a method that has orders.
+    pub stabilization: Vec<PoleAtOrder>,
 }
 
 /// A method that finds poles in a set of FRFs.
@@ -155,6 +208,8 @@ pub trait PoleEstimator {
 pub struct Entry {
     /// Name on the command line, in scenes and in `modes.json`.
     pub name: &'static str,
+    /// Whether it has a model order.
+    pub has_order: bool,
     /// Builds it.
     pub build: fn(&MethodOptions) -> Box<dyn PoleEstimator>,
 }
@@ -163,6 +218,7 @@ pub struct Entry {
 pub const ESTIMATORS: &[Entry] = &[
     Entry {
         name: "peak",
+        has_order: false,
         build: |options| {
             Box::new(single::SingleModeEstimator {
                 method: peak::PeakPicking,
@@ -172,6 +228,7 @@ pub const ESTIMATORS: &[Entry] = &[
     },
     Entry {
         name: "circle",
+        has_order: false,
         build: |options| {
             Box::new(single::SingleModeEstimator {
                 method: circle::CircleFit,
@@ -180,7 +237,54 @@ pub const ESTIMATORS: &[Entry] = &[
         },
     },
     Entry {
+        name: "line",
+        has_order: false,
+        build: |options| {
+            Box::new(single::SingleModeEstimator {
+                method: line::LineFit,
+                options: *options,
+            })
+        },
+    },
+    Entry {
+        name: "rfp",
+        has_order: true,
+        build: |options| {
+            Box::new(multi::MultiModeEstimator {
+                method: rfp::RationalFractions {
+                    max_order: options.max_order,
+                },
+                options: *options,
+            })
+        },
+    },
+    Entry {
+        name: "lsce",
+        has_order: true,
+        build: |options| {
+            Box::new(multi::MultiModeEstimator {
+                method: lsce::ComplexExponentials {
+                    max_order: options.max_order,
+                },
+                options: *options,
+            })
+        },
+    },
+    Entry {
+        name: "lscf",
+        has_order: true,
+        build: |options| {
+            Box::new(multi::MultiModeEstimator {
+                method: seeds::LeastSquaresComplexFrequency {
+                    max_order: options.max_order,
+                },
+                options: *options,
+            })
+        },
+    },
+    Entry {
         name: "ml",
+        has_order: true,
         build: |options| Box::new(automatic::Automatic { options: *options }),
     },
 ];
@@ -216,7 +320,8 @@ impl IdentifyOptions {
     /// The estimator that these options name, their numbers checked.
     ///
     /// # Errors
-    /// [`IdentifyError::UnknownMethod`] with the known names; [`IdentifyError::OptionOutOfRange`].
+    /// [`IdentifyError::UnknownMethod`] with the known names; [`IdentifyError::OptionOutOfRange`];
+    /// [`IdentifyError::NoOrder`] for an order of a method that has none.
     pub fn validate(&self) -> Result<&'static Entry, IdentifyError> {
         let probability = self.estimator.false_alarm_probability;
         if !(probability > 0.0 && probability < 1.0) {
@@ -224,6 +329,13 @@ impl IdentifyOptions {
                 name: "false_alarm_probability",
                 got: probability,
                 expected: "a number between 0 and 1",
+            });
+        }
+        if self.estimator.max_order == Some(0) {
+            return Err(IdentifyError::OptionOutOfRange {
+                name: "order",
+                got: 0.0,
+                expected: "1 or more",
             });
         }
         if self.estimator.max_modes == Some(0) {
@@ -239,12 +351,20 @@ impl IdentifyOptions {
             &self.method
         };
         let entry = ESTIMATORS.iter().find(|entry| entry.name == name);
-        entry.ok_or_else(|| IdentifyError::UnknownMethod {
+        let entry = entry.ok_or_else(|| IdentifyError::UnknownMethod {
             got: self.method.clone(),
             known: std::iter::once("auto")
                 .chain(ESTIMATORS.iter().map(|entry| entry.name))
                 .collect(),
-        })
+        })?;
+        if self.estimator.max_order.is_some() && !entry.has_order {
+            let with_order = ESTIMATORS.iter().filter(|entry| entry.has_order);
+            return Err(IdentifyError::NoOrder {
+                got: entry.name,
+                known: with_order.map(|entry| entry.name).collect(),
+            });
+        }
+        Ok(entry)
     }
 }
 
@@ -293,6 +413,26 @@ impl IdentifyOptions {
 /// # Errors
 /// [`IdentifyError`] when options and set do not go together, or a matrix problem has no answer.
 pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, IdentifyError> {
+    Ok(identification(set, options)?.model)
+}
+
+/// Modes with the poles of all model orders that they were taken from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// The modes.
+    pub model: ModalModel,
+    /// Points of the stabilisation diagram, without the damping of an exponential window; none for a method without orders.
+    pub stabilization: Vec<PoleAtOrder>,
+}
+
+/// As [`identify`], with the poles of all model orders.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identification(
+    set: &FrfSet,
+    options: &IdentifyOptions,
+) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
     let chosen = selection::with_references(set, options.references.as_deref())?;
     let set = chosen.as_ref().unwrap_or(set);
@@ -302,6 +442,13 @@ pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, I
         None => return Err(receptance::no_band(set)),
     };
     let estimator = (entry.build)(&options.estimator);
-    let table = estimator.estimate(set, band)?;
-    selection::modal_model(set, band, estimator.name(), table)
+    let mut table = estimator.estimate(set, band)?;
+    let mut stabilization = std::mem::take(&mut table.stabilization);
+    for point in &mut stabilization {
+        point.pole = point.pole.without_added_damping(set.added_damping_rad_s);
+    }
+    Ok(Identification {
+        model: selection::modal_model(set, band, estimator.name(), table)?,
+        stabilization,
+    })
 }

@@ -4,7 +4,7 @@ use super::synthetic::{Measurement, Structure};
 use super::{ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
-use crate::finding::Code;
+use crate::finding::{Code, Finding};
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::ModalModel;
 use crate::quantity::FrfKind;
@@ -44,7 +44,7 @@ fn has(model: &ModalModel, code: Code) -> bool {
 
 #[test]
 fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
-    assert_eq!(ESTIMATORS.len(), 3);
+    assert_eq!(ESTIMATORS.len(), 7);
     for name in ESTIMATORS.iter().map(|entry| entry.name).chain(["auto"]) {
         let options = IdentifyOptions {
             method: name.to_owned(),
@@ -55,7 +55,12 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
         assert_eq!(method, Some(if name == "auto" { "ml" } else { name }));
         assert_eq!((model.modes.len(), model.references.len()), (2, 1));
         assert_eq!(model.band, Band::new(0.1, 200.0).ok());
-        assert!(model.added_damping_rad_s.is_none() && model.findings.is_empty());
+        assert!(model.added_damping_rad_s.is_none());
+        // At 60 dB the errors of these two stand above the noise, which they say.
+        let inexact = ["lsce", "lscf"].contains(&name);
+        let told = |f: &Finding| !(inexact && f.code == Code::ModelMisfit);
+        let told: Vec<&Finding> = model.findings.iter().filter(|f| told(f)).collect();
+        assert!(told.is_empty(), "{name} {told:?}");
         assert!(model.modes.iter().all(|mode| mode.mpc.unwrap() > 0.9999));
     }
 }
@@ -68,7 +73,7 @@ fn an_unknown_method_is_told_the_known_ones() {
     };
     let text = identify(&set(0.01), &options).unwrap_err().to_string();
     assert!(
-        text.contains("`prony`") && text.ends_with("auto peak circle ml"),
+        text.contains("`prony`") && text.ends_with("auto peak circle line rfp lsce lscf ml"),
         "{text}"
     );
 }
@@ -163,7 +168,7 @@ fn a_dead_channel_is_no_obstacle() {
         };
         with_dead.push(live.functions()[i].clone(), data).unwrap();
     }
-    for method in ["peak", "circle"] {
+    for method in ["peak", "circle", "line", "rfp", "lsce", "lscf"] {
         let options = IdentifyOptions {
             method: method.to_owned(),
             ..IdentifyOptions::default()

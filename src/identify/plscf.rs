@@ -32,8 +32,11 @@ use rayon::prelude::*;
 use crate::fourier::ComplexPlan;
 use crate::linalg::{self, ComplexMatrix, LinalgError};
 
+use super::IdentifyError;
 use super::receptance::Receptances;
 use super::sides::Sides;
+use super::stabilization::rising_orders;
+use super::stable::{GlobalPole, Table};
 
 /// Share of the circle that the lines of the band take.
 const ARC: f64 = 0.8;
@@ -43,17 +46,9 @@ const RIDGE: f64 = 1e-15;
 const MOST_RIDGE: f64 = 1e-9;
 
 /// Error of the model relative to the response, squared: strong resonances far above the noise would leave nothing of weak ones in
-/// the normal equations.
+/// the normal equations. Once poles are known, weak ones have been found.
 const MODEL: f64 = 1e-6;
-
-/// A stable pole with its participation factors.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LscfPole {
-    /// λ, rad/s.
-    pub lambda: Complex64,
-    /// One value per input, of norm 1.
-    pub participation: Vec<Complex64>,
-}
+const MODEL_OF_KNOWN: f64 = 1e-10;
 
 /// The reduced normal equations at the highest order.
 pub(super) struct Lscf {
@@ -63,28 +58,49 @@ pub(super) struct Lscf {
     lower: ComplexMatrix,
     /// `L⁻¹` times the negative columns of `A_0`.
     right: ComplexMatrix,
-    omega_0: f64,
-    step_s: f64,
+    plane: Plane,
+}
+
+/// How `z = e^{(λ − iω_0)T}` lies over the lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// First line, rad/s.
+    pub omega_0: f64,
+    /// T, s.
+    pub step_s: f64,
+}
+
+/// Points of the circle for so many lines, and more than a number.
+pub(super) fn circle(lines: usize, least: usize) -> usize {
+    let circle = (lines as f64 / ARC).ceil() as usize;
+    circle.max(least).next_multiple_of(64)
 }
 
 impl Lscf {
-    /// Builds the equations of some lines up to an order; `sides` must be complete.
+    /// Builds the equations of some lines up to an order; `sides` must be complete. Every line is weighted by one over what the
+    /// denominator of known poles, rad/s, makes of its noise.
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`] when the equations are not positive definite.
     pub fn new(
         data: &Receptances,
         sides: &Sides,
-        (lines, order): (Range<usize>, usize),
+        (lines, order, known): (Range<usize>, usize, &[Complex64]),
     ) -> Result<Self, LinalgError> {
-        let circle = (lines.len() as f64 / ARC).ceil() as usize;
-        let circle = circle.max(2 * order + 2).next_multiple_of(64);
+        let circle = circle(lines.len(), 2 * order + 2);
         let plan = ComplexPlan::inverse(circle);
+        let step_s = std::f64::consts::TAU / (circle as f64 * data.step);
+        let model = if known.is_empty() {
+            MODEL
+        } else {
+            MODEL_OF_KNOWN
+        };
+        let course = course(&data.omega[lines.clone()], step_s, known);
         let inputs = sides.inputs;
         let parts: Vec<Result<(ComplexMatrix, f64), LinalgError>> = sides
             .outputs
             .par_iter()
-            .map(|output| reduced(data, output, (&plan, &lines, order)))
+            .map(|output| reduced(data, output, (&plan, &lines, (&course, model), order)))
             .collect();
         let size = (order + 1) * inputs;
         let mut sum = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
@@ -94,7 +110,24 @@ impl Lscf {
             sum += own;
             scale += own_scale;
         }
-        let free = size - inputs;
+        let plane = Plane {
+            omega_0: data.omega[lines.start],
+            step_s,
+        };
+        Self::of_reduced(&sum, (inputs, order), (scale, plane))
+    }
+
+    /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square matrices of the number of inputs, made
+    /// from numbers of a scale.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotPositiveDefinite`].
+    pub fn of_reduced(
+        sum: &ComplexMatrix,
+        (inputs, order): (usize, usize),
+        (scale, plane): (f64, Plane),
+    ) -> Result<Self, LinalgError> {
+        let free = order * inputs;
         let matrix = linalg::complex_matrix(free, free, |i, j| sum[(inputs + i, inputs + j)]);
         let lower = factor(&matrix, scale)?;
         let right = linalg::complex_matrix(free, inputs, |i, j| -sum[(inputs + i, j)]);
@@ -104,21 +137,27 @@ impl Lscf {
             order,
             lower,
             right,
-            omega_0: data.omega[lines.start],
-            step_s: std::f64::consts::TAU / (circle as f64 * data.step),
+            plane,
         })
     }
 
-    /// Highest order.
-    pub fn order(&self) -> usize {
-        self.order
+    /// Stable poles by rising order.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotConverged`].
+    pub fn tables(&self) -> Result<Vec<Table>, IdentifyError> {
+        let tables: Vec<Result<Table, IdentifyError>> = rising_orders(self.order)
+            .into_par_iter()
+            .map(|order| Ok((order, self.poles(order)?)))
+            .collect();
+        tables.into_iter().collect()
     }
 
     /// The stable poles of an order, in ascending frequency.
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`].
-    pub fn poles(&self, order: usize) -> Result<Vec<LscfPole>, LinalgError> {
+    fn poles(&self, order: usize) -> Result<Vec<GlobalPole>, LinalgError> {
         let (m, n) = (self.inputs, order);
         let size = m * n;
         let block = linalg::complex_matrix(size, size, |i, j| self.lower[(i, j)]);
@@ -137,16 +176,16 @@ impl Lscf {
             }
         });
         let inverses = linalg::complex_eigenvalues(&companion)?;
-        let mut poles: Vec<LscfPole> = inverses
+        let mut poles: Vec<GlobalPole> = inverses
             .into_iter()
             // Stable: |z| < 1.
             .filter(|inverse| inverse.norm() > 1.0 && inverse.is_finite())
             .map(|inverse| {
                 let z = inverse.inv();
-                let lambda = z.ln() / self.step_s + Complex64::new(0.0, self.omega_0);
+                let lambda = z.ln() / self.plane.step_s + Complex64::new(0.0, self.plane.omega_0);
                 let participation = participation(&a, (m, n), z)?;
-                Ok(LscfPole {
-                    lambda: self.unwrapped(lambda),
+                Ok(GlobalPole {
+                    lambda: self.plane.unwrapped(lambda),
                     participation,
                 })
             })
@@ -154,7 +193,9 @@ impl Lscf {
         poles.sort_by(|p, q| p.lambda.im.total_cmp(&q.lambda.im));
         Ok(poles)
     }
+}
 
+impl Plane {
     /// The branch of the logarithm that puts the pole around the band: the gap of the circle is shared by both sides.
     fn unwrapped(&self, lambda: Complex64) -> Complex64 {
         let turn = std::f64::consts::TAU / self.step_s;
@@ -168,6 +209,20 @@ impl Lscf {
         }
         lambda
     }
+}
+
+/// `1/Π |z − z_r|²` at every line over the known poles among the lines: the noise of an equation is that of its line times the
+/// denominator (Sanathanan and Koerner 1963, IEEE Trans. Automatic Control 8(1)).
+fn course(omega: &[f64], step_s: f64, known: &[Complex64]) -> Vec<f64> {
+    let z = |s: Complex64| ((s - Complex64::new(0.0, omega[0])) * step_s).exp();
+    let inside = |pole: &&Complex64| pole.im > omega[0] && pole.im < omega[omega.len() - 1];
+    let known: Vec<Complex64> = known.iter().filter(inside).map(|pole| z(*pole)).collect();
+    let at = |w: &f64| {
+        let own = z(Complex64::new(0.0, *w));
+        let factors = known.iter().map(|pole| (own - pole).norm_sqr());
+        factors.product::<f64>().recip()
+    };
+    omega.iter().map(at).collect()
 }
 
 /// Cholesky factor with the least ridge that gives one; `scale` is that of the numbers that the matrix was made from.
@@ -220,19 +275,19 @@ fn participation(
 fn reduced(
     data: &Receptances,
     output: &[(usize, usize)],
-    (plan, lines, order): (&ComplexPlan, &Range<usize>, usize),
+    (plan, lines, (course, model), order): (&ComplexPlan, &Range<usize>, (&[f64], f64), usize),
 ) -> Result<(ComplexMatrix, f64), LinalgError> {
     let m = output.len();
     let functions: Vec<&[Complex64]> = output
         .iter()
         .map(|(_, f)| &data.values[*f][lines.clone()])
         .collect();
-    // One weight per line and output: the mean precision of its functions, which no resonance exceeds by more than `MODEL` allows.
+    // One weight per line and output: the mean precision of its functions, which no resonance exceeds by more than the error of the model allows.
     let weight = |k: usize| {
         let power = functions.iter().map(|h| h[k].norm_sqr()).sum::<f64>() / m as f64;
         let precision =
-            |(_, f): &(usize, usize)| 1.0 / (data.variance[*f][lines.start + k] + MODEL * power);
-        output.iter().map(precision).sum::<f64>() / m as f64
+            |(_, f): &(usize, usize)| 1.0 / (data.variance[*f][lines.start + k] + model * power);
+        course[k] * output.iter().map(precision).sum::<f64>() / m as f64
     };
     let weights: Vec<f64> = (0..lines.len()).map(weight).collect();
     let mut scratch = plan.scratch();

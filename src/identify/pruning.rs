@@ -18,6 +18,8 @@ pub(super) const WIDEST: f64 = 0.5;
 const NARROWEST: f64 = 0.01;
 /// Deviation of a pole over its decay rate that is still a pole.
 const KNOWN: f64 = 0.2;
+/// Distance to the maximum of the likelihood over the decay rate from which on a pole of a method is none of the data's.
+const MOST_OFFSET: f64 = 0.15;
 /// Deviations by which two roots must be apart.
 const TOLD_APART: f64 = 2.0;
 /// Participation factors less alike than this can be two modes of one root.
@@ -87,6 +89,8 @@ impl Judge<'_> {
         let widest = WIDEST * self.step * self.lines.saturating_sub(1) as f64;
         let reason = if quality.pole_std >= KNOWN * root.decay() {
             Reason::Unknown(quality.pole_std / root.decay())
+        } else if quality.offset >= MOST_OFFSET * root.decay() {
+            Reason::Unknown(quality.offset / root.decay())
         } else if !resonates(root.lambda) || width >= widest || width <= NARROWEST * self.step {
             Reason::Width(width / TAU)
         } else {
@@ -109,7 +113,7 @@ pub(super) fn less(roots: &[Root], j: usize, reason: Reason) -> Change {
 fn twin(roots: &[Root], inputs: usize, j: usize) -> Option<Change> {
     let near = |i: &usize| {
         let (a, b) = (&roots[*i], &roots[j]);
-        let (p, q) = (a.quality.pole_std, b.quality.pole_std);
+        let (p, q) = (a.quality.pole_error(), b.quality.pole_error());
         let apart = (a.lambda - b.lambda).norm();
         let stronger = a.quality.significance() >= b.quality.significance();
         let beside = apart < 2.0 * a.decay().max(b.decay()) && apart < TOLD_APART * p.hypot(q);
@@ -129,7 +133,7 @@ fn twin(roots: &[Root], inputs: usize, j: usize) -> Option<Change> {
     Some(if modes <= inputs && alike < INDEPENDENT {
         Change::Join(i, j)
     } else {
-        let deviation = a.quality.pole_std.hypot(b.quality.pole_std);
+        let deviation = a.quality.pole_error().hypot(b.quality.pole_error());
         less(roots, j, Reason::Twin(distance(&i) / deviation))
     })
 }

@@ -43,6 +43,8 @@ const STILL: f64 = 1e-10;
 /// How far a refinement goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
+    /// Residues alone: the poles stay where they are.
+    Residues,
     /// Far enough to decide which roots stay.
     Coarse,
     /// Far enough to judge what is left over.
@@ -80,7 +82,11 @@ pub(super) fn refine(
             .iter()
             .filter(|block| whole || block.members.iter().any(moving))
             .collect();
-        let steps = if fresh { 0 } else { STEPS };
+        let steps = if fresh || stop == Stop::Residues {
+            0
+        } else {
+            STEPS
+        };
         // What is far changes little from sweep to sweep, and the last look at all blocks has it anew.
         if !fresh {
             if whole || sweep == next {
@@ -139,7 +145,7 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
 fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
     let missed = fitted.misfit.max(1.0).sqrt();
     let by_bound = match stop {
-        Stop::Coarse => COARSE * missed,
+        Stop::Coarse | Stop::Residues => COARSE * missed,
         Stop::Judging => STILL_BY_BOUND * missed,
         Stop::Fine => STILL_BY_BOUND,
     };
@@ -153,6 +159,12 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         // A fit of the residues alone says nothing new of the pole.
         let mut bound = before.quality.pole_bound / decay;
         let mut still = true;
+        let mut offset = 0.0;
+        for (unknown, step) in fitted.unknowns.iter().zip(&fitted.next) {
+            if *unknown == Unknown::Pole(place) {
+                offset = decay * step.norm();
+            }
+        }
         for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
             let moved = match *unknown {
                 Unknown::Pole(j) if j == place => {
@@ -169,6 +181,7 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         root.quality = Quality {
             pole_bound: bound * decay,
             pole_std: before.quality.pole_std,
+            offset,
             combinations: combined(&root.parts, &strengths.combinations),
             strengths: strengths.values,
             largest: strengths.largest,

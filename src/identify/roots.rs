@@ -41,6 +41,8 @@ pub(super) struct Quality {
     pub pole_bound: f64,
     /// The same in the noise that there is.
     pub pole_std: f64,
+    /// Distance to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for a pole that stays where a method put it.
+    pub offset: f64,
     /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
     /// output where there is no mode.
     pub strengths: Vec<f64>,
@@ -67,11 +69,17 @@ impl Quality {
     pub const UNKNOWN: Self = Self {
         pole_bound: f64::INFINITY,
         pole_std: f64::INFINITY,
+        offset: 0.0,
         strengths: Vec::new(),
         combinations: Vec::new(),
         largest: 0.0,
         by_lines: 1.0,
     };
+
+    /// How far λ may be from where it belongs, rad/s: what noise does, and how far it was left from its place.
+    pub fn pole_error(&self) -> f64 {
+        self.pole_std.hypot(self.offset)
+    }
 
     /// Strength of the weakest combination of modes.
     pub fn significance(&self) -> f64 {

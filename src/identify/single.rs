@@ -123,6 +123,7 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
         Ok(PoleTable {
             candidates,
             findings,
+            stabilization: Vec::new(),
         })
     }
 }

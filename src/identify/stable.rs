@@ -8,8 +8,6 @@ use num_complex::Complex64;
 
 use crate::modal::mac;
 
-use super::plscf::LscfPole;
-
 /// Distance from order to order, in decay rates.
 const NEAR: f64 = 0.5;
 /// Least modal assurance criterion of participation factors from order to order.
@@ -21,24 +19,47 @@ pub(super) const FEWEST_ORDERS: usize = 3;
 /// The last poles of a track that choose the seed.
 const CHOOSING: usize = 7;
 
+/// A pole that all functions share, with its participation factors.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct GlobalPole {
+    /// λ, rad/s.
+    pub lambda: Complex64,
+    /// One value per input, of norm 1.
+    pub participation: Vec<Complex64>,
+}
+
 /// A pole that stays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Seed {
     /// Pole and participation factors.
-    pub pole: LscfPole,
+    pub pole: GlobalPole,
+    /// Order of that pole.
+    pub order: usize,
     /// Orders at which it was there.
     pub orders: Vec<usize>,
+    /// The poles of its track, by order.
+    members: Vec<(usize, Complex64)>,
 }
 
+impl Seed {
+    /// Whether a pole of an order belongs to it.
+    pub fn holds(&self, order: usize, pole: &GlobalPole) -> bool {
+        self.members.contains(&(order, pole.lambda))
+    }
+}
+
+/// Poles of one order.
+pub(super) type Table = (usize, Vec<GlobalPole>);
+
 struct Track {
-    poles: Vec<LscfPole>,
+    poles: Vec<GlobalPole>,
     orders: Vec<usize>,
     last: usize,
 }
 
 /// Poles that stay over the orders (ascending), in ascending frequency. `step_rad_s` is the spacing of the lines, below a tenth of
 /// which nothing differs.
-pub(super) fn seeds(tables: &[(usize, Vec<LscfPole>)], step_rad_s: f64) -> Vec<Seed> {
+pub(super) fn seeds(tables: &[Table], step_rad_s: f64) -> Vec<Seed> {
     let mut tracks: Vec<Track> = Vec::new();
     for (index, (order, poles)) in tables.iter().enumerate() {
         let mut free: Vec<usize> = (0..tracks.len())
@@ -67,17 +88,27 @@ pub(super) fn seeds(tables: &[(usize, Vec<LscfPole>)], step_rad_s: f64) -> Vec<S
         .into_iter()
         .filter(|track| track.orders.len() >= FEWEST_ORDERS);
     let mut seeds: Vec<Seed> = stay
-        .map(|track| Seed {
-            pole: medoid(&track.poles),
-            orders: track.orders,
+        .map(|track| {
+            let place = medoid(&track.poles);
+            Seed {
+                pole: track.poles[place].clone(),
+                order: track.orders[place],
+                members: members(&track),
+                orders: track.orders,
+            }
         })
         .collect();
     seeds.sort_by(|a, b| a.pole.lambda.im.total_cmp(&b.pole.lambda.im));
     seeds
 }
 
+fn members(track: &Track) -> Vec<(usize, Complex64)> {
+    let poles = track.poles.iter().map(|pole| pole.lambda);
+    track.orders.iter().copied().zip(poles).collect()
+}
+
 /// Place in `free` of the track that a pole continues.
-fn nearest(tracks: &[Track], free: &[usize], pole: &LscfPole, step: f64) -> Option<usize> {
+fn nearest(tracks: &[Track], free: &[usize], pole: &GlobalPole, step: f64) -> Option<usize> {
     let distance = |place: &usize| {
         let last = tracks[free[*place]].poles.last()?;
         let decay = pole.lambda.re.abs().max(last.lambda.re.abs());
@@ -90,13 +121,31 @@ fn nearest(tracks: &[Track], free: &[usize], pole: &LscfPole, step: f64) -> Opti
         .map(|(place, _)| place)
 }
 
-fn medoid(poles: &[LscfPole]) -> LscfPole {
-    let last = &poles[poles.len().saturating_sub(CHOOSING)..];
-    let sum = |lambda: Complex64| -> f64 { last.iter().map(|p| (p.lambda - lambda).norm()).sum() };
-    let best = last
+/// Place of the pole with the least sum of distances to the others among the last.
+fn medoid(poles: &[GlobalPole]) -> usize {
+    let first = poles.len().saturating_sub(CHOOSING);
+    let last = &poles[first..];
+    let sum = |place: &usize| -> f64 {
+        let own = poles[*place].lambda;
+        last.iter().map(|p| (p.lambda - own).norm()).sum()
+    };
+    let best = (first..poles.len()).min_by(|a, b| sum(a).total_cmp(&sum(b)));
+    best.unwrap_or(first)
+}
+
+/// The seed among others that takes the place of one: within half a decay rate, with the same participation; itself without one.
+pub(super) fn replaced(seed: Seed, others: &[Seed]) -> Seed {
+    let distance = |other: &&Seed| {
+        let apart = (other.pole.lambda - seed.pole.lambda).norm();
+        let alike = mac(&other.pole.participation, &seed.pole.participation)?;
+        let near = apart < NEAR * seed.pole.lambda.re.abs() && alike >= SAME_PARTICIPATION;
+        near.then_some(apart)
+    };
+    let near = others
         .iter()
-        .min_by(|a, b| sum(a.lambda).total_cmp(&sum(b.lambda)));
-    best.unwrap_or(&poles[0]).clone()
+        .filter_map(|other| Some((distance(&other)?, other)));
+    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(seed.clone(), |(_, other)| other.clone())
 }
 
 /// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same participation.

@@ -14,6 +14,7 @@ mod markdown;
 mod modes;
 mod published;
 mod response;
+mod stabilization;
 mod sweep;
 mod terminal;
 
@@ -31,6 +32,7 @@ pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
 pub use response::response_blocks;
+pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
 pub use terminal::Terminal;
 

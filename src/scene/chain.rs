@@ -8,7 +8,7 @@ use crate::correlate::{
 };
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfError, FrfSet, HitReport, hammer};
-use crate::identify::{IdentifyOptions, identify};
+use crate::identify::{Identification, IdentifyOptions, identification};
 use crate::io::{modes_to_json, sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::theory::{ModeOptions, ModelRoot};
@@ -313,7 +313,8 @@ fn identify_test(
         ..IdentifyOptions::default()
     };
     options.method = scene.method.clone().unwrap_or(options.method);
-    let mut modes = identify_sets(&frfs, &options, &test.name)?;
+    options.estimator.max_order = scene.order;
+    let mut modes = identify_sets(&frfs, &options, &test.name)?.model;
     findings.append(&mut modes.findings);
     modes.findings = findings;
     modes.inputs = inputs;
@@ -384,17 +385,13 @@ pub fn identify_sets(
     sets: &[FrfSet],
     options: &IdentifyOptions,
     test: &str,
-) -> Result<ModalModel, SceneError> {
-    let [set] = sets else {
-        return Err(SceneError::Axes {
-            test: test.to_owned(),
-            got: sets.len(),
-        });
-    };
-    let mut model = identify(set, options).map_err(|source| SceneError::Identify {
+) -> Result<Identification, SceneError> {
+    let set = of_one_axis(sets, test)?;
+    let mut own = identification(set, options).map_err(|source| SceneError::Identify {
         test: test.to_owned(),
         source: Box::new(source),
     })?;
+    let model = &mut own.model;
     if model.modes.is_empty() {
         model.findings.push(Finding::new(
             Severity::Warning,
@@ -402,12 +399,22 @@ pub fn identify_sets(
             Place::Whole,
         ));
     }
-    let outside = outside_valid_band(&model, set.valid_band);
+    let outside = outside_valid_band(model, set.valid_band);
     model.findings.extend(outside);
     let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
     model.findings = findings;
-    Ok(model)
+    Ok(own)
+}
+
+fn of_one_axis<'a>(sets: &'a [FrfSet], test: &str) -> Result<&'a FrfSet, SceneError> {
+    match sets {
+        [set] => Ok(set),
+        _ => Err(SceneError::Axes {
+            test: test.to_owned(),
+            got: sets.len(),
+        }),
+    }
 }
 
 /// The comparison table with the findings of the pairing.

@@ -46,6 +46,8 @@ pub struct Scene {
     pub hammer: HammerOptions,
     /// Identification method.
     pub method: Option<String>,
+    /// Highest model order.
+    pub order: Option<usize>,
     /// Pairing.
     pub pair: PairOptions,
     /// Limits.
@@ -164,6 +166,7 @@ impl Scene {
             title: typed.title,
             model: typed.model,
             method: typed.identify.method,
+            order: typed.identify.order,
             limits: typed.limits,
             expected: beside(&folder)?,
             format: None,

@@ -236,8 +236,10 @@ pub struct FrfTable {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifyTable {
-    /// `auto` (default), `peak`, `circle` or `ml`.
+    /// `auto` (default), `peak`, `circle`, `line`, `rfp`, `lsce`, `lscf` or `ml`.
     pub method: Option<String>,
+    /// Highest model order, for a method that has one.
+    pub order: Option<usize>,
 }
 
 /// `[report]`.

@@ -1,0 +1,210 @@
+//! The polyreference LSCF as a method of its own, and what all methods with model orders have in common.
+
+use super::synthetic::{Measurement, Structure, separated_modes};
+use super::{
+    ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, PoleStatus, identification, identify,
+};
+use crate::axis::FrequencyAxis;
+use crate::dof::Dof;
+use crate::finding::Code;
+use crate::frf::FrfSet;
+use crate::modal::{ModalModel, Pole};
+
+fn options(method: &str, max_order: Option<usize>) -> IdentifyOptions {
+    IdentifyOptions {
+        method: method.to_owned(),
+        estimator: MethodOptions {
+            max_order,
+            ..MethodOptions::default()
+        },
+        ..IdentifyOptions::default()
+    }
+}
+
+fn with_order() -> impl Iterator<Item = &'static str> {
+    ESTIMATORS.iter().filter(|e| e.has_order).map(|e| e.name)
+}
+
+/// Distance of each true pole to the one in its place, over its magnitude; no mode more or less.
+fn errors(structure: &Structure, model: &ModalModel) -> Vec<f64> {
+    assert_eq!(
+        model.modes.len(),
+        structure.modes.len(),
+        "{:?}",
+        model.findings
+    );
+    let pairs = structure.modes.iter().zip(&model.modes);
+    let error = pairs.map(|((hz, zeta, _), mode)| {
+        let truth = Pole::from_frequency(*hz, *zeta).lambda;
+        (mode.pole().unwrap().lambda - truth).norm() / truth.norm()
+    });
+    error.collect()
+}
+
+/// Three sensors, two references, three modes of which two are close, noise of 60 dB.
+fn of_two_references() -> (Structure, FrfSet) {
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.05,
+        len: 4001,
+    };
+    let structure = Structure {
+        modes: vec![
+            (60.0, 0.01, vec![1.0, 0.5, -0.7]),
+            (60.5, 0.01, vec![0.4, -0.9, 0.6]),
+            (130.0, 0.01, vec![0.8, -0.9, 0.6]),
+        ],
+    };
+    let mut how = Measurement {
+        snr_db: Some(60.0),
+        ..Measurement::of_sensors(3, axis)
+    };
+    let second = how.pairs.iter().map(|(r, _)| (r.clone(), dof("2:+Z")));
+    how.pairs.extend(second.collect::<Vec<_>>());
+    let set = structure.measured(&how);
+    (structure, set)
+}
+
+fn dof(text: &str) -> Dof {
+    text.parse().unwrap()
+}
+
+#[test]
+fn without_noise_the_poles_come_back_at_five_and_more_orders_per_mode() {
+    for seed in 0..6 {
+        let (structure, how) = separated_modes(seed);
+        let set = structure.measured(&how);
+        let count = structure.modes.len();
+        for order in [None, Some(5 * count), Some(12 * count)] {
+            let model = identify(&set, &options("lscf", order)).unwrap();
+            let worst = errors(&structure, &model).into_iter().fold(0.0, f64::max);
+            assert!(worst < 1e-6, "{seed} {order:?} {worst:e}");
+        }
+    }
+}
+
+#[test]
+fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() {
+    // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a method may have twice that.
+    for (snr_db, limit) in [(60.0, 3e-3), (40.0, 6e-3), (30.0, 2e-2)] {
+        let mut squares = Vec::new();
+        for seed in 0..8 {
+            let (structure, how) = separated_modes(seed);
+            let set = structure.measured(&Measurement {
+                snr_db: Some(snr_db),
+                ..how
+            });
+            let model = identify(&set, &options("lscf", None)).unwrap();
+            let worst = errors(&structure, &model);
+            for ((error, (hz, zeta, _)), mode) in
+                worst.iter().zip(&structure.modes).zip(&model.modes)
+            {
+                assert!(*error < limit * zeta, "{snr_db} {seed} {error:e}");
+                let off = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+                squares.push(off * off);
+            }
+        }
+        // 0.455 is the median of a squared normal deviate. The bias of the method counts with one Gauss-Newton step, whose part
+        // in frequency is as large as that in damping only on average.
+        squares.sort_by(f64::total_cmp);
+        let median = squares[squares.len() / 2];
+        assert!((0.1..2.5).contains(&median), "{snr_db} {median}");
+    }
+}
+
+#[test]
+fn two_references_tell_close_modes_apart_and_have_participation_factors() {
+    let (structure, set) = of_two_references();
+    for method in with_order() {
+        let own = identification(&set, &options(method, None)).unwrap();
+        let worst = errors(&structure, &own.model);
+        // Impulse responses tell modes of half a half-power width apart to a tenth of their decay rates.
+        let limit = if method == "lsce" { 2e-3 } else { 1e-4 };
+        assert!(worst.iter().all(|e| *e < limit), "{method} {worst:?}");
+        for ((_, _, shape), mode) in structure.modes.iter().zip(&own.model.modes) {
+            let sign = (mode.shape.get(&dof("1:+Z")).unwrap().re * shape[0]).signum();
+            for (point, known) in (1..).zip(shape) {
+                let value = sign * mode.shape.get(&dof(&format!("{point}:+Z"))).unwrap().re;
+                // Close modes swap what their poles are off by; impulse responses of 60 dB leave a tenth.
+                let limit = if method == "lsce" { 0.15 } else { 0.02 };
+                assert!(
+                    (value - known).abs() < limit,
+                    "{method} {point} {value} {known}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_is_a_cap_and_the_listing_shows_where_each_mode_was_taken() {
+    let (structure, how) = separated_modes(2);
+    let set = structure.measured(&Measurement {
+        snr_db: Some(50.0),
+        ..how
+    });
+    for method in with_order().filter(|name| *name != "ml") {
+        let own = identification(&set, &options(method, Some(18))).unwrap();
+        let poles = &own.stabilization;
+        assert!(poles.iter().all(|point| point.order <= 18), "{method}");
+        for mode in &own.model.modes {
+            let at = poles.iter().filter(|point| {
+                point.status == PoleStatus::Chosen
+                    && Some(point.order) == mode.order
+                    && (point.pole.natural_frequency_hz() - mode.frequency_hz).abs() < 1e-9
+            });
+            assert_eq!(at.count(), 1, "{method} {:?}", mode.frequency_hz);
+        }
+        let chosen = poles.iter().filter(|p| p.status == PoleStatus::Chosen);
+        assert_eq!(chosen.count(), own.model.modes.len(), "{method}");
+        assert!(poles.iter().any(|p| p.status == PoleStatus::Stable));
+    }
+}
+
+#[test]
+fn an_order_for_a_method_without_one_is_an_error() {
+    let (structure, how) = separated_modes(2);
+    let set = structure.measured(&how);
+    let error = identify(&set, &options("circle", Some(20))).unwrap_err();
+    assert!(matches!(error, IdentifyError::NoOrder { .. }));
+    assert!(error.to_string().contains("lscf ml"), "{error}");
+    let error = identify(&set, &options("lscf", Some(0))).unwrap_err();
+    assert!(matches!(error, IdentifyError::OptionOutOfRange { .. }));
+}
+
+#[test]
+fn pure_noise_gives_no_mode() {
+    let (structure, mut how) = separated_modes(1);
+    how.axis.len = how.axis.len.min(3000);
+    let silent = Structure {
+        modes: vec![(1e6, 0.5, structure.modes[0].2.clone())],
+    };
+    for seed in 0..4 {
+        let set = silent.measured(&Measurement {
+            snr_db: Some(-60.0),
+            seed,
+            ..how.clone()
+        });
+        for method in with_order() {
+            let model = identify(&set, &options(method, None)).unwrap();
+            assert!(model.modes.is_empty(), "{method} {:?}", model.modes);
+        }
+    }
+}
+
+#[test]
+fn a_peak_that_no_order_reaches_is_told() {
+    // Four poles cannot be five modes.
+    let (structure, how) = separated_modes(2);
+    let set = structure.measured(&Measurement {
+        snr_db: Some(60.0),
+        ..how
+    });
+    let model = identify(&set, &options("lscf", Some(4))).unwrap();
+    let told = model
+        .findings
+        .iter()
+        .filter(|f| f.code == Code::PeakWithoutMode);
+    assert!(told.count() + model.modes.len() >= structure.modes.len());
+    assert!(model.modes.len() < structure.modes.len());
+}

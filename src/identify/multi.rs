@@ -1,0 +1,118 @@
+//! The common run of the multi-mode methods: poles that stay over the orders, residues, and as many modes as the data support.
+//!
+//! 1. The poles that stay while the order rises ([`stabilization`](super::stabilization)).
+//! 2. Residues of all of them by weighted linear least squares, with upper and lower residuals (LSFD): the linear part of the
+//!    maximum likelihood fit ([`block`](super::block)), the poles where the method put them. A method that knows no participation
+//!    factors gets them from the residues ([`several`](super::several)).
+//! 3. A pole stays a mode when its contribution is above the noise, when it is told apart from its neighbours, and when nothing speaks
+//!    against it: the tests of the maximum likelihood method.
+//!
+//! The stated deviation joins what noise lets anybody know (the Cramér-Rao bound) with the distance of the pole to the maximum of
+//! the likelihood, as one Gauss-Newton step sees it: the error of the method itself, which for these methods is not small beside the
+//! bound.
+//!
+//! Reference: Guillaume, Verboven and Vanlanduit (1998), Frequency-domain maximum likelihood identification of modal parameters with
+//! confidence intervals, ISMA 23 (least-squares frequency domain residues).
+
+use std::f64::consts::TAU;
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+
+use super::automatic::Fit;
+use super::indicator::Indicator;
+use super::receptance::Receptances;
+use super::refine::Stop;
+use super::search;
+use super::several::completed;
+use super::sides::Sides;
+use super::stabilization::{MultiModeMethod, Stabilised, roots_of, sharpened};
+use super::stable::Seed;
+use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleStatus, PoleTable};
+
+/// A multi-mode method as an estimator.
+pub(super) struct MultiModeEstimator<M> {
+    /// How the poles of an order are found.
+    pub method: M,
+    /// Options of the run.
+    pub options: MethodOptions,
+}
+
+impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
+    fn name(&self) -> &'static str {
+        self.method.name()
+    }
+
+    fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
+        let data = Receptances::guarded(set, band)?;
+        let sides = Sides::new(set.functions());
+        let several = sides.complete() && sides.inputs > 1;
+        let one = sides.as_one_input();
+        let scalar = !several || !self.method.gives_participation();
+        let indicator = Indicator::new(&data);
+        let found = search::search(&data, &indicator, self.options.false_alarm_probability);
+        let mut fit = Fit::new(data, if scalar { one } else { sides.clone() }, self.options);
+        fit.fixed = true;
+        let on = (&fit.data, &fit.sides);
+        let own = sharpened(&self.method, on, (&found, fit.limits()))?;
+        fit.roots = roots_of(&own.seeds, fit.data.functions());
+        fit.settle(Stop::Coarse);
+        fit.measure_noise();
+        if several && scalar {
+            share_out(&mut fit, sides);
+        }
+        fit.settle(Stop::Coarse);
+        fit.measure_noise();
+        fit.settle(Stop::Coarse);
+        fit.doubt();
+        let mut table = fit.table((set, band), &found);
+        let references = set.references().len();
+        for candidate in &mut table.candidates {
+            complete(candidate, &own.seeds, (&fit, references));
+        }
+        table.stabilization = listed(own, &table.candidates);
+        Ok(table)
+    }
+}
+
+/// Replaces poles whose residues are free by roots with participation factors, as many as the residues show.
+fn share_out(fit: &mut Fit, sides: Sides) {
+    let standings = fit.standings();
+    let free = std::mem::take(&mut fit.roots);
+    let chance = fit.options.false_alarm_probability / fit.data.lines() as f64;
+    fit.sides = sides;
+    let own = (&fit.data, &fit.sides);
+    fit.roots = completed(own, Vec::new(), (&free, &standings), chance);
+}
+
+/// Order, deviation and participation factors of a candidate: those of the pole that stays nearest to it and of its root. The inputs of
+/// a fit are references, or else nothing is said of these.
+fn complete(candidate: &mut Candidate, seeds: &[Seed], (fit, references): (&Fit, usize)) {
+    let lambda = candidate.pole.lambda;
+    let distance = |seed: &&Seed| (seed.pole.lambda - lambda).norm();
+    let nearest = seeds
+        .iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    candidate.order = nearest.map(|seed| seed.order);
+    let Some(root) = fit.roots.iter().find(|root| root.lambda == lambda) else {
+        return;
+    };
+    // Real and imaginary part have half of its square each.
+    let offset = root.quality.offset * std::f64::consts::FRAC_1_SQRT_2;
+    let joined = |std: Option<f64>, own: f64| std.map(|std| std.hypot(own));
+    candidate.frequency_std_hz = joined(candidate.frequency_std_hz, offset / TAU);
+    candidate.damping_std = joined(candidate.damping_std, offset / lambda.norm());
+    let single = root.multiplicity() == 1 && root.parts[0].len() == references;
+    candidate.participation = single.then(|| root.parts[0].clone());
+}
+
+/// All poles of all orders, those of which a mode was made as chosen.
+fn listed(own: Stabilised, candidates: &[Candidate]) -> Vec<super::PoleAtOrder> {
+    let mut poles = own.poles;
+    for pole in &mut poles {
+        if candidates.iter().any(|mode| mode.pole == pole.pole) {
+            pole.status = PoleStatus::Chosen;
+        }
+    }
+    poles
+}

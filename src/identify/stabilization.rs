@@ -1,0 +1,163 @@
+//! Stabilisation over model orders: what stays while the order of a global method rises is a pole of the structure.
+//!
+//! A method gives the poles of rising orders, of the whole band or of parts of it; poles that stay over three orders and more
+//! ([`stable`](super::stable)) are its candidates.
+
+use num_complex::Complex64;
+
+use super::IdentifyError;
+use super::pruning::WIDEST;
+use super::receptance::Receptances;
+use super::roots::{Root, resonates};
+use super::search::Found;
+use super::sides::Sides;
+use super::stable::{self, GlobalPole, Seed, Table, distinct};
+use super::{PoleAtOrder, PoleStatus};
+use crate::modal::Pole;
+
+/// Orders that are looked at.
+const ORDERS: usize = 20;
+/// Looks with weighted lines.
+const ROUNDS: usize = 2;
+
+/// A method that finds the poles that all functions share, at rising orders.
+pub(super) trait MultiModeMethod: Send + Sync {
+    /// Its name.
+    fn name(&self) -> &'static str;
+
+    /// Whether its poles come with the participation factors of several inputs.
+    fn gives_participation(&self) -> bool;
+
+    /// Whether known poles change the weight of its lines.
+    fn weights_lines(&self) -> bool;
+
+    /// Poles over rising orders, by parts of the band; lines may be weighted with poles that are known, rad/s.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Linalg`] when a matrix problem has no answer.
+    fn parts(
+        &self,
+        on: (&Receptances, &Sides),
+        with: (&Found, &[Complex64]),
+    ) -> Result<Vec<Part>, IdentifyError>;
+}
+
+/// Poles over the orders of an estimate that answers for a part of the band.
+pub(super) struct Part {
+    /// Lowest damped frequency it answers for, rad/s.
+    pub from_rad_s: f64,
+    /// Highest.
+    pub to_rad_s: f64,
+    /// Poles by order, ascending.
+    pub tables: Vec<Table>,
+}
+
+/// Poles that stay, and all there were.
+pub(super) struct Stabilised {
+    /// Poles that stay.
+    pub seeds: Vec<Seed>,
+    /// All poles in the band, by part, order and frequency.
+    pub poles: Vec<PoleAtOrder>,
+}
+
+/// Orders up to a highest, so many that a pole that stays is seen at several.
+pub(super) fn rising_orders(highest: usize) -> Vec<usize> {
+    let lowest = (highest / 6).max(2);
+    let stride = highest.saturating_sub(lowest).div_ceil(ORDERS).max(1);
+    (lowest..=highest).step_by(stride).collect()
+}
+
+/// The poles of a method that stay within limits, rad/s, where others may be known.
+///
+/// # Errors
+/// As [`MultiModeMethod::parts`].
+pub(super) fn stabilised(
+    method: &dyn MultiModeMethod,
+    on: (&Receptances, &Sides),
+    (found, limits, known): (&Found, (f64, f64), &[Complex64]),
+) -> Result<Stabilised, IdentifyError> {
+    let data = on.0;
+    let (mut seeds, mut poles) = (Vec::new(), Vec::new());
+    for part in method.parts(on, (found, known))? {
+        let tables: Vec<Table> = part
+            .tables
+            .into_iter()
+            .map(|(order, poles)| (order, inside(data, poles, limits)))
+            .collect();
+        let answers =
+            |pole: &GlobalPole| pole.lambda.im > part.from_rad_s && pole.lambda.im < part.to_rad_s;
+        let own = stable::seeds(&tables, data.step);
+        for (order, table) in &tables {
+            let listed = table.iter().filter(|pole| answers(pole));
+            poles.extend(listed.map(|pole| PoleAtOrder {
+                order: *order,
+                pole: Pole {
+                    lambda: pole.lambda,
+                },
+                status: if own.iter().any(|seed| seed.holds(*order, pole)) {
+                    PoleStatus::Stable
+                } else {
+                    PoleStatus::Alone
+                },
+            }));
+        }
+        seeds.extend(own.into_iter().filter(|seed| answers(&seed.pole)));
+    }
+    let seeds = distinct(seeds);
+    Ok(Stabilised { seeds, poles })
+}
+
+/// The poles of a method that stay, looked for once more with lines weighted by what the first look found ([`ROUNDS`] times): each
+/// pole moves to the one that takes its place.
+///
+/// # Errors
+/// As [`MultiModeMethod::parts`].
+pub(super) fn sharpened(
+    method: &dyn MultiModeMethod,
+    on: (&Receptances, &Sides),
+    (found, limits): (&Found, (f64, f64)),
+) -> Result<Stabilised, IdentifyError> {
+    let mut own = stabilised(method, on, (found, limits, &[]))?;
+    let rounds = if method.weights_lines() { ROUNDS } else { 0 };
+    for _ in 0..rounds {
+        let known: Vec<Complex64> = own.seeds.iter().map(|seed| seed.pole.lambda).collect();
+        let again = stabilised(method, on, (found, limits, &known))?;
+        own.seeds = own
+            .seeds
+            .into_iter()
+            .map(|seed| stable::replaced(seed, &again.seeds))
+            .collect();
+        own.seeds = distinct(own.seeds);
+        own.poles = again.poles;
+    }
+    // Those that the last look has no place for stay where they were.
+    for seed in &own.seeds {
+        let point = PoleAtOrder {
+            order: seed.order,
+            pole: Pole {
+                lambda: seed.pole.lambda,
+            },
+            status: PoleStatus::Stable,
+        };
+        let same = |other: &PoleAtOrder| other.order == point.order && other.pole == point.pole;
+        if !own.poles.iter().any(same) {
+            own.poles.push(point);
+        }
+    }
+    Ok(own)
+}
+
+/// A root of one mode at each pole that stays.
+pub(super) fn roots_of(seeds: &[Seed], functions: usize) -> Vec<Root> {
+    let root = |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
+    seeds.iter().map(root).collect()
+}
+
+fn inside(data: &Receptances, poles: Vec<GlobalPole>, (lo, hi): (f64, f64)) -> Vec<GlobalPole> {
+    let widest = WIDEST * data.range();
+    let keeps = |pole: &GlobalPole| {
+        let inside = pole.lambda.im > lo && pole.lambda.im < hi;
+        inside && -2.0 * pole.lambda.re < widest && resonates(pole.lambda)
+    };
+    poles.into_iter().filter(keeps).collect()
+}
