@@ -188,6 +188,9 @@ pub struct IdentifyArgs {
     /// Highest model order of rfp, lsce, lscf and ml; chosen by the number of peaks when not given.
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
+    /// Modes of these poles of the method alone: a file of the schema modalign-selection/1 with a list of {frequency_hz, damping_ratio, order}.
+    #[arg(long, value_name = "FILE")]
+    pub selection: Option<PathBuf>,
     /// Write the poles of all model orders here (.csv).
     #[arg(long, value_name = "FILE")]
     pub stabilization: Option<PathBuf>,

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use crate::error::Error;
+use crate::finding::Code;
 use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
-use crate::io::{modes_to_json, sha256_hex, write_whole};
+use crate::io::{modes_to_json, read_selection, sha256_hex, write_whole};
 use crate::modal::InputFile;
 use crate::report::{Block, CsvText, Renderer, modes_block, stabilization_block};
 use crate::scene::{FilePlan, IngestOptions, SceneError, identify_sets, ingest_files};
@@ -13,7 +14,7 @@ use super::Outcome;
 use super::args::IdentifyArgs;
 use super::output::{MODES, Output, check_extension, write_modes};
 
-/// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left out.
+/// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left out, or a chosen pole was not found.
 pub fn identify(
     args: &IdentifyArgs,
     format: Option<&str>,
@@ -71,15 +72,21 @@ pub fn identify(
     }
     output.json(|| json);
     output.findings(&modes.findings);
-    Ok(Outcome::missed_if(data.partly_bad))
+    let missed = modes
+        .findings
+        .iter()
+        .any(|finding| finding.code == Code::SelectionMissed);
+    Ok(Outcome::missed_if(data.partly_bad || missed))
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Error> {
     let defaults = IdentifyOptions::default();
+    let selection = args.selection.as_deref().map(read_selection);
     Ok(IdentifyOptions {
         method: args.method.clone().unwrap_or(defaults.method),
         band: args.band,
         references: (!args.reference.is_empty()).then(|| args.reference.clone()),
+        selection: selection.transpose()?,
         estimator: MethodOptions {
             max_order: args.order,
             ..defaults.estimator

@@ -178,6 +178,19 @@ impl Fit {
         self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
     }
 
+    /// The residues of all roots, of which none is dropped; several modes that share a pole become one root.
+    pub fn residues(&mut self) {
+        self.refine(Stop::Residues);
+        let unfit = self.judge().unfit(&self.roots);
+        let twins = unfit.into_iter().filter(|c| matches!(c, Change::Join(..)));
+        for change in twins.collect::<Vec<_>>() {
+            self.apply(change);
+        }
+        self.roots.retain(|root| !root.parts.is_empty());
+        unsettle(&mut self.roots);
+        self.refine(Stop::Residues);
+    }
+
     /// Refines and drops roots until all that are left pass.
     pub fn settle(&mut self, stop: Stop) {
         self.refine(stop);

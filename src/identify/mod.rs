@@ -31,6 +31,9 @@ mod background;
 mod beam_tests;
 mod block;
 mod checks;
+mod choice;
+#[cfg(test)]
+mod choice_tests;
 mod circle;
 mod close;
 #[cfg(test)]
@@ -100,7 +103,7 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::frf::FrfSet;
-use crate::modal::{ModalModel, Pole};
+use crate::modal::{ModalModel, Pole, PoleSelection};
 
 pub use error::IdentifyError;
 
@@ -301,6 +304,8 @@ pub struct IdentifyOptions {
     pub band: Option<Band>,
     /// References to use; all without it.
     pub references: Option<Vec<Dof>>,
+    /// A person's choice among the poles of the method; all that the data support without it.
+    pub selection: Option<PoleSelection>,
     /// Options of the estimator.
     pub estimator: MethodOptions,
 }
@@ -311,6 +316,7 @@ impl Default for IdentifyOptions {
             method: "auto".to_owned(),
             band: None,
             references: None,
+            selection: None,
             estimator: MethodOptions::default(),
         }
     }
@@ -443,6 +449,9 @@ pub fn identification(
     };
     let estimator = (entry.build)(&options.estimator);
     let mut table = estimator.estimate(set, band)?;
+    if let Some(selection) = &options.selection {
+        table = choice::chosen((set, band), table, selection)?;
+    }
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);

@@ -16,6 +16,8 @@
 
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
+
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
@@ -23,7 +25,8 @@ use super::automatic::Fit;
 use super::indicator::Indicator;
 use super::receptance::Receptances;
 use super::refine::Stop;
-use super::search;
+use super::roots::Root;
+use super::search::{self, Found};
 use super::several::completed;
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, Stabilised, roots_of, sharpened};
@@ -73,6 +76,37 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         table.stabilization = listed(own, &table.candidates);
         Ok(table)
     }
+}
+
+/// The modes of known poles, rad/s: residues and deviations, and nothing is dropped.
+///
+/// # Errors
+/// [`IdentifyError`] when set and band do not go together.
+pub(super) fn at_poles(
+    set: &FrfSet,
+    band: Band,
+    poles: &[Complex64],
+) -> Result<PoleTable, IdentifyError> {
+    let data = Receptances::guarded(set, band)?;
+    let sides = Sides::new(set.functions());
+    let several = sides.complete() && sides.inputs > 1;
+    let functions = data.functions();
+    let mut fit = Fit::new(data, sides.as_one_input(), MethodOptions::default());
+    fit.fixed = true;
+    let root = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    fit.roots = poles.iter().map(root).collect();
+    fit.residues();
+    fit.measure_noise();
+    if several {
+        share_out(&mut fit, sides);
+    }
+    fit.residues();
+    let mut table = fit.table((set, band), &Found::default());
+    let references = set.references().len();
+    for candidate in &mut table.candidates {
+        complete(candidate, &[], (&fit, references));
+    }
+    Ok(table)
 }
 
 /// Replaces poles whose residues are free by roots with participation factors, as many as the residues show.

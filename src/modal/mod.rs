@@ -4,10 +4,12 @@ mod complexity;
 mod mac;
 mod model;
 mod pole;
+mod selection;
 mod shape;
 
 pub use complexity::modal_phase_collinearity;
 pub use mac::{mac, modal_scale_factor};
 pub use model::{InputFile, ModalModel, Mode, Scaling};
 pub use pole::Pole;
+pub use selection::{PoleSelection, SelectedPole};
 pub use shape::ModeShape;
