@@ -194,6 +194,9 @@ pub struct IdentifyArgs {
     /// Write the poles of all model orders here (.csv).
     #[arg(long, value_name = "FILE")]
     pub stabilization: Option<PathBuf>,
+    /// Write the mode indicator functions here (.csv): sum of FRFs, NMIF, CMIF, MvMIF.
+    #[arg(long, value_name = "FILE")]
+    pub indicators: Option<PathBuf>,
     /// Use these references alone.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,

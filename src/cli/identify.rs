@@ -7,8 +7,13 @@ use crate::finding::Code;
 use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
 use crate::io::{modes_to_json, read_selection, sha256_hex, write_whole};
 use crate::modal::InputFile;
-use crate::report::{Block, CsvText, Renderer, modes_block, stabilization_block};
-use crate::scene::{FilePlan, IngestOptions, SceneError, identify_sets, ingest_files};
+use crate::report::{
+    Block, CsvText, INDICATOR_DEFINITIONS, Renderer, indicators_block, modes_block,
+    stabilization_block,
+};
+use crate::scene::{
+    FilePlan, IngestOptions, SceneError, identify_sets, indicators_of_sets, ingest_files,
+};
 
 use super::Outcome;
 use super::args::IdentifyArgs;
@@ -22,6 +27,7 @@ pub fn identify(
 ) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), MODES)?;
     check_extension(args.stabilization.as_deref(), &["csv"])?;
+    check_extension(args.indicators.as_deref(), &["csv"])?;
     let name = args.inputs[0].display().to_string();
     let options = options(args)?;
     check_order(args, &options, &name)?;
@@ -69,6 +75,11 @@ pub fn identify(
     output.blocks(&[modes_block(&name, &modes)]);
     if let Some(path) = &args.stabilization {
         write_csv(path, stabilization_block(&name, &own.stabilization))?;
+    }
+    if let Some(path) = &args.indicators {
+        let own = indicators_of_sets(&data.frfs, &options, &name)?;
+        write_csv(path, indicators_block(&name, &own))?;
+        output.blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
     output.json(|| json);
     output.findings(&modes.findings);

@@ -44,6 +44,7 @@ mod error;
 #[cfg(test)]
 mod hump_tests;
 mod indicator;
+mod indicators;
 mod line;
 mod linearised;
 mod lsce;
@@ -106,6 +107,7 @@ use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Pole, PoleSelection};
 
 pub use error::IdentifyError;
+pub use indicators::{Indicators, indicators};
 
 /// Options that an estimator is built with.
 #[derive(Clone, Copy, Debug, PartialEq)]

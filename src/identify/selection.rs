@@ -6,7 +6,9 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfSet, FunctionData};
-use crate::modal::{ModalModel, Mode, Pole, modal_phase_collinearity};
+use crate::modal::{
+    ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
+};
 
 use super::parts;
 use super::shape::{self, Residues, ScaledShape};
@@ -67,7 +69,11 @@ pub(super) fn modal_model(
     let mut findings = table.findings;
     let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
     for candidate in &table.candidates {
-        let (modes, finding) = modes_of_root(set, method, candidate)?;
+        let (mut modes, finding) = modes_of_root(set, method, candidate)?;
+        let lines = candidate.pole.half_power_width_hz() / set.axis().step_hz;
+        modes
+            .iter_mut()
+            .for_each(|mode| mode.half_power_lines = Some(lines));
         roots.push(modes);
         findings.extend(finding);
     }
@@ -76,6 +82,7 @@ pub(super) fn modal_model(
     for (group, modes) in (1..).zip(repeated) {
         modes.iter_mut().for_each(|mode| mode.group = Some(group));
     }
+    put_overlap(&mut roots);
     let modes = roots.into_iter().flatten().collect();
     Ok(ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -86,6 +93,27 @@ pub(super) fn modal_model(
         modes,
         findings,
     })
+}
+
+/// Half-power width over the mean distance to the roots on either side, of every mode with a neighbour: 1 and more where resonances
+/// run into each other.
+fn put_overlap(roots: &mut [Vec<Mode>]) {
+    let hz: Vec<f64> = roots.iter().map(|modes| modes[0].frequency_hz).collect();
+    for (j, modes) in roots.iter_mut().enumerate() {
+        let below = j.checked_sub(1).map(|i| hz[j] - hz[i]);
+        let above = hz.get(j + 1).map(|next| next - hz[j]);
+        let distance = match (below, above) {
+            (Some(a), Some(b)) => Some(0.5 * (a + b)),
+            (one, other) => one.or(other),
+        };
+        for mode in modes {
+            let width = mode.pole().map(|pole| pole.half_power_width_hz());
+            let overlap = width
+                .zip(distance)
+                .map(|(width, distance)| width / distance);
+            mode.modal_overlap = overlap.filter(|value| value.is_finite());
+        }
+    }
 }
 
 /// The modes of one pole, with what is to be said of them.
@@ -152,6 +180,8 @@ fn mode(
         mpc: modal_phase_collinearity(&components),
         method: Some(method.to_owned()),
         order: candidate.order,
+        mean_phase_rad: mean_phase(&components),
+        mean_phase_deviation_rad: mean_phase_deviation(&components),
         ..Mode::new(pole.natural_frequency_hz(), damping, shape, scaling)
     }
 }

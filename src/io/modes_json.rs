@@ -61,6 +61,10 @@ struct ModeJson {
     mpc: Option<f64>,
     method: Option<String>,
     order: Option<usize>,
+    mean_phase_rad: Option<f64>,
+    mean_phase_deviation_rad: Option<f64>,
+    modal_overlap: Option<f64>,
+    half_power_lines: Option<f64>,
 }
 
 /// `response|reference`.
@@ -147,6 +151,10 @@ fn mode_json(mode: &Mode) -> ModeJson {
         mpc: mode.mpc,
         method: mode.method.clone(),
         order: mode.order,
+        mean_phase_rad: mode.mean_phase_rad,
+        mean_phase_deviation_rad: mode.mean_phase_deviation_rad,
+        modal_overlap: mode.modal_overlap,
+        half_power_lines: mode.half_power_lines,
     }
 }
 
@@ -259,6 +267,10 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
         mpc: mode.mpc,
         method: mode.method,
         order: mode.order,
+        mean_phase_rad: mode.mean_phase_rad,
+        mean_phase_deviation_rad: mode.mean_phase_deviation_rad,
+        modal_overlap: mode.modal_overlap,
+        half_power_lines: mode.half_power_lines,
     })
 }
 
@@ -279,6 +291,10 @@ mod tests {
             let mut mode = Mode::new(f, Some(zeta), shape, Scaling::UnitMax);
             mode.residues.insert((dof("2:-X"), dof("1:+Z")), Complex64::new(im, re));
             mode.frequency_std_hz = Some(re.abs());
+            mode.mean_phase_rad = Some(zeta);
+            mode.mean_phase_deviation_rad = Some(re.abs());
+            mode.modal_overlap = Some(f);
+            mode.half_power_lines = Some(f * zeta);
             let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(f)).value(re, "Hz");
             let model = ModalModel {
                 producer: "test".to_owned(),

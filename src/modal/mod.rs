@@ -7,7 +7,7 @@ mod pole;
 mod selection;
 mod shape;
 
-pub use complexity::modal_phase_collinearity;
+pub use complexity::{mean_phase, mean_phase_deviation, modal_phase_collinearity};
 pub use mac::{mac, modal_scale_factor};
 pub use model::{InputFile, ModalModel, Mode, Scaling};
 pub use pole::Pole;

@@ -63,6 +63,14 @@ pub struct Mode {
     pub method: Option<String>,
     /// Model order at which it was found.
     pub order: Option<usize>,
+    /// Mean phase of the shape, rad.
+    pub mean_phase_rad: Option<f64>,
+    /// Mean phase deviation of the shape, rad.
+    pub mean_phase_deviation_rad: Option<f64>,
+    /// Half-power width over the mean distance to the neighbouring modes; `None` for a mode without neighbours.
+    pub modal_overlap: Option<f64>,
+    /// Frequency lines across the half-power band of the pole as measured, the damping of an exponential window included.
+    pub half_power_lines: Option<f64>,
 }
 
 impl Mode {
@@ -88,6 +96,10 @@ impl Mode {
             mpc: None,
             method: None,
             order: None,
+            mean_phase_rad: None,
+            mean_phase_deviation_rad: None,
+            modal_overlap: None,
+            half_power_lines: None,
         }
     }
 

@@ -8,6 +8,7 @@ mod compare;
 mod comparison;
 mod csv_text;
 mod frf;
+mod indicators;
 pub mod json;
 mod latex;
 mod markdown;
@@ -25,6 +26,7 @@ pub use comparison::{
 };
 pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
+pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use latex::Latex;
 pub use markdown::Markdown;
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};

@@ -15,6 +15,10 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         Column::number("damping (%)"),
         Column::number("std damping (%)"),
         Column::number("MPC"),
+        Column::number("MPD (°)"),
+        Column::number("mean phase (°)"),
+        Column::number("overlap"),
+        Column::number("lines"),
         Column::number("DOFs"),
         Column::text("method"),
         Column::text("remark"),
@@ -28,13 +32,21 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
             Cell::number(percent(mode.damping_ratio), 4),
             Cell::number(percent(mode.damping_std), 4),
             Cell::number(mode.mpc, 4),
+            Cell::number(mode.mean_phase_deviation_rad.map(f64::to_degrees), 1),
+            Cell::number(mode.mean_phase_rad.map(f64::to_degrees), 1),
+            Cell::number(mode.modal_overlap, 3),
+            Cell::number(mode.half_power_lines, 1),
             Cell::text(mode.shape.len().to_string()),
             mode.method.clone().map_or(Cell::Missing, Cell::Text),
             Cell::text(remarks(model, mode)),
         ]
     };
     let mut footnotes =
-        vec!["f: natural frequency |λ|/2π; std: one standard deviation.".to_owned()];
+        vec![
+            "f: natural frequency |λ|/2π; std: one standard deviation.".to_owned(),
+            "MPC: 1 for a shape on one line of the complex plane, 0 for a circle; mean phase: ½ arg Σφ²; MPD: mean angle from it, weighted by |φ|.".to_owned(),
+            "overlap: half-power width 2ζf over the mean distance to the neighbouring modes; lines: frequency lines across the half-power band as measured.".to_owned(),
+        ];
     if let Some(band) = model.band {
         footnotes.push(format!(
             "Band searched: {} to {} Hz.",

@@ -8,7 +8,7 @@ use crate::correlate::{
 };
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfError, FrfSet, HitReport, hammer};
-use crate::identify::{Identification, IdentifyOptions, identification};
+use crate::identify::{Identification, IdentifyOptions, Indicators, identification, indicators};
 use crate::io::{modes_to_json, sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::theory::{ModeOptions, ModelRoot};
@@ -405,6 +405,21 @@ pub fn identify_sets(
     findings.append(&mut model.findings);
     model.findings = findings;
     Ok(own)
+}
+
+/// Mode indicator functions of the FRFs of one test.
+///
+/// # Errors
+/// As [`identify_sets`].
+pub fn indicators_of_sets(
+    sets: &[FrfSet],
+    options: &IdentifyOptions,
+    test: &str,
+) -> Result<Indicators, SceneError> {
+    indicators(of_one_axis(sets, test)?, options).map_err(|source| SceneError::Identify {
+        test: test.to_owned(),
+        source: Box::new(source),
+    })
 }
 
 fn of_one_axis<'a>(sets: &'a [FrfSet], test: &str) -> Result<&'a FrfSet, SceneError> {

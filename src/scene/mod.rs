@@ -24,7 +24,8 @@ mod typed;
 mod expected_tests;
 
 pub use chain::{
-    Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets, run,
+    Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets,
+    indicators_of_sets, run,
 };
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};

@@ -9,6 +9,7 @@ mod free_free_beam;
 mod gate;
 mod hit_command;
 mod hits;
+mod identify_command;
 mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]

@@ -1,0 +1,153 @@
+//! `identify` with every method, with a choice of poles, with the poles of all orders, with indicators.
+
+use std::path::Path;
+
+use modalign::identify::ESTIMATORS;
+use serde_json::Value;
+
+use crate::command::{fail, json, modalign, succeed, write};
+
+const SPEC: &str = r#"schema = "modalign-synth/1"
+title = "two masses"
+seed = 5
+averages = 5
+truth = { modes = "truth.json" }
+record = { sampling_rate_hz = 2048, samples = 8192, pretrigger_s = 0.1, response = "acceleration" }
+pulse = { duration_s = 2e-3, peak_n = 100, peak_spread = 0.2 }
+noise = { force_snr_db = 70, response_snr_db = 60 }
+[[hit]]
+dofs = ["1:+Z"]
+responses = ["1:+Z", "2:+Z"]
+"#;
+const TRUTH: &str = r#"{"schema": "modalign-modes/1", "modes": [
+{"frequency_hz": 60.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [1, 0], "2:+Z": [0.7, 0]}},
+{"frequency_hz": 210.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [0.8, 0], "2:+Z": [-1, 0]}}]}"#;
+
+fn text(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
+
+/// FRFs of a synthetic hammer test.
+fn frfs(folder: &Path) -> String {
+    write(folder, &[("truth.json", TRUTH), ("spec.toml", SPEC)]);
+    let (hits, frfs) = (folder.join("hits.uff"), folder.join("frfs.h5"));
+    succeed([
+        "synth",
+        &text(&folder.join("spec.toml")),
+        "-o",
+        &text(&hits),
+    ]);
+    succeed(["frf", &text(&hits), "-o", &text(&frfs)]);
+    text(&frfs)
+}
+
+fn frequencies(modes: &Value) -> Vec<f64> {
+    let modes = modes["modes"].as_array().unwrap().iter();
+    modes
+        .map(|mode| mode["frequency_hz"].as_f64().unwrap())
+        .collect()
+}
+
+#[test]
+fn every_method_finds_both_modes_of_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    for method in ESTIMATORS.iter().map(|entry| entry.name) {
+        let own = succeed([
+            "--json", "identify", &frfs, "--band", "20:400", "--method", method,
+        ]);
+        let own: Value = serde_json::from_str(&own).unwrap();
+        let found = frequencies(&own);
+        assert_eq!(found.len(), 2, "{method} {found:?}");
+        for (hz, truth) in found.iter().zip([60.0, 210.0]) {
+            assert!((hz / truth - 1.0).abs() < 1e-3, "{method} {hz}");
+        }
+        let mode = &own["modes"][0];
+        assert!(mode["half_power_lines"].as_f64().unwrap() > 3.0);
+        assert!(mode["mean_phase_deviation_rad"].as_f64().unwrap() < 0.05);
+    }
+}
+
+#[test]
+fn a_file_chooses_poles_and_tells_what_it_cannot_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let chosen = r#"{"schema": "modalign-selection/1", "poles": [{"frequency_hz": 209.5}]}"#;
+    let missed = r#"{"schema": "modalign-selection/1", "tolerance_hz": 1, "poles": [{"frequency_hz": 60.2}, {"frequency_hz": 120}]}"#;
+    write(folder.path(), &[("a.json", chosen), ("b.json", missed)]);
+    let out = folder.path().join("modes.json");
+    let run = |selection: &str| {
+        let selection = text(&folder.path().join(selection));
+        modalign([
+            "identify",
+            &frfs,
+            "--band",
+            "20:400",
+            "--method",
+            "lscf",
+            "--selection",
+            &selection,
+            "-o",
+            &text(&out),
+        ])
+    };
+    assert_eq!(run("a.json").status.code(), Some(0));
+    let found = frequencies(&json(&out));
+    assert!(
+        found.len() == 1 && (found[0] - 210.0).abs() < 0.2,
+        "{found:?}"
+    );
+    let output = run("b.json");
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("selection-missed"), "{error}");
+    assert_eq!(frequencies(&json(&out)).len(), 1);
+}
+
+#[test]
+fn poles_of_all_orders_and_indicators_are_written_as_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let (poles, lines) = (
+        folder.path().join("poles.csv"),
+        folder.path().join("lines.csv"),
+    );
+    let printed = succeed([
+        "identify",
+        &frfs,
+        "--band",
+        "20:400",
+        "--method",
+        "lscf",
+        "--order",
+        "20",
+        "--stabilization",
+        &text(&poles),
+        "--indicators",
+        &text(&lines),
+    ]);
+    assert!(printed.contains("MvMIF: eigenvalues"), "{printed}");
+    let poles = std::fs::read_to_string(poles).unwrap();
+    assert!(poles.starts_with("order,f (Hz),damping (%),status"));
+    let order = |line: &str| line.split(',').next().unwrap().parse::<usize>().unwrap();
+    assert_eq!(poles.lines().skip(1).map(order).max(), Some(20));
+    let chosen = poles.lines().filter(|line| line.ends_with(",chosen"));
+    assert_eq!(chosen.count(), 2);
+    let lines = std::fs::read_to_string(lines).unwrap();
+    let head = "f (Hz),sum of FRFs (m/(N s)),NMIF,CMIF 1 (m/(N s)),MvMIF 1";
+    assert_eq!(lines.lines().next(), Some(head));
+    // 4 s of record: lines every 0.25 Hz, both ends of the band in.
+    assert_eq!(lines.lines().count(), 1 + 4 * 380 + 1);
+}
+
+#[test]
+fn what_a_method_does_not_have_cannot_be_asked_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let poles = text(&folder.path().join("poles.csv"));
+    let circle = ["identify", &frfs, "--method", "circle"];
+    let error = fail(circle.into_iter().chain(["--order", "20"]));
+    assert!(error.contains("lscf"), "{error}");
+    let error = fail(circle.into_iter().chain(["--stabilization", &poles]));
+    assert!(error.contains("--stabilization"), "{error}");
+}
