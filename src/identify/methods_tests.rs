@@ -5,6 +5,9 @@ use super::{IdentifyOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
 use crate::modal::{ModalModel, Mode, Pole};
 
+/// Natural frequency in Hz, damping ratio and shape of a true mode.
+type Truth = (f64, f64, Vec<f64>);
+
 fn with_band(method: &str, band: Option<Band>) -> IdentifyOptions {
     IdentifyOptions {
         method: method.to_owned(),
@@ -14,16 +17,13 @@ fn with_band(method: &str, band: Option<Band>) -> IdentifyOptions {
 }
 
 /// Distance of the pole of a mode to the true one, over its magnitude.
-fn error(truth: &(f64, f64, Vec<f64>), mode: &Mode) -> f64 {
+fn error(truth: &Truth, mode: &Mode) -> f64 {
     let lambda = Pole::from_frequency(truth.0, truth.1).lambda;
     (mode.pole().unwrap().lambda - lambda).norm() / lambda.norm()
 }
 
 /// True modes with those found, as many.
-fn pairs<'a>(
-    structure: &'a Structure,
-    model: &'a ModalModel,
-) -> Vec<(&'a (f64, f64, Vec<f64>), &'a Mode)> {
+fn pairs<'a>(structure: &'a Structure, model: &'a ModalModel) -> Vec<(&'a Truth, &'a Mode)> {
     let found: Vec<_> = model
         .modes
         .iter()

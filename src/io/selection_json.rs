@@ -81,7 +81,7 @@ pub fn selection_from_json(text: &str, path: &str) -> Result<PoleSelection, IoEr
     if file.poles.is_empty() {
         return Err(error(1, 1, "no pole".to_owned()));
     }
-    if let Some(got) = file.tolerance_hz.filter(|value| !(*value > 0.0)) {
+    if let Some(got) = file.tolerance_hz.filter(|value| *value <= 0.0) {
         return Err(error(1, 1, format!("tolerance_hz {got}")));
     }
     let numbered = file.poles.into_iter().enumerate();
@@ -95,7 +95,7 @@ pub fn selection_from_json(text: &str, path: &str) -> Result<PoleSelection, IoEr
 }
 
 fn selected(pole: SelectedJson) -> Result<SelectedPole, String> {
-    if !(pole.frequency_hz > 0.0) {
+    if pole.frequency_hz <= 0.0 {
         let got = pole.frequency_hz;
         return Err(format!("frequency_hz {got}, expected more than 0"));
     }
