@@ -15,7 +15,7 @@
 //! figure of merit.
 //!
 //! Reference: Dobson (1987), A straight-line technique for extracting modal properties from frequency response data, MSSP 1(1); Ewins
-//! (2000), Modal Testing, 2nd ed., section 4.3.4.
+//! (2000), Modal Testing, 2nd ed., chapter 4.
 
 use num_complex::Complex64;
 

@@ -17,7 +17,7 @@
 //! undone before a natural frequency is formed.
 //!
 //! *Limit.* These are normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not
-//! consistent (noise is on the regressors), which is why it only starts a refinement (`refine`).
+//! consistent (noise is on the regressors): it starts a refinement (`refine`), and as a method of its own says how far it is off (`multi`).
 //!
 //! References: Guillaume, Verboven, Vanlanduit, Van der Auweraer and Peeters (2003), A poly-reference implementation of the
 //! least-squares complex frequency-domain estimator, IMAC 21; Cauberghe, Guillaume, Verboven, Vanlanduit and Parloo (2005), On

@@ -16,7 +16,7 @@
 //! Once poles are known, lines are weighted by one over their product, which is what a denominator makes of the noise of its line.
 //!
 //! References: Richardson and Formenti (1982), Parameter estimation from frequency response measurements using rational fraction
-//! polynomials, IMAC 1; Forsythe (1957), J. SIAM 5(2); Van Huffel and Vandewalle (1991), The Total Least Squares Problem, chapter 10;
+//! polynomials, IMAC 1; Forsythe (1957), J. SIAM 5(2); Van Huffel and Vandewalle (1991), The Total Least Squares Problem;
 //! Sanathanan and Koerner (1963), IEEE Trans. Automatic Control 8(1); Brubeck, Nakatsukasa and Trefethen (2021), Vandermonde with
 //! Arnoldi, SIAM Review 63(2).
 

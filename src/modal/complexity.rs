@@ -24,7 +24,7 @@ pub fn modal_phase_collinearity(shape: &[Complex64]) -> Option<f64> {
 /// direction.
 ///
 /// # Reference
-/// Heylen, Lammens and Sas (1997), Modal Analysis Theory and Testing, section A.5, in its closed form for least squares of distances
+/// Heylen, Lammens and Sas (1997), Modal Analysis Theory and Testing, in its closed form for least squares of distances
 /// from a line.
 pub fn mean_phase(shape: &[Complex64]) -> Option<f64> {
     let squares: Complex64 = shape.iter().map(|v| v * v).sum();
@@ -38,7 +38,7 @@ pub fn mean_phase(shape: &[Complex64]) -> Option<f64> {
 /// `Σ |φ| acos(|Re φ e^{−iθ}|/|φ|) / Σ |φ|` with the mean phase θ. `None` where there is no mean phase, or for fewer than two components.
 ///
 /// # Reference
-/// Heylen, Lammens and Sas (1997), Modal Analysis Theory and Testing, section A.5; with weights: Reynders, Houbrechts and De Roeck
+/// Heylen, Lammens and Sas (1997), Modal Analysis Theory and Testing; with weights: Reynders, Houbrechts and De Roeck
 /// (2012), Fully automated (operational) modal analysis, MSSP 29.
 pub fn mean_phase_deviation(shape: &[Complex64]) -> Option<f64> {
     let turn = Complex64::cis(-mean_phase(shape)?);
