@@ -1,10 +1,19 @@
 //! The only place that names a matrix crate. Everything runs on the calling thread, as callers parallelise over problems, but
 //! products that say otherwise.
 
-use faer::linalg::solvers::SolveLstsq;
+mod lanczos;
+mod ritz;
+mod sparse;
+#[cfg(test)]
+mod sparse_tests;
+
+use faer::linalg::solvers::{Solve, SolveLstsq};
 use faer::{Mat, Side, c64};
 use num_complex::Complex64;
 use rayon::prelude::*;
+
+pub use lanczos::{SparseModes, Wanted, sparse_modes};
+pub use sparse::SparseMatrix;
 
 /// Vector of three, for positions and directions.
 pub type Vector3 = nalgebra::Vector3<f64>;
@@ -29,6 +38,36 @@ pub enum LinalgError {
     NotPositiveDefinite {
         /// Its size.
         size: usize,
+    },
+    /// An entry beyond the edge of a matrix.
+    #[error("got an entry at row {row}, column {column} (from 0), expected both below {size}")]
+    OutsideMatrix {
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        column: usize,
+        /// Rows and columns of the matrix.
+        size: usize,
+    },
+    /// More modes than can be computed.
+    #[error(
+        "got {got} modes that are asked for, expected at most {most}: a narrower band or a smaller count"
+    )]
+    TooManyModes {
+        /// Asked for.
+        got: usize,
+        /// The most.
+        most: usize,
+    },
+    /// Another number of modes than are counted by inertia.
+    #[error(
+        "got {found} converged modes, expected {needed} by the count of eigenvalues below the limit"
+    )]
+    ModesMissing {
+        /// Converged.
+        found: usize,
+        /// Counted.
+        needed: usize,
     },
     /// An iteration that did not converge.
     #[error("{what} of a {rows} x {columns} matrix did not converge")]
@@ -111,6 +150,16 @@ pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
 pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Vec<f64> {
     let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
     a.qr().solve_lstsq(&rhs).col(0).iter().copied().collect()
+}
+
+/// `A^-1 B` of a symmetric positive definite matrix, by Cholesky.
+///
+/// # Errors
+/// [`LinalgError::NotPositiveDefinite`].
+pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, LinalgError> {
+    let factor = a.llt(Side::Lower);
+    let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
+    Ok(factor.solve(b))
 }
 
 /// Lower Cholesky factor `L` of a Hermitian positive definite matrix, `A = L Lᴴ`.

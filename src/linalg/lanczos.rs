@@ -1,0 +1,416 @@
+//! The lowest modes of a sparse symmetric pair: block Lanczos on the shifted and inverted pair, held to a count.
+//!
+//! `(K + s M)^-1 M phi = theta phi` with `theta = 1 / (omega^2 + s)` is self-adjoint in the inner product of M; its
+//! largest eigenvalues are the lowest modes. A block finds as many modes of a repeated root as it is wide; how many there
+//! are below a limit is counted by the inertia of `K - limit M`, and where some are missing the block is widened by new
+//! vectors until all are there.
+//!
+//! # Reference
+//! Grimes, Lewis and Simon (1994), A shifted block Lanczos algorithm for solving sparse symmetric generalized
+//! eigenproblems, SIAM Journal on Matrix Analysis and Applications 15, 228; Ericsson and Ruhe (1980), The spectral
+//! transformation Lanczos method, Mathematics of Computation 35, 1251.
+
+use faer::{Mat, Side};
+
+use super::ritz::{Goal, Ritz};
+use super::sparse::{Cholesky, Pencil, SparseMatrix};
+use super::{LinalgError, RealMatrix};
+
+/// Width of the first block: wide enough for the double roots of symmetric structures, and the widest that costs no more
+/// time for single roots.
+const BLOCK: usize = 4;
+/// A pair is converged when its residual is below this part of its theta; the error of theta is the square of it.
+const CONVERGED: f64 = 1e-11;
+/// What is left of a vector without its parts along others counts as nothing below this part of it.
+const DEPENDENT: f64 = 1e-12;
+/// The first shift as a part of the least `K_ii / M_ii`, which no lowest eigenvalue exceeds.
+const FIRST_SHIFT: f64 = 1e-9;
+/// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
+const SHIFT_TRIES: usize = 6;
+/// Blocks before new vectors are asked for again.
+const PATIENCE: usize = 8;
+
+/// Which modes of a sparse pair are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// So many of the lowest, and the others of the last one's repeated root.
+    Lowest(usize),
+    /// All with omega² below this, (rad/s)².
+    Below(f64),
+}
+
+/// Lowest eigenvalues and vectors of `K phi = omega^2 M phi`, none missing.
+#[derive(Clone, Debug)]
+pub struct SparseModes {
+    /// Eigenvalues omega², ascending, (rad/s)².
+    pub omega_squared: Vec<f64>,
+    /// Mass-normalised vectors, one per column.
+    pub vectors: RealMatrix,
+    /// The limit below which the eigenvalues were counted, (rad/s)²; `None` where these are all there are.
+    pub counted_below: Option<f64>,
+    /// Vectors to which the shifted and inverted pair was applied.
+    pub solves: usize,
+}
+
+/// The lowest modes of a sparse symmetric pair, M positive definite and K positive semidefinite; only the lower triangles
+/// are factored, both must be given.
+///
+/// The vectors are exact to about 1e-11 over the relative gap of their root to the next; the number of modes is that of
+/// the eigenvalues below a limit by inertia ([`SparseModes::counted_below`]).
+///
+/// # Errors
+/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotPositiveDefinite`] for a stiffness that is not
+/// semidefinite; [`LinalgError::TooManyModes`] when more than `most` are wanted; [`LinalgError::ModesMissing`] when the
+/// iteration does not find as many as are counted.
+pub fn sparse_modes(
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
+    wanted: Wanted,
+    most: usize,
+) -> Result<SparseModes, LinalgError> {
+    let pencil = Pencil::new(stiffness, mass)?;
+    let size = mass.size();
+    pencil
+        .cholesky(0.0, -1.0)
+        .map_err(|_| LinalgError::MassNotPositiveDefinite { size })?;
+    let mut goal = match wanted {
+        Wanted::Lowest(count) => Goal::Lowest(count.min(size)),
+        Wanted::Below(limit) => Goal::counted(&pencil, limit)?,
+    };
+    let got = match goal {
+        Goal::Lowest(count) | Goal::Below { count, .. } => count,
+    };
+    if got > most {
+        return Err(LinalgError::TooManyModes { got, most });
+    }
+    let (shift, factor) = first_factor(&pencil, stiffness, mass)?;
+    let mut run = Run::new(&factor, mass, shift);
+    let first = run.until(&pencil, &mut goal, true)?;
+    let Some(elastic) = first.better_shift else {
+        return Ok(first.found);
+    };
+    let factor = pencil.cholesky(1.0, -elastic)?;
+    let mut run = Run::new(&factor, mass, elastic);
+    Ok(run.until(&pencil, &mut goal, false)?.found)
+}
+
+/// The least shift with which the stiffness is positive definite to working precision, with its factor.
+fn first_factor<'a>(
+    pencil: &'a Pencil,
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
+) -> Result<(f64, Cholesky<'a>), LinalgError> {
+    let ratios = (0..mass.size()).map(|i| stiffness.get(i, i) / mass.get(i, i));
+    let least = ratios.filter(|ratio| *ratio > 0.0).fold(f64::MAX, f64::min);
+    let mut shift = if least < f64::MAX {
+        FIRST_SHIFT * least
+    } else {
+        1.0
+    };
+    for _ in 1..SHIFT_TRIES {
+        if let Ok(factor) = pencil.cholesky(1.0, -shift) {
+            return Ok((shift, factor));
+        }
+        shift *= 100.0;
+    }
+    Ok((shift, pencil.cholesky(1.0, -shift)?))
+}
+
+/// How a run ended.
+struct Ended {
+    found: SparseModes,
+    /// A shift with which the elastic modes are exact, where rigid-body modes hide them; nothing is found then.
+    better_shift: Option<f64>,
+}
+
+/// The iteration with one factor.
+struct Run<'a> {
+    factor: &'a Cholesky<'a>,
+    mass: &'a SparseMatrix,
+    shift: f64,
+    /// The basis, orthonormal with respect to the mass: the first `filled` columns.
+    basis: RealMatrix,
+    filled: usize,
+    /// `V^T M (K + s M)^-1 M V`.
+    projected: RealMatrix,
+    /// The next block, and what it takes of the last one: `(K + s M)^-1 M Q_last = V C + Q_next R`.
+    next: RealMatrix,
+    remainder: RealMatrix,
+    random: SplitMix,
+}
+
+impl<'a> Run<'a> {
+    fn new(factor: &'a Cholesky<'a>, mass: &'a SparseMatrix, shift: f64) -> Self {
+        let n = mass.size();
+        let mut run = Self {
+            factor,
+            mass,
+            shift,
+            basis: Mat::zeros(n, 64.min(n)),
+            filled: 0,
+            projected: Mat::zeros(0, 0),
+            next: Mat::zeros(n, 0),
+            remainder: Mat::zeros(0, 0),
+            random: SplitMix(0),
+        };
+        run.widen(BLOCK.min(n));
+        run
+    }
+
+    fn until(
+        &mut self,
+        pencil: &Pencil,
+        goal: &mut Goal,
+        first: bool,
+    ) -> Result<Ended, LinalgError> {
+        let size = self.mass.size();
+        let (mut looked, mut wait) = (0, PATIENCE);
+        loop {
+            self.step();
+            let finished = self.filled == size || self.next.ncols() == 0;
+            let needed = match *goal {
+                Goal::Lowest(count) | Goal::Below { count, .. } => count,
+            };
+            wait = wait.saturating_sub(1);
+            let early = first && self.filled < size && looked == 0 && self.filled >= 5 * BLOCK;
+            let due = self.filled >= needed && self.filled >= looked + looked / 20 + BLOCK;
+            if !(finished || early || due) {
+                continue;
+            }
+            looked = self.filled;
+            let ritz = self.ritz()?;
+            if let Some(shift) = ritz.shift_past_rigid(self.shift).filter(|_| first) {
+                return Ok(Ended {
+                    better_shift: Some(shift),
+                    found: self.modes(&ritz, 0, None),
+                });
+            }
+            if self.filled == size {
+                return Ok(Ended {
+                    better_shift: None,
+                    found: self.modes(&ritz, ritz.within(goal), None),
+                });
+            }
+            if let Some((count, limit)) = ritz.settled(pencil, goal)? {
+                return Ok(Ended {
+                    better_shift: None,
+                    found: self.modes(&ritz, count, Some(limit)),
+                });
+            }
+            if self.filled >= self.most(needed) {
+                let found = ritz.converged;
+                return Err(LinalgError::ModesMissing { found, needed });
+            }
+            let missing = ritz.missing(goal);
+            if self.next.ncols() == 0 || missing > 0 && wait == 0 {
+                self.widen(missing.clamp(1, 2 * BLOCK));
+                wait = PATIENCE;
+            }
+        }
+    }
+
+    /// Vectors that are kept at most: many times what a converging iteration needs.
+    fn most(&self, needed: usize) -> usize {
+        (20 * needed + 400).min(self.mass.size())
+    }
+
+    /// Takes the next block into the basis and applies the operator to it.
+    fn step(&mut self) {
+        let block = std::mem::replace(&mut self.next, Mat::zeros(0, 0));
+        let (first, width) = (self.filled, block.ncols());
+        self.reserve(first + width);
+        self.basis
+            .subcols_mut(first, width)
+            .copy_from(block.as_ref());
+        self.filled += width;
+        let mut image = self.mass.multiply(&block);
+        self.factor.solve(&mut image);
+        let before = self.norms(&image);
+        let along = self.project_out(&mut image);
+        for j in 0..width {
+            for i in 0..self.filled {
+                self.projected[(i, first + j)] = along[(i, j)];
+                self.projected[(first + j, i)] = along[(i, j)];
+            }
+        }
+        (self.next, self.remainder) = self.orthonormal(image, &before);
+    }
+
+    /// Room for so many vectors.
+    fn reserve(&mut self, vectors: usize) {
+        let (n, have) = (self.mass.size(), self.basis.ncols());
+        if vectors > have {
+            let mut larger = Mat::zeros(n, (2 * have).max(vectors).min(n));
+            larger.subcols_mut(0, have).copy_from(self.basis.as_ref());
+            self.basis = larger;
+        }
+        let have = self.projected.nrows();
+        if vectors > have {
+            let room = self.basis.ncols();
+            let old = std::mem::replace(&mut self.projected, Mat::zeros(room, room));
+            self.projected
+                .submatrix_mut(0, 0, have, have)
+                .copy_from(old.as_ref());
+        }
+    }
+
+    /// Norms of columns in the inner product of the mass.
+    fn norms(&self, block: &RealMatrix) -> Vec<f64> {
+        let moved = self.mass.multiply(block);
+        let square = |j: usize| dot(block, j, &moved, j);
+        (0..block.ncols())
+            .map(|j| square(j).max(0.0).sqrt())
+            .collect()
+    }
+
+    /// Takes the parts along the basis out of a block, twice, so that the rounding of the first time goes as well.
+    fn project_out(&self, block: &mut RealMatrix) -> RealMatrix {
+        let basis = self.basis.subcols(0, self.filled);
+        let mut total = Mat::zeros(self.filled, block.ncols());
+        for _ in 0..2 {
+            let along = basis.transpose() * self.mass.multiply(block);
+            *block -= basis * &along;
+            total += along;
+        }
+        total
+    }
+
+    /// `block = Q R` with `Q^T M Q = I`; columns that depend on those before, or were such before the projection, are left
+    /// out of Q.
+    fn orthonormal(&self, mut block: RealMatrix, before: &[f64]) -> (RealMatrix, RealMatrix) {
+        let width = block.ncols();
+        let mut moved = self.mass.multiply(&block);
+        let mut r = Mat::zeros(width, width);
+        let mut kept: Vec<usize> = Vec::new();
+        for j in 0..width {
+            for _ in 0..2 {
+                for (row, &i) in kept.iter().enumerate() {
+                    let part = dot(&block, i, &moved, j);
+                    r[(row, j)] += part;
+                    subtract(&mut block, j, i, part);
+                    subtract(&mut moved, j, i, part);
+                }
+            }
+            let norm = dot(&block, j, &moved, j).max(0.0).sqrt();
+            if norm > DEPENDENT * before[j] {
+                r[(kept.len(), j)] = norm;
+                scale(&mut block, j, 1.0 / norm);
+                scale(&mut moved, j, 1.0 / norm);
+                kept.push(j);
+            }
+        }
+        let q = Mat::from_fn(block.nrows(), kept.len(), |i, j| block[(i, kept[j])]);
+        let r = Mat::from_fn(kept.len(), width, |i, j| r[(i, j)]);
+        (q, r)
+    }
+
+    /// New directions beside the next block.
+    fn widen(&mut self, count: usize) {
+        let n = self.mass.size();
+        let count = count.min(n - self.filled - self.next.ncols());
+        let own = self.next.ncols();
+        let mut fresh = Mat::from_fn(n, count, |_, _| 0.0);
+        for (i, j) in (0..count).flat_map(|j| (0..n).map(move |i| (i, j))) {
+            fresh[(i, j)] = self.random.next();
+        }
+        fresh = self.mass.multiply(&fresh);
+        self.factor.solve(&mut fresh);
+        self.project_out(&mut fresh);
+        let all = Mat::from_fn(n, own + count, |i, j| {
+            if j < own {
+                self.next[(i, j)]
+            } else {
+                fresh[(i, j - own)]
+            }
+        });
+        let before = self.norms(&all);
+        let (next, _) = self.orthonormal(all, &before);
+        // The first columns stand as they were, so that the remainder only gets rows of zeros.
+        self.remainder = Mat::from_fn(next.ncols(), self.remainder.ncols(), |i, j| {
+            if i < self.remainder.nrows() {
+                self.remainder[(i, j)]
+            } else {
+                0.0
+            }
+        });
+        self.next = next;
+    }
+
+    fn ritz(&self) -> Result<Ritz, LinalgError> {
+        let m = self.filled;
+        let symmetric = Mat::from_fn(m, m, |i, j| {
+            0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
+        });
+        let solved =
+            symmetric
+                .self_adjoint_eigen(Side::Lower)
+                .map_err(|_| LinalgError::NotConverged {
+                    what: "symmetric eigenvalue iteration",
+                    rows: m,
+                    columns: m,
+                })?;
+        let theta: Vec<f64> = solved.S().column_vector().iter().copied().collect();
+        let coefficients = Mat::from_fn(m, m, |i, j| solved.U()[(i, m - 1 - j)]);
+        let width = self.remainder.ncols();
+        let last = coefficients.subrows(m - width, width);
+        let residuals = &self.remainder * last;
+        let largest = theta.last().copied().unwrap_or(0.0);
+        let converged = (0..m).take_while(|&j| {
+            let own = theta[m - 1 - j];
+            let column = (0..residuals.nrows()).map(|i| residuals[(i, j)].powi(2));
+            // Theta is not known better than the rounding of the largest.
+            own > 0.0 && column.sum::<f64>().sqrt() <= (CONVERGED * own).max(f64::EPSILON * largest)
+        });
+        Ok(Ritz {
+            converged: converged.count(),
+            lambda: (0..m)
+                .map(|j| 1.0 / theta[m - 1 - j] - self.shift)
+                .collect(),
+            coefficients,
+        })
+    }
+
+    fn modes(&self, ritz: &Ritz, count: usize, counted_below: Option<f64>) -> SparseModes {
+        let basis = self.basis.subcols(0, self.filled);
+        SparseModes {
+            omega_squared: ritz.lambda[..count].to_vec(),
+            vectors: basis * ritz.coefficients.subcols(0, count),
+            counted_below,
+            solves: self.filled,
+        }
+    }
+}
+
+fn dot(a: &RealMatrix, i: usize, b: &RealMatrix, j: usize) -> f64 {
+    let pairs = a.col(i).iter().zip(b.col(j).iter());
+    pairs.map(|(x, y)| x * y).sum()
+}
+
+fn subtract(a: &mut RealMatrix, j: usize, i: usize, factor: f64) {
+    for row in 0..a.nrows() {
+        let part = a[(row, i)];
+        a[(row, j)] -= factor * part;
+    }
+}
+
+fn scale(a: &mut RealMatrix, j: usize, factor: f64) {
+    a.col_mut(j).iter_mut().for_each(|value| *value *= factor);
+}
+
+/// Numbers without a pattern, the same in every run.
+///
+/// # Reference
+/// Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators, OOPSLA, figure 17.
+struct SplitMix(u64);
+
+impl SplitMix {
+    /// The next number from -1 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}

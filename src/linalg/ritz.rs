@@ -1,0 +1,102 @@
+//! What an iteration knows of a spectrum, held against what is wanted of it.
+
+use super::sparse::Pencil;
+use super::{LinalgError, RealMatrix};
+
+/// Eigenvalues nearer than this part are not parted by a limit.
+const GAP: f64 = 1e-5;
+
+/// What is still to be found.
+#[derive(Clone, Copy)]
+pub(super) enum Goal {
+    Lowest(usize),
+    /// The count of eigenvalues below a limit is known.
+    Below {
+        limit: f64,
+        count: usize,
+    },
+}
+
+impl Goal {
+    pub fn counted(pencil: &Pencil, limit: f64) -> Result<Self, LinalgError> {
+        let count = pencil.count_below(limit)?;
+        Ok(Goal::Below { limit, count })
+    }
+}
+
+/// What the iteration knows of the spectrum.
+pub(super) struct Ritz {
+    /// Estimates of omega², ascending.
+    pub lambda: Vec<f64>,
+    /// Coefficients over the basis, in the same order.
+    pub coefficients: RealMatrix,
+    /// How many of the first are converged without a gap.
+    pub converged: usize,
+}
+
+impl Ritz {
+    /// Where eigenvalues under the shift are rigid-body modes, the first elastic one of them as a shift.
+    pub fn shift_past_rigid(&self, shift: f64) -> Option<f64> {
+        let rigid = self.lambda.first().is_some_and(|first| *first < shift);
+        let elastic = self.lambda.iter().find(|lambda| **lambda > 1e3 * shift);
+        elastic.filter(|_| rigid).copied()
+    }
+
+    /// Of a whole spectrum, how many belong to the goal.
+    pub fn within(&self, goal: &Goal) -> usize {
+        match *goal {
+            Goal::Below { limit, .. } => self.lambda.partition_point(|value| *value < limit),
+            Goal::Lowest(count) => self.parted(count, self.lambda.len()).unwrap_or(count),
+        }
+    }
+
+    /// The least number of modes from `count` on after which the next of the first `known` is parted by a gap.
+    fn parted(&self, count: usize, known: usize) -> Option<usize> {
+        let parted = |&j: &usize| {
+            let (last, next) = (self.lambda[j - 1], self.lambda[j]);
+            next - last > GAP * next.abs()
+        };
+        (count.max(1)..known).find(parted)
+    }
+
+    /// Number of modes and the limit, once as many are converged as are counted below it. Counts when that is due.
+    pub fn settled(
+        &self,
+        pencil: &Pencil,
+        goal: &mut Goal,
+    ) -> Result<Option<(usize, f64)>, LinalgError> {
+        if let Goal::Lowest(count) = *goal {
+            let Some(parted) = self.parted(count, self.converged) else {
+                return Ok(None);
+            };
+            let limit = 0.5 * (self.lambda[parted - 1] + self.lambda[parted]);
+            *goal = Goal::counted(pencil, limit)?;
+        }
+        let Goal::Below { limit, count } = *goal else {
+            return Ok(None);
+        };
+        let own = self.below(limit);
+        match own.cmp(&count) {
+            std::cmp::Ordering::Less => Ok(None),
+            std::cmp::Ordering::Equal => Ok(Some((count, limit))),
+            std::cmp::Ordering::Greater => Err(LinalgError::ModesMissing {
+                found: own,
+                needed: count,
+            }),
+        }
+    }
+
+    fn below(&self, limit: f64) -> usize {
+        self.lambda[..self.converged].partition_point(|value| *value < limit)
+    }
+
+    /// How many modes below the limit are not there although one beyond it is converged.
+    pub fn missing(&self, goal: &Goal) -> usize {
+        match *goal {
+            Goal::Below { limit, count } if self.below(limit) < self.converged => {
+                count - self.below(limit)
+            }
+            _ => 0,
+        }
+    }
+}

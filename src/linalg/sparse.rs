@@ -1,0 +1,353 @@
+//! Square sparse matrices, and factorisations of `K - sigma M` with the count of its negative eigenvalues.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Mat, Par, Side};
+
+use super::{LinalgError, RealMatrix, real_matrix};
+
+/// Square matrix of which the entries that are not zero are kept, column after column with ascending rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseMatrix {
+    size: usize,
+    /// Where each column begins in `rows` and `values`, and where the last ends.
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl SparseMatrix {
+    /// The matrix of entries `(row, column, value)`; those of one place add up.
+    ///
+    /// # Errors
+    /// [`LinalgError::OutsideMatrix`].
+    pub fn from_entries(size: usize, entries: &[(usize, usize, f64)]) -> Result<Self, LinalgError> {
+        let outside = entries.iter().find(|(i, j, _)| *i >= size || *j >= size);
+        if let Some(&(row, column, _)) = outside {
+            return Err(LinalgError::OutsideMatrix { row, column, size });
+        }
+        let mut starts = vec![0; size + 1];
+        entries.iter().for_each(|(_, j, _)| starts[j + 1] += 1);
+        (0..size).for_each(|j| starts[j + 1] += starts[j]);
+        let mut next = starts.clone();
+        let mut placed = vec![(0, 0.0); entries.len()];
+        for &(i, j, value) in entries {
+            placed[next[j]] = (i, value);
+            next[j] += 1;
+        }
+        let mut matrix = Self {
+            size,
+            starts: Vec::with_capacity(size + 1),
+            rows: Vec::with_capacity(entries.len()),
+            values: Vec::with_capacity(entries.len()),
+        };
+        for j in 0..size {
+            matrix.starts.push(matrix.rows.len());
+            let column = &mut placed[starts[j]..starts[j + 1]];
+            // Stable, so that entries of one place add up in the order given.
+            column.sort_by_key(|(row, _)| *row);
+            matrix.push_column(column);
+        }
+        matrix.starts.push(matrix.rows.len());
+        Ok(matrix)
+    }
+
+    fn push_column(&mut self, column: &[(usize, f64)]) {
+        let first = self.rows.len();
+        for &(row, value) in column {
+            match self.rows[first..].last() {
+                Some(last) if *last == row => *self.values.last_mut().expect("has a row") += value,
+                _ => {
+                    self.rows.push(row);
+                    self.values.push(value);
+                }
+            }
+        }
+    }
+
+    /// `sum factor A` of matrices of one size; entries that stay at zero are kept.
+    ///
+    /// # Errors
+    /// [`LinalgError::OutsideMatrix`] when one of them is larger than `size`.
+    pub fn weighted_sum(size: usize, terms: &[(f64, &Self)]) -> Result<Self, LinalgError> {
+        let scaled = terms
+            .iter()
+            .flat_map(|(factor, a)| a.entries().map(move |(i, j, v)| (i, j, factor * v)));
+        Self::from_entries(size, &scaled.collect::<Vec<_>>())
+    }
+
+    /// Number of rows and of columns.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Number of entries that are kept.
+    pub fn entry_count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The entries, column after column.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let column = |j: usize| (self.starts[j]..self.starts[j + 1]).map(move |p| (p, j));
+        let places = (0..self.size).flat_map(column);
+        places.map(|(p, j)| (self.rows[p], j, self.values[p]))
+    }
+
+    /// The entry at a place, 0 where none is kept.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        let own = self.starts[column]..self.starts[column + 1];
+        let found = self.rows[own.clone()].binary_search(&row);
+        found.map_or(0.0, |at| self.values[own.start + at])
+    }
+
+    /// `A X`.
+    pub fn multiply(&self, x: &RealMatrix) -> RealMatrix {
+        let mut product = Mat::zeros(self.size, x.ncols());
+        for column in 0..x.ncols() {
+            let own = product.col_mut(column);
+            let own = own.try_as_col_major_mut().expect("a matrix of columns");
+            self.add_product(x.col(column).iter(), own.as_slice_mut());
+        }
+        product
+    }
+
+    fn add_product<'a>(&self, x: impl Iterator<Item = &'a f64>, out: &mut [f64]) {
+        for (ends, factor) in self.starts.windows(2).zip(x) {
+            let own = ends[0]..ends[1];
+            for (row, value) in self.rows[own.clone()].iter().zip(&self.values[own]) {
+                out[*row] += value * factor;
+            }
+        }
+    }
+
+    /// `x^T A x`, and the same of magnitudes, which bounds its rounding.
+    pub fn quadratic_form(&self, x: &[f64]) -> (f64, f64) {
+        let terms = self.entries().map(|(i, j, value)| value * x[i] * x[j]);
+        terms.fold((0.0, 0.0), |(sum, magnitude), term| {
+            (sum + term, magnitude + term.abs())
+        })
+    }
+
+    /// The same matrix with its zeros.
+    pub fn to_dense(&self) -> RealMatrix {
+        let mut dense = real_matrix(self.size, self.size, |_, _| 0.0);
+        for (i, j, value) in self.entries() {
+            dense[(i, j)] = value;
+        }
+        dense
+    }
+}
+
+/// A symmetric pair (K, M) prepared for factorisations of `K - sigma M`: the pattern of both and its ordering.
+pub(super) struct Pencil {
+    size: usize,
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+    stiffness: Vec<f64>,
+    mass: Vec<f64>,
+    symbolic: SymbolicCholesky<usize>,
+}
+
+/// `L L^T` of a positive definite `K - sigma M`.
+pub(super) struct Cholesky<'a> {
+    pencil: &'a Pencil,
+    values: Vec<f64>,
+}
+
+impl Pencil {
+    /// The pair, of which the lower triangle counts.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotConverged`] when there is no memory for the ordering.
+    pub fn new(stiffness: &SparseMatrix, mass: &SparseMatrix) -> Result<Self, LinalgError> {
+        let size = stiffness.size;
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        let (mut k, mut m) = (Vec::new(), Vec::new());
+        for column in 0..size {
+            let mut own = lower_column(stiffness, column).peekable();
+            let mut other = lower_column(mass, column).peekable();
+            loop {
+                let row = match (own.peek(), other.peek()) {
+                    (Some((a, _)), Some((b, _))) => *a.min(b),
+                    (Some((a, _)), None) => *a,
+                    (None, Some((b, _))) => *b,
+                    (None, None) => break,
+                };
+                let value = |next: Option<(usize, f64)>| next.map_or(0.0, |(_, value)| value);
+                rows.push(row);
+                k.push(value(own.next_if(|(a, _)| *a == row)));
+                m.push(value(other.next_if(|(b, _)| *b == row)));
+            }
+            starts.push(rows.len());
+        }
+        let symbolic = factorize_symbolic_cholesky(
+            SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams {
+                // One kind of factor, the one that can be pivoted inside its blocks.
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..CholeskySymbolicParams::default()
+            },
+        );
+        Ok(Self {
+            symbolic: symbolic.map_err(|_| LinalgError::NotConverged {
+                what: "ordering",
+                rows: size,
+                columns: size,
+            })?,
+            size,
+            starts,
+            rows,
+            stiffness: k,
+            mass: m,
+        })
+    }
+
+    fn combined(&self, factor: f64, shift: f64) -> Vec<f64> {
+        let pairs = self.stiffness.iter().zip(&self.mass);
+        pairs.map(|(k, m)| factor * k - shift * m).collect()
+    }
+
+    fn matrix<'a>(&'a self, values: &'a [f64]) -> SparseColMatRef<'a, usize, f64> {
+        let (starts, rows) = (&self.starts, &self.rows);
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(self.size, self.size, starts, None, rows);
+        SparseColMatRef::new(pattern, values)
+    }
+
+    /// Cholesky factor of `factor K - shift M`.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotPositiveDefinite`].
+    pub fn cholesky(&self, factor: f64, shift: f64) -> Result<Cholesky<'_>, LinalgError> {
+        let own = self.combined(factor, shift);
+        let mut values = vec![0.0; self.symbolic.len_val()];
+        let scratch = self
+            .symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let factored = self.symbolic.factorize_numeric_llt(
+            &mut values,
+            self.matrix(&own),
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Default::default(),
+        );
+        let failed = factored.is_err();
+        if failed || values.iter().any(|value| !value.is_finite()) {
+            return Err(LinalgError::NotPositiveDefinite { size: self.size });
+        }
+        Ok(Cholesky {
+            pencil: self,
+            values,
+        })
+    }
+
+    /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
+    ///
+    /// `P (K - shift M) P^T = L B L^T` with blocks B of one or two rows, pivoted inside the supernodes.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision.
+    ///
+    /// # Reference
+    /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
+    pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
+        let own = self.combined(1.0, shift);
+        let mut values = vec![0.0; self.symbolic.len_val()];
+        let mut subdiagonal = vec![0.0; self.size];
+        let (mut forward, mut inverse) = (vec![0; self.size], vec![0; self.size]);
+        let scratch = self
+            .symbolic
+            .factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
+        self.symbolic.factorize_numeric_intranode_lblt(
+            &mut values,
+            &mut subdiagonal,
+            &mut forward,
+            &mut inverse,
+            self.matrix(&own),
+            Side::Lower,
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Default::default(),
+        );
+        let diagonal = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => block_diagonal(symbolic, &values),
+            // A diagonal matrix: nothing to put into blocks.
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                let starts = &symbolic.col_ptr()[..self.size];
+                starts.iter().map(|at| values[*at]).collect()
+            }
+        };
+        if diagonal.iter().chain(&subdiagonal).any(|v| !v.is_finite()) {
+            return Err(LinalgError::NotConverged {
+                what: "count of eigenvalues",
+                rows: self.size,
+                columns: self.size,
+            });
+        }
+        Ok(negative_eigenvalues(&diagonal, &subdiagonal))
+    }
+}
+
+fn lower_column(a: &SparseMatrix, column: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let own = a.starts[column]..a.starts[column + 1];
+    let pairs = own.map(|p| (a.rows[p], a.values[p]));
+    pairs.filter(move |(row, _)| *row >= column)
+}
+
+/// Diagonal of the blocks of a factor, in its own order.
+fn block_diagonal(
+    symbolic: &supernodal::SymbolicSupernodalCholesky<usize>,
+    values: &[f64],
+) -> Vec<f64> {
+    let mut diagonal = Vec::with_capacity(symbolic.nrows());
+    for s in 0..symbolic.n_supernodes() {
+        let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
+        let own = &values[symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1]];
+        let rows = own.len() / columns.max(1);
+        diagonal.extend((0..columns).map(|j| own[j * rows + j]));
+    }
+    diagonal
+}
+
+/// Negative eigenvalues of a matrix of blocks of one row, or of two where the first has an entry below its diagonal.
+fn negative_eigenvalues(diagonal: &[f64], subdiagonal: &[f64]) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while at < diagonal.len() {
+        if subdiagonal[at].abs() > 0.0 && at + 1 < diagonal.len() {
+            let (a, b, d) = (diagonal[at], subdiagonal[at], diagonal[at + 1]);
+            count += match a * d - b * b {
+                determinant if determinant < 0.0 => 1,
+                _ if a + d < 0.0 => 2,
+                _ => 0,
+            };
+            at += 2;
+        } else {
+            count += usize::from(diagonal[at] < 0.0);
+            at += 1;
+        }
+    }
+    count
+}
+
+impl Cholesky<'_> {
+    /// Replaces `x` by the solution of `(K - shift M) y = x`.
+    pub fn solve(&self, x: &mut RealMatrix) {
+        let symbolic = &self.pencil.symbolic;
+        let scratch = symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);
+        LltRef::new(symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+    }
+}

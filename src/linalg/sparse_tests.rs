@@ -1,0 +1,225 @@
+//! Sparse modes against closed forms with exactly repeated roots: products of uniform bars with consistent mass.
+
+use super::*;
+
+/// Tridiagonal matrix of a uniform bar of `h`-long linear elements, with its ends held or free.
+fn bar(nodes: usize, free: bool, diagonal: f64, beside: f64) -> Vec<(usize, usize, f64)> {
+    let mut entries = Vec::new();
+    for i in 0..nodes {
+        let end = i == 0 || i == nodes - 1;
+        let own = if end && free {
+            0.5 * diagonal
+        } else {
+            diagonal
+        };
+        entries.push((i, i, own));
+        if i + 1 < nodes {
+            entries.extend([(i, i + 1, beside), (i + 1, i, beside)]);
+        }
+    }
+    entries
+}
+
+/// Kronecker product of matrices given by entries, the second of a size.
+fn kronecker(
+    a: &[(usize, usize, f64)],
+    b: &[(usize, usize, f64)],
+    size: usize,
+) -> Vec<(usize, usize, f64)> {
+    let product = |&(i, j, x): &(usize, usize, f64)| {
+        b.iter()
+            .map(move |&(k, l, y)| (i * size + k, j * size + l, x * y))
+    };
+    a.iter().flat_map(product).collect()
+}
+
+/// K and M of a unit cube (or square, or bar) of `nodes` to each side in so many dimensions: `K = sum K1 x M1 x M1`,
+/// `M = M1 x M1 x M1`, whose eigenvalues are all sums of those of the bar.
+fn product(nodes: usize, dimensions: u32, free: bool) -> (SparseMatrix, SparseMatrix) {
+    let h = spacing(nodes, free);
+    let k1 = bar(nodes, free, 2.0 / h, -1.0 / h);
+    let m1 = bar(nodes, free, 4.0 * h / 6.0, h / 6.0);
+    let factor = |own: &dyn Fn(u32) -> Vec<(usize, usize, f64)>| {
+        (1..dimensions).fold(own(0), |all, d| kronecker(&all, &own(d), nodes))
+    };
+    let size = nodes.pow(dimensions);
+    let stiffness: Vec<(usize, usize, f64)> = (0..dimensions)
+        .flat_map(|along| factor(&|d| if d == along { k1.clone() } else { m1.clone() }))
+        .collect();
+    (
+        SparseMatrix::from_entries(size, &stiffness).unwrap(),
+        SparseMatrix::from_entries(size, &factor(&|_| m1.clone())).unwrap(),
+    )
+}
+
+fn spacing(nodes: usize, free: bool) -> f64 {
+    1.0 / if free { nodes - 1 } else { nodes + 1 } as f64
+}
+
+/// Every eigenvalue, ascending: `mu_i = 6/h^2 (1 - cos(i pi h)) / (2 + cos(i pi h))` summed over the dimensions.
+fn closed_form(nodes: usize, dimensions: u32, free: bool) -> Vec<f64> {
+    let h = spacing(nodes, free);
+    let first = if free { 0 } else { 1 };
+    let root = |i: usize| {
+        let (sin, cos) = (
+            (0.5 * i as f64 * std::f64::consts::PI * h).sin(),
+            (i as f64 * std::f64::consts::PI * h).cos(),
+        );
+        6.0 / (h * h) * 2.0 * sin * sin / (2.0 + cos)
+    };
+    let mut all = vec![0.0];
+    for _ in 0..dimensions {
+        let sums = all
+            .iter()
+            .flat_map(|sum| (first..first + nodes).map(move |i| sum + root(i)));
+        all = sums.collect();
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Largest residual as a part of `|K| |phi|`, and largest distance of `Phi^T M Phi` from the identity.
+fn quality(k: &SparseMatrix, m: &SparseMatrix, modes: &SparseModes) -> (f64, f64) {
+    let (kv, mv) = (k.multiply(&modes.vectors), m.multiply(&modes.vectors));
+    let norm = |column: &dyn Fn(usize) -> f64| {
+        (0..k.size()).map(|i| column(i).powi(2)).sum::<f64>().sqrt()
+    };
+    let largest = k.entries().map(|(_, _, v)| v.abs()).fold(0.0, f64::max);
+    let residual = modes.omega_squared.iter().enumerate().map(|(j, lambda)| {
+        norm(&|i| kv[(i, j)] - lambda * mv[(i, j)]) / (largest * norm(&|i| modes.vectors[(i, j)]))
+    });
+    let gram = modes.vectors.transpose() * &mv;
+    let places = (0..gram.nrows()).flat_map(|i| (0..gram.ncols()).map(move |j| (i, j)));
+    let off = places.map(|(i, j)| (gram[(i, j)] - if i == j { 1.0 } else { 0.0 }).abs());
+    (residual.fold(0.0, f64::max), off.fold(0.0, f64::max))
+}
+
+fn check(nodes: usize, dimensions: u32, free: bool, wanted: usize) -> SparseModes {
+    let (k, m) = product(nodes, dimensions, free);
+    let modes = sparse_modes(&k, &m, Wanted::Lowest(wanted), 1000).unwrap();
+    let exact = closed_form(nodes, dimensions, free);
+    let found = modes.omega_squared.len();
+    assert!(found >= wanted.min(exact.len()), "{found}");
+    let elastic = exact.iter().find(|value| **value > 1e-6).unwrap();
+    for (own, exact) in modes.omega_squared.iter().zip(&exact) {
+        assert!(
+            (own - exact).abs() < 1e-10 * exact.max(*elastic),
+            "{own} {exact}"
+        );
+    }
+    let (residual, off) = quality(&k, &m, &modes);
+    assert!(residual < 1e-11 && off < 1e-12, "{residual:e} {off:e}");
+    if let Some(limit) = modes.counted_below {
+        assert_eq!(exact.partition_point(|value| *value < limit), found);
+    }
+    modes
+}
+
+#[test]
+fn a_square_membrane_has_its_double_roots() {
+    let modes = check(30, 2, false, 20);
+    assert!(modes.counted_below.is_some());
+}
+
+#[test]
+fn roots_of_six_modes_are_found_by_a_block_of_four() {
+    // i, j, k all different give six equal sums: with the first 40 of them three roots of six.
+    check(9, 3, false, 40);
+}
+
+#[test]
+fn a_free_membrane_has_its_rigid_body_mode_and_the_others_as_exact() {
+    let modes = check(24, 2, true, 25);
+    assert!(modes.omega_squared[0].abs() < 1e-9);
+    assert!(modes.omega_squared[1] > 9.0);
+}
+
+#[test]
+fn all_modes_of_a_small_pair_are_found() {
+    for free in [false, true] {
+        let all = check(4, 2, free, 16);
+        assert_eq!((all.omega_squared.len(), all.counted_below), (16, None));
+        assert_eq!(check(4, 2, free, 99).omega_squared.len(), 16);
+        check(4, 2, free, 1);
+    }
+    assert_eq!(check(1, 1, false, 1).omega_squared.len(), 1);
+}
+
+#[test]
+fn a_band_has_all_modes_below_its_end_and_none_beyond() {
+    let (k, m) = product(25, 2, false);
+    let exact = closed_form(25, 2, false);
+    // Between roots, among them just beside a double one, and below all.
+    for limit in [exact[10] * 1.000_01, exact[10] * 0.999_99, 300.0, 1.0] {
+        let modes = sparse_modes(&k, &m, Wanted::Below(limit), 1000).unwrap();
+        let expected = exact.partition_point(|value| *value < limit);
+        assert_eq!(modes.omega_squared.len(), expected, "{limit}");
+        assert_eq!(modes.counted_below, Some(limit));
+    }
+    let error = sparse_modes(&k, &m, Wanted::Below(1e5), 50).unwrap_err();
+    assert!(matches!(error, LinalgError::TooManyModes { got, most: 50 } if got > 50));
+}
+
+#[test]
+fn the_count_is_that_of_the_dense_spectrum() {
+    let (k, m) = product(7, 2, true);
+    let exact = closed_form(7, 2, true);
+    let pencil = sparse::Pencil::new(&k, &m).unwrap();
+    for pair in exact.windows(2).filter(|pair| pair[1] - pair[0] > 1e-3) {
+        let shift = 0.5 * (pair[0] + pair[1]);
+        let expected = exact.partition_point(|value| *value < shift);
+        assert_eq!(pencil.count_below(shift).unwrap(), expected, "{shift}");
+    }
+    assert_eq!(pencil.count_below(-1.0).unwrap(), 0);
+    assert_eq!(pencil.count_below(1e9).unwrap(), 49);
+}
+
+#[test]
+fn equal_oscillators_that_do_not_touch_are_one_root_of_all() {
+    // Forty equal roots, ten times the block, and one beside them.
+    let diagonal = |value: &dyn Fn(usize) -> f64| -> Vec<(usize, usize, f64)> {
+        (0..60).map(|i| (i, i, value(i))).collect()
+    };
+    let k = diagonal(&|i| if i < 40 { 4.0 } else { 9.0 + i as f64 });
+    let k = SparseMatrix::from_entries(60, &k).unwrap();
+    let m = SparseMatrix::from_entries(60, &diagonal(&|_| 1.0)).unwrap();
+    let modes = sparse_modes(&k, &m, Wanted::Lowest(3), 1000).unwrap();
+    assert_eq!(modes.omega_squared.len(), 40);
+    assert!(modes.omega_squared.iter().all(|v| (v - 4.0).abs() < 1e-10));
+}
+
+#[test]
+fn matrices_that_are_not_definite_are_errors() {
+    let (k, m) = product(5, 2, false);
+    let negative = SparseMatrix::weighted_sum(25, &[(-1.0, &m)]).unwrap();
+    let solve = |k, m| sparse_modes(k, m, Wanted::Lowest(3), 1000).unwrap_err();
+    let error = solve(&k, &negative);
+    assert_eq!(error, LinalgError::MassNotPositiveDefinite { size: 25 });
+    let mut entries: Vec<_> = k.entries().collect();
+    entries.push((0, 0, -1e6));
+    let k = SparseMatrix::from_entries(25, &entries).unwrap();
+    let error = solve(&k, &m);
+    assert_eq!(error, LinalgError::NotPositiveDefinite { size: 25 });
+}
+
+#[test]
+fn entries_add_up_and_those_outside_are_refused() {
+    let a = SparseMatrix::from_entries(2, &[(1, 0, 2.0), (0, 1, 3.0), (1, 0, 0.5)]).unwrap();
+    assert_eq!((a.entry_count(), a.get(1, 0), a.get(0, 0)), (2, 2.5, 0.0));
+    let x = real_matrix(2, 1, |i, _| [10.0, 100.0][i]);
+    let y = a.multiply(&x);
+    assert_eq!((y[(0, 0)], y[(1, 0)]), (300.0, 25.0));
+    assert_eq!(a.quadratic_form(&[10.0, -1.0]), (-55.0, 55.0));
+    assert_eq!(a.to_dense()[(0, 1)], 3.0);
+    let sum = SparseMatrix::weighted_sum(2, &[(2.0, &a), (-1.0, &a)]).unwrap();
+    assert_eq!(sum, a);
+    let error = SparseMatrix::from_entries(2, &[(2, 0, 1.0)]).unwrap_err();
+    assert_eq!(
+        error,
+        LinalgError::OutsideMatrix {
+            row: 2,
+            column: 0,
+            size: 2
+        }
+    );
+}
