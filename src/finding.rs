@@ -189,6 +189,9 @@ codes! {
     /// Degrees of freedom tied by position.
     DofsByNode: "degrees of freedom of test and theory were tied by the nearest node; the largest distance is given",
         "With --nearest-node the names do not count: a sensor of the test meets the theory's degree of freedom of the same axis at the node nearest to it, within the tolerance. Both geometries must be in one frame and in the same unit; look at the largest distance.";
+    /// Only the lowest modes of a large model were computed.
+    LowestModesAlone: "the model is sparse: its lowest modes alone were computed; none is missing up to this frequency",
+        "Of a model of many coordinates the modes are computed up to the end of the band, or as many as are asked for (30 where nothing is), by block Lanczos on the shifted and inverted matrices. The eigenvalues below the value are counted by the inertia of the shifted stiffness, and the modes are as many, repeated roots included. Ask for a band to see more.";
     /// The sampling rate was restored from a rounded spacing.
     SpacingRounded: "the sampling rate was restored from a spacing printed with few digits",
         "Universal files print the spacing with six digits. Where exactly one whole number of samples per second lies within the rounding, that rate is taken.";

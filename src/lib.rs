@@ -20,6 +20,7 @@
 //! | [`identify::PoleEstimator`] | a method that finds poles | `identify` |
 //! | [`ModalModel`] | modes of a test or of a model | `modal` |
 //! | [`theory::TheoreticalModel`] | a machine as matrices of its parameters | `theory` |
+//! | [`theory::ExternalModel`] | a machine of given matrices, dense or sparse | `theory` |
 //! | [`theory::ModelRoot`] | a distinct root with its modes, kinetic energy and class | `theory` |
 //! | [`theory::ModelQuantity`] | a number that a model's theory gives beside its matrices | `theory` |
 //! | [`theory::Sweep`] | roots followed over a parameter, with their crossings and veerings | `theory` |

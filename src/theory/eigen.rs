@@ -16,6 +16,7 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearit
 
 use super::basis::{canonicalise, fix_sign};
 use super::energy::{StrainShares, kinetic_shares, strain_shares};
+use super::sparse::modes_of_sparse;
 use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
 
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
@@ -42,6 +43,8 @@ pub struct TheoryModes {
     pub vectors: RealMatrix,
     /// Angular frequency of each, rad/s; exactly 0 for rigid-body modes.
     pub omega_rad_s: Vec<f64>,
+    /// Number of each among the elastic modes of the model, from 0; `None` for a rigid-body mode.
+    pub numbers: Vec<Option<usize>>,
     /// How many of them are rigid-body modes; these come first.
     pub rigid: usize,
     /// The coordinates, in the order of the rows of `vectors`.
@@ -66,12 +69,15 @@ pub fn modes(
     options: &ModeOptions,
 ) -> Result<TheoryModes, TheoryError> {
     check_sensors(sensors)?;
-    let matrices = model.assemble(values)?;
     let rows = sensors
         .iter()
-        .map(|sensor| model.observation_row(&sensor.target))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut result = modes_of_matrices(&matrices, options)?;
+        .map(|sensor| Ok(nonzeros(&model.observation_row(&sensor.target)?)))
+        .collect::<Result<Vec<_>, TheoryError>>()?;
+    let mut result = match model.sparse(values)? {
+        Some(system) => modes_of_sparse(&system, options)?,
+        None => modes_of_matrices(&model.assemble(values)?, options)?,
+    };
+    state_damping(model, options, &mut result);
     for (j, mode) in result.model.modes.iter_mut().enumerate() {
         mode.shape = observe(&result.vectors, j, sensors, &rows);
         let values: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
@@ -84,6 +90,18 @@ pub fn modes(
         Finding::new(Severity::Info, Code::Assumption, place).value(*value, &spec.unit)
     }));
     Ok(result)
+}
+
+/// Damping ratios that the model states mode by mode stand for those of its matrices.
+fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &mut TheoryModes) {
+    if options.damping_ratio.is_some() {
+        return;
+    }
+    let numbers = result.numbers.iter();
+    for (mode, number) in result.model.modes.iter_mut().zip(numbers) {
+        let stated = number.and_then(|elastic| model.stated_damping(elastic));
+        mode.damping_ratio = stated.or(mode.damping_ratio);
+    }
 }
 
 /// Modes of given matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
@@ -108,58 +126,101 @@ pub fn modes_of_matrices(
 ) -> Result<TheoryModes, TheoryError> {
     check_arguments(matrices, options)?;
     let solution = solve(matrices)?;
-    let damping = |j: usize| match (&matrices.damping, options.damping_ratio) {
-        _ if j < solution.rigid => None,
-        (_, Some(ratio)) => Some(ratio),
-        (Some(c), None) => {
-            let (energy, _) = quadratic_form(c, &solution.vectors, j);
-            Some(energy / (2.0 * solution.omega_rad_s[j]))
-        }
-        (None, None) => None,
+    let damping = |j: usize| {
+        let c = matrices.damping.as_ref()?;
+        let (energy, _) = quadratic_form(c, &solution.vectors, j);
+        Some(energy / (2.0 * solution.omega_rad_s[j]))
     };
-    let frequencies_hz: Vec<f64> = solution.omega_rad_s.iter().map(|w| w / TAU).collect();
-    let inside = |j: &usize| {
-        options
-            .band
-            .is_none_or(|band| band.contains(frequencies_hz[*j]))
-    };
-    let kept: Vec<usize> = (0..frequencies_hz.len())
-        .filter(inside)
-        .take(options.count.unwrap_or(usize::MAX))
-        .collect();
-    let mode = |&j: &usize| Mode {
-        group: solution.groups[j],
-        modal_mass_kg: Some(1.0),
-        method: Some("theory".to_owned()),
-        ..Mode::new(
-            frequencies_hz[j],
-            damping(j),
-            ModeShape::default(),
-            Scaling::UnitModalMass,
-        )
-    };
-    let vectors = columns(&solution.vectors, &kept);
-    Ok(TheoryModes {
-        kinetic_shares: kinetic_shares(&matrices.mass, &vectors),
-        strain_shares: strain_shares(&matrices.springs, &vectors),
-        model: ModalModel {
-            producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
-            band: options.band,
-            modes: kept.iter().map(mode).collect(),
-            ..ModalModel::default()
-        },
-        vectors,
-        omega_rad_s: kept.iter().map(|&j| solution.omega_rad_s[j]).collect(),
-        rigid: kept.iter().filter(|&&j| j < solution.rigid).count(),
-        coordinates: matrices.coordinates.clone(),
-    })
+    let moved = |vectors: &RealMatrix| &matrices.mass * vectors;
+    let mut result = solution.kept(options, &damping, &moved);
+    result.strain_shares = strain_shares(&matrices.springs, &result.vectors);
+    result.coordinates = matrices.coordinates.clone();
+    Ok(result)
 }
 
-struct Solution {
-    omega_rad_s: Vec<f64>,
-    vectors: RealMatrix,
+/// Modes in ascending order, those of repeated roots in their canonical basis.
+pub(super) struct Solution {
+    pub omega_rad_s: Vec<f64>,
+    pub vectors: RealMatrix,
     rigid: usize,
     groups: Vec<Option<u32>>,
+}
+
+impl Solution {
+    /// Mass-normalised vectors with their Rayleigh quotients, in any order; `total` is the squared motion of each coordinate
+    /// in all modes, or what stands for its scale.
+    pub fn arranged(raw: &RealMatrix, quotients: &[f64], total: &[f64]) -> Self {
+        let n = quotients.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| quotients[a].total_cmp(&quotients[b]));
+        let mut vectors = columns(raw, &order);
+        let mut omega_squared: Vec<f64> = order.iter().map(|&j| quotients[j]).collect();
+        let roots = repeated_roots(&omega_squared);
+        let mut groups = vec![None; n];
+        for (number, range) in (1..).zip(roots) {
+            let mean = omega_squared[range.clone()].iter().sum::<f64>() / range.len() as f64;
+            omega_squared[range.clone()].fill(mean);
+            groups[range.clone()].fill(Some(number));
+            canonicalise(&mut vectors, range.start, range.len(), total);
+        }
+        (0..n).for_each(|j| fix_sign(&mut vectors, j));
+        Self {
+            rigid: omega_squared.partition_point(|&value| value <= 0.0),
+            omega_rad_s: omega_squared.iter().map(|value| value.sqrt()).collect(),
+            vectors,
+            groups,
+        }
+    }
+
+    /// The modes that the options keep. `damping` gives the ratio of an elastic mode from the matrices, `moved` is `M Phi`.
+    /// Coordinates and springs are left to the caller.
+    pub fn kept(
+        &self,
+        options: &ModeOptions,
+        damping: &dyn Fn(usize) -> Option<f64>,
+        moved: &dyn Fn(&RealMatrix) -> RealMatrix,
+    ) -> TheoryModes {
+        let frequencies_hz: Vec<f64> = self.omega_rad_s.iter().map(|w| w / TAU).collect();
+        let inside = |j: &usize| {
+            options
+                .band
+                .is_none_or(|band| band.contains(frequencies_hz[*j]))
+        };
+        let kept: Vec<usize> = (0..frequencies_hz.len())
+            .filter(inside)
+            .take(options.count.unwrap_or(usize::MAX))
+            .collect();
+        let elastic = |j: usize| j.checked_sub(self.rigid);
+        let damping =
+            |j: usize| elastic(j).and_then(|_| options.damping_ratio.or_else(|| damping(j)));
+        let mode = |&j: &usize| Mode {
+            group: self.groups[j],
+            modal_mass_kg: Some(1.0),
+            method: Some("theory".to_owned()),
+            ..Mode::new(
+                frequencies_hz[j],
+                damping(j),
+                ModeShape::default(),
+                Scaling::UnitModalMass,
+            )
+        };
+        let vectors = columns(&self.vectors, &kept);
+        TheoryModes {
+            kinetic_shares: kinetic_shares(&moved(&vectors), &vectors),
+            strain_shares: strain_shares(&[], &vectors),
+            model: ModalModel {
+                producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
+                band: options.band,
+                modes: kept.iter().map(mode).collect(),
+                ..ModalModel::default()
+            },
+            vectors,
+            omega_rad_s: kept.iter().map(|&j| self.omega_rad_s[j]).collect(),
+            numbers: kept.iter().map(|&j| elastic(j)).collect(),
+            rigid: kept.iter().filter(|&&j| j < self.rigid).count(),
+            coordinates: Vec::new(),
+        }
+    }
 }
 
 fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
@@ -169,26 +230,8 @@ fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
     for j in 0..n {
         quotients.push(rayleigh_quotient(&matrices.stiffness, &raw.vectors, j)?);
     }
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| quotients[a].total_cmp(&quotients[b]));
-    let mut vectors = columns(&raw.vectors, &order);
-    let mut omega_squared: Vec<f64> = order.iter().map(|&j| quotients[j]).collect();
-    let total = row_squares(&vectors);
-    let roots = repeated_roots(&omega_squared);
-    let mut groups = vec![None; n];
-    for (number, range) in (1..).zip(roots) {
-        let mean = omega_squared[range.clone()].iter().sum::<f64>() / range.len() as f64;
-        omega_squared[range.clone()].fill(mean);
-        groups[range.clone()].fill(Some(number));
-        canonicalise(&mut vectors, range.start, range.len(), &total);
-    }
-    (0..n).for_each(|j| fix_sign(&mut vectors, j));
-    Ok(Solution {
-        rigid: omega_squared.partition_point(|&value| value <= 0.0),
-        omega_rad_s: omega_squared.iter().map(|value| value.sqrt()).collect(),
-        vectors,
-        groups,
-    })
+    let total = row_squares(&raw.vectors);
+    Ok(Solution::arranged(&raw.vectors, &quotients, &total))
 }
 
 /// `phi^T K phi` of a mass-normalised column, exactly 0 within its rounding bound.
@@ -252,9 +295,20 @@ fn columns(matrix: &RealMatrix, chosen: &[usize]) -> RealMatrix {
     linalg::real_matrix(matrix.nrows(), chosen.len(), |i, j| matrix[(i, chosen[j])])
 }
 
-fn observe(vectors: &RealMatrix, j: usize, sensors: &[Sensor], rows: &[Vec<f64>]) -> ModeShape {
-    let reading = |row: &Vec<f64>| -> f64 {
-        let products = row.iter().enumerate().map(|(i, b)| b * vectors[(i, j)]);
+/// The entries of an observation row that are not zero, with their places.
+fn nonzeros(row: &[f64]) -> Vec<(usize, f64)> {
+    let entries = row.iter().copied().enumerate();
+    entries.filter(|(_, b)| b.abs() > 0.0).collect()
+}
+
+fn observe(
+    vectors: &RealMatrix,
+    j: usize,
+    sensors: &[Sensor],
+    rows: &[Vec<(usize, f64)>],
+) -> ModeShape {
+    let reading = |row: &Vec<(usize, f64)>| -> f64 {
+        let products = row.iter().map(|&(i, b)| b * vectors[(i, j)]);
         products.sum()
     };
     let pairs = sensors.iter().zip(rows);

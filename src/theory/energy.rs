@@ -1,5 +1,7 @@
 //! The distinct roots of a model, and where the kinetic and the strain energy of each of them are.
 
+use std::collections::BTreeMap;
+
 use crate::linalg::RealMatrix;
 
 use super::{Spring, TheoreticalModel, TheoryModes};
@@ -96,9 +98,9 @@ pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<Mod
     modes.model.roots().into_iter().map(root).collect()
 }
 
-/// `phi_i (M phi)_i` of every coordinate (row) in every mode (column) of unit modal mass; each column adds up to 1.
-pub(super) fn kinetic_shares(mass: &RealMatrix, vectors: &RealMatrix) -> RealMatrix {
-    let moved = mass * vectors;
+/// `phi_i (M phi)_i` of every coordinate (row) in every mode (column) of unit modal mass, from `moved = M Phi`; each column
+/// adds up to 1.
+pub(super) fn kinetic_shares(moved: &RealMatrix, vectors: &RealMatrix) -> RealMatrix {
     crate::linalg::real_matrix(vectors.nrows(), vectors.ncols(), |i, j| {
         vectors[(i, j)] * moved[(i, j)]
     })
@@ -112,11 +114,13 @@ fn mean_shares(shares: &RealMatrix, own: &[usize]) -> Vec<f64> {
 
 fn by_body(modes: &TheoryModes, shares: &[f64]) -> Vec<(String, f64)> {
     let mut bodies: Vec<(String, f64)> = Vec::new();
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
     for (coordinate, share) in modes.coordinates.iter().zip(shares) {
-        match bodies.iter_mut().find(|(body, _)| *body == coordinate.body) {
-            Some((_, total)) => *total += share,
-            None => bodies.push((coordinate.body.clone(), *share)),
+        let place = *places.entry(&coordinate.body).or_insert(bodies.len());
+        if place == bodies.len() {
+            bodies.push((coordinate.body.clone(), 0.0));
         }
+        bodies[place].1 += share;
     }
     bodies
 }

@@ -173,6 +173,48 @@ pub enum TheoryError {
         /// Its coordinate.
         coordinate: String,
     },
+    /// A point of a model that knows no places.
+    #[error(
+        "sensor: got a point of `{body}`, expected the name of a coordinate: matrices do not say where their coordinates are"
+    )]
+    NoPositions {
+        /// The body as given.
+        body: String,
+    },
+    /// A model too large for full matrices.
+    #[error(
+        "got {got} coordinates for an analysis with full matrices, expected at most {most}: modes, energies and sensitivities alone are computed from sparse ones"
+    )]
+    TooLarge {
+        /// Coordinates.
+        got: usize,
+        /// The most.
+        most: usize,
+    },
+    /// Coordinates to keep that are none, or not there, or there twice.
+    #[error(
+        "got the coordinates {got:?} to keep (from 0), expected one or more of {size}, each once"
+    )]
+    KeptCoordinates {
+        /// As given.
+        got: Vec<usize>,
+        /// How many the model has.
+        size: usize,
+    },
+    /// Readings that do not tell modes apart.
+    #[error(
+        "expansion: got {readings} readings that do not tell {modes} modes apart (least over largest singular value {got:.1e}), expected above {expected:.0e}: more sensors or fewer modes"
+    )]
+    ModesNotTold {
+        /// Modes.
+        modes: usize,
+        /// Readings.
+        readings: usize,
+        /// Least over largest singular value.
+        got: f64,
+        /// The least.
+        expected: f64,
+    },
     /// A point beyond the ends of a body.
     #[error("{used_by}: got a point {got_m} m along `{body}`, expected 0 to {length_m} m")]
     PointOutside {

@@ -14,6 +14,9 @@ mod dual;
 mod eigen;
 mod energy;
 mod error;
+mod external;
+#[cfg(test)]
+mod external_tests;
 mod gear;
 mod hermite;
 mod integrate;
@@ -23,10 +26,14 @@ mod machine;
 mod parameter;
 mod property;
 mod quantity;
+mod reduction;
+#[cfg(test)]
+mod reduction_tests;
 mod residues;
 mod response;
 mod rigid;
 mod sensitivity;
+mod sparse;
 mod sweep;
 mod sweep_events;
 mod sweep_track;
@@ -58,6 +65,7 @@ pub use description::{
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
 pub use energy::{ModelRoot, StrainShares, model_roots};
 pub use error::TheoryError;
+pub use external::{ExternalMatrices, ExternalModel, MatrixSet, StatedDamping};
 pub use gear::{
     BUILT_IN, BuiltIn, CycloidBall, HelicalPlanetary, SpiderReducer, TorsionalPlanetary, built_in,
 };
@@ -69,10 +77,12 @@ pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
 pub use quantity::ModelQuantity;
+pub use reduction::{ReducedModel, guyan, serep, serep_expansion};
 pub use residues::{PairResidues, residues};
 pub use response::{DetailResponse, Nonlinear, ResponseSignal, ResponseSpan, TimeResponse};
 pub use rigid::coordinate_sensors;
-pub use sensitivity::{RootSensitivity, sensitivities, system_derivatives};
+pub use sensitivity::{RootSensitivity, model_sensitivities, sensitivities, system_derivatives};
+pub use sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
 pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
 
 /// What kind of motion a coordinate is.
@@ -82,7 +92,8 @@ pub enum Motion {
     Translation,
     /// A rotation, rad.
     Rotation,
-    /// A rotation times a radius that the model does not name, m: the displacement along a circle of a torsional model.
+    /// A rotation times a radius that the model does not name, m: the displacement along a circle of a torsional model; or
+    /// a displacement without a direction.
     Arc,
 }
 
@@ -179,6 +190,32 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// As [`assemble`](TheoreticalModel::assemble).
     fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError>;
+
+    /// The matrices without their zeros, for a model that is solved so ([`modes_of_sparse`]): the lowest modes alone. `None`
+    /// for a model that is solved with full matrices.
+    ///
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble).
+    fn sparse(&self, _values: &[f64]) -> Result<Option<SparseSystem>, TheoryError> {
+        Ok(None)
+    }
+
+    /// Derivative of the sparse matrices by parameter `j`; `None` as for [`sparse`](TheoreticalModel::sparse).
+    ///
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble).
+    fn sparse_derivative(
+        &self,
+        _values: &[f64],
+        _j: usize,
+    ) -> Result<Option<SparseDerivative>, TheoryError> {
+        Ok(None)
+    }
+
+    /// Damping ratio that the model states for an elastic mode, by its number from 0, in place of what its matrices say.
+    fn stated_damping(&self, _elastic: usize) -> Option<f64> {
+        None
+    }
 
     /// What kind of motion a root is, in words that mean something for this machine, from its angular
     /// frequency and the share of the kinetic energy of each coordinate (of a repeated root the mean over its modes). `None` for a model without such words.

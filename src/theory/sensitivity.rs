@@ -11,6 +11,7 @@
 
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
+use super::sparse::SparseDerivative;
 use super::{ModelRoot, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes};
 
 /// How one root depends on the parameters.
@@ -58,8 +59,52 @@ pub fn sensitivities(
     roots: &[ModelRoot],
     derivatives: &[SystemDerivative],
 ) -> Result<Vec<RootSensitivity>, TheoryError> {
+    let applied = derivatives.iter().map(|by| {
+        let (k, m) = (&by.stiffness, &by.mass);
+        move |phi: &RealMatrix, lambda: f64| {
+            let product = m * phi;
+            k * phi - real_matrix(phi.nrows(), phi.ncols(), |i, j| lambda * product[(i, j)])
+        }
+    });
+    of_roots(modes, roots, &applied.collect::<Vec<_>>())
+}
+
+/// Sensitivities of the roots of these modes, which are those of the model with these values, dense or sparse.
+///
+/// # Errors
+/// As [`system_derivatives`] and [`sensitivities`].
+pub fn model_sensitivities(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    modes: &TheoryModes,
+    roots: &[ModelRoot],
+) -> Result<Vec<RootSensitivity>, TheoryError> {
+    let all = 0..model.parameters().len();
+    let sparse = all.map(|j| model.sparse_derivative(values, j));
+    let sparse: Option<Vec<SparseDerivative>> =
+        sparse.collect::<Result<Vec<_>, _>>()?.into_iter().collect();
+    let Some(sparse) = sparse else {
+        return sensitivities(modes, roots, &system_derivatives(model, values)?);
+    };
+    let applied = sparse.iter().map(|by| {
+        move |phi: &RealMatrix, lambda: f64| {
+            let (k, m) = (by.stiffness.multiply(phi), by.mass.multiply(phi));
+            real_matrix(phi.nrows(), phi.ncols(), |i, j| {
+                k[(i, j)] - lambda * m[(i, j)]
+            })
+        }
+    });
+    of_roots(modes, roots, &applied.collect::<Vec<_>>())
+}
+
+/// `applied` gives `(dK - lambda dM) Phi` for each parameter.
+fn of_roots(
+    modes: &TheoryModes,
+    roots: &[ModelRoot],
+    applied: &[impl Fn(&RealMatrix, f64) -> RealMatrix],
+) -> Result<Vec<RootSensitivity>, TheoryError> {
     let of_root = |root: &ModelRoot| {
-        let branches = derivatives.iter().map(|by| branches(modes, root, by));
+        let branches = applied.iter().map(|by| branches(modes, root, by));
         Ok(RootSensitivity {
             omega_rad_s: root.omega_rad_s,
             branches: branches.collect::<Result<_, _>>()?,
@@ -71,13 +116,12 @@ pub fn sensitivities(
 fn branches(
     modes: &TheoryModes,
     root: &ModelRoot,
-    by: &SystemDerivative,
+    applied: impl Fn(&RealMatrix, f64) -> RealMatrix,
 ) -> Result<Vec<f64>, TheoryError> {
     let lambda = root.omega_rad_s * root.omega_rad_s;
     let (n, m) = (modes.vectors.nrows(), root.modes.len());
     let phi = real_matrix(n, m, |i, k| modes.vectors[(i, root.modes[k])]);
-    let operator = real_matrix(n, n, |i, j| by.stiffness[(i, j)] - lambda * by.mass[(i, j)]);
-    let projected: RealMatrix = phi.transpose() * (&operator * &phi);
+    let projected: RealMatrix = phi.transpose() * applied(&phi, lambda);
     if m == 1 {
         return Ok(vec![projected[(0, 0)]]);
     }

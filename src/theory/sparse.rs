@@ -1,0 +1,103 @@
+//! Modes of models whose matrices are kept without their zeros: the lowest ones, counted.
+
+use std::f64::consts::TAU;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
+
+use super::eigen::{Solution, check_damping_ratio};
+use super::{Coordinate, ModeOptions, TheoryError, TheoryModes};
+
+/// Modes that are computed when neither a band nor a number is asked for.
+const MODES: usize = 30;
+/// Most modes that are computed: beyond them full matrices cost less.
+const MOST_MODES: usize = 2000;
+/// A band's end is put up by this part, so that a mode at the end itself is counted for sure.
+const BEYOND_END: f64 = 1e-6;
+
+/// Matrices of `M x'' + C x' + K x = f` without their zeros, symmetric, of one size.
+#[derive(Clone, Debug)]
+pub struct SparseSystem {
+    /// Mass, positive definite.
+    pub mass: SparseMatrix,
+    /// Viscous damping; `None` for an undamped model.
+    pub damping: Option<SparseMatrix>,
+    /// Stiffness, positive semidefinite.
+    pub stiffness: SparseMatrix,
+    /// The coordinates, in the order of rows and columns.
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// Derivative of sparse matrices by one parameter.
+#[derive(Clone, Debug)]
+pub struct SparseDerivative {
+    /// dM/dp.
+    pub mass: SparseMatrix,
+    /// dK/dp.
+    pub stiffness: SparseMatrix,
+}
+
+/// The lowest modes of sparse matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
+///
+/// With a band all modes up to its end, else as many as the options ask for, else the lowest thirty; none of them is
+/// missing ([`crate::linalg::sparse_modes`]). A finding says up to which frequency they were counted. Rayleigh quotients,
+/// rigid-body modes, repeated roots and damping are those of [`super::modes_of_matrices`], but that the rounding of a
+/// quotient is `sqrt(n) eps |phi|^T |K| |phi|`: the many terms of a large sum round independently.
+///
+/// # Errors
+/// [`TheoryError::DampingRatio`], [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
+pub fn modes_of_sparse(
+    system: &SparseSystem,
+    options: &ModeOptions,
+) -> Result<TheoryModes, TheoryError> {
+    if let Some(got) = options.damping_ratio {
+        check_damping_ratio(got)?;
+    }
+    let wanted = match (options.band, options.count) {
+        (Some(band), _) => Wanted::Below(((1.0 + BEYOND_END) * TAU * band.hi_hz).powi(2)),
+        (None, Some(count)) => Wanted::Lowest(count.max(1)),
+        (None, None) => Wanted::Lowest(MODES),
+    };
+    let raw = linalg::sparse_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?;
+    let solution = solution(system, &raw)?;
+    let damping = |j: usize| {
+        let c = system.damping.as_ref()?;
+        let (energy, _) = c.quadratic_form(&column(&solution.vectors, j));
+        Some(energy / (2.0 * solution.omega_rad_s[j]))
+    };
+    let moved = |vectors: &RealMatrix| system.mass.multiply(vectors);
+    let mut result = solution.kept(options, &damping, &moved);
+    result.coordinates = system.coordinates.clone();
+    let place = Place::Whole;
+    let finding = Finding::new(Severity::Info, Code::LowestModesAlone, place);
+    result.model.findings.extend(
+        raw.counted_below
+            .map(|limit| finding.value(limit.max(0.0).sqrt() / TAU, "Hz")),
+    );
+    Ok(result)
+}
+
+fn column(vectors: &RealMatrix, j: usize) -> Vec<f64> {
+    vectors.col(j).iter().copied().collect()
+}
+
+fn solution(system: &SparseSystem, raw: &SparseModes) -> Result<Solution, TheoryError> {
+    let n = system.mass.size();
+    let rounding = (n as f64).sqrt() * f64::EPSILON;
+    let quotient = |j: usize| {
+        let (value, magnitude) = system.stiffness.quadratic_form(&column(&raw.vectors, j));
+        let limit = rounding * magnitude;
+        if value < -limit {
+            return Err(TheoryError::NegativeStiffness {
+                got_rad2_s2: value,
+                limit_rad2_s2: limit,
+            });
+        }
+        Ok(if value <= limit { 0.0 } else { value })
+    };
+    let quotients: Vec<f64> = (0..raw.vectors.ncols())
+        .map(quotient)
+        .collect::<Result<_, _>>()?;
+    let total: Vec<f64> = (0..n).map(|i| 1.0 / system.mass.get(i, i)).collect();
+    Ok(Solution::arranged(&raw.vectors, &quotients, &total))
+}
