@@ -1,10 +1,10 @@
 //! modalign takes a hammer test and a theoretical model of the same machine and says, in numbers, how far apart they
-//! are and why.
+//! are and why, and which of its parameters would bring them together.
 //!
 //! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance (`signal`, `frf`);
 //! FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters become matrices and a
-//! [`modal::ModalModel`] of the theory (`theory`); the two are paired and compared (`correlate`); results are written
-//! (`report`). Test and theory end in the same type, and nothing after it knows where a mode came from.
+//! [`modal::ModalModel`] of the theory (`theory`); the two are paired and compared (`correlate`); the model is brought to the
+//! test (`update`); results are written (`report`). Test and theory end in the same type, and nothing after it knows where a mode came from.
 //!
 //! # Where things are
 //!
@@ -30,6 +30,7 @@
 //! | [`correlate::Observability`] | what a test could see of a root | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
+//! | [`update::UpdateProblem`] | a model to be brought to measured modes | `update` |
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
 //! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
@@ -56,11 +57,12 @@
 //! | `identify` | axis dof finding fourier frf linalg modal quantity |
 //! | `theory` | axis dof finding frf geometry linalg modal quantity |
 //! | `correlate` | axis dof finding frf geometry linalg modal quantity theory |
+//! | `update` | axis correlate dof finding frf geometry linalg modal quantity theory |
 //! | `synth` | axis dof finding fourier frf geometry linalg modal quantity record theory |
-//! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory |
-//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal synth theory |
-//! | `error` | correlate frf identify io scene signal synth theory |
-//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal synth theory |
+//! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory update |
+//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal synth theory update |
+//! | `error` | correlate frf identify io scene signal synth theory update |
+//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal synth theory update |
 //!
 //! `report` sees result types of every stage, never a computation.
 //!
@@ -97,6 +99,7 @@ pub mod scene;
 pub mod signal;
 pub mod synth;
 pub mod theory;
+pub mod update;
 
 #[cfg(feature = "cli")]
 pub mod cli;

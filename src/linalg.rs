@@ -326,6 +326,20 @@ pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgErro
     })
 }
 
+/// Singular values of a tall real matrix, descending, and its right vectors, one per column.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub fn right_singular_vectors(a: &RealMatrix) -> Result<(Vec<f64>, RealMatrix), LinalgError> {
+    let svd = a.thin_svd().map_err(|_| LinalgError::NotConverged {
+        what: "singular value iteration",
+        rows: a.nrows(),
+        columns: a.ncols(),
+    })?;
+    let values = svd.S().column_vector().iter().copied().collect();
+    Ok((values, svd.V().to_owned()))
+}
+
 /// Eigenvalues and right eigenvectors of a general real matrix.
 #[derive(Clone, Debug)]
 pub struct GeneralModes {

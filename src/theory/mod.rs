@@ -81,7 +81,10 @@ pub use reduction::{ReducedModel, guyan, serep, serep_expansion};
 pub use residues::{PairResidues, residues};
 pub use response::{DetailResponse, Nonlinear, ResponseSignal, ResponseSpan, TimeResponse};
 pub use rigid::coordinate_sensors;
-pub use sensitivity::{RootSensitivity, model_sensitivities, sensitivities, system_derivatives};
+pub use sensitivity::{
+    ModeDerivatives, RootSensitivity, mode_derivatives, model_sensitivities, sensitivities,
+    system_derivatives,
+};
 pub use sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
 pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
 

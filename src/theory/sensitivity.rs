@@ -113,6 +113,49 @@ fn of_roots(
     roots.iter().map(of_root).collect()
 }
 
+/// How the modes of one root change with a parameter.
+#[derive(Clone, Debug)]
+pub struct ModeDerivatives {
+    /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with its own eigenvalue: derivatives of the
+    /// eigenvalues on the diagonal, (rad/s)² per unit of the parameter.
+    pub projected: RealMatrix,
+    /// Derivatives of the vectors over all coordinates, one column per mode, without their parts along the modes
+    /// themselves: those scale a vector or turn the basis, and leave the subspace what it is.
+    pub vectors: RealMatrix,
+}
+
+/// Derivatives of these modes by one parameter, by expansion in all modes of the model, which must all be there.
+///
+/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not among `own`.
+///
+/// # Reference
+/// Fox and Kapoor (1968), equation 18.
+pub fn mode_derivatives(
+    modes: &TheoryModes,
+    own: &[usize],
+    by: &SystemDerivative,
+) -> ModeDerivatives {
+    let (n, m) = (modes.vectors.nrows(), own.len());
+    let lambda = |k: usize| modes.omega_rad_s[k] * modes.omega_rad_s[k];
+    let phi = real_matrix(n, m, |i, k| modes.vectors[(i, own[k])]);
+    let (stiffness, mass) = (&by.stiffness * &phi, &by.mass * &phi);
+    let force = real_matrix(n, m, |i, k| {
+        stiffness[(i, k)] - lambda(own[k]) * mass[(i, k)]
+    });
+    let all = modes.vectors.transpose() * &force;
+    let share = real_matrix(modes.vectors.ncols(), m, |k, c| {
+        if own.contains(&k) {
+            0.0
+        } else {
+            all[(k, c)] / (lambda(own[c]) - lambda(k))
+        }
+    });
+    ModeDerivatives {
+        projected: real_matrix(m, m, |r, c| all[(own[r], c)]),
+        vectors: &modes.vectors * &share,
+    }
+}
+
 fn branches(
     modes: &TheoryModes,
     root: &ModelRoot,

@@ -1,0 +1,241 @@
+//! Which single change explains the misfit: parameters freed alone, in pairs and in growing sets, ranked; and whether the
+//! set that is proposed foretells a mode that was left out.
+//!
+//! Every trial solves the problem with some parameters free and all others where they are. Its remaining error is
+//! `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 + k ln N` with `k` free parameters
+//! and `N` residuals, the deviations being taken as known.
+//!
+//! # Reference
+//! Schwarz (1978), Estimating the dimension of a model, Annals of Statistics 6, 461.
+
+use rayon::prelude::*;
+
+use super::result::{Fit, fit};
+use super::solve::{Solution, solve_from_starts};
+use super::{UpdateError, UpdateProblem};
+
+/// Pairs are tried among this many of the best single parameters.
+const PAIRED_PARAMETERS: usize = 8;
+/// Largest number of parameters in a set.
+const LARGEST_SET: usize = 6;
+/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 (N - k))` above `N - k`.
+const DEVIATIONS: f64 = 2.0;
+
+/// One set of parameters freed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Names; those that are always free are not among them.
+    pub parameters: Vec<String>,
+    /// Values they ended at.
+    pub values: Vec<f64>,
+    /// All parameters of the model.
+    pub model_values: Vec<f64>,
+    /// Number of parameters that were free in all.
+    pub free: usize,
+    /// The model after.
+    pub fit: Fit,
+    /// `chi^2 + k ln N`.
+    pub bic: f64,
+}
+
+impl Change {
+    /// Whether the residual is down to its uncertainty: `chi^2` at most `nu + 2 sqrt(2 nu)`, `nu = N - k`.
+    pub fn explains(&self) -> bool {
+        let nu = self.fit.data_count.saturating_sub(self.free).max(1) as f64;
+        self.fit.chi_square <= nu + DEVIATIONS * (2.0 * nu).sqrt()
+    }
+}
+
+/// A measured root that was left out and foretold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Foretold {
+    /// Label of the target.
+    pub label: String,
+    /// Error of the model as it stood, (model − test)/test, percent.
+    pub before_percent: f64,
+    /// Error of the model updated without it, percent.
+    pub after_percent: f64,
+}
+
+/// What explains the misfit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// With the always free parameters alone, or nothing.
+    pub none: Change,
+    /// Each parameter alone, smallest remaining error first.
+    pub single: Vec<Change>,
+    /// Pairs among the best of them, smallest remaining error first.
+    pub pairs: Vec<Change>,
+    /// The smallest set that brings the residual to its uncertainty; where none does, the one of smallest BIC.
+    pub proposed: Change,
+    /// Leave-one-out check of that set.
+    pub foretold: Vec<Foretold>,
+}
+
+/// Tries all free parameters of the problem but those named in `always`, which are free in every trial.
+///
+/// Sets of more than two grow from the best pair by the parameter that leaves least.
+///
+/// # Errors
+/// [`UpdateError::Parameter`] for an unknown name; as [`solve_from_starts`].
+pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explanation, UpdateError> {
+    let trials = Trials::new(problem, always)?;
+    let none = trials.change(&[])?;
+    let single = trials.single()?;
+    let best: Vec<usize> = single
+        .iter()
+        .take(PAIRED_PARAMETERS)
+        .map(|(own, _)| own[0])
+        .collect();
+    let pairs = best
+        .iter()
+        .enumerate()
+        .flat_map(|(i, &a)| best[i + 1..].iter().map(move |&b| vec![a, b]));
+    let pairs = trials.ranked(pairs.collect())?;
+    let (chosen, proposed) = trials.proposed(&none, &single, &pairs)?;
+    let changes = |own: Vec<(Vec<usize>, Change)>| own.into_iter().map(|(_, c)| c).collect();
+    Ok(Explanation {
+        foretold: trials.foretold(&chosen)?,
+        none,
+        single: changes(single),
+        pairs: changes(pairs),
+        proposed,
+    })
+}
+
+/// The single changes alone, smallest remaining error first.
+///
+/// # Errors
+/// As [`explain`].
+pub fn single_changes(
+    problem: &UpdateProblem<'_>,
+    always: &[String],
+) -> Result<Vec<Change>, UpdateError> {
+    let ranked = Trials::new(problem, always)?.single()?;
+    Ok(ranked.into_iter().map(|(_, change)| change).collect())
+}
+
+struct Trials<'a, 'b> {
+    problem: &'a UpdateProblem<'b>,
+    /// Places in the problem's list of free parameters.
+    always: Vec<usize>,
+    candidates: Vec<usize>,
+}
+
+type Ranked = Vec<(Vec<usize>, Change)>;
+
+impl<'a, 'b> Trials<'a, 'b> {
+    fn new(problem: &'a UpdateProblem<'b>, always: &[String]) -> Result<Self, UpdateError> {
+        let place = |name: &String| {
+            let found = problem.free.iter().position(|own| own.name == *name);
+            found.ok_or_else(|| UpdateError::Parameter {
+                name: name.clone(),
+                reason: "it is not among the free parameters",
+                known: problem.free.iter().map(|own| own.name.clone()).collect(),
+            })
+        };
+        let always = always.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let rest = (0..problem.free.len()).filter(|j| !always.contains(j));
+        Ok(Self {
+            candidates: rest.collect(),
+            problem,
+            always,
+        })
+    }
+
+    /// The places of a set of candidates, those that are always free with them.
+    fn places(&self, chosen: &[usize]) -> Vec<usize> {
+        let own = chosen.iter().map(|&c| self.candidates[c]);
+        self.always.iter().copied().chain(own).collect()
+    }
+
+    fn change(&self, chosen: &[usize]) -> Result<Change, UpdateError> {
+        let part = self.problem.with_free(&self.places(chosen));
+        let at = if part.free.is_empty() {
+            part.start(&[])?
+        } else {
+            solve_from_starts(&part)?.best.at
+        };
+        let fit = fit(&part, &at, None)?;
+        let named = chosen
+            .iter()
+            .map(|&c| &self.problem.free[self.candidates[c]]);
+        Ok(Change {
+            parameters: named.clone().map(|own| own.name.clone()).collect(),
+            values: named.map(|own| at.values[own.index]).collect(),
+            model_values: at.values.clone(),
+            free: part.free.len(),
+            bic: fit.chi_square + part.free.len() as f64 * (fit.data_count as f64).ln(),
+            fit,
+        })
+    }
+
+    /// Each candidate alone.
+    fn single(&self) -> Result<Ranked, UpdateError> {
+        self.ranked((0..self.candidates.len()).map(|c| vec![c]).collect())
+    }
+
+    /// All sets, smallest remaining error first.
+    fn ranked(&self, sets: Vec<Vec<usize>>) -> Result<Ranked, UpdateError> {
+        let change = |set: &Vec<usize>| Ok((set.clone(), self.change(set)?));
+        let changes: Vec<Result<(Vec<usize>, Change), UpdateError>> =
+            sets.par_iter().map(change).collect();
+        let mut changes = changes.into_iter().collect::<Result<Ranked, _>>()?;
+        changes.sort_by(|a, b| a.1.fit.chi_square.total_cmp(&b.1.fit.chi_square));
+        Ok(changes)
+    }
+
+    /// The smallest set that explains the misfit, of equal size the one that leaves least; else the one of smallest BIC.
+    fn proposed(
+        &self,
+        none: &Change,
+        single: &Ranked,
+        pairs: &Ranked,
+    ) -> Result<(Vec<usize>, Change), UpdateError> {
+        let mut tried = vec![(Vec::new(), none.clone())];
+        tried.extend(single.first().cloned());
+        tried.extend(pairs.first().cloned());
+        while !tried.iter().any(|(_, change)| change.explains()) {
+            let (chosen, _) = tried.last().expect("the empty set was tried").clone();
+            let others = (0..self.candidates.len()).filter(|c| !chosen.contains(c));
+            let larger = others.map(|c| chosen.iter().copied().chain([c]).collect());
+            let larger: Vec<Vec<usize>> = larger.collect();
+            if chosen.len() < 2 || chosen.len() >= LARGEST_SET || larger.is_empty() {
+                break;
+            }
+            tried.extend(self.ranked(larger)?.into_iter().next());
+        }
+        let first = tried.iter().find(|(_, change)| change.explains());
+        let smallest = || tried.iter().min_by(|a, b| a.1.bic.total_cmp(&b.1.bic));
+        let chosen = first.or_else(smallest);
+        Ok(chosen.expect("the empty set was tried").clone())
+    }
+
+    /// Every target left out in turn, and foretold by the set from all others.
+    fn foretold(&self, chosen: &[usize]) -> Result<Vec<Foretold>, UpdateError> {
+        let part = self.problem.with_free(&self.places(chosen));
+        let count = part.targets.len();
+        if part.free.is_empty() || count < 2 {
+            return Ok(Vec::new());
+        }
+        let start = part.start(&vec![0.0; part.free.len()])?;
+        let before = fit(&part, &start, None)?;
+        let one = |t: usize| -> Result<Option<Foretold>, UpdateError> {
+            let without = part.without_target(t);
+            let found: Solution = solve_from_starts(&without)?.best;
+            let after = fit(&part, &part.start(&found.at.z)?, None)?;
+            let errors = before.rows[t]
+                .error_percent
+                .zip(after.rows[t].error_percent);
+            Ok(errors.map(|(before_percent, after_percent)| Foretold {
+                label: part.targets[t].label.clone(),
+                before_percent,
+                after_percent,
+            }))
+        };
+        let all: Vec<Result<Option<Foretold>, UpdateError>> =
+            (0..count).into_par_iter().map(one).collect();
+        let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
+        Ok(all.into_iter().flatten().collect())
+    }
+}

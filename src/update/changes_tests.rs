@@ -1,0 +1,36 @@
+//! Which single change explains a misfit: a chain with one spring changed.
+
+use super::test_models::{chain, free, measured, sensors};
+use super::*;
+
+#[test]
+fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out() {
+    let start = [100.0, 200.0, 300.0, 150.0];
+    let model = chain(&start);
+    let test = measured(&model, &[100.0, 200.0, 420.0, 150.0], 1e-3, false);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let sensors = sensors(&model, &start);
+    let options = UpdateOptions {
+        starts: 3,
+        ..UpdateOptions::default()
+    };
+    let chosen = free(&["k1", "k2", "k3", "k4"]);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options).unwrap();
+    let found = explain(&problem, &[]).unwrap();
+    assert_eq!(found.single.len(), 4);
+    assert_eq!(found.pairs.len(), 6);
+    assert_eq!(found.proposed.parameters, ["k3"]);
+    assert!(found.proposed.explains() && !found.none.explains());
+    assert!((found.proposed.values[0] / 420.0 - 1.0).abs() < 0.01);
+    assert!(!found.single[1].explains());
+    // A second parameter costs more than it gains.
+    assert!(found.pairs[0].bic > found.proposed.bic);
+    assert_eq!(found.foretold.len(), 4);
+    for row in &found.foretold {
+        assert!(row.after_percent.abs() < 0.1, "{row:?}");
+    }
+    assert!(explain(&problem, &["k9".to_owned()]).is_err());
+}

@@ -1,0 +1,95 @@
+//! What can be wrong with a request to update.
+
+use crate::correlate::CorrelateError;
+use crate::linalg::LinalgError;
+use crate::theory::TheoryError;
+
+/// Why a model cannot be updated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// An option outside its range.
+    #[error("update option {name}: got {got}, expected {expected}")]
+    Option {
+        /// The option.
+        name: &'static str,
+        /// As given.
+        got: f64,
+        /// What would have been accepted.
+        expected: &'static str,
+    },
+    /// A parameter that the model does not have, or that is named twice.
+    #[error("update parameter {name:?}: {reason}; the model has {}", known.join(", "))]
+    Parameter {
+        /// As given.
+        name: String,
+        /// What is wrong with it.
+        reason: &'static str,
+        /// Those of the model.
+        known: Vec<String>,
+    },
+    /// A parameter whose prior cannot be told from its value and bounds.
+    #[error(
+        "update parameter {name:?}: no default prior for a value of {initial} without two bounds; expected a stated one"
+    )]
+    NoPrior {
+        /// Its name.
+        name: String,
+        /// Where it starts.
+        initial: f64,
+    },
+    /// Bounds that do not hold the start, or a prior without width.
+    #[error(
+        "update parameter {name:?}: start {initial} with bounds {lower} to {upper}, expected it between them"
+    )]
+    Bounds {
+        /// Its name.
+        name: String,
+        /// Where it starts.
+        initial: f64,
+        /// Lower bound.
+        lower: f64,
+        /// Upper bound.
+        upper: f64,
+    },
+    /// A prior deviation that is not above 0, or of logarithms for a value that is not.
+    #[error(
+        "update parameter {name:?}: prior deviation {got} around {initial}, expected a finite one above 0, and a start above 0 for a log-normal prior"
+    )]
+    PriorDeviation {
+        /// Its name.
+        name: String,
+        /// The deviation.
+        got: f64,
+        /// Where it starts.
+        initial: f64,
+    },
+    /// No parameter to change.
+    #[error("no parameter is free, expected at least one")]
+    NothingFree,
+    /// No mode of any test has a partner in the model.
+    #[error(
+        "none of {modes} test modes has a partner in the model within the gates of pairing, expected at least one"
+    )]
+    NothingPaired {
+        /// Test modes.
+        modes: usize,
+    },
+    /// A frequency without any uncertainty.
+    #[error(
+        "{label}: neither the test nor frequency_floor states an uncertainty of its frequency, expected one above 0"
+    )]
+    NoUncertainty {
+        /// The mode.
+        label: String,
+    },
+    /// The model.
+    #[error(transparent)]
+    Theory(#[from] TheoryError),
+    /// Pairing.
+    #[error(transparent)]
+    Correlate(#[from] CorrelateError),
+    /// A decomposition.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+}

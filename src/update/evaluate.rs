@@ -1,0 +1,37 @@
+//! The model at one set of parameters: its modes, its links to the test, its residuals.
+
+use crate::linalg::RealMatrix;
+use crate::theory::TheoryModes;
+
+use super::Link;
+
+/// The model at one point.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The free parameters, each in its prior deviations from where it starts.
+    pub z: Vec<f64>,
+    /// All parameters of the model.
+    pub values: Vec<f64>,
+    /// Which targets meet which modes here.
+    pub links: Vec<Link>,
+    /// All modes of the model, without sensors.
+    pub modes: TheoryModes,
+    /// Residuals of the data, divided by their deviations; then `z`.
+    pub residual: Vec<f64>,
+    /// How many of them are of data.
+    pub data_rows: usize,
+    pub(super) mass: RealMatrix,
+}
+
+impl Evaluation {
+    /// `sum r^2 + sum z^2`, which is made smallest.
+    pub fn objective(&self) -> f64 {
+        self.residual.iter().map(|r| r * r).sum()
+    }
+
+    /// `sum r^2` over the data.
+    pub fn chi_square(&self) -> f64 {
+        let data = &self.residual[..self.data_rows];
+        data.iter().map(|r| r * r).sum()
+    }
+}

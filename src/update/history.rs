@@ -1,0 +1,63 @@
+//! What happened on the way: iterations, changes of pairing, why it ended.
+
+use serde::{Deserialize, Serialize};
+
+/// Why the iteration from a start ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// No step promises to lower the objective by more than rounding.
+    NoDecrease,
+    /// The steps that are still trusted have become as small as rounding.
+    SmallStep,
+    /// The stated number of iterations is reached; not converged.
+    IterationLimit,
+}
+
+impl StopReason {
+    /// In words.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            StopReason::NoDecrease => "converged: no step lowers the objective",
+            StopReason::SmallStep => "converged: the steps have become as small as rounding",
+            StopReason::IterationLimit => {
+                "not converged: the stated number of iterations is reached"
+            }
+        }
+    }
+
+    /// Whether it is a minimum, as far as the linear model can tell.
+    pub fn converged(self) -> bool {
+        self != StopReason::IterationLimit
+    }
+}
+
+/// One step of the solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iteration {
+    /// Objective after it: data and prior.
+    pub objective: f64,
+    /// Part of the data in it.
+    pub chi_square: f64,
+    /// Values of the free parameters after it.
+    pub values: Vec<f64>,
+    /// Radius of the region in which the next step is trusted, in parts of each parameter's first step.
+    pub radius: f64,
+    /// Whether it was taken; a refused one leaves everything as it was.
+    pub accepted: bool,
+}
+
+/// A measured root that met another mode of the model than before.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairingChange {
+    /// Label of the target.
+    pub label: String,
+    /// Number of iterations taken before.
+    pub after_iterations: usize,
+    /// Numbers, from 1, of the modes of the model before.
+    pub from: Vec<usize>,
+    /// Numbers after; empty when it lost its partner.
+    pub to: Vec<usize>,
+    /// Whether the modes changed their order while they were followed by shape (else they were paired anew).
+    pub followed: bool,
+}

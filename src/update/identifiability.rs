@@ -1,0 +1,166 @@
+//! What the data can tell of the parameters: singular values of the weighted sensitivity, combinations, posterior
+//! deviations, and a verdict for each parameter.
+//!
+//! With `J` the derivatives of the data's residuals by `z`, in which every prior deviation is 1, the posterior covariance
+//! of `z` is `(J^T J + I)^-1 = V diag(1/(1 + s^2)) V^T` for `J = U diag(s) V^T`. A combination `v^T z` of the parameters
+//! with singular value `s` is known to `1/sqrt(1 + s^2)` of what was known before the test.
+//!
+//! # Reference
+//! Tarantola (2005), Inverse Problem Theory, section 3.2.3 (posterior of a linearised problem); Friswell and Mottershead
+//! (1995), Finite Element Model Updating in Structural Dynamics, chapter 8 (regularisation, parameter choice).
+
+use serde::{Deserialize, Serialize};
+
+use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
+
+use super::{FreeParameter, UpdateError};
+
+/// What is known to at most this part of its prior deviation counts as known from the data.
+pub const KNOWN: f64 = 0.5;
+/// Parts of a combination below this are left out of its words.
+const SMALL_PART: f64 = 0.1;
+
+/// What the data say of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Verdict {
+    /// Its posterior deviation is at most half of the prior one.
+    #[serde(rename = "identified")]
+    Identified,
+    /// It is not: the test does not see it, and it stays where it was; or the test sees it only together with others, and
+    /// it moves as far as their combination asks.
+    #[serde(rename = "not supported by the data")]
+    NotSupported,
+    /// It ended at one of its bounds: the data ask for a value beyond.
+    #[serde(rename = "at bound")]
+    AtBound,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Identified => "identified",
+            Verdict::NotSupported => "not supported by the data",
+            Verdict::AtBound => "at bound",
+        }
+    }
+}
+
+/// A combination of the parameters, in the order of what the data know of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Combination {
+    /// Singular value of the weighted sensitivity: by how many deviations of the data the residuals change when the
+    /// combination changes by a prior deviation.
+    pub singular_value: f64,
+    /// Posterior over prior deviation, `1/sqrt(1 + s^2)`.
+    pub posterior_over_prior: f64,
+    /// Whether that is at most a half.
+    pub known: bool,
+    /// Parameters with their parts, largest first; the squares of all parts add up to 1, those below 0.1 are left out.
+    pub parts: Vec<(String, f64)>,
+    /// In words and figures.
+    pub text: String,
+}
+
+/// What the data can tell.
+#[derive(Clone, Debug)]
+pub struct Identifiability {
+    /// Posterior covariance of `z`.
+    pub covariance: RealMatrix,
+    /// Posterior over prior deviation of each parameter.
+    pub ratio: Vec<f64>,
+    /// The same with all other parameters known: what the test sees of it at all.
+    pub ratio_alone: Vec<f64>,
+    /// All combinations, best known first.
+    pub combinations: Vec<Combination>,
+}
+
+impl Identifiability {
+    /// From the derivatives of the data's residuals alone, one column for each parameter.
+    ///
+    /// # Errors
+    /// [`UpdateError::Linalg`].
+    pub fn new(jacobian: &RealMatrix, free: &[FreeParameter]) -> Result<Self, UpdateError> {
+        let (rows, n) = (jacobian.nrows(), free.len());
+        // Rows of zeros make it tall, so that directions without any data have vectors, too.
+        let tall = real_matrix(rows.max(n), n, |i, j| {
+            if i < rows { jacobian[(i, j)] } else { 0.0 }
+        });
+        let (values, vectors) = right_singular_vectors(&tall)?;
+        let left = |k: usize| 1.0 / (1.0 + values[k] * values[k]);
+        let covariance = real_matrix(n, n, |i, j| {
+            let parts = (0..n).map(|k| vectors[(i, k)] * left(k) * vectors[(j, k)]);
+            parts.sum()
+        });
+        let pull = |j: usize| (0..rows).map(|i| jacobian[(i, j)].powi(2)).sum::<f64>();
+        let combination = |k: usize| {
+            let part = |j: usize| (free[j].name.clone(), vectors[(j, k)]);
+            combination(values[k], (0..n).map(part).collect())
+        };
+        Ok(Self {
+            ratio: (0..n).map(|j| covariance[(j, j)].sqrt()).collect(),
+            ratio_alone: (0..n).map(|j| (1.0 + pull(j)).sqrt().recip()).collect(),
+            combinations: (0..n).map(combination).collect(),
+            covariance,
+        })
+    }
+
+    /// Correlation of the posterior errors of two parameters.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        self.covariance[(i, j)] / (self.ratio[i] * self.ratio[j])
+    }
+
+    /// Whether the test sees a parameter at all: with all others known it would be known, too.
+    pub fn seen(&self, j: usize) -> bool {
+        self.ratio_alone[j] <= KNOWN
+    }
+
+    /// The verdict on a parameter by its place between its bounds.
+    pub fn verdict(&self, j: usize, at_bound: bool) -> Verdict {
+        if at_bound && self.seen(j) {
+            Verdict::AtBound
+        } else if self.ratio[j] <= KNOWN {
+            Verdict::Identified
+        } else {
+            Verdict::NotSupported
+        }
+    }
+}
+
+fn combination(s: f64, mut parts: Vec<(String, f64)>) -> Combination {
+    parts.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let sign = if parts[0].1 < 0.0 { -1.0 } else { 1.0 };
+    parts.retain(|(_, part)| part.abs() >= SMALL_PART);
+    parts.iter_mut().for_each(|(_, part)| *part *= sign);
+    let ratio = 1.0 / (1.0 + s * s).sqrt();
+    let known = ratio <= KNOWN;
+    Combination {
+        singular_value: s,
+        posterior_over_prior: ratio,
+        known,
+        text: words(&parts, ratio, known),
+        parts,
+    }
+}
+
+fn words(parts: &[(String, f64)], ratio: f64, known: bool) -> String {
+    let term = |(name, part): &(String, f64)| format!("{part:+.2} {name}");
+    let sum: Vec<String> = parts.iter().map(term).collect();
+    let verdict = if known {
+        "known"
+    } else {
+        "not known from the data"
+    };
+    let subject = match parts {
+        [(name, _)] => format!("{name} by itself"),
+        [(a, first), (b, second)] if (first.abs() - second.abs()).abs() < SMALL_PART => {
+            if second * first > 0.0 {
+                format!("{a} and {b} in the same direction ({})", sum.join(" "))
+            } else {
+                format!("{a} against {b} ({})", sum.join(" "))
+            }
+        }
+        _ => sum.join(" "),
+    };
+    format!("{subject}: {verdict}, to {ratio:.3} of the prior deviations")
+}

@@ -1,0 +1,45 @@
+//! Updating: which parameters of a model would bring it to a test, and which of them the test can know.
+//!
+//! An [`UpdateProblem`] holds the model, its free parameters with their bounds and priors, and what was measured: natural
+//! frequencies and shapes, each with its uncertainty. Every free parameter is a number `z` of its prior deviations from
+//! where it starts; the objective is `sum r^2 + sum z^2` over residuals that are divided by their deviations.
+//! This module must not read a file, identify modes or print.
+
+mod bounded;
+mod changes;
+mod error;
+mod evaluate;
+mod history;
+mod identifiability;
+mod links;
+mod options;
+mod parameter;
+mod problem;
+mod residual;
+mod result;
+mod solve;
+mod target;
+
+#[cfg(test)]
+mod changes_tests;
+#[cfg(test)]
+mod problem_tests;
+#[cfg(test)]
+mod result_tests;
+#[cfg(test)]
+mod solve_tests;
+#[cfg(test)]
+mod test_models;
+
+pub use changes::{Change, Explanation, Foretold, explain, single_changes};
+pub use error::UpdateError;
+pub use evaluate::Evaluation;
+pub use history::{Iteration, PairingChange, StopReason};
+pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
+pub use links::Link;
+pub use options::UpdateOptions;
+pub use parameter::{FreeParameter, ParameterChoice, Prior};
+pub use problem::UpdateProblem;
+pub use result::{Fit, FitRow, Starts, UpdateResult, UpdatedParameter, update};
+pub use solve::{MultiStart, Solution, solve, solve_from_starts};
+pub use target::{MeasuredModes, Target};

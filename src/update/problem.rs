@@ -1,0 +1,279 @@
+//! The problem: model, free parameters, targets; residuals and their derivatives at any point.
+
+use crate::correlate::PairOptions;
+use crate::geometry::Sensor;
+use crate::linalg::{RealMatrix, real_matrix};
+use crate::modal::ModalModel;
+use crate::theory::{
+    ModeOptions, SystemDerivative, TheoreticalModel, TheoryError, check_values, mode_derivatives,
+    modes, modes_of_matrices,
+};
+
+use super::links::{PairedModes, follow};
+use super::parameter::free_parameters;
+use super::residual::LinkResidual;
+use super::target::{ShapeRows, targets_of};
+use super::{
+    Evaluation, FreeParameter, Link, MeasuredModes, ParameterChoice, Target, UpdateError,
+    UpdateOptions,
+};
+
+/// Frequency gate of pairing at a start and after an iteration, a fraction.
+const START_GATE: f64 = 1.0;
+
+/// A model to be brought to measured modes.
+#[derive(Clone, Debug)]
+pub struct UpdateProblem<'a> {
+    model: &'a dyn TheoreticalModel,
+    sensors: &'a [Sensor],
+    /// Values of all parameters at the start.
+    pub initial: Vec<f64>,
+    /// The parameters that may change.
+    pub free: Vec<FreeParameter>,
+    /// What was measured, as far as it has a partner in the model at the start.
+    pub targets: Vec<Target>,
+    /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
+    pub left_out: Vec<(String, f64)>,
+    /// Options.
+    pub options: UpdateOptions,
+    tests: Vec<PairedModes>,
+}
+
+impl<'a> UpdateProblem<'a> {
+    /// A problem that starts from these values. Modes at 0 Hz play no part.
+    ///
+    /// # Errors
+    /// [`UpdateError`] for an option, a parameter or a mode that cannot be meant, and when nothing was paired.
+    pub fn new(
+        model: &'a dyn TheoreticalModel,
+        values: &[f64],
+        choices: &[ParameterChoice],
+        measured: &[MeasuredModes<'_>],
+        sensors: &'a [Sensor],
+        options: UpdateOptions,
+    ) -> Result<Self, UpdateError> {
+        options.validate()?;
+        check_values(model.name(), model.parameters(), values)?;
+        let free = free_parameters(model, values, choices, &options)?;
+        let mut targets = Vec::new();
+        for (test, own) in measured.iter().enumerate() {
+            let floor = options.shape_floor;
+            let rows = floor
+                .map(|floor| ShapeRows::new(model, sensors, own.modes, &options, floor))
+                .transpose()?;
+            targets.extend(targets_of(test, own, rows.as_ref(), &options)?);
+        }
+        let mut problem = Self {
+            model,
+            sensors,
+            initial: values.to_vec(),
+            free,
+            targets,
+            left_out: Vec::new(),
+            options,
+            tests: Vec::new(),
+        };
+        problem.keep_paired(measured)?;
+        Ok(problem)
+    }
+
+    /// Leaves out what has no partner at the start.
+    fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
+        self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
+        let links = self.links(&self.initial, &self.options.pair)?;
+        let linked = |t: usize| links.iter().any(|link| link.targets.contains(&t));
+        let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
+        if !kept.contains(&true) {
+            return Err(UpdateError::NothingPaired {
+                modes: self.targets.len(),
+            });
+        }
+        let all = std::mem::take(&mut self.targets);
+        for (target, kept) in all.into_iter().zip(kept) {
+            if kept {
+                self.targets.push(target);
+            } else {
+                self.left_out.push((target.label, target.hz));
+            }
+        }
+        self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
+        Ok(())
+    }
+
+    fn paired_modes<'b>(&self, models: impl Iterator<Item = &'b ModalModel>) -> Vec<PairedModes> {
+        let own = |(test, model)| PairedModes::new(test, model, &self.targets);
+        models.enumerate().map(own).collect()
+    }
+
+    /// The same problem with some of its free parameters, by their place.
+    pub fn with_free(&self, places: &[usize]) -> Self {
+        Self {
+            free: places.iter().map(|&j| self.free[j].clone()).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same problem without one of its targets.
+    pub fn without_target(&self, gone: usize) -> Self {
+        let mut own = self.clone();
+        own.targets.remove(gone);
+        for test in &mut own.tests {
+            let kept: Vec<usize> = (0..test.target.len())
+                .filter(|&i| test.target[i] != gone)
+                .collect();
+            let modes = &test.modes.modes;
+            test.modes.modes = kept.iter().map(|&i| modes[i].clone()).collect();
+            let renumbered = |t: usize| if t > gone { t - 1 } else { t };
+            test.target = kept.iter().map(|&i| renumbered(test.target[i])).collect();
+        }
+        own
+    }
+
+    /// All parameters with the free ones at `z`.
+    pub fn values(&self, z: &[f64]) -> Vec<f64> {
+        let mut values = self.initial.clone();
+        for (parameter, z) in self.free.iter().zip(z) {
+            values[parameter.index] = parameter.value(*z);
+        }
+        values
+    }
+
+    fn links(&self, values: &[f64], pair: &PairOptions) -> Result<Vec<Link>, UpdateError> {
+        let theory = modes(self.model, values, self.sensors, &ModeOptions::default())?;
+        let mut links = Vec::new();
+        for test in &self.tests {
+            links.extend(test.links(&theory.model, &self.targets, pair)?);
+        }
+        Ok(links)
+    }
+
+    /// The model at `z`, paired with the test there within twice the frequency: a start may be far off.
+    ///
+    /// # Errors
+    /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
+    pub fn start(&self, z: &[f64]) -> Result<Evaluation, UpdateError> {
+        let values = self.values(z);
+        let wide = PairOptions {
+            max_frequency_error: self.options.pair.max_frequency_error.max(START_GATE),
+            ..self.options.pair.clone()
+        };
+        let links = self.links(&values, &wide)?;
+        self.evaluate(z, |_| links)
+    }
+
+    /// The model at `z` with its modes followed from a point nearby; `None` where it has no modes there.
+    ///
+    /// # Errors
+    /// [`UpdateError::Linalg`].
+    pub fn follow(&self, z: &[f64], from: &Evaluation) -> Result<Option<Evaluation>, UpdateError> {
+        let followed = |modes: &_| follow(&from.links, &from.modes, &from.mass, modes);
+        match self.evaluate(z, followed) {
+            Ok(own) => Ok(Some(own)),
+            Err(UpdateError::Theory(
+                TheoryError::OutOfBounds { .. }
+                | TheoryError::PropertyOutOfRange { .. }
+                | TheoryError::NegativeStiffness { .. }
+                | TheoryError::Linalg(_),
+            )) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn evaluate(
+        &self,
+        z: &[f64],
+        links: impl FnOnce(&crate::theory::TheoryModes) -> Vec<Link>,
+    ) -> Result<Evaluation, UpdateError> {
+        let values = self.values(z);
+        let matrices = self.model.assemble(&values)?;
+        let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
+        let links = links(&modes);
+        let mut residual = Vec::new();
+        for link in &links {
+            residual.extend(LinkResidual::new(link, &self.targets, &modes).values()?);
+        }
+        let unpaired = self.unpaired(&links);
+        residual.extend(unpaired.map(|target| START_GATE.ln_1p() / target.relative_std));
+        let data_rows = residual.len();
+        residual.extend(z);
+        Ok(Evaluation {
+            z: z.to_vec(),
+            values,
+            links,
+            modes,
+            residual,
+            data_rows,
+            mass: matrices.mass,
+        })
+    }
+
+    /// Targets without a partner; each counts as one at the gate of a start.
+    fn unpaired<'b>(&'b self, links: &'b [Link]) -> impl Iterator<Item = &'b Target> {
+        let alone = |t: &usize| !links.iter().any(|link| link.targets.contains(t));
+        (0..self.targets.len())
+            .filter(alone)
+            .map(|t| &self.targets[t])
+    }
+
+    /// The model at `z` with links that are known.
+    pub(super) fn at_links(&self, z: &[f64], links: Vec<Link>) -> Result<Evaluation, UpdateError> {
+        self.evaluate(z, |_| links)
+    }
+
+    /// Derivatives of the matrices by each free parameter, and its `dp/dz`.
+    pub(super) fn derivatives(
+        &self,
+        at: &Evaluation,
+    ) -> Result<Vec<(SystemDerivative, f64)>, UpdateError> {
+        let of = |parameter: &FreeParameter| {
+            let by = self.model.derivative(&at.values, parameter.index)?;
+            Ok((by, parameter.slope(at.values[parameter.index])))
+        };
+        self.free.iter().map(of).collect()
+    }
+
+    /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
+    ///
+    /// # Errors
+    /// [`UpdateError::Theory`], [`UpdateError::Linalg`].
+    pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
+        let by = self.derivatives(at)?;
+        let data = at.data_rows;
+        let mut jacobian = real_matrix(data + by.len(), by.len(), |row, j| {
+            if row == data + j { 1.0 } else { 0.0 }
+        });
+        let mut first = 0;
+        for link in &at.links {
+            let residual = LinkResidual::new(link, &self.targets, &at.modes);
+            let mut count = 0;
+            for (j, (by, slope)) in by.iter().enumerate() {
+                let own = mode_derivatives(&at.modes, residual.own(), by);
+                let own = residual.derivatives(&own)?;
+                count = own.len();
+                for (row, value) in own.iter().enumerate() {
+                    jacobian[(first + row, j)] = value * slope;
+                }
+            }
+            first += count;
+        }
+        Ok(jacobian)
+    }
+
+    /// Number of residuals of data that say something.
+    pub fn data_count(&self, at: &Evaluation) -> usize {
+        let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
+        at.links.iter().map(link).sum::<usize>() + self.unpaired(&at.links).count()
+    }
+
+    /// Frequency of the model (Hz) and MAC of each target; `None` for one without a partner.
+    pub fn fits(&self, at: &Evaluation) -> Vec<Option<(f64, Option<f64>)>> {
+        let mut fits = vec![None; self.targets.len()];
+        for link in &at.links {
+            let residual = LinkResidual::new(link, &self.targets, &at.modes);
+            for (place, hz) in residual.frequencies_hz().into_iter().enumerate() {
+                fits[link.targets[place]] = Some((hz, residual.mac(place)));
+            }
+        }
+        fits
+    }
+}

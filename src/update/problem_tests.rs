@@ -1,0 +1,262 @@
+//! Residuals against closed forms, derivatives against differences.
+
+use crate::modal::ModalModel;
+use crate::theory::{built_in, nominal_values};
+
+use super::test_models::{chain, free, measured, sensors};
+use super::*;
+
+/// Rotations count by a length of 0.1 m beside translations.
+fn options() -> UpdateOptions {
+    let mut options = UpdateOptions::default();
+    options.pair.rotation_length_m = Some(0.1);
+    options
+}
+
+/// Largest distance of the derivatives from central differences, as a part of the column's largest entry.
+fn against_differences(problem: &UpdateProblem<'_>, z: &[f64]) -> f64 {
+    let at = problem.start(z).unwrap();
+    let jacobian = problem.jacobian(&at).unwrap();
+    let mut worst = 0.0f64;
+    for j in 0..z.len() {
+        let h = 1e-4;
+        let moved = |h: f64| {
+            let mut z = z.to_vec();
+            z[j] += h;
+            problem.follow(&z, &at).unwrap().unwrap().residual
+        };
+        let (up, down) = (moved(h), moved(-h));
+        let (up2, down2) = (moved(2.0 * h), moved(-2.0 * h));
+        // Differences at h and 2 h, extrapolated: what is left is of order h^4 and rounding.
+        let slope = |i: usize| (8.0 * (up[i] - down[i]) - (up2[i] - down2[i])) / (12.0 * h);
+        let scale = (0..up.len()).map(|i| slope(i).abs()).fold(1.0, f64::max);
+        for i in 0..up.len() {
+            worst = worst.max((slope(i) - jacobian[(i, j)]).abs() / scale);
+        }
+    }
+    worst
+}
+
+#[test]
+fn residuals_of_one_spring_are_those_of_the_square_root_of_its_stiffness() {
+    let model = chain(&[100.0]);
+    let test = measured(&model, &[121.0], 0.003, false);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let options = UpdateOptions {
+        frequency_floor: 0.004,
+        ..options()
+    };
+    let problem = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options).unwrap();
+    // Deviation of 0.3 % and floor of 0.4 %: 0.5 %; the model is at 10/11 of the test.
+    let at = problem.start(&[0.0]).unwrap();
+    assert!((at.residual[0] + (1.0 / 11.0) / 0.005).abs() < 1e-9);
+    // A log-normal prior of 30 %: 21 % more stiffness is ln(1.21)/0.3 of it.
+    let z = 1.21f64.ln() / 0.3;
+    let at = problem.start(&[z]).unwrap();
+    assert!(at.chi_square() < 1e-18 && (at.objective() - z * z).abs() < 1e-12);
+    // d ln f/dz = 0.15.
+    let jacobian = problem.jacobian(&at).unwrap();
+    assert!((jacobian[(0, 0)] - 0.15 / 0.005).abs() < 1e-9);
+    assert!((jacobian[(1, 0)] - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_shape_residual_squared_is_one_minus_mac_over_its_variance() {
+    let values = [100.0, 200.0, 300.0];
+    let model = chain(&values);
+    let sensors = sensors(&model, &values);
+    let test = measured(&model, &[140.0, 150.0, 330.0], 0.001, true);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let chosen = free(&["k1", "k2", "k3"]);
+    let new = |options| UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+    let with = new(options()).unwrap();
+    let without = new(UpdateOptions {
+        shape_floor: None,
+        ..options()
+    });
+    let without = without.unwrap();
+    let (a, b) = (
+        with.start(&[0.0; 3]).unwrap(),
+        without.start(&[0.0; 3]).unwrap(),
+    );
+    let macs = with.fits(&a).into_iter().map(|fit| fit.unwrap().1.unwrap());
+    // Three components of root mean square 1 with a floor of 5 %.
+    let expected: f64 = macs.map(|mac| 3.0 * (1.0 - mac) / 0.0025).sum();
+    assert!(expected > 10.0);
+    assert!((a.chi_square() - b.chi_square() - expected).abs() < 1e-9 * expected);
+    assert_eq!((with.data_count(&a), without.data_count(&b)), (9, 3));
+}
+
+#[test]
+fn derivatives_are_those_of_differences_with_shapes_of_every_machine() {
+    for (name, chosen) in [
+        (
+            "cycloid-ball/D",
+            vec!["m_3", "k_03y", "trochoid_ratio", "pin_circle_radius", "k_a"],
+        ),
+        ("spider-reducer", vec![]),
+        (
+            "torsional-planetary",
+            vec!["m_c", "m_r", "m_s", "k_r", "k_s"],
+        ),
+    ] {
+        let model = built_in(name).unwrap();
+        let values = nominal_values(model.parameters());
+        let all: Vec<&str> = model.parameters().iter().map(|p| p.name.as_str()).collect();
+        let chosen = if chosen.is_empty() {
+            all[..6].to_vec()
+        } else {
+            chosen
+        };
+        let test = measured(model.as_ref(), &values, 0.001, true);
+        let sensors = sensors(model.as_ref(), &values);
+        let own = [MeasuredModes {
+            name: "t",
+            modes: &test,
+        }];
+        let chosen = free(&chosen);
+        let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &sensors, options());
+        let z = vec![0.1; chosen.len()];
+        let worst = against_differences(&new.unwrap(), &z);
+        // A step of 1e-4 leaves rounding of about 1e-12/1e-4 of residuals of some hundred.
+        assert!(worst < 1e-5, "{name}: {worst}");
+    }
+}
+
+#[test]
+fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
+    // Three planet modes of one root.
+    let model = built_in("torsional-planetary").unwrap();
+    let values = nominal_values(model.parameters());
+    let mut test = measured(model.as_ref(), &values, 0.001, false);
+    let root = test.modes[1].frequency_hz;
+    for (mode, split) in test.modes[1..4].iter_mut().zip([0.01, 0.0, 0.02]) {
+        mode.frequency_hz = root * (1.0 + split);
+    }
+    let options = UpdateOptions {
+        frequency_floor: 0.0,
+        ..options()
+    };
+    let chosen = free(&["m_p"]);
+    let chi_square = |test: &ModalModel| {
+        let own = [MeasuredModes {
+            name: "t",
+            modes: test,
+        }];
+        let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options.clone());
+        let problem = new.unwrap();
+        let at = problem.start(&[0.0]).unwrap();
+        let sizes: Vec<usize> = at.links.iter().map(|link| link.targets.len()).collect();
+        (at.chi_square(), sizes)
+    };
+    // Each is (1 - s)/0.001 of a deviation off, s = 1, 1.01, 1.02; mean and splits have the same sum of squares.
+    let (chi, sizes) = chi_square(&test);
+    assert!((chi - 500.0).abs() < 1e-6, "{chi}");
+    assert_eq!(sizes, [1, 3, 1, 1]);
+    // Two of the three: their mean alone, 0.005 or 5 deviations of one off, squared and twice.
+    let mut two = test.clone();
+    two.modes.remove(3);
+    let (chi, sizes) = chi_square(&two);
+    assert!((chi - 50.0).abs() < 1e-6, "{chi}");
+    assert_eq!(sizes, [1, 2, 1, 1]);
+    // A group of one number is one frequency, compared with the mean of the root.
+    for mode in &mut test.modes[1..4] {
+        mode.group = Some(7);
+        mode.frequency_hz = 1.02 * root;
+    }
+    let (chi, sizes) = chi_square(&test);
+    assert!((chi - 400.0).abs() < 1e-6, "{chi}");
+    assert_eq!(sizes, [1, 1, 1, 1]);
+}
+
+#[test]
+fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
+    let model = chain(&[100.0]);
+    let mut test = measured(&model, &[100.0], 0.001, false);
+    let mut far = test.modes[0].clone();
+    far.frequency_hz *= 3.0;
+    test.modes.push(far);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let problem =
+        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options()).unwrap();
+    assert_eq!((problem.targets.len(), problem.left_out.len()), (1, 1));
+    let alone = ModalModel {
+        modes: vec![test.modes[1].clone()],
+        ..ModalModel::default()
+    };
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &alone,
+    }];
+    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options());
+    assert!(matches!(
+        error,
+        Err(UpdateError::NothingPaired { modes: 1 })
+    ));
+}
+
+#[test]
+fn parameters_that_cannot_be_meant_are_named() {
+    let model = chain(&[100.0]);
+    let test = measured(&model, &[100.0], 0.001, false);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let new = |choices: &[ParameterChoice], options| {
+        UpdateProblem::new(&model, &[100.0], choices, &own, &[], options).unwrap_err()
+    };
+    assert!(matches!(new(&[], options()), UpdateError::NothingFree));
+    assert!(matches!(
+        new(&free(&["k9"]), options()),
+        UpdateError::Parameter { name, .. } if name == "k9"
+    ));
+    assert!(matches!(
+        new(&free(&["k1", "k1"]), options()),
+        UpdateError::Parameter { .. }
+    ));
+    let choice = |change: fn(&mut ParameterChoice)| {
+        let mut own = free(&["k1"]);
+        change(&mut own[0]);
+        own
+    };
+    let above = choice(|own| own.lower = Some(101.0));
+    assert!(matches!(new(&above, options()), UpdateError::Bounds { .. }));
+    let flat = choice(|own| own.prior = Some(Prior::Normal { std: 0.0 }));
+    assert!(matches!(
+        new(&flat, options()),
+        UpdateError::PriorDeviation { .. }
+    ));
+    let bad = UpdateOptions {
+        frequency_floor: f64::NAN,
+        ..options()
+    };
+    assert!(matches!(
+        new(&free(&["k1"]), bad),
+        UpdateError::Option {
+            name: "frequency_floor",
+            ..
+        }
+    ));
+    let mut silent = test.clone();
+    silent.modes[0].frequency_std_hz = None;
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &silent,
+    }];
+    let exact = UpdateOptions {
+        frequency_floor: 0.0,
+        ..options()
+    };
+    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], exact);
+    assert!(matches!(error, Err(UpdateError::NoUncertainty { .. })));
+}

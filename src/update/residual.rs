@@ -1,0 +1,260 @@
+//! Residuals of one link and their derivatives, each divided by its deviation.
+//!
+//! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where the measured roots of a link are as many as its modes,
+//! they meet in ascending order, and what counts is their mean `sum e/sqrt(k)` and their splits, the orthonormal contrasts
+//! `(e_1 + ... + e_j - j e_(j+1))/sqrt(j (j+1))`; the sum of squares is that of the single `e`. Where fewer were measured,
+//! their mean meets the mean of all modes of the root.
+//!
+//! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at the sensors, both divided
+//! by the deviations: what is left of a shape when the scale is free. With equal deviations its square is `1 - MAC` (for a
+//! repeated root of the subspace) over the variance.
+//!
+//! # Reference
+//! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
+
+use crate::linalg::{RealMatrix, real_matrix};
+use crate::theory::{ModeDerivatives, TheoryModes};
+
+use super::target::TargetShapes;
+use super::{Link, Target, UpdateError};
+
+/// A vector of which less than this part is independent of those before adds no direction.
+const DEPENDENT: f64 = 1e-8;
+
+/// One link with what it needs.
+pub(super) struct LinkResidual<'a> {
+    targets: Vec<&'a Target>,
+    modes: &'a TheoryModes,
+    /// Ascending in frequency.
+    own: Vec<usize>,
+}
+
+impl<'a> LinkResidual<'a> {
+    pub fn new(link: &Link, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
+        let mut own = link.modes.clone();
+        own.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
+        Self {
+            targets: link.targets.iter().map(|&t| &targets[t]).collect(),
+            modes,
+            own,
+        }
+    }
+
+    /// The modes that it needs derivatives of, in its order.
+    pub fn own(&self) -> &[usize] {
+        &self.own
+    }
+
+    /// For every target the modes, by their place in `own`, whose mean frequency it measures.
+    fn branches(&self) -> Vec<std::ops::Range<usize>> {
+        let measured: usize = self.targets.iter().map(|t| t.modes.len()).sum();
+        let whole = 0..self.own.len();
+        if measured != self.own.len() {
+            return self.targets.iter().map(|_| whole.clone()).collect();
+        }
+        let mut start = 0;
+        let next = |target: &&Target| {
+            let range = start..start + target.modes.len();
+            start = range.end;
+            range
+        };
+        self.targets.iter().map(next).collect()
+    }
+
+    fn model_hz(&self, branch: &std::ops::Range<usize>) -> f64 {
+        let omega = branch.clone().map(|k| self.modes.omega_rad_s[self.own[k]]);
+        omega.sum::<f64>() / branch.len() as f64 / std::f64::consts::TAU
+    }
+
+    /// Frequencies of the model that the targets measure, Hz.
+    pub fn frequencies_hz(&self) -> Vec<f64> {
+        self.branches().iter().map(|b| self.model_hz(b)).collect()
+    }
+
+    /// Mean and splits of numbers that belong to the targets; the mean alone where not all of the root was measured.
+    fn contrasts(&self, e: &[f64]) -> Vec<f64> {
+        let k = e.len();
+        let mean = e.iter().sum::<f64>() / (k as f64).sqrt();
+        let measured: usize = self.targets.iter().map(|t| t.modes.len()).sum();
+        if measured != self.own.len() {
+            return vec![mean];
+        }
+        let split = |j: usize| {
+            let count = j as f64;
+            let below: f64 = e[..j].iter().sum();
+            (below - count * e[j]) / (count * (count + 1.0)).sqrt()
+        };
+        std::iter::once(mean).chain((1..k).map(split)).collect()
+    }
+
+    /// All residuals: frequencies, then shapes.
+    pub fn values(&self) -> Result<Vec<f64>, UpdateError> {
+        let pairs = self.targets.iter().zip(self.frequencies_hz());
+        let e: Vec<f64> = pairs
+            .map(|(target, hz)| (hz / target.hz - 1.0) / target.relative_std)
+            .collect();
+        let mut all = self.contrasts(&e);
+        for (shapes, vector) in self.shapes() {
+            all.extend(Projection::new(shapes, self.modes, &self.own).rest(vector));
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of [`values`](Self::values) from those of its modes.
+    pub fn derivatives(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
+        let slopes = self.frequency_derivatives_hz(by)?;
+        let pairs = self.targets.iter().zip(slopes);
+        let e: Vec<f64> = pairs
+            .map(|(target, slope)| slope / target.hz / target.relative_std)
+            .collect();
+        let mut all = self.contrasts(&e);
+        for (shapes, vector) in self.shapes() {
+            let projection = Projection::new(shapes, self.modes, &self.own);
+            let change = &shapes.rows * &by.vectors;
+            all.extend(projection.derivative(vector, &change));
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of [`frequencies_hz`](Self::frequencies_hz), Hz per unit of the parameter.
+    pub fn frequency_derivatives_hz(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
+        let lambda = self.eigenvalue_derivatives(by)?;
+        let slope = |k: usize| 0.5 * lambda[k] / self.modes.omega_rad_s[self.own[k]];
+        let mean = |branch: &std::ops::Range<usize>| {
+            let sum: f64 = branch.clone().map(slope).sum();
+            sum / branch.len() as f64 / std::f64::consts::TAU
+        };
+        Ok(self.branches().iter().map(mean).collect())
+    }
+
+    /// One for each mode; of a root that is repeated here those of its branches, ascending.
+    fn eigenvalue_derivatives(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
+        let m = self.own.len();
+        let omega = |k: usize| self.modes.omega_rad_s[self.own[k]];
+        let repeated = m > 1 && (1..m).all(|k| omega(k).to_bits() == omega(0).to_bits());
+        if !repeated {
+            return Ok((0..m).map(|k| by.projected[(k, k)]).collect());
+        }
+        let p = &by.projected;
+        let symmetric = real_matrix(m, m, |i, j| 0.5 * (p[(i, j)] + p[(j, i)]));
+        let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
+        Ok(crate::linalg::symmetric_modes(&symmetric, &identity)?.omega_squared)
+    }
+
+    fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Vec<f64>)> {
+        let shaped = self.targets.iter().filter_map(|t| t.shapes.as_ref());
+        shaped.flat_map(|shapes| shapes.vectors.iter().map(move |v| (shapes, v)))
+    }
+
+    /// How many residuals say something: a shape has lost one for every direction of the model that is free.
+    pub fn informative(&self) -> usize {
+        let e = vec![0.0; self.targets.len()];
+        let shapes = self
+            .shapes()
+            .map(|(_, v)| v.len().saturating_sub(self.own.len()));
+        self.contrasts(&e).len() + shapes.sum::<usize>()
+    }
+
+    /// Smallest MAC of a target's shapes with the link's modes, at the deviations' weights; `None` without shapes.
+    pub fn mac(&self, target: usize) -> Option<f64> {
+        let shapes = self.targets[target].shapes.as_ref()?;
+        let projection = Projection::new(shapes, self.modes, &self.own);
+        let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
+        let mac = |v: &Vec<f64>| 1.0 - square(&projection.rest(v)) / square(v);
+        shapes.vectors.iter().map(mac).reduce(f64::min)
+    }
+}
+
+/// The model's shapes `Phi = Q R` at the sensors; columns without a direction of their own are left out.
+struct Projection {
+    q: Vec<Vec<f64>>,
+    /// Columns of the upper triangle.
+    r: Vec<Vec<f64>>,
+    /// Which modes they are, by their place in the link.
+    columns: Vec<usize>,
+}
+
+impl Projection {
+    fn new(shapes: &TargetShapes, modes: &TheoryModes, own: &[usize]) -> Self {
+        let (d, n) = (shapes.rows.nrows(), shapes.rows.ncols());
+        let mut projection = Self {
+            q: Vec::new(),
+            r: Vec::new(),
+            columns: Vec::new(),
+        };
+        for (k, &mode) in own.iter().enumerate() {
+            let reading = |row: usize| -> f64 {
+                let parts = (0..n).map(|i| shapes.rows[(row, i)] * modes.vectors[(i, mode)]);
+                parts.sum()
+            };
+            projection.add(k, (0..d).map(reading).collect());
+        }
+        projection
+    }
+
+    fn add(&mut self, k: usize, vector: Vec<f64>) {
+        let length = dot(&vector, &vector).sqrt();
+        let mut column = vec![0.0; self.q.len()];
+        let mut rest = vector;
+        // Twice, so that the rounding of the first pass is removed as well.
+        for _ in 0..2 {
+            for (q, entry) in self.q.iter().zip(&mut column) {
+                let part = dot(q, &rest);
+                *entry += part;
+                rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
+            }
+        }
+        let left = dot(&rest, &rest).sqrt();
+        if left > DEPENDENT * length {
+            column.push(left);
+            self.q.push(rest.iter().map(|r| r / left).collect());
+            self.r.push(column);
+            self.columns.push(k);
+        }
+    }
+
+    /// `(I - Q Q^T) v`.
+    fn rest(&self, v: &[f64]) -> Vec<f64> {
+        let mut rest = v.to_vec();
+        for q in &self.q {
+            let part = dot(q, &rest);
+            rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
+        }
+        rest
+    }
+
+    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the rest of `v`.
+    fn derivative(&self, v: &[f64], change: &RealMatrix) -> Vec<f64> {
+        let m = self.q.len();
+        let (rest, d) = (self.rest(v), v.len());
+        let mut c: Vec<f64> = self.q.iter().map(|q| dot(q, v)).collect();
+        for k in (0..m).rev() {
+            c[k] /= self.r[k][k];
+            for i in 0..k {
+                c[i] -= self.r[k][i] * c[k];
+            }
+        }
+        let column = |row: usize, k: usize| change[(row, self.columns[k])];
+        let moved: Vec<f64> = (0..d)
+            .map(|row| (0..m).map(|k| column(row, k) * c[k]).sum())
+            .collect();
+        let mut y: Vec<f64> = (0..m)
+            .map(|k| (0..d).map(|row| column(row, k) * rest[row]).sum())
+            .collect();
+        for k in 0..m {
+            for i in 0..k {
+                y[k] -= self.r[k][i] * y[i];
+            }
+            y[k] /= self.r[k][k];
+        }
+        let mut result: Vec<f64> = self.rest(&moved).iter().map(|x| -x).collect();
+        for (q, y) in self.q.iter().zip(&y) {
+            result.iter_mut().zip(q).for_each(|(r, q)| *r -= q * y);
+        }
+        result
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

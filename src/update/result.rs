@@ -1,0 +1,322 @@
+//! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
+
+use crate::linalg::{RealMatrix, real_matrix};
+use crate::theory::ParameterStatus;
+
+use super::history::{Iteration, PairingChange, StopReason};
+use super::identifiability::{Combination, Identifiability, Verdict};
+use super::residual::LinkResidual;
+use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
+use super::{Evaluation, UpdateError, UpdateProblem};
+
+/// A parameter nearer to its bound than this part of a prior deviation is at it.
+const AT_BOUND: f64 = 1e-6;
+/// Two-sided 95 % of a normal distribution.
+const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
+
+/// A parameter before and after.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UpdatedParameter {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Where the model's value came from.
+    pub status: ParameterStatus,
+    /// Where it started.
+    pub initial: f64,
+    /// Where it ended.
+    pub updated: f64,
+    /// Its posterior deviation, with all free parameters uncertain; of the data's share none of a model that is wrong in
+    /// other ways than the floors say.
+    pub std: f64,
+    /// 95 % interval; not symmetric for a log-normal prior.
+    pub interval_95: (f64, f64),
+    /// Prior deviation.
+    pub prior_std: f64,
+    /// Lower bound; `None` without one.
+    pub lower: Option<f64>,
+    /// Upper bound; `None` without one.
+    pub upper: Option<f64>,
+    /// What the data say of it.
+    pub verdict: Verdict,
+    /// Whether it was held where it started, because the test does not see it.
+    pub held: bool,
+}
+
+/// One measured root against the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitRow {
+    /// Label of the target.
+    pub label: String,
+    /// Measured frequency, Hz.
+    pub test_hz: f64,
+    /// Deviation that its residual is divided by, Hz.
+    pub test_std_hz: f64,
+    /// The model's; `None` without a partner.
+    pub model_hz: Option<f64>,
+    /// Deviation of the model's from the uncertain parameters, Hz.
+    pub model_std_hz: Option<f64>,
+    /// (model − test)/test, percent.
+    pub error_percent: Option<f64>,
+    /// Weighted MAC.
+    pub mac: Option<f64>,
+}
+
+/// The model against all targets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// One row for each target.
+    pub rows: Vec<FitRow>,
+    /// `sum r^2` of the data.
+    pub chi_square: f64,
+    /// Number of residuals that say something.
+    pub data_count: usize,
+    /// Root mean square of the frequency errors, percent.
+    pub rms_percent: Option<f64>,
+    /// The largest of them in magnitude, percent.
+    pub largest_percent: Option<f64>,
+}
+
+/// How the starts ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Starts {
+    /// How many there were.
+    pub count: usize,
+    /// How many ended at the best optimum.
+    pub reached: usize,
+    /// How many could not be built or solved.
+    pub failed: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// The result of updating.
+#[derive(Clone, Debug)]
+pub struct UpdateResult {
+    /// The free parameters.
+    pub parameters: Vec<UpdatedParameter>,
+    /// Correlation of the posterior errors of the free parameters.
+    pub correlation: Vec<Vec<f64>>,
+    /// What the data know, best known first.
+    pub combinations: Vec<Combination>,
+    /// All parameters of the model after.
+    pub values: Vec<f64>,
+    /// Why the best start ended.
+    pub stop_reason: StopReason,
+    /// Every step from the best start; then those with the unseen parameters held.
+    pub history: Vec<Iteration>,
+    /// Measured roots that met other modes on the way.
+    pub pairing_changes: Vec<PairingChange>,
+    /// How the starts ended.
+    pub starts: Starts,
+    /// The model as it stood.
+    pub before: Fit,
+    /// The model after.
+    pub after: Fit,
+    /// What had no partner in the model at the start: label and frequency, Hz.
+    pub left_out: Vec<(String, f64)>,
+}
+
+/// Updates a model: the best of several starts; a parameter that the test does not see goes back to where it started
+/// and is held there while the others settle.
+///
+/// # Errors
+/// As [`solve_from_starts`].
+pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> {
+    let found = solve_from_starts(problem)?;
+    let first = data_jacobian(&found.best);
+    let seen = Identifiability::new(&first, &problem.free)?;
+    let starts = starts(problem, &found, &seen);
+    let kept: Vec<usize> = (0..problem.free.len()).filter(|&j| seen.seen(j)).collect();
+    let all = kept.len() == problem.free.len();
+    let (at, history, changes, stop_reason) = if all || kept.is_empty() {
+        held(problem, &kept, found.best)?
+    } else {
+        settle(problem, &kept, found.best)?
+    };
+    let jacobian = problem.jacobian(&at)?;
+    let data = real_matrix(at.data_rows, jacobian.ncols(), |i, j| jacobian[(i, j)]);
+    let known = Identifiability::new(&data, &problem.free)?;
+    let before = problem.start(&vec![0.0; problem.free.len()])?;
+    Ok(UpdateResult {
+        parameters: parameters(problem, &at, &known, &kept),
+        correlation: (0..problem.free.len())
+            .map(|i| {
+                (0..problem.free.len())
+                    .map(|j| known.correlation(i, j))
+                    .collect()
+            })
+            .collect(),
+        combinations: known.combinations.clone(),
+        values: at.values.clone(),
+        stop_reason,
+        history,
+        pairing_changes: changes,
+        starts,
+        before: fit(problem, &before, None)?,
+        after: fit(problem, &at, Some(&known))?,
+        left_out: problem.left_out.clone(),
+    })
+}
+
+type Ended = (Evaluation, Vec<Iteration>, Vec<PairingChange>, StopReason);
+
+/// Nothing to hold, or everything.
+fn held(problem: &UpdateProblem<'_>, kept: &[usize], best: Solution) -> Result<Ended, UpdateError> {
+    let at = if kept.is_empty() {
+        problem.start(&vec![0.0; problem.free.len()])?
+    } else {
+        best.at
+    };
+    Ok((at, best.history, best.pairing_changes, best.stop_reason))
+}
+
+/// The seen parameters from where they ended, the others back at their start.
+fn settle(
+    problem: &UpdateProblem<'_>,
+    kept: &[usize],
+    best: Solution,
+) -> Result<Ended, UpdateError> {
+    let part = problem.with_free(kept);
+    let z: Vec<f64> = kept.iter().map(|&j| best.at.z[j]).collect();
+    let own = solve(&part, &z)?;
+    let mut whole = vec![0.0; problem.free.len()];
+    for (&j, &z) in kept.iter().zip(&own.at.z) {
+        whole[j] = z;
+    }
+    let at = problem.at_links(&whole, own.at.links)?;
+    let mut history = best.history;
+    for mut step in own.history {
+        let mut values: Vec<f64> = problem.free.iter().map(|own| own.initial).collect();
+        for (&j, value) in kept.iter().zip(&step.values) {
+            values[j] = *value;
+        }
+        step.values = values;
+        history.push(step);
+    }
+    let mut changes = best.pairing_changes;
+    changes.extend(own.pairing_changes);
+    Ok((at, history, changes, own.stop_reason))
+}
+
+fn data_jacobian(solution: &Solution) -> RealMatrix {
+    let own = &solution.jacobian;
+    real_matrix(solution.at.data_rows, own.ncols(), |i, j| own[(i, j)])
+}
+
+/// An end belongs to the best optimum when no parameter is further off than a tenth of its posterior deviation.
+fn starts(problem: &UpdateProblem<'_>, found: &MultiStart, known: &Identifiability) -> Starts {
+    let best = &found.best.at;
+    let near = |z: &Vec<f64>| {
+        let mut pairs = z.iter().zip(&best.z).zip(&known.ratio);
+        pairs.all(|((z, best), std)| (z - best).abs() <= SAME_OPTIMUM * std)
+    };
+    Starts {
+        count: found.ends.len(),
+        reached: found.ends.iter().flatten().filter(|z| near(z)).count(),
+        failed: found.ends.iter().filter(|z| z.is_none()).count(),
+        seed: problem.options.seed,
+    }
+}
+
+fn parameters(
+    problem: &UpdateProblem<'_>,
+    at: &Evaluation,
+    known: &Identifiability,
+    kept: &[usize],
+) -> Vec<UpdatedParameter> {
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let own = problem.free.iter().enumerate().map(|(j, parameter)| {
+        let z = at.z[j];
+        let (lower, upper) = parameter.bounds();
+        let at_bound = z - lower < AT_BOUND || upper - z < AT_BOUND;
+        let updated = at.values[parameter.index];
+        let reach = TWO_SIDED_95 * known.ratio[j];
+        let held = !kept.contains(&j);
+        UpdatedParameter {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            status: parameter.status,
+            initial: parameter.initial,
+            updated,
+            std: parameter.slope(updated) * known.ratio[j],
+            interval_95: (parameter.value(z - reach), parameter.value(z + reach)),
+            prior_std: parameter.prior_std(),
+            lower: finite(parameter.lower),
+            upper: finite(parameter.upper),
+            verdict: known.verdict(j, at_bound && !held),
+            held,
+        }
+    });
+    own.collect()
+}
+
+/// The model at a point against the targets; with what is known of the parameters also its own deviation.
+pub(super) fn fit(
+    problem: &UpdateProblem<'_>,
+    at: &Evaluation,
+    known: Option<&Identifiability>,
+) -> Result<Fit, UpdateError> {
+    let stds = match known {
+        Some(known) => frequency_stds(problem, at, known)?,
+        None => vec![None; problem.targets.len()],
+    };
+    let fits = problem.fits(at);
+    let rows: Vec<FitRow> = problem
+        .targets
+        .iter()
+        .zip(fits)
+        .zip(stds)
+        .map(|((target, fit), model_std_hz)| FitRow {
+            label: target.label.clone(),
+            test_hz: target.hz,
+            test_std_hz: target.relative_std * target.hz,
+            model_hz: fit.map(|(hz, _)| hz),
+            model_std_hz,
+            error_percent: fit.map(|(hz, _)| 100.0 * (hz / target.hz - 1.0)),
+            mac: fit.and_then(|(_, mac)| mac),
+        })
+        .collect();
+    let errors: Vec<f64> = rows.iter().filter_map(|row| row.error_percent).collect();
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    Ok(Fit {
+        chi_square: at.chi_square(),
+        data_count: problem.data_count(at),
+        rms_percent: (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt()),
+        largest_percent: errors.iter().map(|e| e.abs()).reduce(f64::max),
+        rows,
+    })
+}
+
+/// `sqrt(g^T C g)` of the frequency of each target, `g` its derivatives by `z`.
+fn frequency_stds(
+    problem: &UpdateProblem<'_>,
+    at: &Evaluation,
+    known: &Identifiability,
+) -> Result<Vec<Option<f64>>, UpdateError> {
+    let n = problem.free.len();
+    let mut slopes = vec![None; problem.targets.len()];
+    let by = problem.derivatives(at)?;
+    for link in &at.links {
+        let residual = LinkResidual::new(link, &problem.targets, &at.modes);
+        let columns: Vec<Vec<f64>> = by
+            .iter()
+            .map(|(by, slope)| {
+                let own = crate::theory::mode_derivatives(&at.modes, residual.own(), by);
+                let hz = residual.frequency_derivatives_hz(&own)?;
+                Ok(hz.iter().map(|d| d * slope).collect())
+            })
+            .collect::<Result<_, UpdateError>>()?;
+        for (place, &target) in link.targets.iter().enumerate() {
+            let own: Vec<f64> = columns.iter().map(|column| column[place]).collect();
+            slopes[target] = Some(own);
+        }
+    }
+    let variance = |g: &Vec<f64>| -> f64 {
+        let row = |i: usize| (0..n).map(|j| known.covariance[(i, j)] * g[j]).sum::<f64>();
+        (0..n).map(|i| g[i] * row(i)).sum()
+    };
+    let std = |g: Option<Vec<f64>>| g.map(|g| variance(&g).max(0.0).sqrt());
+    Ok(slopes.into_iter().map(std).collect())
+}

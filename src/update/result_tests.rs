@@ -1,0 +1,136 @@
+//! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
+
+use crate::linalg::real_matrix;
+
+use super::test_models::{chain, free, measured, sensors};
+use super::*;
+
+fn options() -> UpdateOptions {
+    UpdateOptions {
+        starts: 3,
+        ..UpdateOptions::default()
+    }
+}
+
+#[test]
+fn the_posterior_deviation_of_one_spring_is_that_of_its_frequency_twice() {
+    let model = chain(&[100.0]);
+    let test = measured(&model, &[121.0], 0.003, false);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let options = UpdateOptions {
+        frequency_floor: 0.004,
+        ..options()
+    };
+    let problem = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options).unwrap();
+    let found = update(&problem).unwrap();
+    let k = &found.parameters[0];
+    assert_eq!((k.verdict, k.held), (Verdict::Identified, false));
+    // f is known to 0.5 %, so k to 1 %; with the prior of 30 % in parallel 1/sqrt(1/0.01^2 + 1/0.3^2).
+    let expected = (1.0f64 / 1e-4 + 1.0 / 0.09).sqrt().recip();
+    assert!((k.std / k.updated - expected).abs() < 1e-3 * expected);
+    let row = &found.after.rows[0];
+    let hz_std = row.model_std_hz.unwrap() / row.model_hz.unwrap();
+    assert!((hz_std - 0.5 * expected).abs() < 1e-3 * expected);
+    assert!((k.interval_95.0 / k.updated).ln() + 1.96 * expected < 1e-4);
+    assert_eq!((found.starts.count, found.starts.reached), (3, 3));
+    assert!(found.before.largest_percent.unwrap() > 9.0);
+    assert!(found.after.largest_percent.unwrap() < 0.05);
+}
+
+#[test]
+fn a_parameter_that_no_residual_depends_on_is_named_and_stays_where_it_was() {
+    // The test has the first mode of a chain whose last spring is all but rigid.
+    let start = [100.0, 100.0, 1e9];
+    let model = chain(&start);
+    let mut test = measured(&model, &[130.0, 100.0, 1e9], 1e-3, false);
+    test.modes.truncate(2);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let chosen = free(&["k1", "k3", "k2"]);
+    let sensors = sensors(&model, &start);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let found = update(&problem).unwrap();
+    let verdicts: Vec<Verdict> = found.parameters.iter().map(|p| p.verdict).collect();
+    use Verdict::{Identified, NotSupported};
+    assert_eq!(verdicts, [Identified, NotSupported, Identified]);
+    let unseen = &found.parameters[1];
+    assert!(unseen.held);
+    assert_eq!(unseen.updated.to_bits(), unseen.initial.to_bits());
+    assert!((unseen.std / unseen.prior_std - 1.0).abs() < 1e-6);
+    assert!((found.parameters[0].updated / 130.0 - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn parameters_that_the_data_know_only_together_are_named_with_their_combination() {
+    // One mode of two springs: their combination is known, their ratio is not.
+    let start = [100.0, 100.0];
+    let model = chain(&start);
+    let mut test = measured(&model, &[120.0, 120.0], 1e-3, false);
+    test.modes.truncate(1);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let sensors = sensors(&model, &start);
+    let chosen = free(&["k1", "k2"]);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let found = update(&problem).unwrap();
+    let [known, unknown] = &found.combinations[..] else {
+        panic!("two combinations: {:?}", found.combinations)
+    };
+    assert!(known.known && known.posterior_over_prior < 0.02 && known.parts.len() == 2);
+    assert!(!unknown.known && (unknown.posterior_over_prior - 1.0).abs() < 1e-12);
+    assert!(
+        unknown.text.contains("not known from the data"),
+        "{}",
+        unknown.text
+    );
+    // k2 hardly moves the first mode, but both are seen; only k1, which does most of it, is told from the prior.
+    assert!(
+        found
+            .parameters
+            .iter()
+            .all(|p| !p.held && p.verdict != Verdict::AtBound)
+    );
+    assert!(
+        found
+            .parameters
+            .iter()
+            .any(|p| p.verdict == Verdict::NotSupported)
+    );
+    assert!(found.after.largest_percent.unwrap() < 0.1);
+    assert!(found.correlation[0][1] < 0.0);
+}
+
+#[test]
+fn covariance_of_a_known_sensitivity_is_its_closed_form() {
+    let model = chain(&[100.0, 200.0]);
+    let values = [100.0, 200.0];
+    let test = measured(&model, &values, 1e-3, false);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let chosen = free(&["k1", "k2"]);
+    let new = UpdateProblem::new(&model, &values, &chosen, &own, &[], options());
+    let free = new.unwrap().free;
+    // J = (3, 4): the direction (0.6, 0.8) has s = 5, the other one none.
+    let jacobian = real_matrix(1, 2, |_, j| if j == 0 { 3.0 } else { 4.0 });
+    let known = Identifiability::new(&jacobian, &free).unwrap();
+    let left = 1.0 / 26.0;
+    let expected = [0.36 * left + 0.64, 0.64 * left + 0.36];
+    for (ratio, expected) in known.ratio.iter().zip(expected) {
+        assert!((ratio * ratio - expected).abs() < 1e-14);
+    }
+    assert!((known.ratio_alone[0] - 0.1f64.sqrt()).abs() < 1e-15);
+    assert!((known.covariance[(0, 1)] - 0.48 * (left - 1.0)).abs() < 1e-14);
+    assert_eq!(known.combinations[0].parts[0].0, "k2");
+    assert!((known.combinations[0].parts[0].1 - 0.8).abs() < 1e-14);
+    assert!(known.seen(0) && known.verdict(1, true) == Verdict::AtBound);
+    assert_eq!(known.verdict(0, false), Verdict::NotSupported);
+}

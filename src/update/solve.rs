@@ -1,0 +1,263 @@
+//! Bounded Gauss-Newton with a trust region, from one start and from several.
+//!
+//! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the parameters stay between
+//! their bounds; the box grows where the model foretells the decrease and shrinks where it does not. The prior's rows
+//! give `J` full column rank. When no step is left, test and model are paired anew at the result; where that lowers the
+//! objective, the iteration goes on from there.
+//!
+//! # Reference
+//! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and bounds).
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::linalg::RealMatrix;
+
+use super::bounded::bounded_least_squares;
+use super::history::{Iteration, PairingChange, StopReason};
+use super::{Evaluation, Link, UpdateError, UpdateProblem};
+
+/// A decrease below this part of the objective (of 1 where it is less) is rounding.
+const LEAST_DECREASE: f64 = 1e-10;
+/// A radius below this is as small as rounding of `z` allows.
+const LEAST_RADIUS: f64 = 1e-9;
+/// Share of the foretold decrease below which the box shrinks.
+const POOR: f64 = 0.25;
+/// Share above which it grows.
+const GOOD: f64 = 0.75;
+/// Largest radius, in first steps.
+const LARGEST_RADIUS: f64 = 10.0;
+/// How often test and model may be paired anew from one start.
+const PAIRINGS: usize = 10;
+/// Starts are drawn inside the bounds and within this many prior deviations.
+const START_RANGE: f64 = 3.0;
+/// Optima are the same where no parameter differs by more than this part of its posterior deviation.
+pub(super) const SAME_OPTIMUM: f64 = 0.1;
+
+/// Where the iteration from one start ended.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The model there.
+    pub at: Evaluation,
+    /// Derivatives of the residuals there.
+    pub jacobian: RealMatrix,
+    /// Every step.
+    pub history: Vec<Iteration>,
+    /// Measured roots that met other modes on the way.
+    pub pairing_changes: Vec<PairingChange>,
+    /// Why it ended.
+    pub stop_reason: StopReason,
+}
+
+/// From several starts.
+#[derive(Clone, Debug)]
+pub struct MultiStart {
+    /// The one with the smallest objective; the first of equals.
+    pub best: Solution,
+    /// Objective from every start; `None` where the model has no modes at the start.
+    pub objectives: Vec<Option<f64>>,
+    /// `z` from every start.
+    pub ends: Vec<Option<Vec<f64>>>,
+}
+
+/// Lowest objective from one start.
+///
+/// # Errors
+/// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] on the way.
+pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateError> {
+    let mut run = Run::new(problem, problem.start(z)?)?;
+    let mut stop_reason = run.descend()?;
+    for _ in 1..PAIRINGS {
+        if stop_reason == StopReason::IterationLimit || !run.pair_anew()? {
+            break;
+        }
+        stop_reason = run.descend()?;
+    }
+    Ok(Solution {
+        at: run.at,
+        jacobian: run.jacobian,
+        history: run.history,
+        pairing_changes: run.pairing_changes,
+        stop_reason,
+    })
+}
+
+/// From the model as it stands and from points that are drawn evenly between the bounds, at most three prior deviations
+/// away; in the caller's pool, with the same result for any number of threads.
+///
+/// # Errors
+/// As [`solve`] from the first start; of the others only [`UpdateError::Linalg`] and the like are errors, and a start at
+/// which the model cannot be built counts as one that ended nowhere.
+pub fn solve_from_starts(problem: &UpdateProblem<'_>) -> Result<MultiStart, UpdateError> {
+    let starts = starts(problem);
+    let from = |z: &Vec<f64>| solve(problem, z);
+    let mut ends: Vec<Result<Solution, UpdateError>> = starts.par_iter().map(from).collect();
+    let first = ends.remove(0)?;
+    let mut found: Vec<Option<Solution>> = vec![Some(first)];
+    for end in ends {
+        found.push(match end {
+            Ok(own) => Some(own),
+            Err(UpdateError::Theory(_)) => None,
+            Err(error) => return Err(error),
+        });
+    }
+    let objectives: Vec<Option<f64>> = found
+        .iter()
+        .map(|own| own.as_ref().map(|own| own.at.objective()))
+        .collect();
+    let all_ends = found
+        .iter()
+        .map(|own| own.as_ref().map(|own| own.at.z.clone()));
+    let all_ends = all_ends.collect();
+    let best = found
+        .into_iter()
+        .flatten()
+        .min_by(|a, b| a.at.objective().total_cmp(&b.at.objective()));
+    Ok(MultiStart {
+        best: best.expect("the first start has an end"),
+        objectives,
+        ends: all_ends,
+    })
+}
+
+/// The starts in `z`, the first at 0.
+fn starts(problem: &UpdateProblem<'_>) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
+    let mut all = vec![vec![0.0; problem.free.len()]];
+    for _ in 1..problem.options.starts {
+        let one = problem.free.iter().map(|parameter| {
+            let (lower, upper) = parameter.bounds();
+            random.random_range(lower.max(-START_RANGE)..=upper.min(START_RANGE))
+        });
+        all.push(one.collect());
+    }
+    all
+}
+
+struct Run<'a, 'b> {
+    problem: &'a UpdateProblem<'b>,
+    at: Evaluation,
+    jacobian: RealMatrix,
+    history: Vec<Iteration>,
+    pairing_changes: Vec<PairingChange>,
+}
+
+impl<'a, 'b> Run<'a, 'b> {
+    fn new(problem: &'a UpdateProblem<'b>, at: Evaluation) -> Result<Self, UpdateError> {
+        Ok(Self {
+            jacobian: problem.jacobian(&at)?,
+            problem,
+            at,
+            history: Vec::new(),
+            pairing_changes: Vec::new(),
+        })
+    }
+
+    /// Steps until one of the reasons to stop.
+    fn descend(&mut self) -> Result<StopReason, UpdateError> {
+        let mut radius = 1.0;
+        while self.history.len() < self.problem.options.max_iterations {
+            let step = self.step(radius);
+            let foretold = self.at.objective() - self.foretold(&step);
+            if foretold <= LEAST_DECREASE * self.at.objective().max(1.0) {
+                return Ok(StopReason::NoDecrease);
+            }
+            let z: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, s)| z + s).collect();
+            let next = self.problem.follow(&z, &self.at)?;
+            let share = next.as_ref().map_or(f64::NEG_INFINITY, |next| {
+                (self.at.objective() - next.objective()) / foretold
+            });
+            if share < POOR {
+                radius *= 0.25;
+            } else if share > GOOD {
+                radius = (2.0 * radius).min(LARGEST_RADIUS);
+            }
+            let accepted = next.filter(|_| share > 0.0);
+            let taken = accepted.is_some();
+            if let Some(next) = accepted {
+                self.note_changes(&next.links, true);
+                self.at = next;
+                self.jacobian = self.problem.jacobian(&self.at)?;
+            }
+            self.record(radius, taken);
+            if radius < LEAST_RADIUS {
+                return Ok(StopReason::SmallStep);
+            }
+        }
+        Ok(StopReason::IterationLimit)
+    }
+
+    /// The step of the linear model inside the box and the bounds.
+    fn step(&self, radius: f64) -> Vec<f64> {
+        let bounds: Vec<(f64, f64)> = self
+            .problem
+            .free
+            .iter()
+            .zip(&self.at.z)
+            .map(|(parameter, z)| {
+                let (lower, upper) = parameter.bounds();
+                let most = radius * parameter.first_step();
+                // Rounding may put z a little outside.
+                ((lower - z).clamp(-most, 0.0), (upper - z).clamp(0.0, most))
+            })
+            .collect();
+        let against: Vec<f64> = self.at.residual.iter().map(|r| -r).collect();
+        bounded_least_squares(&self.jacobian, &against, &bounds)
+    }
+
+    /// Objective of the linear model after a step.
+    fn foretold(&self, step: &[f64]) -> f64 {
+        let j = &self.jacobian;
+        let row = |i: usize| {
+            let parts = step.iter().enumerate().map(|(k, s)| j[(i, k)] * s);
+            self.at.residual[i] + parts.sum::<f64>()
+        };
+        (0..j.nrows()).map(|i| row(i).powi(2)).sum()
+    }
+
+    /// Pairs test and model at the result; whether that lowered the objective and was taken.
+    fn pair_anew(&mut self) -> Result<bool, UpdateError> {
+        let paired = self.problem.start(&self.at.z)?;
+        let lower = paired.objective()
+            < self.at.objective() - LEAST_DECREASE * self.at.objective().max(1.0);
+        if paired.links == self.at.links || !lower {
+            return Ok(false);
+        }
+        self.note_changes(&paired.links, false);
+        self.jacobian = self.problem.jacobian(&paired)?;
+        self.at = paired;
+        Ok(true)
+    }
+
+    fn note_changes(&mut self, links: &[Link], followed: bool) {
+        let numbers = |links: &[Link], target: usize| -> Vec<usize> {
+            let own = links.iter().filter(|link| link.targets.contains(&target));
+            own.flat_map(|link| link.modes.iter().map(|mode| mode + 1))
+                .collect()
+        };
+        for (t, target) in self.problem.targets.iter().enumerate() {
+            let (from, to) = (numbers(&self.at.links, t), numbers(links, t));
+            if from != to {
+                self.pairing_changes.push(PairingChange {
+                    label: target.label.clone(),
+                    after_iterations: self.history.len(),
+                    from,
+                    to,
+                    followed,
+                });
+            }
+        }
+    }
+
+    fn record(&mut self, radius: f64, accepted: bool) {
+        let free = self.problem.free.iter();
+        self.history.push(Iteration {
+            objective: self.at.objective(),
+            chi_square: self.at.chi_square(),
+            values: free.map(|own| self.at.values[own.index]).collect(),
+            radius,
+            accepted,
+        });
+    }
+}

@@ -1,0 +1,78 @@
+//! Models with answers that are known, for the tests of updating.
+
+use crate::geometry::Sensor;
+use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
+use crate::theory::{
+    LumpedFile, LumpedModel, ModeOptions, TheoreticalModel, coordinate_sensors, modes,
+};
+
+use super::ParameterChoice;
+
+/// A chain of masses of 1 kg on springs `k1`, `k2`, ..., fixed at the first: `stiffness` of each, N/m, and a spring named
+/// `extra` of 0 mean effect where it is asked for.
+pub fn chain(stiffness: &[f64]) -> LumpedModel {
+    let mut text = "schema = \"modalign-model/1\"\n".to_owned();
+    for (i, k) in stiffness.iter().enumerate() {
+        let n = i + 1;
+        text += &format!(
+            "[[parameter]]\nname = \"k{n}\"\nunit = \"N/m\"\nnominal = {k:?}\nlower = 0.0\nupper = {:?}\nstatus = \"assumed\"\n",
+            100.0 * k
+        );
+        text += &format!(
+            "[[body]]\nname = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\nmass_kg = 1.0\nfree = [\"x\"]\n"
+        );
+        text += &format!("[[point]]\nname = \"p{n}\"\nbody = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\n");
+        let to = if i == 0 {
+            "ground".to_owned()
+        } else {
+            format!("p{i}")
+        };
+        text += &format!(
+            "[[spring]]\nname = \"s{n}\"\nfrom = \"p{n}\"\nto = \"{to}\"\ndirection = [1.0, 0.0, 0.0]\nparameter = \"k{n}\"\n"
+        );
+    }
+    LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap()).unwrap()
+}
+
+/// A sensor on every coordinate.
+pub fn sensors(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<Sensor> {
+    coordinate_sensors(&model.assemble(values).unwrap().coordinates)
+}
+
+/// The elastic modes of a model as a test that measured them, each frequency with a relative deviation; `shapes`: at all
+/// sensors or at none.
+pub fn measured(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    relative_std: f64,
+    shapes: bool,
+) -> ModalModel {
+    let sensors = sensors(model, values);
+    let own = modes(model, values, &sensors, &ModeOptions::default()).unwrap();
+    let of = |mode: &Mode| Mode {
+        frequency_std_hz: Some(relative_std * mode.frequency_hz),
+        ..Mode::new(
+            mode.frequency_hz,
+            None,
+            if shapes {
+                mode.shape.clone()
+            } else {
+                ModeShape::default()
+            },
+            Scaling::Unknown,
+        )
+    };
+    ModalModel {
+        modes: own.model.modes[own.rigid..].iter().map(of).collect(),
+        ..ModalModel::default()
+    }
+}
+
+/// Parameters freed by name with default priors.
+pub fn free(names: &[&str]) -> Vec<ParameterChoice> {
+    let choice = |name: &&str| ParameterChoice {
+        name: (*name).to_owned(),
+        ..ParameterChoice::default()
+    };
+    names.iter().map(choice).collect()
+}
