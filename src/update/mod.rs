@@ -23,6 +23,8 @@ mod target;
 #[cfg(test)]
 mod changes_tests;
 #[cfg(test)]
+mod cycloid_tests;
+#[cfg(test)]
 mod problem_tests;
 #[cfg(test)]
 mod result_tests;
