@@ -354,6 +354,18 @@ codes! {
     /// An assumption of a model.
     Assumption: "a value was assumed, not measured or published",
         "The parameter's status in the model says so: printed, inferred or assumed.";
+    /// A parameter that the data cannot know.
+    ParameterNotSupported: "the data do not support a value of this parameter by itself",
+        "Its posterior deviation is more than half of its prior one. A parameter that the test does not see at all is held where it was; one that the test sees only together with others moves as far as their combination asks, and the combinations say which. The value is posterior over prior deviation. Measure at other points or more modes, or state what is known of it as prior_std.";
+    /// A parameter that ended at a bound.
+    ParameterAtBound: "this parameter ended at one of its bounds; the data ask for a value beyond",
+        "Either the bound is too narrow, or the parameter makes up for something else that is wrong in the model. The value is where it ended. Look at the single changes before widening the bound.";
+    /// The updated pairing.
+    PairingChanged: "this mode met another mode of the model while it was updated",
+        "Modes are followed by their shapes; roots that cross change their order, and test and model are paired anew at every optimum. The value is the number of the model's mode before, the limit that after.";
+    /// The update did not converge.
+    NotConverged: "the update did not converge within the stated number of iterations",
+        "The value is the number of iterations. Raise `max_iterations`, or free fewer parameters.";
     /// A test limit missed.
     LimitMissed: "a stated limit is missed",
         "The limit stands in the scene's [limits] or in the file given to `check --against`.";

@@ -64,6 +64,8 @@ pub enum Verb {
     Theory(TheoryArgs),
     /// Pair the modes of a test with those of a model.
     Correlate(CorrelateArgs),
+    /// Bring a scene's model to its test: parameters with deviations, and which of them the test can know.
+    Update(UpdateArgs),
     /// Make a synthetic hammer test with its truth.
     Synth(SynthArgs),
     /// Hold a result against limits or a baseline; the exit code says whether it is met.
@@ -269,6 +271,22 @@ pub struct CorrelateArgs {
     /// theory: (test − theory)/theory; test: (theory − test)/test.
     #[arg(long, value_name = "theory|test")]
     pub error_reference: Option<String>,
+}
+
+/// `update`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: in scene.toml\n  [update]\n  parameters = [\"mount\", \"bearing\"]\n  prior_std = 0.3            # 30 % around the model's values\n  frequency_floor = 0.001    # 0.1 % that no parameter mends\n  explain = true             # which single change explains the misfit\nthen\n  modalign update measurements/machine -o out"
+)]
+pub struct UpdateArgs {
+    /// A scene's folder or its scene.toml; [update] says what is free.
+    pub scene: PathBuf,
+    /// Write update.json, the updated model.toml and the tables into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Go on with the good part of a partly bad file.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// `synth`.

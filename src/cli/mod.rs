@@ -11,6 +11,7 @@ mod output;
 mod run;
 mod synth;
 mod theory;
+mod update;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -98,6 +99,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Identify(args)) => identify::identify(args, format, output),
         Some(Verb::Theory(args)) => theory::theory(args, output),
         Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),
+        Some(Verb::Update(args)) => update::update(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),
         Some(Verb::Check(args)) => check::check(args, output),
         None => {

@@ -18,6 +18,7 @@ mod response;
 mod stabilization;
 mod sweep;
 mod terminal;
+mod update;
 
 pub use block::{Align, Block, Cell, Column, Table};
 pub use compare::{details_blocks, simplest_details_block};
@@ -37,6 +38,7 @@ pub use response::response_blocks;
 pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
 pub use terminal::Terminal;
+pub use update::update_blocks;
 
 /// Turns blocks into the text of one output format.
 pub trait Renderer: Sync {

@@ -209,7 +209,7 @@ fn without_model(
 }
 
 /// From 0 Hz to beyond the highest band searched, by the frequency gate of the pairing.
-fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
+pub(super) fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
     let highest = tests
         .iter()
         .map(|test| test.modes.band.map(|band| band.hi_hz))
@@ -219,7 +219,7 @@ fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
     Band::new(0.0, hi_hz).ok()
 }
 
-fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
+pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
     match &test.source {
         TestSource::Modes(path) => finished_modes(test, path),
         TestSource::Synth(path) => {

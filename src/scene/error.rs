@@ -6,6 +6,7 @@ use crate::identify::IdentifyError;
 use crate::io::IoError;
 use crate::synth::SynthError;
 use crate::theory::TheoryError;
+use crate::update::UpdateError;
 
 /// A failure of reading a scene or of a stage that it runs.
 #[derive(Debug, thiserror::Error)]
@@ -78,6 +79,9 @@ pub enum SceneError {
     /// The comparison refused.
     #[error(transparent)]
     Correlate(#[from] CorrelateError),
+    /// The update refused.
+    #[error(transparent)]
+    Update(#[from] UpdateError),
     /// The synthetic test refused.
     #[error(transparent)]
     Synth(#[from] SynthError),

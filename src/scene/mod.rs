@@ -19,6 +19,8 @@ mod synth_truth;
 mod toml_text;
 mod trigger;
 mod typed;
+mod update;
+mod updated_model;
 
 #[cfg(test)]
 mod expected_tests;
@@ -39,4 +41,8 @@ pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{parse, read_text};
-pub use typed::{ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable};
+pub use typed::{
+    ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable, UpdateParameterTable,
+    UpdateTable,
+};
+pub use update::{SceneUpdate, update_scene};

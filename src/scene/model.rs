@@ -184,6 +184,13 @@ impl LoadedModel {
         })
     }
 
+    /// The model file's sensors and those of a scene, which counts where both name one.
+    pub(super) fn sensors_with(&self, sensors: &[Sensor]) -> Vec<Sensor> {
+        let own = self.sensors.iter();
+        let own = own.filter(|own| !sensors.iter().any(|s| s.dof == own.dof));
+        own.chain(sensors).cloned().collect()
+    }
+
     /// The numbers that the model's theory gives beside its roots.
     ///
     /// # Errors
@@ -289,14 +296,7 @@ pub fn theory(
             ..Theory::default()
         });
     };
-    let all: Vec<Sensor> = model
-        .sensors
-        .iter()
-        .filter(|own| !sensors.iter().any(|s| s.dof == own.dof))
-        .chain(sensors)
-        .cloned()
-        .collect();
-    model.solve(&all, options)
+    model.solve(&model.sensors_with(sensors), options)
 }
 
 /// The model that a `[model]` table means with its parameters; `None` for finished modes.

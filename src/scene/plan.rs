@@ -16,7 +16,9 @@ use super::expected::{Expected, beside};
 use super::limits::Limits;
 use super::model::{check_schema, named_model, sensors, value_error};
 use super::toml_text::{parse, read_text};
-use super::typed::{FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, TestTable};
+use super::typed::{
+    FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, TestTable, UpdateTable,
+};
 
 /// The flank of a force window as a fraction of its hold.
 const FLANK_OF_HOLD: f64 = 0.5;
@@ -50,6 +52,8 @@ pub struct Scene {
     pub order: Option<usize>,
     /// Pairing.
     pub pair: PairOptions,
+    /// Options of updating; `None` for a scene that states none.
+    pub update: Option<UpdateTable>,
     /// Limits.
     pub limits: Limits,
     /// Published results; `None` for a scene without an `expected.toml`.
@@ -167,6 +171,7 @@ impl Scene {
             model: typed.model,
             method: typed.identify.method,
             order: typed.identify.order,
+            update: typed.update,
             limits: typed.limits,
             expected: beside(&folder)?,
             format: None,

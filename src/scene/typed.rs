@@ -38,6 +38,8 @@ pub struct SceneFile {
     /// Options of pairing.
     #[serde(default)]
     pub pair: PairOptions,
+    /// Options of updating.
+    pub update: Option<UpdateTable>,
     /// Options of the report.
     #[serde(default)]
     pub report: ReportTable,
@@ -268,4 +270,55 @@ pub struct ReportTableTable {
     /// Sentences to stand under it.
     #[serde(default)]
     pub notes: Vec<String>,
+}
+
+/// `[update]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UpdateTable {
+    /// Names of the parameters that may change; all of the model that can when neither this nor `[[update.parameter]]`
+    /// is stated.
+    pub parameters: Vec<String>,
+    /// Parameters with a prior or bounds of their own.
+    pub parameter: Vec<UpdateParameterTable>,
+    /// Names of the tests that count; all when not stated, none beside `published`.
+    pub tests: Option<Vec<String>>,
+    /// Whether the published natural frequencies of `expected.toml` count, those apart from which a parameter was inferred.
+    pub published: bool,
+    /// Modes in this band alone count, `[lo, hi]` in Hz; the others are held against the result.
+    pub band_hz: Option<[f64; 2]>,
+    /// Deviation of every frequency that the model is granted, a fraction.
+    pub frequency_floor: Option<f64>,
+    /// The same of shape components, as a part of their root mean square.
+    pub shape_floor: Option<f64>,
+    /// Whether shapes count (they do when not stated); they pair and follow modes all the same.
+    pub shapes: Option<bool>,
+    /// Prior deviation of parameters that state none, as a part of their value.
+    pub prior_std: Option<f64>,
+    /// Number of starts.
+    pub starts: Option<usize>,
+    /// Seed of the starts.
+    pub seed: Option<u64>,
+    /// Largest number of iterations from one start.
+    pub max_iterations: Option<usize>,
+    /// Whether single changes are tried.
+    pub explain: bool,
+    /// Parameters that are free in every one of those trials.
+    pub always: Vec<String>,
+}
+
+/// `[[update.parameter]]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UpdateParameterTable {
+    /// Name in the model.
+    pub name: String,
+    /// `log-normal` or `normal`; by its value and bounds when not stated.
+    pub prior: Option<String>,
+    /// Prior deviation as a part of the value.
+    pub prior_std: Option<f64>,
+    /// Lower bound, in the parameter's unit.
+    pub lower: Option<f64>,
+    /// Upper bound.
+    pub upper: Option<f64>,
 }

@@ -38,6 +38,8 @@ pub struct UpdatedParameter {
     pub lower: Option<f64>,
     /// Upper bound; `None` without one.
     pub upper: Option<f64>,
+    /// Posterior over prior deviation on the scale of the prior.
+    pub posterior_over_prior: f64,
     /// What the data say of it.
     pub verdict: Verdict,
     /// Whether it was held where it started, because the test does not see it.
@@ -245,6 +247,7 @@ fn parameters(
             prior_std: parameter.prior_std(),
             lower: finite(parameter.lower),
             upper: finite(parameter.upper),
+            posterior_over_prior: known.ratio[j],
             verdict: known.verdict(j, at_bound && !held),
             held,
         }

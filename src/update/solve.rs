@@ -2,8 +2,8 @@
 //!
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the parameters stay between
 //! their bounds; the box grows where the model foretells the decrease and shrinks where it does not. The prior's rows
-//! give `J` full column rank. When no step is left, test and model are paired anew at the result; where that lowers the
-//! objective, the iteration goes on from there.
+//! give `J` full column rank. When no step is left, test and model are paired anew at the result; where the iteration
+//! from there ends lower, that is taken.
 //!
 //! # Reference
 //! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and bounds).
@@ -69,10 +69,10 @@ pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateE
     let mut run = Run::new(problem, problem.start(z)?)?;
     let mut stop_reason = run.descend()?;
     for _ in 1..PAIRINGS {
-        if stop_reason == StopReason::IterationLimit || !run.pair_anew()? {
+        let Some((other, reason)) = run.paired_anew()? else {
             break;
-        }
-        stop_reason = run.descend()?;
+        };
+        (run, stop_reason) = (other, reason);
     }
     Ok(Solution {
         at: run.at,
@@ -216,18 +216,25 @@ impl<'a, 'b> Run<'a, 'b> {
         (0..j.nrows()).map(|i| row(i).powi(2)).sum()
     }
 
-    /// Pairs test and model at the result; whether that lowered the objective and was taken.
-    fn pair_anew(&mut self) -> Result<bool, UpdateError> {
+    /// From the result with test and model paired anew there; `None` unless that is another pairing and ends lower.
+    fn paired_anew(&self) -> Result<Option<(Self, StopReason)>, UpdateError> {
         let paired = self.problem.start(&self.at.z)?;
-        let lower = paired.objective()
-            < self.at.objective() - LEAST_DECREASE * self.at.objective().max(1.0);
-        if paired.links == self.at.links || !lower {
-            return Ok(false);
+        if paired.links == self.at.links {
+            return Ok(None);
         }
-        self.note_changes(&paired.links, false);
-        self.jacobian = self.problem.jacobian(&paired)?;
-        self.at = paired;
-        Ok(true)
+        let mut other = Self {
+            history: self.history.clone(),
+            pairing_changes: self.pairing_changes.clone(),
+            jacobian: self.problem.jacobian(&paired)?,
+            problem: self.problem,
+            at: self.at.clone(),
+        };
+        other.note_changes(&paired.links, false);
+        other.at = paired;
+        let reason = other.descend()?;
+        let least = LEAST_DECREASE * self.at.objective().max(1.0);
+        let lower = other.at.objective() < self.at.objective() - least;
+        Ok(lower.then_some((other, reason)))
     }
 
     fn note_changes(&mut self, links: &[Link], followed: bool) {

@@ -5,6 +5,7 @@ mod comparison;
 mod hits;
 mod response;
 mod sweep;
+mod update;
 
 pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
@@ -14,3 +15,4 @@ pub use comparison::{
 pub use hits::hits;
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
+pub use update::{UPDATE_SCHEMA, update_to_json};

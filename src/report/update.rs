@@ -1,0 +1,246 @@
+//! An update as tables: parameters, what the data know, convergence, fit before and after, single changes.
+
+use crate::scene::SceneUpdate;
+use crate::update::{Change, Explanation, Fit, UpdateResult};
+
+use super::comparison::whole_comparison;
+use super::{Block, Cell, Column, Table};
+
+/// Single changes beyond these are not printed; `update.json` has all.
+const PRINTED_CHANGES: usize = 10;
+
+/// All tables of an update.
+pub fn update_blocks(title: &str, own: &SceneUpdate) -> Vec<Block> {
+    let mut blocks = vec![Block::Heading(title.to_owned())];
+    blocks.push(Block::Text("Before".to_owned()));
+    blocks.extend(whole_comparison(&own.before, &own.theory_before));
+    blocks.push(Block::Text("After".to_owned()));
+    blocks.extend(whole_comparison(&own.after, &own.theory_after));
+    blocks.push(parameters(own));
+    blocks.push(combinations(&own.result));
+    blocks.push(fits(&own.result.before, &own.result.after));
+    blocks.push(Block::Text(convergence(&own.result)));
+    blocks.extend(own.explanation.iter().flat_map(explanation));
+    blocks
+}
+
+fn parameters(own: &SceneUpdate) -> Block {
+    let significant = |value: f64| Cell::text(format!("{value:.5e}"));
+    let row = |p: &crate::update::UpdatedParameter| {
+        vec![
+            Cell::text(&p.name),
+            Cell::text(&p.unit),
+            significant(p.initial),
+            significant(p.updated),
+            Cell::signed(
+                Some(100.0 * (p.updated / p.initial - 1.0)).filter(|c| c.is_finite()),
+                3,
+            ),
+            significant(p.std),
+            significant(p.prior_std),
+            Cell::number(Some(p.posterior_over_prior), 3),
+            Cell::text(if p.held {
+                format!("{}; held", p.verdict.name())
+            } else {
+                p.verdict.name().to_owned()
+            }),
+        ]
+    };
+    let heads = [
+        "initial",
+        "updated",
+        "change (%)",
+        "std",
+        "prior std",
+        "std/prior",
+    ];
+    let mut columns = vec![Column::text("parameter"), Column::text("unit")];
+    columns.extend(heads.map(Column::number));
+    columns.push(Column::text("verdict"));
+    let mut footnotes = vec![format!(
+        "Weights: the test's standard deviations, and beside them {} % of every frequency granted to the model (assumed).",
+        short(100.0 * own.options.frequency_floor)
+    )];
+    footnotes.push(match own.options.shape_floor {
+        Some(floor) => format!(
+            "Shapes count with {} % of their root mean square beside the test's deviations (assumed); complex ones are turned to where they are most real.",
+            short(100.0 * floor)
+        ),
+        None => "Shapes pair and follow modes, and do not count.".to_owned(),
+    });
+    footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: not seen by the test even with all others known.".to_owned());
+    Block::Table(Table {
+        caption: "Updated parameters".to_owned(),
+        columns,
+        rows: own.result.parameters.iter().map(row).collect(),
+        footnotes,
+    })
+}
+
+fn combinations(own: &UpdateResult) -> Block {
+    let row = |c: &crate::update::Combination| {
+        vec![
+            Cell::text(format!("{:.3e}", c.singular_value)),
+            Cell::number(Some(c.posterior_over_prior), 4),
+            Cell::text(&c.text),
+        ]
+    };
+    Block::Table(Table {
+        caption: "What the data know of the parameters, each in its prior deviations".to_owned(),
+        columns: vec![
+            Column::number("singular value"),
+            Column::number("std/prior"),
+            Column::text("combination"),
+        ],
+        rows: own.combinations.iter().map(row).collect(),
+        footnotes: Vec::new(),
+    })
+}
+
+fn fits(before: &Fit, after: &Fit) -> Block {
+    let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
+        vec![
+            Cell::text(&b.label),
+            Cell::number(Some(b.test_hz), 3),
+            Cell::number(b.model_hz, 3),
+            Cell::signed(b.error_percent, 3),
+            Cell::number(b.mac, 4),
+            Cell::number(a.model_hz, 3),
+            Cell::number(a.model_std_hz, 3),
+            Cell::signed(a.error_percent, 3),
+            Cell::number(a.mac, 4),
+        ]
+    };
+    let heads = [
+        "test (Hz)",
+        "before (Hz)",
+        "error (%)",
+        "MAC",
+        "after (Hz)",
+        "std (Hz)",
+        "error (%)",
+        "MAC",
+    ];
+    let mut columns = vec![Column::text("mode")];
+    columns.extend(heads.map(Column::number));
+    let summary = |name: &str, fit: &Fit| {
+        let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
+        format!(
+            "{name}: largest error {}, rms {}, chi-square {:.4} of {} residuals.",
+            percent(fit.largest_percent),
+            percent(fit.rms_percent),
+            fit.chi_square,
+            fit.data_count
+        )
+    };
+    Block::Table(Table {
+        caption: "The modes that counted; error (model−test)/test".to_owned(),
+        columns,
+        rows: before.rows.iter().zip(&after.rows).map(row).collect(),
+        footnotes: vec![summary("Before", before), summary("After", after)],
+    })
+}
+
+fn convergence(own: &UpdateResult) -> String {
+    let mut text = format!(
+        "{} after {} iterations. {} of {} starts (seed {}) reach this optimum",
+        own.stop_reason.sentence(),
+        own.history.len(),
+        own.starts.reached,
+        own.starts.count,
+        own.starts.seed
+    );
+    if own.starts.failed > 0 {
+        text += &format!("; at {} the model has no modes", own.starts.failed);
+    }
+    text += ".";
+    for (label, hz) in &own.left_out {
+        text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");
+    }
+    text
+}
+
+fn explanation(own: &Explanation) -> Vec<Block> {
+    let printed = |changes: &[Change]| changes.iter().take(PRINTED_CHANGES).map(row).collect();
+    let mut single: Vec<Vec<Cell>> = vec![row(&own.none)];
+    single.extend::<Vec<Vec<Cell>>>(printed(&own.single));
+    let proposed = if own.proposed.parameters.is_empty() {
+        "no change".to_owned()
+    } else {
+        own.proposed.parameters.join(", ")
+    };
+    let verdict = if own.proposed.explains() {
+        "the smallest set that brings the residual to its uncertainty"
+    } else {
+        "no set brings the residual to its uncertainty; this one has the smallest BIC"
+    };
+    let foretold = own.foretold.iter().map(|f| {
+        vec![
+            Cell::text(&f.label),
+            Cell::signed(Some(f.before_percent), 3),
+            Cell::signed(Some(f.after_percent), 3),
+            Cell::text(if f.after_percent.abs() < f.before_percent.abs() {
+                "better"
+            } else {
+                "worse"
+            }),
+        ]
+    });
+    vec![
+        changes("One parameter changed at a time", single),
+        changes("Two parameters changed at a time", printed(&own.pairs)),
+        Block::Text(format!("Proposed: {proposed} ({verdict}).")),
+        Block::Table(Table {
+            caption: "Each mode left out, and foretold by the proposed set from all others"
+                .to_owned(),
+            columns: vec![
+                Column::text("mode"),
+                Column::number("before (%)"),
+                Column::number("foretold (%)"),
+                Column::text("verdict"),
+            ],
+            rows: foretold.collect(),
+            footnotes: Vec::new(),
+        }),
+    ]
+}
+
+fn row(own: &Change) -> Vec<Cell> {
+    let values: Vec<String> = own.values.iter().map(|v| format!("{v:.5e}")).collect();
+    let name = if own.parameters.is_empty() {
+        "none".to_owned()
+    } else {
+        own.parameters.join(", ")
+    };
+    vec![
+        Cell::text(name),
+        Cell::text(values.join(", ")),
+        Cell::number(own.fit.largest_percent, 3),
+        Cell::number(own.fit.rms_percent, 3),
+        Cell::number(Some(own.fit.chi_square), 2),
+        Cell::number(Some(own.bic), 2),
+        Cell::text(if own.explains() { "yes" } else { "no" }),
+    ]
+}
+
+fn changes(caption: &str, rows: Vec<Vec<Cell>>) -> Block {
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        columns: vec![
+            Column::text("changed"),
+            Column::text("to"),
+            Column::number("largest error (%)"),
+            Column::number("rms (%)"),
+            Column::number("chi-square"),
+            Column::number("BIC"),
+            Column::text("explains the misfit"),
+        ],
+        rows,
+        footnotes: Vec::new(),
+    })
+}
+
+/// Without digits that mean nothing.
+fn short(value: f64) -> String {
+    format!("{}", (value * 1e9).round() / 1e9)
+}
