@@ -1,9 +1,9 @@
 //! The lowest modes of a sparse symmetric pair: block Lanczos on the shifted and inverted pair, held to a count.
 //!
 //! `(K + s M)^-1 M phi = theta phi` with `theta = 1 / (omega^2 + s)` is self-adjoint in the inner product of M; its
-//! largest eigenvalues are the lowest modes. A block finds as many modes of a repeated root as it is wide; how many there
-//! are below a limit is counted by the inertia of `K - limit M`, and where some are missing the block is widened by new
-//! vectors until all are there.
+//! largest eigenvalues are the lowest modes. A block finds as many modes of a repeated root as it is wide, and rounding brings
+//! in the others one by one; how many there are below a limit is counted by the inertia of `K - limit M`, and the iteration
+//! goes on, with new vectors where its space is exhausted, until all are there.
 //!
 //! # Reference
 //! Grimes, Lewis and Simon (1994), A shifted block Lanczos algorithm for solving sparse symmetric generalized
@@ -16,8 +16,8 @@ use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
 use super::{LinalgError, RealMatrix};
 
-/// Width of the first block: wide enough for the double roots of symmetric structures, and the widest that costs no more
-/// time for single roots.
+/// Width of the block: two and more see the double roots of symmetric structures at once; one to four take about as long,
+/// eight longer.
 const BLOCK: usize = 4;
 /// A pair is converged when its residual is below this part of its theta; the error of theta is the square of it.
 const CONVERGED: f64 = 1e-11;
@@ -27,8 +27,6 @@ const DEPENDENT: f64 = 1e-12;
 const FIRST_SHIFT: f64 = 1e-9;
 /// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
 const SHIFT_TRIES: usize = 6;
-/// Blocks before new vectors are asked for again.
-const PATIENCE: usize = 8;
 
 /// Which modes of a sparse pair are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,14 +162,13 @@ impl<'a> Run<'a> {
         first: bool,
     ) -> Result<Ended, LinalgError> {
         let size = self.mass.size();
-        let (mut looked, mut wait) = (0, PATIENCE);
+        let mut looked = 0;
         loop {
             self.step();
             let finished = self.filled == size || self.next.ncols() == 0;
             let needed = match *goal {
                 Goal::Lowest(count) | Goal::Below { count, .. } => count,
             };
-            wait = wait.saturating_sub(1);
             let early = first && self.filled < size && looked == 0 && self.filled >= 5 * BLOCK;
             let due = self.filled >= needed && self.filled >= looked + looked / 20 + BLOCK;
             if !(finished || early || due) {
@@ -201,10 +198,8 @@ impl<'a> Run<'a> {
                 let found = ritz.converged;
                 return Err(LinalgError::ModesMissing { found, needed });
             }
-            let missing = ritz.missing(goal);
-            if self.next.ncols() == 0 || missing > 0 && wait == 0 {
-                self.widen(missing.clamp(1, 2 * BLOCK));
-                wait = PATIENCE;
+            if self.next.ncols() == 0 {
+                self.widen(BLOCK);
             }
         }
     }

@@ -89,14 +89,4 @@ impl Ritz {
     fn below(&self, limit: f64) -> usize {
         self.lambda[..self.converged].partition_point(|value| *value < limit)
     }
-
-    /// How many modes below the limit are not there although one beyond it is converged.
-    pub fn missing(&self, goal: &Goal) -> usize {
-        match *goal {
-            Goal::Below { limit, count } if self.below(limit) < self.converged => {
-                count - self.below(limit)
-            }
-            _ => 0,
-        }
-    }
 }
