@@ -79,12 +79,12 @@ pub fn serep_expansion(modes: &RealMatrix, rows: &[Vec<f64>]) -> Result<RealMatr
         products.sum()
     };
     let svd = singular_vectors(&complex_matrix(rows.len(), m, |i, j| read(i, j).into()))?;
-    let (largest, least) = (svd.values[0], svd.values[m - 1]);
-    if !(least > INDEPENDENT * largest) {
+    let got = svd.values[m - 1] / svd.values[0];
+    if got.is_nan() || got <= INDEPENDENT {
         return Err(TheoryError::ModesNotTold {
             modes: m,
             readings: rows.len(),
-            got: least / largest,
+            got,
             expected: INDEPENDENT,
         });
     }
