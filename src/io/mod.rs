@@ -15,6 +15,8 @@ mod hit_groups;
 mod hits;
 pub mod layout;
 mod matlab5;
+mod matrix;
+mod matrix_market;
 mod memory;
 mod modes_format;
 mod modes_json;
@@ -32,6 +34,8 @@ mod uff;
 mod frfs_tests;
 #[cfg(test)]
 mod hits_tests;
+#[cfg(test)]
+mod matrix_tests;
 
 pub use catalog::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
@@ -47,6 +51,7 @@ pub use hdf5::Hdf5;
 pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
 pub use hits::{FileRecording, HitSet, group_hits, has_time_records};
 pub use matlab5::Matlab5;
+pub use matrix::{MatrixEntries, read_matrix};
 pub use memory::{MemorySource, Merged};
 pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};

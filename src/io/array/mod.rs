@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::io::{ArrayInfo, IoError};
+use crate::io::{ArrayInfo, IoError, MatrixEntries};
 
 /// Elements of an array in row-major order (the last index runs fastest).
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +93,14 @@ pub(in crate::io) trait ArrayStore: Send {
     /// [`IoError`] with the array's name for a kind that holds no numbers or texts, for damage, and for a size that the
     /// file cannot hold.
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError>;
+
+    /// Reads array `index` as the entries of a sparse matrix, where the file keeps it so; else `None`.
+    ///
+    /// # Errors
+    /// As [`ArrayStore::read`].
+    fn read_sparse(&mut self, _index: usize) -> Result<Option<MatrixEntries>, IoError> {
+        Ok(None)
+    }
 
     /// Reads elements `range` (in row-major order) of array `index`; the whole array is read where the format cannot do
     /// with less.

@@ -191,7 +191,7 @@ fn block_len(block: &Block) -> usize {
 }
 
 /// Names compare with `.` and `/` as the same mark.
-fn same_name(own: &str, asked: &str) -> bool {
+pub(in crate::io) fn same_name(own: &str, asked: &str) -> bool {
     let level = |c: char| if c == '.' { '/' } else { c };
     own.chars().map(level).eq(asked.chars().map(level))
 }
@@ -250,7 +250,7 @@ fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selec
 }
 
 /// The arrays that are there, for messages.
-fn names(store: &dyn ArrayStore) -> String {
+pub(in crate::io) fn names(store: &dyn ArrayStore) -> String {
     let list = store.list();
     if list.is_empty() {
         return "no arrays".to_owned();

@@ -94,7 +94,7 @@ impl Format for Hdf5 {
 ///
 /// # Errors
 /// [`IoError`] when its superblock cannot be read.
-fn open_store(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Hdf5Store, IoError> {
+pub(super) fn open_store(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Hdf5Store, IoError> {
     let system = |source| IoError::System {
         path: path.to_owned(),
         action: "read",

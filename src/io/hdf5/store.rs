@@ -24,7 +24,7 @@ const TIMES_READ: u64 = 64;
 const WINDOW: usize = 1 << 20;
 
 /// An opened HDF5 file.
-pub(super) struct Hdf5Store {
+pub(in crate::io) struct Hdf5Store {
     path: String,
     stream: Stream,
     listing: Listing,

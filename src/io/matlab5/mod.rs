@@ -29,6 +29,7 @@ use std::io::SeekFrom;
 
 use crate::finding::Finding;
 
+use super::array::ArrayStore;
 use super::array::source::open_arrays;
 use super::{Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek};
 
@@ -58,32 +59,8 @@ impl Format for Matlab5 {
         }
     }
 
-    fn open(
-        &self,
-        mut input: Box<dyn ReadSeek>,
-        hints: &Hints,
-    ) -> Result<Box<dyn Source>, IoError> {
-        let system = |source| IoError::System {
-            path: hints.path.clone(),
-            action: "read",
-            source,
-        };
-        let mut header = [0; HEADER];
-        input.seek(SeekFrom::Start(0)).map_err(system)?;
-        input.read_exact(&mut header).map_err(system)?;
-        let mark = &header[HEADER - 4..];
-        if mark != LITTLE_ENDIAN && mark != BIG_ENDIAN {
-            return Err(IoError::Binary {
-                path: hints.path.clone(),
-                byte: HEADER as u64 - 4,
-                what: "version and byte order",
-                got: format!("{mark:02x?}"),
-                expected: "version 1 and IM, or MI in a big-endian file (version 2 is HDF5)"
-                    .to_owned(),
-            });
-        }
-        let store = store::open(input, mark == BIG_ENDIAN, &hints.path)?;
-        open_arrays("matlab5", Box::new(store), hints)
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        open_arrays("matlab5", open_store(input, &hints.path)?, hints)
     }
 
     fn write(
@@ -94,4 +71,34 @@ impl Format for Matlab5 {
     ) -> Result<Vec<Finding>, IoError> {
         write::write(out, source, options)
     }
+}
+
+/// The variables of a file.
+///
+/// # Errors
+/// As [`Format::open`].
+pub(super) fn open_store(
+    mut input: Box<dyn ReadSeek>,
+    path: &str,
+) -> Result<Box<dyn ArrayStore>, IoError> {
+    let system = |source| IoError::System {
+        path: path.to_owned(),
+        action: "read",
+        source,
+    };
+    let mut header = [0; HEADER];
+    input.seek(SeekFrom::Start(0)).map_err(system)?;
+    input.read_exact(&mut header).map_err(system)?;
+    let mark = &header[HEADER - 4..];
+    if mark != LITTLE_ENDIAN && mark != BIG_ENDIAN {
+        return Err(IoError::Binary {
+            path: path.to_owned(),
+            byte: HEADER as u64 - 4,
+            what: "version and byte order",
+            got: format!("{mark:02x?}"),
+            expected: "version 1 and IM, or MI in a big-endian file (version 2 is HDF5)".to_owned(),
+        });
+    }
+    let store = store::open(input, mark == BIG_ENDIAN, path)?;
+    Ok(Box::new(store))
 }

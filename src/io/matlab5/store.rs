@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::io::array::bytes::{RecentArrays, Window};
 use crate::io::array::{ArrayStore, Elements, NamedArray, outside};
-use crate::io::{ArrayInfo, IoError, ReadSeek};
+use crate::io::{ArrayInfo, IoError, MatrixEntries, ReadSeek};
 
 use super::HEADER;
 use super::bytes::Bytes;
@@ -73,6 +73,11 @@ impl ArrayStore for Matlab5Store {
             shape,
             elements,
         })
+    }
+
+    fn read_sparse(&mut self, index: usize) -> Result<Option<MatrixEntries>, IoError> {
+        let (mut reader, part) = self.reader(index);
+        values::read_sparse(&mut reader, &part)
     }
 
     fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {

@@ -3,9 +3,8 @@ use std::io::Cursor;
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use super::Matlab5;
 use super::file_builder::{BOTH, Builder};
-use super::store;
+use super::{Matlab5, open_store, store};
 use crate::io::array::{ArrayStore, Elements, NamedArray};
 use crate::io::layout::drawn_sources::{assert_same, drawn};
 use crate::io::{
@@ -210,6 +209,27 @@ fn sparse_matrices_are_made_full_when_they_fit() {
         );
         let (list, arrays) = read_all(builder, &[sparse(&[1_000_000, 3])]);
         assert_eq!((list[0].kind.as_str(), arrays.len()), ("sparse", 0));
+    }
+}
+
+#[test]
+fn the_entries_of_a_sparse_matrix_are_read_however_large_it_is() {
+    for builder in BOTH {
+        let values = [7.0_f64, 5.0].map(|v| builder.turned(v.to_le_bytes()));
+        let content = [
+            builder.words(5, &[999_999, 0]),
+            builder.words(5, &[0, 1, 2, 2]),
+            builder.element(9, &values.concat()),
+        ];
+        let sparse = builder.matrix(5, &[1_000_000, 3], "s", &content);
+        for sparse in [sparse.clone(), builder.deflated(&sparse)] {
+            let file = builder.file(&[sparse, builder.doubles(&[1, 1], "x", &[1.0])]);
+            let mut store = open_store(Box::new(Cursor::new(file)), "x.mat").unwrap();
+            let matrix = store.read_sparse(0).unwrap().unwrap();
+            assert_eq!((matrix.rows, matrix.columns), (1_000_000, 3));
+            assert_eq!(matrix.entries, [(999_999, 0, 7.0), (0, 1, 5.0)]);
+            assert_eq!(store.read_sparse(1).unwrap(), None);
+        }
     }
 }
 

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::io::IoError;
 use crate::io::array::Elements;
 use crate::io::array::bytes::{decode, doubles, to_row_major};
+use crate::io::{IoError, MatrixEntries};
 
 use super::bytes::Storage;
-use super::elements::{Element, Matrix, Reader, SINGLE, UTF8, UTF16, UTF32};
+use super::elements::{Element, Matrix, Reader, SINGLE, SPARSE, UTF8, UTF16, UTF32};
 use super::list::{Content, Part, is_one_text, text_shape};
 
 /// Reads a part of a file to its shape and elements in row-major order.
@@ -114,6 +114,47 @@ fn counted(
     Ok(decode(&bytes, number, reader.big_endian))
 }
 
+/// The entries of a real sparse matrix, however large the full one were; `None` for an array of another kind.
+pub(super) fn read_sparse(
+    reader: &mut Reader,
+    part: &Part,
+) -> Result<Option<MatrixEntries>, IoError> {
+    let matrix = reader.matrix(part.position, part.end)?;
+    if matrix.class != SPARSE || matrix.shape.len() != 2 {
+        return Ok(None);
+    }
+    if matrix.complex {
+        return Err(reader.error(
+            part.position,
+            "sparse matrix",
+            "complex numbers",
+            "real ones",
+        ));
+    }
+    let rows_element = reader.element(matrix.content, matrix.end)?;
+    let columns_element = reader.element(rows_element.next, matrix.end)?;
+    let real = reader.element(columns_element.next, matrix.end)?;
+    let rows = reader.numbers(&rows_element)?;
+    let starts = reader.numbers(&columns_element)?;
+    let values = reader.numbers(&real)?;
+    let value = |place: usize| values.get(place).copied();
+    let mut entries = Vec::new();
+    entries_of(
+        reader,
+        &matrix,
+        (&rows, &starts),
+        value,
+        |row, column, value| {
+            entries.push((row, column, value));
+        },
+    )?;
+    Ok(Some(MatrixEntries {
+        rows: matrix.shape[0],
+        columns: matrix.shape[1],
+        entries,
+    }))
+}
+
 /// A sparse matrix made full, in row-major order. Row indices and values are listed column after column, and where each
 /// column begins.
 fn sparse(reader: &mut Reader, matrix: &Matrix) -> Result<Elements, IoError> {
@@ -145,13 +186,34 @@ fn filled<T: Copy + Default>(
     starts: &[f64],
     value: impl Fn(usize) -> Option<T>,
 ) -> Result<Vec<T>, IoError> {
+    let width = matrix.shape[1];
+    let mut full = vec![T::default(); matrix.count];
+    entries_of(
+        reader,
+        matrix,
+        (rows, starts),
+        value,
+        |row, column, value| {
+            full[row * width + column] = value;
+        },
+    )?;
+    Ok(full)
+}
+
+/// Gives every entry of a sparse matrix with its place to `take`.
+fn entries_of<T>(
+    reader: &Reader,
+    matrix: &Matrix,
+    (rows, starts): (&[f64], &[f64]),
+    value: impl Fn(usize) -> Option<T>,
+    mut take: impl FnMut(usize, usize, T),
+) -> Result<(), IoError> {
     let (height, width) = (matrix.shape[0], matrix.shape[1]);
     let wrong = || {
         let got = "places outside it, or without a value";
         let expected = "a row inside and a value for each";
         reader.error(matrix.content, "indices of a sparse matrix", got, expected)
     };
-    let mut full = vec![T::default(); matrix.count];
     for column in 0..width {
         let limits = starts.get(column).zip(starts.get(column + 1));
         let ascending = limits.filter(|(first, end)| first <= end);
@@ -161,10 +223,10 @@ fn filled<T: Copy + Default>(
             let row = rows.get(place).map(|row| *row as usize);
             let row = row.filter(|row| *row < height);
             let (row, value) = row.zip(value(place)).ok_or_else(wrong)?;
-            full[row * width + column] = value;
+            take(row, column, value);
         }
     }
-    Ok(full)
+    Ok(())
 }
 
 /// The texts of one array take at most so many bytes for each byte of the file, and 1 MiB: blanks deflate well.

@@ -17,3 +17,6 @@ mod tests;
 
 pub use npy::Npy;
 pub use npz::Npz;
+
+pub(super) use npy::open_npy;
+pub(super) use npz::open_npz;

@@ -26,30 +26,35 @@ impl Format for Npy {
         }
     }
 
-    fn open(
-        &self,
-        mut input: Box<dyn ReadSeek>,
-        hints: &Hints,
-    ) -> Result<Box<dyn Source>, IoError> {
-        let header = Header::read(&mut input, &hints.path)?;
-        let name = Path::new(&hints.path).file_stem();
-        let name = name.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        let bytes = input
-            .seek(SeekFrom::End(0))
-            .map_err(|source| IoError::System {
-                path: hints.path.clone(),
-                action: "read",
-                source,
-            })?;
-        let store = NpyStore {
-            list: vec![header.info(name)],
-            input,
-            header,
-            bytes,
-            path: hints.path.clone(),
-        };
-        open_arrays("npy", Box::new(store), hints)
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        open_arrays("npy", open_npy(input, &hints.path)?, hints)
     }
+}
+
+/// The array of a file under the file's name.
+///
+/// # Errors
+/// As [`Format::open`].
+pub(in crate::io) fn open_npy(
+    mut input: Box<dyn ReadSeek>,
+    path: &str,
+) -> Result<Box<dyn ArrayStore>, IoError> {
+    let header = Header::read(&mut input, path)?;
+    let name = Path::new(path).file_stem();
+    let name = name.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let bytes = input.seek(SeekFrom::End(0));
+    let bytes = bytes.map_err(|source| IoError::System {
+        path: path.to_owned(),
+        action: "read",
+        source,
+    })?;
+    Ok(Box::new(NpyStore {
+        list: vec![header.info(name)],
+        input,
+        header,
+        bytes,
+        path: path.to_owned(),
+    }))
 }
 
 impl Header {

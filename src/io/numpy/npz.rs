@@ -59,8 +59,7 @@ impl Format for Npz {
     }
 
     fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
-        let store = NpzStore::open(input, &hints.path)?;
-        open_arrays("npz", Box::new(store), hints)
+        open_arrays("npz", open_npz(input, &hints.path)?, hints)
     }
 
     fn write(
@@ -86,6 +85,17 @@ impl Format for Npz {
         })?;
         Ok(findings)
     }
+}
+
+/// The arrays of an archive.
+///
+/// # Errors
+/// As [`Format::open`].
+pub(in crate::io) fn open_npz(
+    input: Box<dyn ReadSeek>,
+    path: &str,
+) -> Result<Box<dyn ArrayStore>, IoError> {
+    Ok(Box::new(NpzStore::open(input, path)?))
 }
 
 fn write_member<W: Write + Seek>(
