@@ -60,7 +60,7 @@ fn analyses(
     let mut special = None;
     if args.sensitivities {
         let caption = format!("Sensitivities of the roots of {name}");
-        let found = model.sensitivities()?;
+        let found = model.sensitivities(args.band)?;
         let block = sensitivities_block(&caption, &result.parameters, &found, args.band);
         blocks.push(block);
     }

@@ -9,6 +9,9 @@ mod error;
 mod expected;
 mod ingest;
 mod limits;
+mod matrices;
+#[cfg(test)]
+mod matrices_tests;
 mod model;
 mod modes_file;
 mod plan;

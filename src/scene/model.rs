@@ -4,18 +4,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
+use crate::axis::Band;
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BUILT_IN, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel,
     ModeOptions, ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA,
     Sweep, SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
-    compare_details, coordinate_sensors, model_roots, modes, override_values, sensitivities, sweep,
-    system_derivatives,
+    compare_details, coordinate_sensors, model_roots, model_sensitivities, modes, override_values,
+    sweep,
 };
 
 use super::SceneError;
+use super::matrices::matrix_model;
 use super::modes_file::{is_modes_file, load_modes};
 use super::toml_text::{parse, read_text};
 use super::typed::{ModelTable, SensorTable};
@@ -47,10 +50,11 @@ pub struct Theory {
     pub roots: Vec<ModelRoot>,
 }
 
-/// The one key that says which kind of model a file holds; a lumped one need not say so.
+/// The keys that say which kind of model a file holds; a lumped one, and one of matrices, need not say it.
 #[derive(Deserialize)]
 struct KindOnly {
     kind: Option<String>,
+    matrices: Option<IgnoredAny>,
 }
 
 /// `[[sensor]]` of a model file, whatever its kind.
@@ -77,8 +81,19 @@ pub fn load_model(
     }
     let path = name.display().to_string();
     let text = read_text(name)?;
-    let kind = parse::<KindOnly>(&text, &path)?.kind;
+    let KindOnly { kind, matrices } = parse(&text, &path)?;
+    let tables = parse::<SensorsOnly>(&text, &path)?.sensor;
+    let mut own_sensors = sensors(&tables, &path)?;
+    let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
     let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
+        Some("matrices") => {
+            let folder = name.parent().unwrap_or(Path::new(""));
+            let model = matrix_model(&text, &path, folder)?;
+            if own_sensors.is_empty() {
+                own_sensors = model.sensors();
+            }
+            Box::new(model)
+        }
         Some("beam") => Box::new(beam_model(parse::<BeamFile>(&text, &path)?, &path)?),
         Some("lumped") | None => {
             let file = parse::<LumpedFile>(&text, &path)?;
@@ -86,11 +101,11 @@ pub fn load_model(
         }
         Some(other) => {
             let got = format!("{other:?}");
-            return Err(value_error(&path, "kind", &got, "\"lumped\" or \"beam\""));
+            let expected = "\"lumped\", \"beam\" or \"matrices\"";
+            return Err(value_error(&path, "kind", &got, expected));
         }
     };
-    let tables = parse::<SensorsOnly>(&text, &path)?.sensor;
-    loaded(model, sensors(&tables, &path)?, overrides)
+    loaded(model, own_sensors, overrides)
 }
 
 /// Whether a model is meant by its built-in name, perhaps with a set, and not as a file.
@@ -199,16 +214,21 @@ impl LoadedModel {
         Ok(self.model.quantities(&self.values)?)
     }
 
-    /// The roots of the whole model with their sensitivities to its parameters.
+    /// The roots of the whole model with their sensitivities to its parameters; of a sparse model the roots inside a band, or
+    /// the lowest.
     ///
     /// # Errors
     /// The model's own reasons.
-    pub fn sensitivities(&self) -> Result<Vec<RootSensitivity>, SceneError> {
+    pub fn sensitivities(&self, band: Option<Band>) -> Result<Vec<RootSensitivity>, SceneError> {
         let model = self.model.as_ref();
-        let solved = modes(model, &self.values, &[], &ModeOptions::default())?;
-        let derivatives = system_derivatives(model, &self.values)?;
+        let sparse = self.is_sparse()?;
+        let options = ModeOptions {
+            band: band.filter(|_| sparse),
+            ..ModeOptions::default()
+        };
+        let solved = modes(model, &self.values, &[], &options)?;
         let roots = model_roots(model, &solved);
-        Ok(sensitivities(&solved, &roots, &derivatives)?)
+        Ok(model_sensitivities(model, &self.values, &solved, &roots)?)
     }
 
     /// The model against simpler ones without the mass of its small bodies.
@@ -244,13 +264,20 @@ impl LoadedModel {
         Ok(sweep(self.model.as_ref(), &self.values, parameter, range)?)
     }
 
-    /// The roots of the whole model; solved again when the options kept part of its modes.
+    /// Whether the lowest modes alone can be computed.
+    fn is_sparse(&self) -> Result<bool, SceneError> {
+        Ok(self.model.sparse(&self.values)?.is_some())
+    }
+
+    /// The roots of the whole model, solved again when the options kept part of its modes; of a sparse one those of the
+    /// modes that were computed.
     fn roots(
         &self,
         solved: &TheoryModes,
         options: &ModeOptions,
     ) -> Result<Vec<ModelRoot>, SceneError> {
-        if options.band.is_none() && options.count.is_none() {
+        let whole = options.band.is_none() && options.count.is_none();
+        if whole || self.is_sparse()? {
             return Ok(model_roots(self.model.as_ref(), solved));
         }
         let all = ModeOptions {
