@@ -1,6 +1,6 @@
 //! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of it is right, and how
 //! many of its modes the present method finds. Identification from FRFs of systems known by their modes, in white noise of
-//! known variance. And every reader on damaged files.
+//! known variance. Models updated to synthetic twins of their machines. And every reader on damaged files.
 
 mod bound;
 mod close_pairs;
@@ -16,6 +16,8 @@ mod pipeline;
 mod recording;
 mod seeds;
 mod systems;
+mod twins;
+mod updating;
 mod variance;
 mod window;
 
