@@ -24,3 +24,6 @@ mod seeds;
 mod torture;
 mod transmissions;
 mod truncation;
+#[path = "../population/twins.rs"]
+mod twins;
+mod updating;

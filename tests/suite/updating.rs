@@ -1,0 +1,265 @@
+//! `modalign update` as a user runs it: a scene of finished modes, an ill-posed one, the four-storey frame; and a sample of
+//! the twins of the population.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use modalign::io::{Block, ColumnName, ColumnRole, Hints, TableColumn, TableSpec, open_path};
+use rayon::prelude::*;
+use serde_json::Value;
+
+use crate::command::{fail, json, shared_data, succeed, write};
+use crate::twins::{Tally, Twin, lumped, torsional, twin};
+
+/// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the ground.
+fn frame(mass: f64, stiffness: &[f64], (lower, upper): (f64, f64)) -> String {
+    let mut text = "schema = \"modalign-model/1\"\n".to_owned();
+    for (i, k) in stiffness.iter().enumerate() {
+        let n = i + 1;
+        let to = if i == 0 {
+            "ground".to_owned()
+        } else {
+            format!("p{i}")
+        };
+        write!(
+            text,
+            "[[parameter]]\nname = \"k{n}\"\nunit = \"N/m\"\nnominal = {k:?}\nlower = {:?}\nupper = {:?}\nstatus = \"assumed\"\n\
+             [[body]]\nname = \"b{n}\"\nat_m = [0.0, 0.0, 0.0]\nmass_kg = {mass:?}\nfree = [\"x\"]\n\
+             [[point]]\nname = \"p{n}\"\nbody = \"b{n}\"\nat_m = [0.0, 0.0, 0.0]\n\
+             [[spring]]\nname = \"k{n}\"\nfrom = \"p{n}\"\nto = \"{to}\"\ndirection = [1.0, 0.0, 0.0]\nparameter = \"k{n}\"\n\
+             [[sensor]]\ndof = \"{n}:+X\"\ncoordinate = \"b{n}.x\"\n",
+            lower * k,
+            upper * k,
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// Finished modes: frequency, its deviation where it is known, shape at storeys from 1.
+fn modes_json(modes: &[(f64, Option<f64>, Vec<f64>)]) -> String {
+    let mode = |(hz, std, shape): &(f64, Option<f64>, Vec<f64>)| {
+        let values = shape.iter().enumerate();
+        let values: serde_json::Map<String, Value> = values
+            .map(|(i, v)| (format!("{}:+X", i + 1), serde_json::json!([v, 0.0])))
+            .collect();
+        serde_json::json!({"frequency_hz": hz, "frequency_std_hz": std, "shape": values})
+    };
+    let modes: Vec<Value> = modes.iter().map(mode).collect();
+    serde_json::json!({"schema": "modalign-modes/1", "producer": "test", "modes": modes})
+        .to_string()
+}
+
+fn scene(update: &str) -> String {
+    format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n[[test]]\nname = \"t\"\nmodes = \"modes.json\"\n{update}"
+    )
+}
+
+/// Runs a scene of a frame; `update.json` and the folder of the results.
+fn updated(model: &str, modes: &str, update: &str) -> (Value, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let text = scene(update);
+    let files = [
+        ("scene.toml", text.as_str()),
+        ("model.toml", model),
+        ("modes.json", modes),
+    ];
+    write(folder.path(), &files);
+    let out = folder.path().join("out");
+    let path = |path: &Path| path.to_str().unwrap().to_owned();
+    succeed(["update", &path(folder.path()), "-o", &path(&out)]);
+    (json(&out.join("update.json")), folder)
+}
+
+/// Natural frequency of a body on a spring to the ground, Hz.
+fn hz(stiffness: f64, mass: f64) -> f64 {
+    (stiffness / mass).sqrt() / std::f64::consts::TAU
+}
+
+#[test]
+fn a_scene_of_finished_modes_gets_its_stiffness_and_an_updated_model() {
+    let model = frame(1.0, &[1.0e4], (0.1, 10.0));
+    let modes = modes_json(&[(hz(1.21e4, 1.0), Some(0.01), vec![1.0])]);
+    let (file, folder) = updated(&model, &modes, "[update]\nfrequency_floor = 0.001\n");
+    assert_eq!(file["schema"], "modalign-update/1");
+    let k = &file["parameters"][0];
+    assert!((k["updated"].as_f64().unwrap() / 1.21e4 - 1.0).abs() < 1e-3);
+    assert_eq!(k["verdict"], "identified");
+    let out = folder.path().join("out");
+    let text = std::fs::read_to_string(out.join("model.toml")).unwrap();
+    assert!(text.contains("# updated from 10000.0"), "{text}");
+    // The updated model is a model, and has the test's frequency.
+    let model = out.join("model.toml");
+    let theory = succeed(["theory", model.to_str().unwrap(), "--json"]);
+    let theory: Value = serde_json::from_str(&theory).unwrap();
+    let found = theory["modes"][0]["frequency_hz"].as_f64().unwrap();
+    assert!((found / hz(1.21e4, 1.0) - 1.0).abs() < 1e-4);
+    for name in [
+        "comparison-before.json",
+        "comparison-after.json",
+        "update.md",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn an_ill_posed_scene_ends_with_what_the_data_know_in_words() {
+    // One frequency for three springs.
+    let model = frame(1.0, &[1.0e4, 1.0e4, 1.0e4], (0.1, 10.0));
+    let first = 2.0 * (std::f64::consts::PI / 14.0).sin() * 100.0 / std::f64::consts::TAU;
+    let modes = modes_json(&[(1.05 * first, None, Vec::new())]);
+    let (file, _folder) = updated(&model, &modes, "[update]\nexplain = true\n");
+    let combinations = file["combinations"].as_array().unwrap();
+    let known: Vec<bool> = combinations
+        .iter()
+        .map(|own| own["known"].as_bool().unwrap())
+        .collect();
+    assert_eq!(known, [true, false, false]);
+    let words = combinations[2]["text"].as_str().unwrap();
+    assert!(words.contains("not known from the data"), "{words}");
+    for parameter in file["parameters"].as_array().unwrap() {
+        assert_ne!(parameter["verdict"], "at bound");
+    }
+    assert!(file["after"]["largest_percent"].as_f64().unwrap() < 0.1);
+}
+
+#[test]
+fn a_scene_that_cannot_be_meant_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = scene("[update]\nparameters = [\"k9\"]\n");
+    let (model, modes) = (
+        frame(1.0, &[1.0e4], (0.1, 10.0)),
+        modes_json(&[(16.0, None, vec![1.0])]),
+    );
+    let files = [
+        ("scene.toml", text.as_str()),
+        ("model.toml", model.as_str()),
+        ("modes.json", modes.as_str()),
+    ];
+    write(folder.path(), &files);
+    let error = fail(["update", folder.path().to_str().unwrap()]);
+    assert!(
+        error.contains("k9") && error.contains("the model has k1"),
+        "{error}"
+    );
+}
+
+/// Measured frequencies (Hz), and the shapes of the four modes at the four storeys.
+fn four_storeys(path: &Path) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let names = [
+        "test_frequency",
+        "test_mode:1",
+        "test_mode:2",
+        "test_mode:3",
+        "test_mode:4",
+    ];
+    // Plain numbers: any unit that is not converted will do.
+    let role = || ColumnRole::Response {
+        dof: None,
+        unit: "m".parse().unwrap(),
+    };
+    let column = |name: &str| TableColumn {
+        column: ColumnName::Heading(name.to_owned()),
+        role: role(),
+        scale: 1.0,
+    };
+    let hints = Hints {
+        path: path.display().to_string(),
+        table: Some(TableSpec {
+            sampling_rate_hz: Some(1.0),
+            columns: names.map(column).into_iter().collect(),
+            ..TableSpec::default()
+        }),
+    };
+    let mut source = open_path(path, &hints, None).unwrap();
+    let mut read = |entry: usize| {
+        let mut block = Block::F64(Vec::new());
+        source.read(entry, 0..4, &mut block).unwrap();
+        match block {
+            Block::F64(values) => values,
+            other => panic!("numbers of 64 bits: {other:?}"),
+        }
+    };
+    (read(0), (1..5).map(&mut read).collect())
+}
+
+/// Frequency (Hz) and MAC of a row of a comparison with its test mode.
+fn row(file: &Value, number: usize) -> (f64, f64) {
+    let rows = file["rows"].as_array().unwrap();
+    let cell = |row: &Value| row["tests"][0].clone();
+    let own = rows
+        .iter()
+        .map(cell)
+        .find(|cell| cell["modes"][0] == number);
+    let own = own.unwrap_or_else(|| panic!("mode {number} is paired: {file}"));
+    (
+        own["error_percent"].as_f64().unwrap().abs(),
+        own["mac"].as_f64().unwrap(),
+    )
+}
+
+#[test]
+fn two_modes_of_the_four_storey_frame_foretell_the_other_two() {
+    let Some(data) = shared_data() else { return };
+    let (hz, shapes) = four_storeys(&data.join("fourstory-updating/FourStoryStructure.mat"));
+    // Storey masses of 12.060 kip over 386.088 in/s2, stiffnesses of 10 kip/in.
+    let (kip, inch) = (4448.2216152605, 0.0254);
+    let (mass, stiffness) = (12.060 / 386.088 * kip / inch, 10.0 * kip / inch);
+    let model = frame(mass, &[stiffness; 4], (0.05, 2.0));
+    // Modes 1 and 2 count, at storeys 1 to 3; 3 and 4 are compared, at the same storeys.
+    let modes: Vec<(f64, Option<f64>, Vec<f64>)> = hz
+        .iter()
+        .zip(&shapes)
+        .map(|(&hz, shape)| (hz, None, shape[..3].to_vec()))
+        .collect();
+    let mut update = "[pair]\nmin_mac = 0.3\nmin_dofs = 3\n[update]\nband_hz = [0.5, 3.5]\nfrequency_floor = 0.005\nshape_floor = 0.05\nstarts = 1000\nmax_iterations = 200\n".to_owned();
+    for n in 1..=4 {
+        update += &format!(
+            "[[update.parameter]]\nname = \"k{n}\"\nprior = \"normal\"\nprior_std = 1.0\n"
+        );
+    }
+    let (file, folder) = updated(&model, &modes_json(&modes), &update);
+    // One optimum has the most of 1,000 starts by far; the others end in its neighbours.
+    assert_eq!(file["starts"]["count"], 1000);
+    assert!(
+        file["starts"]["reached"].as_u64().unwrap() > 600,
+        "{}",
+        file["starts"]
+    );
+    assert_eq!(file["after"]["rows"].as_array().unwrap().len(), 2);
+    assert!(file["before"]["largest_percent"].as_f64().unwrap() > 12.0);
+    assert!(file["after"]["largest_percent"].as_f64().unwrap() < 0.1);
+    // What was left out is better for it, both frequencies and both shapes.
+    let out = folder.path().join("out");
+    let before = json(&out.join("comparison-before.json"));
+    let after = json(&out.join("comparison-after.json"));
+    for mode in [3, 4] {
+        let (was, is) = (row(&before, mode), row(&after, mode));
+        println!(
+            "mode {mode}, left out: {:.2} % to {:.2} %, MAC {:.3} to {:.3}",
+            was.0, is.0, was.1, is.1
+        );
+        assert!(
+            is.0 < was.0 && is.1 > was.1 && is.1 > 0.98,
+            "{was:?} {is:?}"
+        );
+    }
+}
+
+#[test]
+fn the_first_twins_are_covered_and_what_no_sensor_sees_is_named() {
+    let mut all = Tally::default();
+    for (machine, count) in [(lumped(), 12), (torsional(), 12)] {
+        let twins: Vec<Twin> = (0..count)
+            .into_par_iter()
+            .map(|n| twin(&machine, n))
+            .collect();
+        twins.iter().for_each(|own| all.add(&machine, own));
+    }
+    assert_eq!((all.twins, all.intervals, all.unseen_named), (24, 96, 12));
+    // Of 96 intervals at 95 % fewer than 83 hold the truth once in 10,000 draws.
+    assert!(all.inside >= 83, "{all:?}");
+    assert!(all.largest_error_percent < 0.1, "{all:?}");
+}
