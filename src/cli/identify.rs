@@ -124,7 +124,7 @@ fn check_order(args: &IdentifyArgs, options: &IdentifyOptions, name: &str) -> Re
 }
 
 fn write_csv(path: &Path, block: Block) -> Result<(), Error> {
-    write_whole(path, &CsvText.render(&[block]))?;
+    write_whole(path, CsvText.render(&[block]))?;
     Ok(())
 }
 
