@@ -46,7 +46,9 @@ impl Ritz {
     pub fn within(&self, goal: &Goal) -> usize {
         match *goal {
             Goal::Below { limit, .. } => self.lambda.partition_point(|value| *value < limit),
-            Goal::Lowest(count) => self.parted(count, self.lambda.len()).unwrap_or(count),
+            Goal::Lowest(count) => self
+                .parted(count, self.lambda.len())
+                .unwrap_or(self.lambda.len()),
         }
     }
 

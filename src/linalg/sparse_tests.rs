@@ -205,6 +205,19 @@ fn a_root_of_many_modes_among_others_is_found_whole() {
 }
 
 #[test]
+fn the_highest_root_comes_whole_as_well() {
+    let diagonal: Vec<(usize, usize, f64)> = (0..4)
+        .zip([1.0, 2.0, 3.0, 3.0])
+        .map(|(i, k)| (i, i, k))
+        .collect();
+    let stiffness = SparseMatrix::from_entries(4, &diagonal).unwrap();
+    let unit: Vec<(usize, usize, f64)> = (0..4).map(|i| (i, i, 1.0)).collect();
+    let mass = SparseMatrix::from_entries(4, &unit).unwrap();
+    let modes = sparse_modes(&stiffness, &mass, Wanted::Lowest(3), 10).unwrap();
+    assert_eq!(modes.omega_squared.len(), 4);
+}
+
+#[test]
 fn matrices_that_are_not_definite_are_errors() {
     let (k, m) = product(5, 2, false);
     let negative = SparseMatrix::weighted_sum(25, &[(-1.0, &m)]).unwrap();
