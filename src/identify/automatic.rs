@@ -22,9 +22,6 @@
 
 use std::f64::consts::TAU;
 
-use num_complex::Complex64;
-use rayon::prelude::*;
-
 use crate::axis::Band;
 use crate::frf::FrfSet;
 use crate::linalg::{self, ComplexMatrix};
@@ -35,7 +32,7 @@ use super::indicator::Indicator;
 use super::pruning::{Change, Judge, less};
 use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
-use super::refine::{Far, Stop, apart, model, refine, unsettle};
+use super::refine::{Far, Stop, apart, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
 use super::seeds::LeastSquaresComplexFrequency;
@@ -150,6 +147,10 @@ impl Fit {
         let by_inputs = std::mem::take(&mut self.roots);
         self.roots = alone(&[by_inputs.clone(), self.stable_roots(&lscf, found)?].concat());
         self.settle(Stop::Coarse);
+        if !self.data.variance_measured() {
+            self.measure_noise();
+            self.settle(Stop::Coarse);
+        }
         let standings = self.standings();
         let free = std::mem::take(&mut self.roots);
         self.dropped.clear();
@@ -331,34 +332,19 @@ impl Fit {
         standings(&self.data, &measured, &self.roots)
     }
 
-    /// How the noise hangs together over the lines or, where the data brought no variances, how large it is: from what the fit
+    /// How the noise hangs together over the lines and, where the data brought no variances, how large it is: from what the fit
     /// leaves over.
     pub fn measure_noise(&mut self) {
         unsettle(&mut self.roots);
-        if self.data.variance_measured {
+        if !self.data.variance_measured() {
             let rest = self.rest();
-            if let Some(own) = Correlation::of_rest(&rest) {
-                self.data.correlation = own;
-            }
-            self.data.shared = self.data.shared.of_rest(&self.data, &rest);
-            return;
+            self.data.measure_noise(&rest);
         }
-        let measured = measured(&self.data, &self.sides);
-        let rest = &measured.values - model(&measured, &self.roots, 0..self.data.lines());
-        let by_lines = self.data.correlation.of_second_difference();
-        let variance: Vec<Vec<f64>> = self
-            .data
-            .values
-            .par_iter()
-            .enumerate()
-            .map(|(f, values)| {
-                let rest: Vec<Complex64> = rest.col(f).iter().copied().collect();
-                let scale = &self.data.measured_scale[f];
-                super::noise::of_rest(values, &rest, (scale, by_lines))
-            })
-            .collect();
-        self.data.variance = variance;
-        self.data.raise_variances();
+        let rest = self.rest();
+        if let Some(own) = Correlation::of_rest(&rest) {
+            self.data.correlation = own;
+        }
+        self.data.shared = self.data.shared.of_rest(&self.data, &rest);
     }
 
     /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:

@@ -93,7 +93,7 @@ pub(super) fn verdicts(
                     omega: &data.omega[resonances[mode].lines.clone()],
                     lambda: poles[mode],
                     rest: &rest,
-                    variance: data.variance_measured.then_some(&variance),
+                    variance: data.variance_measured().then_some(&variance),
                 };
                 repeated::judge(table, &around)?
             }

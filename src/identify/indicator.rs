@@ -32,7 +32,7 @@ impl Indicator {
 
 fn weight(data: &Receptances, function: usize) -> f64 {
     let squared = |k: usize| data.omega[k] * data.omega[k];
-    let scale = if data.variance_measured {
+    let scale = if data.variance_measured() {
         let mut variances: Vec<f64> = (0..data.lines())
             .map(|k| squared(k) * data.variance[function][k])
             .collect();

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
@@ -18,6 +19,9 @@ use super::noise_course::{self, Estimated, Smooth};
 const HOP: usize = 32;
 /// Lines on either side that a running median looks at.
 const REACH: usize = 64;
+/// Degrees of freedom over those of one line from which on neighbouring lines were pooled, and lines on either side that were.
+const POOLED: f64 = 1.5;
+const BESIDE: usize = 2;
 /// Relative floor of a variance, so that data without any noise can still be divided by it.
 const FLOOR: f64 = 1e-24;
 
@@ -82,30 +86,55 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
         _ => return None,
     };
     let by_averages = averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1));
+    let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
+    let pooled = by_averages
+        .zip(variance_dof)
+        .map_or(1.0, |(own, all)| all / own);
+    let pooled = if pooled > POOLED { pooled } else { 1.0 };
     Some(Estimated {
         variance,
-        power: values.iter().map(Complex64::norm_sqr).collect(),
+        power: if pooled > 1.0 {
+            mean_of_near(&power)
+        } else {
+            power
+        },
         degrees_of_freedom: variance_dof.or(by_averages),
+        alike: pooled,
+        own: None,
     })
 }
 
-/// Variances of one function from what a fit leaves over of its values, as a function without measured variances has them: noise
-/// is even in what was measured, whose magnitude is `scale` times that of the values. The mean square of the second difference of
-/// unit noise is `by_lines`, 6 for white noise.
+/// Mean over a line and [`BESIDE`] on either side.
+fn mean_of_near(values: &[f64]) -> Vec<f64> {
+    let near = |k: usize| &values[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(values.len())];
+    let mean = |k: usize| near(k).iter().sum::<f64>() / near(k).len() as f64;
+    (0..values.len()).map(mean).collect()
+}
+
+/// Variances of functions of one hit point from what a fit leaves over of them; each is a function's values and what is left over, as
+/// measured.
+///
+/// What is the function's own is even over the lines, and second differences tell it, which what a missing mode leaves hardly moves.
+/// Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in all resonances together tells
+/// it. The mean square of the second difference of unit noise is `by_lines`, 6 for white noise; `alike` lines count for one.
 pub(super) fn of_rest(
-    values: &[Complex64],
-    rest: &[Complex64],
-    (scale, by_lines): (&[f64], f64),
-) -> Vec<f64> {
-    let rest: Vec<Complex64> = rest.iter().zip(scale).map(|(r, s)| r * s).collect();
-    let even = from_second_differences(&rest);
-    let mut variance: Vec<f64> = even
-        .iter()
-        .zip(scale)
-        .map(|(v, s)| 6.0 / by_lines * v / (s * s))
-        .collect();
-    raise_to_floor(&mut variance, values);
-    variance
+    functions: &[(Vec<Complex64>, Vec<Complex64>)],
+    (by_lines, alike): (f64, f64),
+) -> Vec<Smooth> {
+    let left = |(values, rest): &(Vec<Complex64>, Vec<Complex64>)| {
+        let even = from_second_differences(rest);
+        let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
+        raise_to_floor(&mut own, values);
+        Estimated {
+            variance: rest.iter().map(Complex64::norm_sqr).collect(),
+            power: values.iter().map(Complex64::norm_sqr).collect(),
+            degrees_of_freedom: Some(2.0),
+            alike,
+            own: Some(own),
+        }
+    };
+    let estimated: Vec<Estimated> = functions.par_iter().map(left).collect();
+    noise_course::smooth(&estimated.iter().collect::<Vec<_>>())
 }
 
 fn raise_to_floor(variance: &mut [f64], values: &[Complex64]) {
@@ -174,6 +203,31 @@ mod tests {
         // 129 differences per median, 126 medians that overlap: the mean is known to about 3 %.
         assert!((mean / 0.25 - 1.0).abs() < 0.06, "{mean}");
         assert!(estimate[2000] < 0.5);
+    }
+
+    #[test]
+    fn what_is_left_over_tells_the_noise_of_the_force_beside_that_of_the_response() {
+        // Resonances 20 lines wide; an own variance of 1e-6, and 1 % of the response, even over 40 lines.
+        let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
+        let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
+        let values: Vec<Complex64> = (0..4000).map(clean).collect();
+        let white = white_noise(4040, 1e-4 / 40.0, 3);
+        let force = |k: usize| white[k..k + 40].iter().sum::<Complex64>();
+        let functions: Vec<_> = (0..6)
+            .map(|f| {
+                let own = white_noise(4000, 1e-6, 10 + f);
+                let rest = (0..4000).map(|k| own[k] + force(k) * values[k]);
+                (values.clone(), rest.collect::<Vec<_>>())
+            })
+            .collect();
+        let told = of_rest(&functions, (6.0, 1.0));
+        let between: f64 = told.iter().map(|own| own.variance[500]).sum::<f64>() / 6.0;
+        assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
+        // Half a dozen independent errors within each of eight resonances: their mean square to a sixth.
+        let tops = (0..8).map(|n| told[0].variance[250 + 500 * n]);
+        let top = tops.sum::<f64>() / 8.0;
+        assert!((top / 1.01e-4 - 1.0).abs() < 0.5, "{top}");
+        assert!(told[0].by_force[250] > 0.9 && told[0].by_force[500] < 0.2);
     }
 
     #[test]

@@ -44,6 +44,10 @@ pub(super) struct Estimated {
     pub power: Vec<f64>,
     /// ν, where it is known.
     pub degrees_of_freedom: Option<f64>,
+    /// Lines that count for one, as pooled ones do.
+    pub alike: f64,
+    /// `a` at every line, where something else tells it; what stands out is then not noise.
+    pub own: Option<Vec<f64>>,
 }
 
 /// Variances without their scatter.
@@ -81,8 +85,8 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
             let a = own.even(near, b, most);
             for k in block {
                 let force = b * own.power[k];
-                let expected = a + force;
-                let outstanding = own.variance[k] > most * expected;
+                let expected = own.own.as_ref().map_or(a, |own| own[k]) + force;
+                let outstanding = own.own.is_none() && own.variance[k] > most * expected;
                 let variance = if outstanding {
                     own.variance[k]
                 } else {
@@ -179,6 +183,9 @@ impl Estimated {
 
     /// `a` of some lines beside a b: the mean of what is left, lines by their expectation, without those that are another's.
     fn even(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
+        if let Some(own) = &self.own {
+            return own[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
+        }
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines]);
         let mut sorted = variance.to_vec();
         let middle = sorted.len() / 2;
@@ -211,10 +218,11 @@ impl Estimated {
             return 0.0;
         }
         let term = |k: usize| {
-            let expected = (a + b * self.power[k]).max(f64::MIN_POSITIVE);
+            let own = self.own.as_ref().map_or(a, |own| own[k]);
+            let expected = (own + b * self.power[k]).max(f64::MIN_POSITIVE);
             expected.ln() + (self.variance[k] / expected).min(most)
         };
-        -0.5 * self.freedom() * lines.map(term).sum::<f64>()
+        -0.5 * self.freedom() / self.alike * lines.map(term).sum::<f64>()
     }
 }
 
@@ -248,6 +256,8 @@ mod tests {
             variance: variance.to_vec(),
             power: values.iter().map(Complex64::norm_sqr).collect(),
             degrees_of_freedom,
+            alike: 1.0,
+            own: None,
         };
         smooth(&[&own]).remove(0)
     }

@@ -65,7 +65,7 @@ impl Evidence<'_> {
     /// Findings of the modes in ascending frequency, then of what was not taken.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
-        if !self.data.variance_measured {
+        if !self.data.variance_measured() {
             findings.push(Finding::new(
                 Severity::Info,
                 Code::NoiseFromFit,

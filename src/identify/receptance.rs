@@ -10,6 +10,7 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::frf::FrfSet;
+use crate::linalg::ComplexMatrix;
 
 use super::IdentifyError;
 use super::correlation::Correlation;
@@ -35,8 +36,8 @@ pub(super) struct Receptances {
     pub variance: Vec<Vec<f64>>,
     /// Part of every variance that the force makes, as far as it is known.
     pub by_force: Vec<Vec<f64>>,
-    /// Whether the variances of all functions came with the data.
-    pub variance_measured: bool,
+    /// Whether the variances of each function came with the data.
+    pub measured: Vec<bool>,
     /// Whether modes just outside the lines must be reckoned with.
     pub outside: bool,
     /// How the noise of neighbouring lines hangs together, as far as it is known.
@@ -82,7 +83,7 @@ impl Receptances {
             values: Vec::with_capacity(set.len()),
             variance: Vec::with_capacity(set.len()),
             by_force: Vec::with_capacity(set.len()),
-            variance_measured: true,
+            measured: Vec::with_capacity(set.len()),
             outside: true,
             correlation: Correlation::of_window(
                 set.added_damping_rad_s,
@@ -123,6 +124,37 @@ impl Receptances {
         }
     }
 
+    /// Whether the variances of all functions came with the data.
+    pub fn variance_measured(&self) -> bool {
+        self.measured.iter().all(|own| *own)
+    }
+
+    /// Variances of functions that brought none, from what a fit leaves over of them: lines × functions, over the noise so far.
+    pub fn measure_noise(&mut self, rest: &ComplexMatrix) {
+        let how = (
+            self.correlation.of_second_difference(),
+            self.correlation.alike(),
+        );
+        for group in self.shared.groups().to_vec() {
+            let own: Vec<usize> = group.into_iter().filter(|f| !self.measured[*f]).collect();
+            let as_measured = |f: &usize| {
+                let (values, scale) = (&self.values[*f], &self.measured_scale[*f]);
+                let left = |k: usize| rest[(k, *f)] * self.deviation(*f, k) * scale[k];
+                (
+                    values.iter().zip(scale).map(|(h, s)| h * s).collect(),
+                    (0..self.lines()).map(left).collect(),
+                )
+            };
+            let functions: Vec<_> = own.iter().map(as_measured).collect();
+            for (f, told) in own.into_iter().zip(noise::of_rest(&functions, how)) {
+                let variance = told.variance.iter().zip(&self.measured_scale[f]);
+                self.variance[f] = variance.map(|(v, s)| v / (s * s)).collect();
+                self.by_force[f] = told.by_force;
+            }
+        }
+        self.raise_variances();
+    }
+
     fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {
         let order = set.functions()[i].kind.derivative_order();
         let factor = |omega: &f64| {
@@ -136,7 +168,7 @@ impl Receptances {
         let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
         self.variance.push(variance.collect());
         self.by_force.push(noise.by_force);
-        self.variance_measured &= noise.measured;
+        self.measured.push(noise.measured);
         let scale = self.omega.iter().map(|w| factor(w).norm().recip());
         self.measured_scale.push(scale.collect());
     }

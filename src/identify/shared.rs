@@ -64,6 +64,11 @@ impl Shared {
         }
     }
 
+    /// Numbers of the functions of each hit point.
+    pub fn groups(&self) -> &[Vec<usize>] {
+        &self.groups
+    }
+
     /// From what a fit leaves over, over the noise: lines × functions.
     pub fn of_rest(&self, data: &Receptances, rest: &ComplexMatrix) -> Self {
         let response = Response { data, rest };

@@ -1,6 +1,7 @@
 //! From a member of the family to a verdict: recording, FRFs, modes, judge; and the counts of a kind.
 
-use modalign::frf::{EstimateOptions, estimate};
+use modalign::FrfSet;
+use modalign::frf::{EstimateOptions, Function, FunctionData, estimate};
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::signal::ForceWindow;
 use modalign::synth::HammerTest;
@@ -27,11 +28,40 @@ fn estimate_options(test: &HammerTest) -> EstimateOptions {
 
 /// Records a member, estimates its FRFs, identifies its modes and judges them.
 pub fn judged(member: &Member) -> Verdict {
+    judged_of(member, |set| set)
+}
+
+/// As [`judged`], from FRFs alone: without variances and coherence, as most files hold them.
+pub fn judged_from_frfs_alone(member: &Member) -> Verdict {
+    judged_of(member, frfs_alone)
+}
+
+fn judged_of(member: &Member, change: impl Fn(FrfSet) -> FrfSet) -> Verdict {
     let options = estimate_options(&member.test);
     let hits = member.test.generate().unwrap();
-    let set = estimate(&hits, &options).unwrap();
+    let set = change(estimate(&hits, &options).unwrap());
     let found = identify(&set, &IdentifyOptions::default()).unwrap();
     judge(member, &options, &found)
+}
+
+fn frfs_alone(set: FrfSet) -> FrfSet {
+    let mut alone = FrfSet::new(*set.axis());
+    alone.added_damping_rad_s = set.added_damping_rad_s;
+    alone.record_duration_s = set.record_duration_s;
+    alone.valid_band = set.valid_band;
+    for (i, function) in set.functions().iter().enumerate() {
+        let function = Function {
+            variance_dof: None,
+            ..function.clone()
+        };
+        let data = FunctionData {
+            values: set.values(i).to_vec(),
+            coherence: None,
+            variance: None,
+        };
+        alone.push(function, data).unwrap();
+    }
+    alone
 }
 
 /// Of some roots: how many modes a tool could find, and how many were found.
