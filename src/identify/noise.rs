@@ -19,9 +19,6 @@ use super::noise_course::{self, Estimated, Smooth};
 const HOP: usize = 32;
 /// Lines on either side that a running median looks at.
 const REACH: usize = 64;
-/// Degrees of freedom over those of one line from which on neighbouring lines were pooled, and lines on either side that were.
-const POOLED: f64 = 1.5;
-const BESIDE: usize = 2;
 /// Relative floor of a variance, so that data without any noise can still be divided by it.
 const FLOOR: f64 = 1e-24;
 
@@ -86,29 +83,13 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
         _ => return None,
     };
     let by_averages = averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1));
-    let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
-    let pooled = by_averages
-        .zip(variance_dof)
-        .map_or(1.0, |(own, all)| all / own);
-    let pooled = if pooled > POOLED { pooled } else { 1.0 };
     Some(Estimated {
         variance,
-        power: if pooled > 1.0 {
-            mean_of_near(&power)
-        } else {
-            power
-        },
+        power: values.iter().map(Complex64::norm_sqr).collect(),
         degrees_of_freedom: variance_dof.or(by_averages),
-        alike: pooled,
+        alike: 1.0,
         own: None,
     })
-}
-
-/// Mean over a line and [`BESIDE`] on either side.
-fn mean_of_near(values: &[f64]) -> Vec<f64> {
-    let near = |k: usize| &values[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(values.len())];
-    let mean = |k: usize| near(k).iter().sum::<f64>() / near(k).len() as f64;
-    (0..values.len()).map(mean).collect()
 }
 
 /// Variances of functions of one hit point from what a fit leaves over of them; each is a function's values and what is left over, as

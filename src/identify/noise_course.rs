@@ -44,7 +44,7 @@ pub(super) struct Estimated {
     pub power: Vec<f64>,
     /// ν, where it is known.
     pub degrees_of_freedom: Option<f64>,
-    /// Lines that count for one, as pooled ones do.
+    /// Lines that count for one.
     pub alike: f64,
     /// `a` at every line, where something else tells it; what stands out is then not noise.
     pub own: Option<Vec<f64>>,
