@@ -15,7 +15,8 @@
 //!
 //! *Length.* Samples are used until the responses are down to their noise, as it stands before the time zero.
 //!
-//! *Limit.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not consistent.
+//! *Limits.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not consistent.
+//! Fewer than 65 lines leave too few samples behind the first ones, and have no poles.
 //!
 //! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for modal analysis, SAE 790221; Vold,
 //! Kundrat, Rocklin and Russell (1982), A multi-input modal estimation algorithm for mini-computers, SAE 820194; Kumaresan and Tufts
@@ -75,7 +76,10 @@ impl MultiModeMethod for ComplexExponentials {
     ) -> Result<Vec<Part>, IdentifyError> {
         let parts = split(data, |end| {
             let top = highest_order((end, found), sides.inputs, self.max_order);
-            let responses = Responses::new(data, 0..end);
+            let responses = Responses::new((data, sides), 0..end);
+            if !responses.serve() {
+                return Ok(Vec::new());
+            }
             responses.equations(sides, top)?.tables()
         });
         // The outer third of an edge holds next to nothing; the lowest part has the lowest edge.
@@ -93,7 +97,7 @@ impl MultiModeMethod for ComplexExponentials {
     }
 }
 
-/// Impulse responses of all functions, over their noise.
+/// Impulse responses of all functions, over the noise of their outputs.
 struct Responses {
     samples: Vec<Vec<Complex64>>,
     plane: Plane,
@@ -102,15 +106,15 @@ struct Responses {
 }
 
 impl Responses {
-    fn new(data: &Receptances, lines: Range<usize>) -> Self {
+    fn new((data, sides): (&Receptances, &Sides), lines: Range<usize>) -> Self {
         let count = lines.len();
         let points = circle(count, 0);
         let plan = ComplexPlan::inverse(points);
         let edge = ((TAPER * count as f64).round() as usize).max(1);
+        let levels = levels((data, sides), &lines);
         let response = |f: usize| {
-            let level = data.mean_variance(f, lines.clone()).sqrt();
             let value =
-                |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / level);
+                |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / levels[f]);
             let mut samples: Vec<Complex64> = (0..count).map(value).collect();
             samples.resize(points, Complex64::ZERO);
             plan.run(&mut samples, &mut plan.scratch());
@@ -128,6 +132,11 @@ impl Responses {
             },
             first: ringing.ceil() as usize,
         }
+    }
+
+    /// Whether enough samples are left in the half of the circle behind the time zero.
+    fn serve(&self) -> bool {
+        self.first + FEWEST_SAMPLES + TOGETHER <= self.samples[0].len() / 2
     }
 
     /// Reduced normal equations of the recurrence up to an order.
@@ -166,7 +175,8 @@ impl Responses {
         let noise = mean(points * 5 / 8..points * 7 / 8);
         let least = self.first + FEWEST_SAMPLES * order;
         let most = (points * 5 / 8).saturating_sub(order).max(least);
-        let block = |start: &usize| mean(*start..start + TOGETHER) < ABOVE_NOISE * noise;
+        let block =
+            |start: &usize| mean(*start..(start + TOGETHER).min(points)) < ABOVE_NOISE * noise;
         let down = (self.first..most).step_by(TOGETHER).find(block);
         down.unwrap_or(most).clamp(least, most).min(points - order)
     }
@@ -200,6 +210,20 @@ impl Responses {
         }
         sums
     }
+}
+
+/// What each function is divided by: one level for all inputs of an output, the root of their mean precision's inverse. A level for
+/// each function would change the participation factors from output to output, which share one recurrence.
+fn levels((data, sides): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
+    let mut levels = vec![1.0; data.functions()];
+    for output in &sides.outputs {
+        let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());
+        let mean = output.iter().map(precision).sum::<f64>() / output.len() as f64;
+        for (_, f) in output {
+            levels[*f] = mean.sqrt().recip();
+        }
+    }
+    levels
 }
 
 /// A band that falls off at its edges as squared cosines.

@@ -118,17 +118,13 @@ fn two_references_tell_close_modes_apart_and_have_participation_factors() {
     for method in with_order() {
         let own = identification(&set, &options(method, None)).unwrap();
         let worst = errors(&structure, &own.model);
-        // Impulse responses tell modes of half a half-power width apart to a tenth of their decay rates.
-        let limit = if method == "lsce" { 2e-3 } else { 1e-4 };
-        assert!(worst.iter().all(|e| *e < limit), "{method} {worst:?}");
+        assert!(worst.iter().all(|e| *e < 2e-5), "{method} {worst:?}");
         for ((_, _, shape), mode) in structure.modes.iter().zip(&own.model.modes) {
             let sign = (mode.shape.get(&dof("1:+Z")).unwrap().re * shape[0]).signum();
             for (point, known) in (1..).zip(shape) {
                 let value = sign * mode.shape.get(&dof(&format!("{point}:+Z"))).unwrap().re;
-                // Close modes swap what their poles are off by; impulse responses of 60 dB leave a tenth.
-                let limit = if method == "lsce" { 0.15 } else { 0.02 };
                 assert!(
-                    (value - known).abs() < limit,
+                    (value - known).abs() < 2e-3,
                     "{method} {point} {value} {known}"
                 );
             }

@@ -1,7 +1,7 @@
 //! What every method of several modes owes: poles without noise, poles in noise, bands that do not begin at 0 Hz.
 
 use super::synthetic::{Measurement, Structure, separated_modes};
-use super::{IdentifyOptions, identify};
+use super::{ESTIMATORS, IdentifyOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
 use crate::modal::{ModalModel, Mode, Pole};
 
@@ -61,9 +61,9 @@ fn without_noise_the_poles_come_back_within_the_bound_of_the_method() {
 #[test]
 fn noise_moves_poles_little_and_as_far_as_is_stated() {
     for snr_db in [60.0, 40.0] {
-        for (method, limit) in [("line", 3e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
+        for (method, limit) in [("line", 4e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
             let mut squares = Vec::new();
-            for seed in 0..8 {
+            for seed in 0..16 {
                 let (structure, how) = separated_modes(seed);
                 let set = structure.measured(&Measurement {
                     snr_db: Some(snr_db),
@@ -80,10 +80,11 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
                     squares.push(off * off);
                 }
             }
-            // 0.455 is the median of a squared normal deviate.
+            // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a deviation of 0.1 about 0.674, of
+            // which three are allowed.
             squares.sort_by(f64::total_cmp);
             let median = squares[squares.len() / 2];
-            assert!((0.1..2.0).contains(&median), "{method} {snr_db} {median}");
+            assert!((0.14..0.95).contains(&median), "{method} {snr_db} {median}");
         }
     }
 }
@@ -117,6 +118,41 @@ fn a_band_that_begins_above_zero_shifts_nothing() {
                 };
                 let off = (mode.frequency_hz / truth.0 - 1.0).abs();
                 assert!(off < limit, "{method} {lo} {} {off:e}", truth.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_method_fails_on_a_band_of_few_lines() {
+    // Eight lines are the fewest that are accepted; the whole axis is the band, so that nothing beside it helps. The impulse responses
+    // of fewer than 65 lines are too short for lsce, which then has no poles.
+    for lines in [8, 12, 24, 64, 65] {
+        let axis = FrequencyAxis {
+            start_hz: 55.0,
+            step_hz: 10.0 / lines as f64,
+            len: lines,
+        };
+        let structure = Structure {
+            modes: vec![(60.0, 0.02, vec![1.0, 0.5, -0.7])],
+        };
+        let mut how = Measurement {
+            snr_db: Some(60.0),
+            ..Measurement::of_sensors(3, axis)
+        };
+        for references in 1..=2 {
+            if references == 2 {
+                let second = how.pairs.iter().map(|(r, _)| r.clone());
+                let dof: crate::dof::Dof = "2:+Z".parse().unwrap();
+                let second: Vec<_> = second.map(|r| (r, dof.clone())).collect();
+                how.pairs.extend(second);
+            }
+            let set = structure.measured(&how);
+            for name in ESTIMATORS.iter().map(|entry| entry.name) {
+                let model = identify(&set, &with_band(name, None)).unwrap();
+                assert!(model.modes.len() < 2, "{name} {lines} {references}");
+                let short = name == "lsce" && lines < 65;
+                assert!(!short || model.modes.is_empty(), "{lines}");
             }
         }
     }
