@@ -320,7 +320,7 @@ codes! {
         "A root was tried and dropped, or none stayed over the model orders. With a value: its significance against the limit that noise reaches; or its deviation in decay rates, its distance to a stronger root in deviations, its half-power width. Look at the peak in single functions; choose a narrower band around it, or another method.";
     /// No pole near one that was chosen.
     SelectionMissed: "the method has no pole within the tolerance of this chosen one; it was left out",
-        "The file of `--selection` names poles by frequency and, where stated, damping ratio and model order. The value is the distance of the nearest pole of the method (of that order), the limit the tolerance: `tolerance_hz` of the file, else 1 % of the frequency. Look at the poles of all orders with `--stabilization FILE`.";
+        "The file of `--selection` names poles by frequency and, where stated, damping ratio and model order. The value is the distance of the nearest pole of the method (of that order), the limit the tolerance: `tolerance_hz` of the file, else 1 % of the frequency. Without a value, the pole that is meant was left out by the fit. Poles outside the band are not offered, and one mode is taken at a second order only where the file names that order. Look at the poles of all orders with `--stabilization FILE`.";
     /// No mode in the band.
     NoModeFound: "no mode was found in the band",
         "No peak stands above the noise in the band that was searched. Look at the coherence, at the band, and at whether the hammer excites it.";

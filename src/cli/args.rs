@@ -187,7 +187,7 @@ pub struct IdentifyArgs {
     /// Band in Hz, LO:HI; the whole axis when not given.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Highest model order of rfp, lsce, lscf and ml; chosen by the number of peaks when not given.
+    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; chosen by the number of peaks when not given.
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
     /// Modes of these poles of the method alone: a file of the schema modalign-selection/1 with a list of {frequency_hz, damping_ratio, order}.

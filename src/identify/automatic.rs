@@ -38,7 +38,7 @@ use super::search::{self, Found};
 use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
-use super::stabilization::{MultiModeMethod, roots_of, stabilised};
+use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
 use super::tries::WORTHWHILE;
 use super::{IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
@@ -94,7 +94,9 @@ impl PoleEstimator for Automatic {
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
-        Ok(fit.table((set, band), &found))
+        let mut table = fit.table((set, band), &found);
+        state_orders(&mut table);
+        Ok(table)
     }
 }
 
@@ -168,7 +170,7 @@ impl Fit {
     ) -> Result<Vec<Root>, IdentifyError> {
         let on = (&self.data, &self.sides);
         let own = stabilised(method, on, (found, self.limits(), &[]))?;
-        self.listing = own.poles;
+        self.listing.extend(own.poles);
         Ok(roots_of(&own.seeds, self.data.functions()))
     }
 
@@ -179,13 +181,16 @@ impl Fit {
         self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
     }
 
-    /// The residues of all roots, of which none is dropped; several modes that share a pole become one root.
+    /// The residues of all roots, of which none is dropped; modes of the very same pole become one root. Poles that merely lie close
+    /// stay where they are.
     pub fn residues(&mut self) {
-        self.refine(Stop::Residues);
-        let unfit = self.judge().unfit(&self.roots);
-        let twins = unfit.into_iter().filter(|c| matches!(c, Change::Join(..)));
-        for change in twins.collect::<Vec<_>>() {
-            self.apply(change);
+        for i in 0..self.roots.len() {
+            for j in i + 1..self.roots.len() {
+                let same = self.roots[i].lambda == self.roots[j].lambda;
+                if same && !self.roots[j].parts.is_empty() {
+                    self.apply(Change::Join(i, j));
+                }
+            }
         }
         self.roots.retain(|root| !root.parts.is_empty());
         unsettle(&mut self.roots);

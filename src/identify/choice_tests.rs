@@ -3,7 +3,7 @@
 use super::synthetic::{Measurement, Structure, separated_modes};
 use super::{IdentifyOptions, PoleStatus, identification};
 use crate::finding::Code;
-use crate::modal::{PoleSelection, SelectedPole};
+use crate::modal::{Pole, PoleSelection, SelectedPole};
 
 fn selected(frequency_hz: f64) -> SelectedPole {
     SelectedPole {
@@ -108,4 +108,111 @@ fn a_pole_of_one_order_is_taken_from_that_order() {
     };
     let own = identification(&set, &options("lscf", vec![elsewhere])).unwrap();
     assert!(own.model.modes.is_empty());
+}
+
+/// A pole of the listing of `lscf` near a mode, of its order.
+fn listed(
+    set: &crate::frf::FrfSet,
+    choose: impl Fn(&super::PoleAtOrder) -> bool,
+) -> Vec<super::PoleAtOrder> {
+    let free = IdentifyOptions {
+        method: "lscf".to_owned(),
+        ..IdentifyOptions::default()
+    };
+    let own = identification(set, &free).unwrap();
+    own.stabilization.into_iter().filter(choose).collect()
+}
+
+fn named(point: &super::PoleAtOrder, order: Option<usize>) -> SelectedPole {
+    SelectedPole {
+        frequency_hz: point.pole.natural_frequency_hz(),
+        damping_ratio: Some(point.pole.damping_ratio()),
+        order,
+    }
+}
+
+#[test]
+fn poles_of_one_mode_at_two_orders_are_taken_only_where_the_orders_are_named() {
+    let (structure, _, set) = measured();
+    let hz = structure.modes[3].0;
+    let stays = |p: &super::PoleAtOrder| {
+        p.status == PoleStatus::Stable && (p.pole.natural_frequency_hz() / hz - 1.0).abs() < 1e-3
+    };
+    let points = listed(&set, stays);
+    let both = [&points[0], points.last().unwrap()];
+    assert_ne!(both[0].pole, both[1].pole);
+    let free = both.map(|point| named(point, None)).to_vec();
+    let own = identification(&set, &options("lscf", free)).unwrap();
+    assert_eq!(own.model.modes.len(), 1);
+    let missed = |f: &&crate::finding::Finding| f.code == Code::SelectionMissed;
+    assert_eq!(own.model.findings.iter().filter(missed).count(), 1);
+    // Two poles that cannot be told apart stay two, each where it was.
+    let exact = both.map(|point| named(point, Some(point.order))).to_vec();
+    let own = identification(&set, &options("lscf", exact)).unwrap();
+    assert_eq!(own.model.modes.len(), 2);
+    for point in both {
+        let off = |mode: &crate::modal::Mode| {
+            (mode.frequency_hz - point.pole.natural_frequency_hz()).abs() < 1e-9
+        };
+        assert!(own.model.modes.iter().any(off));
+    }
+}
+
+#[test]
+fn every_named_pole_becomes_a_mode_or_is_told() {
+    let (structure, mut how, _) = measured();
+    // The upper mode lies beside the band on lines that are used with it.
+    let hz = structure.modes[2].0;
+    let band = crate::axis::Band::new(0.7 * structure.modes[1].0, 0.99 * hz).ok();
+    for second in [false, true] {
+        if second {
+            let pairs = how.pairs.clone().into_iter();
+            how.pairs
+                .extend(pairs.map(|(r, _)| (r, "2:+Z".parse().unwrap())));
+        }
+        let set = structure.measured(&how);
+        let mut options = options("lscf", Vec::new());
+        options.band = band;
+        options.selection = None;
+        let all = identification(&set, &options).unwrap().stabilization;
+        let beside =
+            |p: &&super::PoleAtOrder| (p.pole.natural_frequency_hz() / hz - 1.0).abs() < 1e-3;
+        let outside = all.iter().find(beside).unwrap();
+        let inside = selected(structure.modes[1].0);
+        options.selection = Some(PoleSelection {
+            poles: vec![inside, named(outside, Some(outside.order))],
+            tolerance_hz: None,
+        });
+        let own = identification(&set, &options).unwrap();
+        assert_eq!(own.model.modes.len(), 1);
+        let missed = own.model.findings.iter();
+        let missed = missed.filter(|f| f.code == Code::SelectionMissed).count();
+        assert_eq!(missed, 1, "{second}");
+    }
+}
+
+#[test]
+fn poles_that_stay_where_they_are_are_all_kept() {
+    let (structure, mut how, _) = measured();
+    let true_pole = |mode: &(f64, f64, Vec<f64>)| Pole::from_frequency(mode.0, mode.1).lambda;
+    let mut poles: Vec<_> = structure.modes.iter().map(true_pole).collect();
+    // One that cannot be told from the first, and one where there is nothing but noise.
+    poles.push(poles[0] - 0.05 * poles[0].re);
+    let between = 0.5 * (structure.modes[0].0 + structure.modes[1].0);
+    poles.push(Pole::from_frequency(between, structure.modes[0].1).lambda);
+    for second in [false, true] {
+        if second {
+            let pairs = how.pairs.clone().into_iter();
+            how.pairs
+                .extend(pairs.map(|(r, _)| (r, "2:+Z".parse().unwrap())));
+        }
+        let set = structure.measured(&how);
+        let band = super::receptance::whole_band(&set).unwrap();
+        let table = super::multi::at_poles(&set, band, &poles).unwrap();
+        for pole in &poles {
+            let kept = table.candidates.iter();
+            let kept = kept.filter(|own| own.pole.lambda == *pole);
+            assert_eq!(kept.count(), 1, "{second} {pole}");
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! The polyreference LSCF as a method of its own, and what all methods with model orders have in common.
 
+use std::collections::BTreeSet;
+
 use super::synthetic::{Measurement, Structure, separated_modes};
 use super::{
     ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, PoleStatus, identification, identify,
@@ -88,7 +90,7 @@ fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() 
     // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a method may have twice that.
     for (snr_db, limit) in [(60.0, 3e-3), (40.0, 6e-3), (30.0, 2e-2)] {
         let mut squares = Vec::new();
-        for seed in 0..8 {
+        for seed in 0..16 {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
                 snr_db: Some(snr_db),
@@ -104,11 +106,11 @@ fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() 
                 squares.push(off * off);
             }
         }
-        // 0.455 is the median of a squared normal deviate. The bias of the method counts with one Gauss-Newton step, whose part
-        // in frequency is as large as that in damping only on average.
+        // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a deviation of 0.1 about 0.674, of which
+        // three are allowed.
         squares.sort_by(f64::total_cmp);
         let median = squares[squares.len() / 2];
-        assert!((0.1..2.5).contains(&median), "{snr_db} {median}");
+        assert!((0.14..0.95).contains(&median), "{snr_db} {median}");
     }
 }
 
@@ -139,15 +141,19 @@ fn the_order_is_a_cap_and_the_listing_shows_where_each_mode_was_taken() {
         snr_db: Some(50.0),
         ..how
     });
-    for method in with_order().filter(|name| *name != "ml") {
+    for method in with_order() {
         let own = identification(&set, &options(method, Some(18))).unwrap();
         let poles = &own.stabilization;
         assert!(poles.iter().all(|point| point.order <= 18), "{method}");
+        assert_eq!(own.model.modes.len(), structure.modes.len(), "{method}");
         for mode in &own.model.modes {
+            // Maximum likelihood moves its modes away from the poles that they were made of.
+            let decay_hz = mode.frequency_hz * mode.damping_ratio.unwrap();
+            let near = if method == "ml" { 0.5 * decay_hz } else { 1e-9 };
             let at = poles.iter().filter(|point| {
                 point.status == PoleStatus::Chosen
                     && Some(point.order) == mode.order
-                    && (point.pole.natural_frequency_hz() - mode.frequency_hz).abs() < 1e-9
+                    && (point.pole.natural_frequency_hz() - mode.frequency_hz).abs() < near
             });
             assert_eq!(at.count(), 1, "{method} {:?}", mode.frequency_hz);
         }
@@ -164,8 +170,23 @@ fn an_order_for_a_method_without_one_is_an_error() {
     let error = identify(&set, &options("circle", Some(20))).unwrap_err();
     assert!(matches!(error, IdentifyError::NoOrder { .. }));
     assert!(error.to_string().contains("lscf ml"), "{error}");
-    let error = identify(&set, &options("lscf", Some(0))).unwrap_err();
-    assert!(matches!(error, IdentifyError::OptionOutOfRange { .. }));
+}
+
+#[test]
+fn an_order_too_low_for_three_is_an_error_and_the_lowest_that_is_not_has_poles() {
+    let (structure, how) = separated_modes(2);
+    let set = structure.measured(&how);
+    for method in with_order() {
+        for order in 0..4 {
+            let error = identify(&set, &options(method, Some(order))).unwrap_err();
+            let text = error.to_string();
+            let said = text.contains(&format!("order = {order}")) && text.contains("4 or more");
+            assert!(said && text.contains("three orders"), "{text}");
+        }
+        let own = identification(&set, &options(method, Some(4))).unwrap();
+        let orders: BTreeSet<usize> = own.stabilization.iter().map(|p| p.order).collect();
+        assert!(orders.len() >= 3, "{method} {orders:?}");
+    }
 }
 
 #[test]
@@ -203,4 +224,57 @@ fn a_peak_that_no_order_reaches_is_told() {
         .filter(|f| f.code == Code::PeakWithoutMode);
     assert!(told.count() + model.modes.len() >= structure.modes.len());
     assert!(model.modes.len() < structure.modes.len());
+}
+
+#[test]
+fn with_several_references_both_looks_are_listed_and_every_mode_has_its_pole() {
+    let (_, set) = of_two_references();
+    let own = identification(&set, &options("ml", None)).unwrap();
+    let one = IdentifyOptions {
+        references: Some(vec![dof("1:+Z")]),
+        ..options("ml", None)
+    };
+    let highest = |own: &super::Identification| own.stabilization.iter().map(|p| p.order).max();
+    // The polynomials of two inputs have half the order for as many poles: theirs come first, then those of one input.
+    let top = highest(&identification(&set, &one).unwrap()).unwrap();
+    assert_eq!(highest(&own), Some(top));
+    let orders: Vec<usize> = own.stabilization.iter().map(|p| p.order).collect();
+    let falls = orders.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    assert_eq!(falls, 1, "{orders:?}");
+    let last_of_first = orders.windows(2).find(|pair| pair[1] < pair[0]).unwrap()[0];
+    assert_eq!(last_of_first, top / 2);
+    for mode in &own.model.modes {
+        let chosen = own
+            .stabilization
+            .iter()
+            .filter(|point| point.status == PoleStatus::Chosen && Some(point.order) == mode.order);
+        assert!(chosen.count() > 0, "{}", mode.frequency_hz);
+    }
+}
+
+#[test]
+fn windows_with_as_many_peaks_as_the_order_have_three_tables_all_the_same() {
+    // Six half-power widths apart: each window of rational fraction polynomials holds all four peaks.
+    let shapes = [
+        [1.0, 0.5, -0.7],
+        [0.8, -0.9, 0.6],
+        [0.5, 0.9, 0.4],
+        [-0.7, 0.6, 0.8],
+    ];
+    let mode = |(j, shape): (usize, &[f64; 3])| (100.0 + 6.0 * j as f64, 0.005, shape.to_vec());
+    let structure = Structure {
+        modes: shapes.iter().enumerate().map(mode).collect(),
+    };
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.1,
+        len: 2001,
+    };
+    let set = structure.measured(&Measurement {
+        snr_db: Some(60.0),
+        ..Measurement::of_sensors(3, axis)
+    });
+    let own = identification(&set, &options("rfp", Some(4))).unwrap();
+    let orders: BTreeSet<usize> = own.stabilization.iter().map(|p| p.order).collect();
+    assert_eq!(orders.into_iter().collect::<Vec<_>>(), [2, 3, 4]);
 }

@@ -116,7 +116,7 @@ pub struct MethodOptions {
     pub false_alarm_probability: f64,
     /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
     pub max_modes: Option<usize>,
-    /// Highest model order of a method that has one; chosen by the number of peaks without it.
+    /// Highest model order of a method that has one, 4 or more; chosen by the number of peaks without it.
     pub max_order: Option<usize>,
 }
 
@@ -160,7 +160,7 @@ pub enum PoleStatus {
     Alone,
     /// It stays over three orders or more, and no mode was made of it.
     Stable,
-    /// It is the pole of a mode.
+    /// A mode was made of it, as [`identification`] tells.
     Chosen,
 }
 
@@ -339,11 +339,13 @@ impl IdentifyOptions {
                 expected: "a number between 0 and 1",
             });
         }
-        if self.estimator.max_order == Some(0) {
+        if let Some(order) = self.estimator.max_order
+            && order < stabilization::LEAST_HIGHEST
+        {
             return Err(IdentifyError::OptionOutOfRange {
                 name: "order",
-                got: 0.0,
-                expected: "1 or more",
+                got: order as f64,
+                expected: "4 or more: modes are poles that stay over three orders, the lowest of which is 2",
             });
         }
         if self.estimator.max_modes == Some(0) {
@@ -454,6 +456,7 @@ pub fn identification(
     if let Some(selection) = &options.selection {
         table = choice::chosen((set, band), table, selection)?;
     }
+    stabilization::mark_chosen(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);

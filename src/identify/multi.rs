@@ -27,11 +27,11 @@ use super::receptance::Receptances;
 use super::refine::Stop;
 use super::roots::Root;
 use super::search::{self, Found};
-use super::several::completed;
+use super::several::{completed, strongest};
 use super::sides::Sides;
-use super::stabilization::{MultiModeMethod, Stabilised, roots_of, sharpened};
+use super::stabilization::{MultiModeMethod, roots_of, sharpened};
 use super::stable::Seed;
-use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleStatus, PoleTable};
+use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable};
 
 /// A multi-mode method as an estimator.
 pub(super) struct MultiModeEstimator<M> {
@@ -73,7 +73,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         for candidate in &mut table.candidates {
             complete(candidate, &own.seeds, (&fit, references));
         }
-        table.stabilization = listed(own, &table.candidates);
+        table.stabilization = own.poles;
         Ok(table)
     }
 }
@@ -98,7 +98,12 @@ pub(super) fn at_poles(
     fit.residues();
     fit.measure_noise();
     if several {
-        share_out(&mut fit, sides);
+        let free = share_out(&mut fit, sides);
+        for pole in free {
+            if !fit.roots.iter().any(|root| root.lambda == pole.lambda) {
+                fit.roots.push(strongest(&fit.sides, &pole)?);
+            }
+        }
     }
     fit.residues();
     let mut table = fit.table((set, band), &Found::default());
@@ -109,14 +114,15 @@ pub(super) fn at_poles(
     Ok(table)
 }
 
-/// Replaces poles whose residues are free by roots with participation factors, as many as the residues show.
-fn share_out(fit: &mut Fit, sides: Sides) {
+/// Replaces poles whose residues are free by roots with participation factors, as many as the residues show; what they were.
+fn share_out(fit: &mut Fit, sides: Sides) -> Vec<Root> {
     let standings = fit.standings();
     let free = std::mem::take(&mut fit.roots);
     let chance = fit.options.false_alarm_probability / fit.data.lines() as f64;
     fit.sides = sides;
     let own = (&fit.data, &fit.sides);
     fit.roots = completed(own, Vec::new(), (&free, &standings), chance);
+    free
 }
 
 /// Order, deviation and participation factors of a candidate: those of the pole that stays nearest to it and of its root. The inputs of
@@ -138,15 +144,4 @@ fn complete(candidate: &mut Candidate, seeds: &[Seed], (fit, references): (&Fit,
     candidate.damping_std = joined(candidate.damping_std, offset / lambda.norm());
     let single = root.multiplicity() == 1 && root.parts[0].len() == references;
     candidate.participation = single.then(|| root.parts[0].clone());
-}
-
-/// All poles of all orders, those of which a mode was made as chosen.
-fn listed(own: Stabilised, candidates: &[Candidate]) -> Vec<super::PoleAtOrder> {
-    let mut poles = own.poles;
-    for pole in &mut poles {
-        if candidates.iter().any(|mode| mode.pole == pole.pole) {
-            pole.status = PoleStatus::Chosen;
-        }
-    }
-    poles
 }

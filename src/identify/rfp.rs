@@ -5,8 +5,9 @@
 //! sums of orthonormal ones: the numerators' under the weight of the equations, the denominator's under that which the noise gets in
 //! them, so that powers of frequency and their conditioning never appear. The equation error `w_f (H_f D − N_f)` is projected
 //! on what the numerators cannot explain; a QR of all functions leaves a triangle `R`, and `D` is the right singular vector of its
-//! smallest singular value. In this basis the noise of all coefficients is white, which makes it the generalised total least
-//! squares estimate: consistent, where least squares with one coefficient fixed is not. Lower orders are leading blocks of `R`.
+//! smallest singular value. In this basis the noise of all coefficients is white, but for the share that the numerators' projection
+//! takes out of it, which falls as lines per unknown grow: it is the generalised total least squares estimate in that limit, consistent
+//! there, where least squares with one coefficient fixed is not. Lower orders are leading blocks of `R`.
 //!
 //! Modes and conjugates outside the lines are followed by numerators of [`EXTRA`] degrees more than the denominator and by its own
 //! roots outside. The numerators keep their degree for all orders. The roots are the eigenvalues of the Hessenberg matrix of the basis
@@ -34,7 +35,7 @@ use super::receptance::Receptances;
 use super::search::{self, Found};
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, Part};
-use super::stable::{GlobalPole, Table};
+use super::stable::{FEWEST_ORDERS, GlobalPole, Table};
 
 /// Lines on either side of a peak: half-power widths, and fewest.
 const REACH: f64 = 20.0;
@@ -152,7 +153,9 @@ impl Window {
             let poles = self.poles(&triangle, &of_noise, order)?;
             Ok((order, poles))
         };
-        (lowest.clamp(1, highest)..=highest).map(table).collect()
+        // Where the lines carry little more than the peaks, so low that a pole can stay.
+        let lowest = lowest.min(highest.saturating_sub(FEWEST_ORDERS - 1)).max(1);
+        (lowest..=highest).map(table).collect()
     }
 
     /// The triangle of the equations of all functions, numerators projected out.

@@ -7,7 +7,7 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix, RealMatrix};
+use crate::linalg::{self, ComplexMatrix, LinalgError, RealMatrix};
 
 use super::receptance::Receptances;
 use super::roots::{Root, combined};
@@ -71,6 +71,18 @@ pub(super) fn completed(
         }
     }
     completed
+}
+
+/// One mode at a pole, with the participation factors of its strongest part, whatever noise could make of it.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub(super) fn strongest(sides: &Sides, pole: &Root) -> Result<Root, LinalgError> {
+    let svd = linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]))?;
+    let factors: Vec<Complex64> = (0..sides.inputs)
+        .map(|i| svd.right[(i, 0)].conj())
+        .collect();
+    Ok(Root::single(pole.lambda, &factors, pole.residues.len()))
 }
 
 /// Two modes as two roots, which may move apart; more as one.

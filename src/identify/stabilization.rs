@@ -11,12 +11,17 @@ use super::receptance::Receptances;
 use super::roots::{Root, resonates};
 use super::search::Found;
 use super::sides::Sides;
-use super::stable::{self, GlobalPole, Seed, Table, distinct};
-use super::{PoleAtOrder, PoleStatus};
+use super::stable::{self, FEWEST_ORDERS, GlobalPole, Seed, Table, distinct};
+use super::{Candidate, PoleAtOrder, PoleStatus, PoleTable};
 use crate::modal::Pole;
 
 /// Orders that are looked at.
 const ORDERS: usize = 20;
+/// Lowest of them; the highest may be as low as leaves so many that a pole can stay.
+const LOWEST: usize = 2;
+pub(super) const LEAST_HIGHEST: usize = LOWEST + FEWEST_ORDERS - 1;
+/// A mode within so many decay rates of a listed pole was made of it.
+const OWN: f64 = 0.5;
 /// Looks with weighted lines.
 const ROUNDS: usize = 2;
 
@@ -62,7 +67,7 @@ pub(super) struct Stabilised {
 
 /// Orders up to a highest, so many that a pole that stays is seen at several.
 pub(super) fn rising_orders(highest: usize) -> Vec<usize> {
-    let lowest = (highest / 6).max(2);
+    let lowest = (highest / 6).max(LOWEST);
     let stride = highest.saturating_sub(lowest).div_ceil(ORDERS).max(1);
     (lowest..=highest).step_by(stride).collect()
 }
@@ -151,6 +156,38 @@ pub(super) fn sharpened(
 pub(super) fn roots_of(seeds: &[Seed], functions: usize) -> Vec<Root> {
     let root = |seed: &Seed| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
     seeds.iter().map(root).collect()
+}
+
+/// Place of the listed pole that a mode was made of: the nearest within [`OWN`] decay rates, of the mode's order where that is known.
+fn source(mode: &Candidate, listing: &[PoleAtOrder]) -> Option<usize> {
+    let lambda = mode.pole.lambda;
+    let distance = |place: &usize| (listing[*place].pole.lambda - lambda).norm();
+    let of_order = |place: &usize| {
+        mode.order
+            .is_none_or(|order| order == listing[*place].order)
+    };
+    let near = |place: &usize| distance(place) < OWN * lambda.re.abs();
+    let own = (0..listing.len()).filter(|place| of_order(place) && near(place));
+    own.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// Gives modes that have no order that of the listed pole they were made of.
+pub(super) fn state_orders(table: &mut PoleTable) {
+    for mode in &mut table.candidates {
+        let source = source(mode, &table.stabilization);
+        mode.order = mode
+            .order
+            .or(source.map(|place| table.stabilization[place].order));
+    }
+}
+
+/// Marks the listed poles that modes were made of as chosen.
+pub(super) fn mark_chosen(table: &mut PoleTable) {
+    for mode in &table.candidates {
+        if let Some(place) = source(mode, &table.stabilization) {
+            table.stabilization[place].status = PoleStatus::Chosen;
+        }
+    }
 }
 
 fn inside(data: &Receptances, poles: Vec<GlobalPole>, (lo, hi): (f64, f64)) -> Vec<GlobalPole> {
