@@ -124,36 +124,50 @@ pub struct ModeDerivatives {
     pub vectors: RealMatrix,
 }
 
-/// Derivatives of these modes by one parameter, by expansion in all modes of the model, which must all be there.
+/// Derivatives of the modes of several roots by one parameter, by expansion in all modes of the model, which must all be
+/// there; one for each entry of `roots`, which holds the modes of a root.
 ///
-/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not among `own`.
+/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not of its root.
 ///
 /// # Reference
 /// Fox and Kapoor (1968), equation 18.
 pub fn mode_derivatives(
     modes: &TheoryModes,
-    own: &[usize],
+    roots: &[&[usize]],
     by: &SystemDerivative,
-) -> ModeDerivatives {
-    let (n, m) = (modes.vectors.nrows(), own.len());
+) -> Vec<ModeDerivatives> {
     let lambda = |k: usize| modes.omega_rad_s[k] * modes.omega_rad_s[k];
-    let phi = real_matrix(n, m, |i, k| modes.vectors[(i, own[k])]);
+    // All columns at once: a product of matrices costs less than as many of a matrix and a vector.
+    let columns: Vec<(usize, &[usize])> = roots
+        .iter()
+        .flat_map(|root| root.iter().map(move |&own| (own, *root)))
+        .collect();
+    let (n, m) = (modes.vectors.nrows(), columns.len());
+    let phi = real_matrix(n, m, |i, c| modes.vectors[(i, columns[c].0)]);
     let (stiffness, mass) = (&by.stiffness * &phi, &by.mass * &phi);
-    let force = real_matrix(n, m, |i, k| {
-        stiffness[(i, k)] - lambda(own[k]) * mass[(i, k)]
+    let force = real_matrix(n, m, |i, c| {
+        stiffness[(i, c)] - lambda(columns[c].0) * mass[(i, c)]
     });
     let all = modes.vectors.transpose() * &force;
     let share = real_matrix(modes.vectors.ncols(), m, |k, c| {
-        if own.contains(&k) {
+        let (own, root) = columns[c];
+        if root.contains(&k) {
             0.0
         } else {
-            all[(k, c)] / (lambda(own[c]) - lambda(k))
+            all[(k, c)] / (lambda(own) - lambda(k))
         }
     });
-    ModeDerivatives {
-        projected: real_matrix(m, m, |r, c| all[(own[r], c)]),
-        vectors: &modes.vectors * &share,
-    }
+    let vectors = &modes.vectors * &share;
+    let mut first = 0;
+    let part = |root: &&[usize]| {
+        let start = first;
+        first += root.len();
+        ModeDerivatives {
+            projected: real_matrix(root.len(), root.len(), |r, c| all[(root[r], start + c)]),
+            vectors: real_matrix(n, root.len(), |i, c| vectors[(i, start + c)]),
+        }
+    };
+    roots.iter().map(part).collect()
 }
 
 fn branches(

@@ -232,6 +232,13 @@ impl<'a> UpdateProblem<'a> {
         self.free.iter().map(of).collect()
     }
 
+    /// The residuals of all links, in their order.
+    pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<LinkResidual<'b>> {
+        let links = at.links.iter();
+        let own = links.map(|link| LinkResidual::new(link, &self.targets, &at.modes));
+        own.collect()
+    }
+
     /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
     ///
     /// # Errors
@@ -242,19 +249,17 @@ impl<'a> UpdateProblem<'a> {
         let mut jacobian = real_matrix(data + by.len(), by.len(), |row, j| {
             if row == data + j { 1.0 } else { 0.0 }
         });
-        let mut first = 0;
-        for link in &at.links {
-            let residual = LinkResidual::new(link, &self.targets, &at.modes);
-            let mut count = 0;
-            for (j, (by, slope)) in by.iter().enumerate() {
-                let own = mode_derivatives(&at.modes, residual.own(), by);
-                let own = residual.derivatives(&own)?;
-                count = own.len();
-                for (row, value) in own.iter().enumerate() {
-                    jacobian[(first + row, j)] = value * slope;
+        let residuals: Vec<LinkResidual<'_>> = self.residuals(at);
+        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
+        for (j, (by, slope)) in by.iter().enumerate() {
+            let own = mode_derivatives(&at.modes, &roots, by);
+            let mut row = 0;
+            for (residual, own) in residuals.iter().zip(&own) {
+                for value in residual.derivatives(own)? {
+                    jacobian[(row, j)] = value * slope;
+                    row += 1;
                 }
             }
-            first += count;
         }
         Ok(jacobian)
     }

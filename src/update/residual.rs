@@ -27,14 +27,22 @@ pub(super) struct LinkResidual<'a> {
     modes: &'a TheoryModes,
     /// Ascending in frequency.
     own: Vec<usize>,
+    /// The model's shapes at the sensors of each target that has shapes.
+    projections: Vec<Option<Projection>>,
 }
 
 impl<'a> LinkResidual<'a> {
     pub fn new(link: &Link, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
         let mut own = link.modes.clone();
         own.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
+        let targets: Vec<&Target> = link.targets.iter().map(|&t| &targets[t]).collect();
+        let projection = |target: &&Target| {
+            let shapes = target.shapes.as_ref()?;
+            Some(Projection::new(shapes, modes, &own))
+        };
         Self {
-            targets: link.targets.iter().map(|&t| &targets[t]).collect(),
+            projections: targets.iter().map(projection).collect(),
+            targets,
             modes,
             own,
         }
@@ -94,8 +102,9 @@ impl<'a> LinkResidual<'a> {
             .map(|(target, hz)| (hz / target.hz - 1.0) / target.relative_std)
             .collect();
         let mut all = self.contrasts(&e);
-        for (shapes, vector) in self.shapes() {
-            all.extend(Projection::new(shapes, self.modes, &self.own).rest(vector));
+        for (shapes, projection) in self.shapes() {
+            let rests = shapes.vectors.iter().map(|v| projection.rest(v));
+            all.extend(rests.flatten());
         }
         Ok(all)
     }
@@ -108,10 +117,10 @@ impl<'a> LinkResidual<'a> {
             .map(|(target, slope)| slope / target.hz / target.relative_std)
             .collect();
         let mut all = self.contrasts(&e);
-        for (shapes, vector) in self.shapes() {
-            let projection = Projection::new(shapes, self.modes, &self.own);
+        for (shapes, projection) in self.shapes() {
             let change = &shapes.rows * &by.vectors;
-            all.extend(projection.derivative(vector, &change));
+            let vectors = shapes.vectors.iter();
+            all.extend(vectors.flat_map(|v| projection.derivative(v, &change)));
         }
         Ok(all)
     }
@@ -141,24 +150,23 @@ impl<'a> LinkResidual<'a> {
         Ok(crate::linalg::symmetric_modes(&symmetric, &identity)?.omega_squared)
     }
 
-    fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Vec<f64>)> {
-        let shaped = self.targets.iter().filter_map(|t| t.shapes.as_ref());
-        shaped.flat_map(|shapes| shapes.vectors.iter().map(move |v| (shapes, v)))
+    fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Projection)> {
+        let pairs = self.targets.iter().zip(&self.projections);
+        pairs.filter_map(|(target, own)| target.shapes.as_ref().zip(own.as_ref()))
     }
 
     /// How many residuals say something: a shape has lost one for every direction of the model that is free.
     pub fn informative(&self) -> usize {
         let e = vec![0.0; self.targets.len()];
-        let shapes = self
-            .shapes()
-            .map(|(_, v)| v.len().saturating_sub(self.own.len()));
+        let vectors = self.shapes().flat_map(|(shapes, _)| &shapes.vectors);
+        let shapes = vectors.map(|v| v.len().saturating_sub(self.own.len()));
         self.contrasts(&e).len() + shapes.sum::<usize>()
     }
 
     /// Smallest MAC of a target's shapes with the link's modes, at the deviations' weights; `None` without shapes.
     pub fn mac(&self, target: usize) -> Option<f64> {
         let shapes = self.targets[target].shapes.as_ref()?;
-        let projection = Projection::new(shapes, self.modes, &self.own);
+        let projection = self.projections[target].as_ref()?;
         let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
         let mac = |v: &Vec<f64>| 1.0 - square(&projection.rest(v)) / square(v);
         shapes.vectors.iter().map(mac).reduce(f64::min)

@@ -1,7 +1,7 @@
 //! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
 
 use crate::linalg::{RealMatrix, real_matrix};
-use crate::theory::ParameterStatus;
+use crate::theory::{ParameterStatus, mode_derivatives};
 
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
@@ -299,21 +299,17 @@ fn frequency_stds(
     known: &Identifiability,
 ) -> Result<Vec<Option<f64>>, UpdateError> {
     let n = problem.free.len();
-    let mut slopes = vec![None; problem.targets.len()];
+    let mut slopes: Vec<Option<Vec<f64>>> = vec![None; problem.targets.len()];
     let by = problem.derivatives(at)?;
-    for link in &at.links {
-        let residual = LinkResidual::new(link, &problem.targets, &at.modes);
-        let columns: Vec<Vec<f64>> = by
-            .iter()
-            .map(|(by, slope)| {
-                let own = crate::theory::mode_derivatives(&at.modes, residual.own(), by);
-                let hz = residual.frequency_derivatives_hz(&own)?;
-                Ok(hz.iter().map(|d| d * slope).collect())
-            })
-            .collect::<Result<_, UpdateError>>()?;
-        for (place, &target) in link.targets.iter().enumerate() {
-            let own: Vec<f64> = columns.iter().map(|column| column[place]).collect();
-            slopes[target] = Some(own);
+    let residuals = problem.residuals(at);
+    let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
+    for (j, (by, slope)) in by.iter().enumerate() {
+        let own = mode_derivatives(&at.modes, &roots, by);
+        for ((link, residual), own) in at.links.iter().zip(&residuals).zip(&own) {
+            let hz = residual.frequency_derivatives_hz(own)?;
+            for (&target, hz) in link.targets.iter().zip(hz) {
+                slopes[target].get_or_insert_with(|| vec![0.0; n])[j] = hz * slope;
+            }
         }
     }
     let variance = |g: &Vec<f64>| -> f64 {
