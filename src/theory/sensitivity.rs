@@ -127,7 +127,8 @@ pub struct ModeDerivatives {
 /// Derivatives of the modes of several roots by one parameter, by expansion in all modes of the model, which must all be
 /// there; one for each entry of `roots`, which holds the modes of a root.
 ///
-/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not of its root.
+/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not of its root:
+/// neither in its list nor of the same frequency, which a list of part of a repeated root leaves out.
 ///
 /// # Reference
 /// Fox and Kapoor (1968), equation 18.
@@ -151,7 +152,8 @@ pub fn mode_derivatives(
     let all = modes.vectors.transpose() * &force;
     let share = real_matrix(modes.vectors.ncols(), m, |k, c| {
         let (own, root) = columns[c];
-        if root.contains(&k) {
+        let same = modes.omega_rad_s[k].to_bits() == modes.omega_rad_s[own].to_bits();
+        if same || root.contains(&k) {
             0.0
         } else {
             all[(k, c)] / (lambda(own) - lambda(k))

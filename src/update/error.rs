@@ -83,6 +83,16 @@ pub enum UpdateError {
         /// The mode.
         label: String,
     },
+    /// A derivative of the residuals that is not a finite number.
+    #[error(
+        "update parameter {name:?}: at {value} the residuals have no finite derivative by it, expected one; bounds may keep it away from there"
+    )]
+    Derivative {
+        /// The parameter.
+        name: String,
+        /// Its value there.
+        value: f64,
+    },
     /// The model.
     #[error(transparent)]
     Theory(#[from] TheoryError),

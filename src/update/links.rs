@@ -134,6 +134,38 @@ impl PairedModes {
     }
 }
 
+/// The same links with all modes of every repeated root of which they hold some: part of one has no shapes and no
+/// derivatives of its own. Links of one test that meet in a root become one.
+pub(super) fn with_whole_roots(
+    links: Vec<Link>,
+    targets: &[Target],
+    modes: &TheoryModes,
+) -> Vec<Link> {
+    let bits = |k: usize| modes.omega_rad_s[k].to_bits();
+    let test = |link: &Link| link.targets.first().map(|&t| targets[t].test);
+    let mut whole: Vec<Link> = Vec::with_capacity(links.len());
+    for mut link in links {
+        let own: Vec<u64> = link.modes.iter().map(|&k| bits(k)).collect();
+        let all = (0..modes.omega_rad_s.len()).filter(|&k| own.contains(&bits(k)));
+        link.modes = all.collect();
+        let meets = |other: &Link, link: &Link| {
+            test(other) == test(link) && other.modes.iter().any(|k| link.modes.contains(k))
+        };
+        while let Some(place) = whole.iter().position(|other| meets(other, &link)) {
+            let other = whole.remove(place);
+            link.modes.extend(other.modes);
+            link.targets.extend(other.targets);
+        }
+        link.modes.sort_unstable();
+        link.modes.dedup();
+        link.targets
+            .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
+        whole.push(link);
+    }
+    whole.sort();
+    whole
+}
+
 /// The same links after the modes of the model have changed: every mode goes where most of its shape goes, `(phi^T M
 /// phi')^2` with `M` the mass matrix of before, of a repeated root the share inside its subspace; all modes together, so
 /// that none is taken twice.

@@ -5,11 +5,11 @@ use crate::geometry::Sensor;
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::modal::ModalModel;
 use crate::theory::{
-    ModeOptions, SystemDerivative, TheoreticalModel, TheoryError, check_values, mode_derivatives,
+    ModeDerivatives, ModeOptions, TheoreticalModel, TheoryError, check_values, mode_derivatives,
     modes, modes_of_matrices,
 };
 
-use super::links::{PairedModes, follow};
+use super::links::{PairedModes, follow, with_whole_roots};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ShapeRows, targets_of};
@@ -187,10 +187,10 @@ impl<'a> UpdateProblem<'a> {
         let values = self.values(z);
         let matrices = self.model.assemble(&values)?;
         let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
-        let links = links(&modes);
+        let links = with_whole_roots(links(&modes), &self.targets, &modes);
         let mut residual = Vec::new();
         for link in &links {
-            residual.extend(LinkResidual::new(link, &self.targets, &modes).values()?);
+            residual.extend(LinkResidual::new(link, &self.targets, &modes).values());
         }
         let unpaired = self.unpaired(&links);
         residual.extend(unpaired.map(|target| START_GATE.ln_1p() / target.relative_std));
@@ -220,18 +220,6 @@ impl<'a> UpdateProblem<'a> {
         self.evaluate(z, |_| links)
     }
 
-    /// Derivatives of the matrices by each free parameter, and its `dp/dz`.
-    pub(super) fn derivatives(
-        &self,
-        at: &Evaluation,
-    ) -> Result<Vec<(SystemDerivative, f64)>, UpdateError> {
-        let of = |parameter: &FreeParameter| {
-            let by = self.model.derivative(&at.values, parameter.index)?;
-            Ok((by, parameter.slope(at.values[parameter.index])))
-        };
-        self.free.iter().map(of).collect()
-    }
-
     /// The residuals of all links, in their order.
     pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<LinkResidual<'b>> {
         let links = at.links.iter();
@@ -239,26 +227,53 @@ impl<'a> UpdateProblem<'a> {
         own.collect()
     }
 
+    /// Derivatives of the modes of every link by each free parameter, and the parameter's `dp/dz`.
+    pub(super) fn derivatives(
+        &self,
+        at: &Evaluation,
+        residuals: &[LinkResidual<'_>],
+    ) -> Result<Vec<(Vec<ModeDerivatives>, f64)>, UpdateError> {
+        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
+        let of = |parameter: &FreeParameter| {
+            let by = self.model.derivative(&at.values, parameter.index)?;
+            let slope = parameter.slope(at.values[parameter.index]);
+            Ok((mode_derivatives(&at.modes, &roots, &by), slope))
+        };
+        let all = self.free.iter().map(of);
+        let mut all = all.collect::<Result<Vec<_>, UpdateError>>()?;
+        for (place, residual) in residuals.iter().enumerate() {
+            let mut of_link: Vec<(&mut ModeDerivatives, f64)> = all
+                .iter_mut()
+                .map(|(own, slope)| (&mut own[place], *slope))
+                .collect();
+            residual.split(&mut of_link)?;
+        }
+        Ok(all)
+    }
+
     /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
     ///
     /// # Errors
-    /// [`UpdateError::Theory`], [`UpdateError::Linalg`].
+    /// [`UpdateError::Theory`], [`UpdateError::Linalg`]; [`UpdateError::Derivative`] where one is not finite.
     pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
-        let by = self.derivatives(at)?;
+        let residuals = self.residuals(at);
+        let by = self.derivatives(at, &residuals)?;
         let data = at.data_rows;
         let mut jacobian = real_matrix(data + by.len(), by.len(), |row, j| {
             if row == data + j { 1.0 } else { 0.0 }
         });
-        let residuals: Vec<LinkResidual<'_>> = self.residuals(at);
-        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
         for (j, (by, slope)) in by.iter().enumerate() {
-            let own = mode_derivatives(&at.modes, &roots, by);
-            let mut row = 0;
-            for (residual, own) in residuals.iter().zip(&own) {
-                for value in residual.derivatives(own)? {
-                    jacobian[(row, j)] = value * slope;
-                    row += 1;
-                }
+            let pairs = residuals.iter().zip(by);
+            let column = pairs.flat_map(|(residual, own)| residual.derivatives(own));
+            for (row, value) in column.enumerate() {
+                jacobian[(row, j)] = value * slope;
+            }
+            if (0..data).any(|row| !jacobian[(row, j)].is_finite()) {
+                let own = &self.free[j];
+                return Err(UpdateError::Derivative {
+                    name: own.name.clone(),
+                    value: at.values[own.index],
+                });
             }
         }
         Ok(jacobian)

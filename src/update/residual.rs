@@ -6,8 +6,8 @@
 //! their mean meets the mean of all modes of the root.
 //!
 //! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at the sensors, both divided
-//! by the deviations: what is left of a shape when the scale is free. With equal deviations its square is `1 - MAC` (for a
-//! repeated root of the subspace) over the variance.
+//! by the deviations: what is left of a shape when the scale is free. With equal deviations `sigma` of all `d` components,
+//! whose root mean square is 1, its square is `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
 //!
 //! # Reference
 //! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
@@ -18,6 +18,7 @@ use crate::theory::{ModeDerivatives, TheoryModes};
 use super::target::TargetShapes;
 use super::{Link, Target, UpdateError};
 
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// A vector of which less than this part is independent of those before adds no direction.
 const DEPENDENT: f64 = 1e-8;
 
@@ -96,7 +97,7 @@ impl<'a> LinkResidual<'a> {
     }
 
     /// All residuals: frequencies, then shapes.
-    pub fn values(&self) -> Result<Vec<f64>, UpdateError> {
+    pub fn values(&self) -> Vec<f64> {
         let pairs = self.targets.iter().zip(self.frequencies_hz());
         let e: Vec<f64> = pairs
             .map(|(target, hz)| (hz / target.hz - 1.0) / target.relative_std)
@@ -106,12 +107,12 @@ impl<'a> LinkResidual<'a> {
             let rests = shapes.vectors.iter().map(|v| projection.rest(v));
             all.extend(rests.flatten());
         }
-        Ok(all)
+        all
     }
 
     /// Derivatives of [`values`](Self::values) from those of its modes.
-    pub fn derivatives(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
-        let slopes = self.frequency_derivatives_hz(by)?;
+    pub fn derivatives(&self, by: &ModeDerivatives) -> Vec<f64> {
+        let slopes = self.frequency_derivatives_hz(by);
         let pairs = self.targets.iter().zip(slopes);
         let e: Vec<f64> = pairs
             .map(|(target, slope)| slope / target.hz / target.relative_std)
@@ -122,32 +123,43 @@ impl<'a> LinkResidual<'a> {
             let vectors = shapes.vectors.iter();
             all.extend(vectors.flat_map(|v| projection.derivative(v, &change)));
         }
-        Ok(all)
+        all
     }
 
     /// Derivatives of [`frequencies_hz`](Self::frequencies_hz), Hz per unit of the parameter.
-    pub fn frequency_derivatives_hz(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
-        let lambda = self.eigenvalue_derivatives(by)?;
-        let slope = |k: usize| 0.5 * lambda[k] / self.modes.omega_rad_s[self.own[k]];
+    pub fn frequency_derivatives_hz(&self, by: &ModeDerivatives) -> Vec<f64> {
+        let slope = |k: usize| 0.5 * by.projected[(k, k)] / self.modes.omega_rad_s[self.own[k]];
         let mean = |branch: &std::ops::Range<usize>| {
             let sum: f64 = branch.clone().map(slope).sum();
             sum / branch.len() as f64 / std::f64::consts::TAU
         };
-        Ok(self.branches().iter().map(mean).collect())
+        self.branches().iter().map(mean).collect()
     }
 
-    /// One for each mode; of a root that is repeated here those of its branches, ascending.
-    fn eigenvalue_derivatives(&self, by: &ModeDerivatives) -> Result<Vec<f64>, UpdateError> {
+    /// Turns the derivatives of a repeated root by all parameters, each with its weight, to one basis, so that the
+    /// diagonals of `projected` are those of its branches, ascending, as a mixture of all parameters grows. Where the
+    /// parameters split the root into the same shapes, they are the branches of each parameter by itself, too.
+    pub fn split(&self, by: &mut [(&mut ModeDerivatives, f64)]) -> Result<(), UpdateError> {
         let m = self.own.len();
-        let omega = |k: usize| self.modes.omega_rad_s[self.own[k]];
-        let repeated = m > 1 && (1..m).all(|k| omega(k).to_bits() == omega(0).to_bits());
-        if !repeated {
-            return Ok((0..m).map(|k| by.projected[(k, k)]).collect());
+        let bits = |k: usize| self.modes.omega_rad_s[self.own[k]].to_bits();
+        if m < 2 || (1..m).any(|k| bits(k) != bits(0)) {
+            return Ok(());
         }
-        let p = &by.projected;
-        let symmetric = real_matrix(m, m, |i, j| 0.5 * (p[(i, j)] + p[(j, i)]));
+        let mut mixture = real_matrix(m, m, |_, _| 0.0);
+        for (number, (own, weight)) in by.iter().enumerate() {
+            let p = |r: usize, c: usize| weight * (own.projected[(r, c)] + own.projected[(c, r)]);
+            let entries = (0..m * m).map(|i| p(i / m, i % m).powi(2));
+            let size = entries.sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+            // Parts without a ratio among whole numbers: no two sums of parameters weigh the same.
+            let part = 1.0 + (number as f64 * GOLDEN_RATIO).fract();
+            mixture += real_matrix(m, m, |r, c| part * p(r, c) / size);
+        }
         let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
-        Ok(crate::linalg::symmetric_modes(&symmetric, &identity)?.omega_squared)
+        let basis = crate::linalg::symmetric_modes(&mixture, &identity)?.vectors;
+        for (own, _) in by {
+            own.projected = basis.transpose() * &own.projected * &basis;
+        }
+        Ok(())
     }
 
     fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Projection)> {

@@ -1,11 +1,10 @@
 //! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
 
 use crate::linalg::{RealMatrix, real_matrix};
-use crate::theory::{ParameterStatus, mode_derivatives};
+use crate::theory::ParameterStatus;
 
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
-use super::residual::LinkResidual;
 use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
 use super::{Evaluation, UpdateError, UpdateProblem};
 
@@ -300,13 +299,11 @@ fn frequency_stds(
 ) -> Result<Vec<Option<f64>>, UpdateError> {
     let n = problem.free.len();
     let mut slopes: Vec<Option<Vec<f64>>> = vec![None; problem.targets.len()];
-    let by = problem.derivatives(at)?;
     let residuals = problem.residuals(at);
-    let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
+    let by = problem.derivatives(at, &residuals)?;
     for (j, (by, slope)) in by.iter().enumerate() {
-        let own = mode_derivatives(&at.modes, &roots, by);
-        for ((link, residual), own) in at.links.iter().zip(&residuals).zip(&own) {
-            let hz = residual.frequency_derivatives_hz(own)?;
+        for ((link, residual), own) in at.links.iter().zip(&residuals).zip(by) {
+            let hz = residual.frequency_derivatives_hz(own);
             for (&target, hz) in link.targets.iter().zip(hz) {
                 slopes[target].get_or_insert_with(|| vec![0.0; n])[j] = hz * slope;
             }

@@ -55,7 +55,7 @@ pub struct Solution {
 pub struct MultiStart {
     /// The one with the smallest objective; the first of equals.
     pub best: Solution,
-    /// Objective from every start; `None` where the model has no modes at the start.
+    /// Objective from every start; `None` where the model has no modes at the start, or no derivatives on the way.
     pub objectives: Vec<Option<f64>>,
     /// `z` from every start.
     pub ends: Vec<Option<Vec<f64>>>,
@@ -64,7 +64,7 @@ pub struct MultiStart {
 /// Lowest objective from one start.
 ///
 /// # Errors
-/// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] on the way.
+/// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] and [`UpdateError::Derivative`] on the way.
 pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateError> {
     let mut run = Run::new(problem, problem.start(z)?)?;
     let mut stop_reason = run.descend()?;
@@ -87,8 +87,8 @@ pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateE
 /// away; in the caller's pool, with the same result for any number of threads.
 ///
 /// # Errors
-/// As [`solve`] from the first start; of the others only [`UpdateError::Linalg`] and the like are errors, and a start at
-/// which the model cannot be built counts as one that ended nowhere.
+/// As [`solve`] from the first start; of the others only [`UpdateError::Linalg`] and the like are errors, and a start from
+/// which the model cannot be built or differentiated counts as one that ended nowhere.
 pub fn solve_from_starts(problem: &UpdateProblem<'_>) -> Result<MultiStart, UpdateError> {
     let starts = starts(problem);
     let from = |z: &Vec<f64>| solve(problem, z);
@@ -98,7 +98,7 @@ pub fn solve_from_starts(problem: &UpdateProblem<'_>) -> Result<MultiStart, Upda
     for end in ends {
         found.push(match end {
             Ok(own) => Some(own),
-            Err(UpdateError::Theory(_)) => None,
+            Err(UpdateError::Theory(_) | UpdateError::Derivative { .. }) => None,
             Err(error) => return Err(error),
         });
     }

@@ -2,7 +2,7 @@
 
 use crate::theory::{built_in, nominal_values, override_values};
 
-use super::test_models::{chain, free, measured, sensors};
+use super::test_models::{chain, free, measured, sensors, two_directions};
 use super::*;
 
 /// A test without noise of which everything is trusted nearly without a prior.
@@ -46,6 +46,36 @@ fn a_chain_gets_its_stiffnesses_back_from_every_start() {
     let alone = pool.install(|| solve_from_starts(&problem).unwrap());
     assert_eq!(alone.objectives, found.objectives);
     assert_eq!(alone.ends, found.ends);
+}
+
+#[test]
+fn two_directions_that_become_one_repeated_root_are_both_found() {
+    let start = [90.0, 125.0];
+    let model = two_directions(start);
+    let sensors = sensors(&model, &start);
+    for shapes in [true, false] {
+        let test = measured(&model, &[110.0, 110.0], 1e-4, shapes);
+        let own = [MeasuredModes {
+            name: "t",
+            modes: &test,
+        }];
+        let chosen = free(&["kx", "ky"]);
+        let problem =
+            UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(1)).unwrap();
+        let found = update(&problem).unwrap();
+        assert!(found.stop_reason.converged());
+        for own in &found.parameters {
+            // Roots nearer than 1e-6 are one, so that their stiffnesses may differ by 2e-6.
+            assert!((own.updated / 110.0 - 1.0).abs() < 3e-6, "{own:?}");
+            // Either frequency is known to sqrt(2) 1e-4, so either stiffness to twice that; the prior is wide.
+            let expected = 2.0 * 2.0f64.sqrt() * 1e-4;
+            assert!(
+                (own.std / own.updated / expected - 1.0).abs() < 1e-3,
+                "{own:?}"
+            );
+            assert_eq!(own.verdict, Verdict::Identified);
+        }
+    }
 }
 
 #[test]

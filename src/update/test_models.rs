@@ -34,6 +34,21 @@ pub fn chain(stiffness: &[f64]) -> LumpedModel {
     LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap()).unwrap()
 }
 
+/// A mass of 1 kg on a spring in x and one in y, N/m.
+pub fn two_directions(stiffness: [f64; 2]) -> LumpedModel {
+    let mut text = "schema = \"modalign-model/1\"\n[[body]]\nname = \"m\"\nat_m = [0.0, 0.0, 0.0]\nmass_kg = 1.0\nfree = [\"x\", \"y\"]\n[[point]]\nname = \"p\"\nbody = \"m\"\nat_m = [0.0, 0.0, 0.0]\n".to_owned();
+    for ((name, along), k) in [("kx", "1.0, 0.0"), ("ky", "0.0, 1.0")]
+        .iter()
+        .zip(stiffness)
+    {
+        text += &format!(
+            "[[parameter]]\nname = \"{name}\"\nunit = \"N/m\"\nnominal = {k:?}\nlower = 0.0\nupper = {:?}\nstatus = \"assumed\"\n[[spring]]\nname = \"{name}\"\nfrom = \"p\"\nto = \"ground\"\ndirection = [{along}, 0.0]\nparameter = \"{name}\"\n",
+            100.0 * k
+        );
+    }
+    LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap()).unwrap()
+}
+
 /// A sensor on every coordinate.
 pub fn sensors(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<Sensor> {
     coordinate_sensors(&model.assemble(values).unwrap().coordinates)
