@@ -360,6 +360,9 @@ codes! {
     /// A parameter that ended at a bound.
     ParameterAtBound: "this parameter ended at one of its bounds; the data ask for a value beyond",
         "Either the bound is too narrow, or the parameter makes up for something else that is wrong in the model. The value is where it ended. Look at the single changes before widening the bound.";
+    /// A model that does not fit after it was updated.
+    MisfitRemains: "the updated model does not fit the test within the stated uncertainties",
+        "The value is chi-square per degree of freedom, the limit what noise alone reaches. The deviations of the parameters take the model for right but for the stated floors; times the root of the value they say what the remaining misfit leaves of them. Look at the single changes, at what the model leaves out, and at the floors.";
     /// The updated pairing.
     PairingChanged: "this mode met another mode of the model while it was updated",
         "Modes are followed by their shapes; roots that cross change their order, and test and model are paired anew at every optimum. The value is the number of the model's mode before, the limit that after.";

@@ -68,6 +68,7 @@ fn parameters(own: &SceneUpdate) -> Block {
         ),
         None => "Shapes pair and follow modes, and do not count.".to_owned(),
     });
+    footnotes.push(misfit(&own.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: not seen by the test even with all others known.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
@@ -75,6 +76,23 @@ fn parameters(own: &SceneUpdate) -> Block {
         rows: own.result.parameters.iter().map(row).collect(),
         footnotes,
     })
+}
+
+/// What the remaining misfit says of the deviations.
+fn misfit(own: &UpdateResult) -> String {
+    let ratio = own.reduced_chi_square();
+    let figures = format!(
+        "Chi-square per degree of freedom {ratio:.3} ({:.1} degrees; noise alone reaches {:.2})",
+        own.degrees_of_freedom(),
+        own.largest_reduced_chi_square()
+    );
+    if own.fits() {
+        return figures + ".";
+    }
+    format!(
+        "{figures}: the model does not fit, and std and verdicts hold only as far as it is right; times {:.2}, the root of that, std says what the misfit leaves.",
+        ratio.sqrt()
+    )
 }
 
 fn combinations(own: &UpdateResult) -> Block {

@@ -2,13 +2,13 @@
 
 use crate::axis::Band;
 use crate::correlate::ComparisonTable;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::Finding;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::theory::{ModeOptions, coordinate_sensors};
 use crate::update::{
     Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
-    Verdict, explain, update,
+    explain, update,
 };
 
 use super::SceneError;
@@ -106,7 +106,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .flat_map(|t| t.modes.findings.clone())
         .collect();
     findings.extend(after.findings.into_iter().flat_map(|(_, own)| own));
-    findings.extend(update_findings(&result));
+    findings.extend(result.findings());
     Ok(SceneUpdate {
         before: before.table.labelled_from(scene.first_root),
         after: after.table.labelled_from(scene.first_root),
@@ -317,40 +317,4 @@ fn model_text(
     };
     let text = read_text(&named_model(named, &scene.folder, &scene.path)?)?;
     Ok(replaced(&text, specs, values).unwrap_or_else(|| table("file", file, specs, values)))
-}
-
-fn update_findings(result: &UpdateResult) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for parameter in &result.parameters {
-        let place = Place::Parameter(parameter.name.clone());
-        let warn = |code| Finding::new(Severity::Warning, code, place.clone());
-        match parameter.verdict {
-            Verdict::Identified => {}
-            Verdict::NotSupported => findings.push(
-                warn(Code::ParameterNotSupported)
-                    .value(parameter.posterior_over_prior, "")
-                    .limit(crate::update::KNOWN),
-            ),
-            Verdict::AtBound => findings
-                .push(warn(Code::ParameterAtBound).value(parameter.updated, &parameter.unit)),
-        }
-    }
-    for change in &result.pairing_changes {
-        let row = result
-            .after
-            .rows
-            .iter()
-            .find(|row| row.label == change.label);
-        let place = Place::Mode(row.map_or(0.0, |row| row.test_hz));
-        let mut finding = Finding::new(Severity::Info, Code::PairingChanged, place);
-        if let (Some(from), Some(to)) = (change.from.first(), change.to.first()) {
-            finding = finding.value(*from as f64, "").limit(*to as f64);
-        }
-        findings.push(finding);
-    }
-    if !result.stop_reason.converged() {
-        let finding = Finding::new(Severity::Warning, Code::NotConverged, Place::Whole);
-        findings.push(finding.value(result.history.len() as f64, ""));
-    }
-    findings
 }

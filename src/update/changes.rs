@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::result::{Fit, fit};
+use super::result::{Fit, fit, largest_chi_square};
 use super::solve::{Solution, solve_from_starts};
 use super::{UpdateError, UpdateProblem};
 
@@ -18,8 +18,6 @@ use super::{UpdateError, UpdateProblem};
 const PAIRED_PARAMETERS: usize = 8;
 /// Largest number of parameters in a set.
 const LARGEST_SET: usize = 6;
-/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 (N - k))` above `N - k`.
-const DEVIATIONS: f64 = 2.0;
 
 /// One set of parameters freed.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +40,7 @@ impl Change {
     /// Whether the residual is down to its uncertainty: `chi^2` at most `nu + 2 sqrt(2 nu)`, `nu = N - k`.
     pub fn explains(&self) -> bool {
         let nu = self.fit.data_count.saturating_sub(self.free).max(1) as f64;
-        self.fit.chi_square <= nu + DEVIATIONS * (2.0 * nu).sqrt()
+        self.fit.chi_square <= largest_chi_square(nu)
     }
 }
 

@@ -9,6 +9,7 @@ mod bounded;
 mod changes;
 mod error;
 mod evaluate;
+mod findings;
 mod history;
 mod identifiability;
 mod links;

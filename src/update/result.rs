@@ -10,6 +10,8 @@ use super::{Evaluation, UpdateError, UpdateProblem};
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
+/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)` above `nu`.
+const DEVIATIONS: f64 = 2.0;
 /// Two-sided 95 % of a normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
@@ -26,8 +28,8 @@ pub struct UpdatedParameter {
     pub initial: f64,
     /// Where it ended.
     pub updated: f64,
-    /// Its posterior deviation, with all free parameters uncertain; of the data's share none of a model that is wrong in
-    /// other ways than the floors say.
+    /// Its posterior deviation, with all free parameters uncertain. It takes the model for right but for the floors: where
+    /// it does not fit, the root of [`UpdateResult::reduced_chi_square`] times it is nearer to what is known.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -117,6 +119,36 @@ pub struct UpdateResult {
     pub after: Fit,
     /// What had no partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
+}
+
+impl UpdateResult {
+    /// `nu = N - sum s^2/(1 + s^2)`: residuals of data less the combinations of parameters that they determine, at least 1.
+    pub fn degrees_of_freedom(&self) -> f64 {
+        let share = |own: &Combination| 1.0 - own.posterior_over_prior.powi(2);
+        let determined: f64 = self.combinations.iter().map(share).sum();
+        (self.after.data_count as f64 - determined).max(1.0)
+    }
+
+    /// `chi^2/nu` of the model after; about 1 where it fits.
+    pub fn reduced_chi_square(&self) -> f64 {
+        self.after.chi_square / self.degrees_of_freedom()
+    }
+
+    /// The largest `chi^2/nu` that noise alone explains, `1 + 2 sqrt(2/nu)`.
+    pub fn largest_reduced_chi_square(&self) -> f64 {
+        let nu = self.degrees_of_freedom();
+        largest_chi_square(nu) / nu
+    }
+
+    /// Whether the model after fits the test within the stated uncertainties.
+    pub fn fits(&self) -> bool {
+        self.reduced_chi_square() <= self.largest_reduced_chi_square()
+    }
+}
+
+/// `nu + 2 sqrt(2 nu)`.
+pub(super) fn largest_chi_square(nu: f64) -> f64 {
+    nu + DEVIATIONS * (2.0 * nu).sqrt()
 }
 
 /// Updates a model: the best of several starts; a parameter that the test does not see goes back to where it started

@@ -1,5 +1,6 @@
 //! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
 
+use crate::finding::{Code, Severity};
 use crate::linalg::real_matrix;
 
 use super::test_models::{chain, free, measured, sensors};
@@ -105,6 +106,38 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
     );
     assert!(found.after.largest_percent.unwrap() < 0.1);
     assert!(found.correlation[0][1] < 0.0);
+}
+
+#[test]
+fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
+    // A chain of three equal springs scaled by one of them cannot have frequencies of other ratios.
+    let start = [100.0, 100.0, 100.0];
+    let model = chain(&start);
+    let sensors = sensors(&model, &start);
+    let result = |truth: &[f64]| {
+        let test = measured(&model, truth, 1e-3, false);
+        let own = [MeasuredModes {
+            name: "t",
+            modes: &test,
+        }];
+        let chosen = free(&["k1"]);
+        let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options());
+        update(&new.unwrap()).unwrap()
+    };
+    let told = |own: &UpdateResult| {
+        let findings = own.findings();
+        let found = findings.iter().find(|f| f.code == Code::MisfitRemains);
+        found.map(|f| (f.severity, f.value))
+    };
+    let wrong = result(&[100.0, 130.0, 100.0]);
+    assert_eq!(wrong.parameters[0].verdict, Verdict::Identified);
+    // Three frequencies less the one stiffness that they determine.
+    assert!((wrong.degrees_of_freedom() - 2.0).abs() < 1e-3);
+    let expected = wrong.after.chi_square / wrong.degrees_of_freedom();
+    assert!(expected > 10.0, "{expected}");
+    assert_eq!(told(&wrong), Some((Severity::Warning, Some(expected))));
+    let right = result(&[130.0, 100.0, 100.0]);
+    assert!(right.fits() && told(&right).is_none());
 }
 
 #[test]

@@ -21,6 +21,9 @@ struct UpdateFile<'a> {
     starts: StartsFile,
     before: FitFile<'a>,
     after: FitFile<'a>,
+    degrees_of_freedom: f64,
+    reduced_chi_square: f64,
+    fits: bool,
     left_out: Vec<LeftOutFile<'a>>,
     pairing_changes: &'a [PairingChange],
     history: Vec<IterationFile<'a>>,
@@ -149,6 +152,9 @@ pub fn update_to_json(own: &SceneUpdate) -> String {
         },
         before: fit(&result.before),
         after: fit(&result.after),
+        degrees_of_freedom: result.degrees_of_freedom(),
+        reduced_chi_square: result.reduced_chi_square(),
+        fits: result.fits(),
         left_out: left_out
             .map(|(label, hz)| LeftOutFile { label, hz: *hz })
             .collect(),

@@ -1,0 +1,58 @@
+//! What the result of an update says that is not a failure.
+
+use crate::finding::{Code, Finding, Place, Severity};
+
+use super::{KNOWN, UpdateResult, UpdatedParameter, Verdict};
+
+impl UpdateResult {
+    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured roots that changed or lost
+    /// their partner, an iteration that did not converge.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings: Vec<Finding> = self.parameters.iter().filter_map(of_parameter).collect();
+        if !self.fits() {
+            findings.push(
+                warn(Code::MisfitRemains, Place::Whole)
+                    .value(self.reduced_chi_square(), "")
+                    .limit(self.largest_reduced_chi_square()),
+            );
+        }
+        findings.extend(self.changed_pairings());
+        if !self.stop_reason.converged() {
+            let finding = warn(Code::NotConverged, Place::Whole);
+            findings.push(finding.value(self.history.len() as f64, ""));
+        }
+        findings
+    }
+
+    fn changed_pairings(&self) -> impl Iterator<Item = Finding> {
+        self.pairing_changes.iter().map(|change| {
+            let mut rows = self.after.rows.iter();
+            let row = rows.find(|row| row.label == change.label);
+            let place = Place::Mode(row.map_or(0.0, |row| row.test_hz));
+            let finding = Finding::new(Severity::Info, Code::PairingChanged, place);
+            match (change.from.first(), change.to.first()) {
+                (Some(from), Some(to)) => finding.value(*from as f64, "").limit(*to as f64),
+                _ => finding,
+            }
+        })
+    }
+}
+
+fn of_parameter(own: &UpdatedParameter) -> Option<Finding> {
+    let place = Place::Parameter(own.name.clone());
+    match own.verdict {
+        Verdict::Identified => None,
+        Verdict::NotSupported => {
+            let finding = warn(Code::ParameterNotSupported, place);
+            Some(finding.value(own.posterior_over_prior, "").limit(KNOWN))
+        }
+        Verdict::AtBound => {
+            let finding = warn(Code::ParameterAtBound, place);
+            Some(finding.value(own.updated, &own.unit))
+        }
+    }
+}
+
+fn warn(code: Code, place: Place) -> Finding {
+    Finding::new(Severity::Warning, code, place)
+}
