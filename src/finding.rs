@@ -363,6 +363,9 @@ codes! {
     /// A model that does not fit after it was updated.
     MisfitRemains: "the updated model does not fit the test within the stated uncertainties",
         "The value is chi-square per degree of freedom, the limit what noise alone reaches. The deviations of the parameters take the model for right but for the stated floors; times the root of the value they say what the remaining misfit leaves of them. Look at the single changes, at what the model leaves out, and at the floors.";
+    /// A measured mode without a partner after the update.
+    PartnerLost: "this measured mode has no partner in the updated model",
+        "It had one in the model as it stood. Its frequency and shape count as wholly unexplained, and the errors of the table leave it out. Look at its shape, at the gates of pairing, and at bounds that keep the model near.";
     /// The updated pairing.
     PairingChanged: "this mode met another mode of the model while it was updated",
         "Modes are followed by their shapes; roots that cross change their order, and test and model are paired anew at every optimum. The value is the number of the model's mode before, the limit that after.";

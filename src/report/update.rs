@@ -144,7 +144,9 @@ fn fits(before: &Fit, after: &Fit) -> Block {
     let summary = |name: &str, fit: &Fit| {
         let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
         format!(
-            "{name}: largest error {}, rms {}, chi-square {:.4} of {} residuals.",
+            "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {:.4} of {} residuals.",
+            fit.paired(),
+            fit.rows.len(),
             percent(fit.largest_percent),
             percent(fit.rms_percent),
             fit.chi_square,

@@ -16,6 +16,9 @@ impl UpdateResult {
                     .limit(self.largest_reduced_chi_square()),
             );
         }
+        let rows = self.after.rows.iter();
+        let lost = rows.filter(|row| row.model_hz.is_none());
+        findings.extend(lost.map(|row| warn(Code::PartnerLost, Place::Mode(row.test_hz))));
         findings.extend(self.changed_pairings());
         if !self.stop_reason.converged() {
             let finding = warn(Code::NotConverged, Place::Whole);

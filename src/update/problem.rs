@@ -18,7 +18,7 @@ use super::{
     UpdateOptions,
 };
 
-/// Frequency gate of pairing at a start and after an iteration, a fraction.
+/// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within twice the frequency.
 const START_GATE: f64 = 1.0;
 
 /// A model to be brought to measured modes.
@@ -144,17 +144,33 @@ impl<'a> UpdateProblem<'a> {
         for test in &self.tests {
             links.extend(test.links(&theory.model, &self.targets, pair)?);
         }
+        let gate = self.start_gate().ln_1p();
+        for link in &mut links {
+            let hz = link
+                .modes
+                .iter()
+                .map(|&k| theory.model.modes[k].frequency_hz);
+            let hz = hz.sum::<f64>() / link.modes.len() as f64;
+            // Pairing may take errors as parts of the model's frequency, which then has no upper limit.
+            let near = |t: &usize| (hz / self.targets[*t].hz).ln().abs() <= gate;
+            link.targets.retain(near);
+        }
+        links.retain(|link| !link.targets.is_empty());
         Ok(links)
     }
 
-    /// The model at `z`, paired with the test there within twice the frequency: a start may be far off.
+    fn start_gate(&self) -> f64 {
+        self.options.pair.max_frequency_error.max(START_GATE)
+    }
+
+    /// The model at `z`, paired with the test there from half the frequency to twice: a start may be far off.
     ///
     /// # Errors
     /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
     pub fn start(&self, z: &[f64]) -> Result<Evaluation, UpdateError> {
         let values = self.values(z);
         let wide = PairOptions {
-            max_frequency_error: self.options.pair.max_frequency_error.max(START_GATE),
+            max_frequency_error: self.start_gate(),
             ..self.options.pair.clone()
         };
         let links = self.links(&values, &wide)?;
@@ -192,8 +208,7 @@ impl<'a> UpdateProblem<'a> {
         for link in &links {
             residual.extend(LinkResidual::new(link, &self.targets, &modes).values());
         }
-        let unpaired = self.unpaired(&links);
-        residual.extend(unpaired.map(|target| START_GATE.ln_1p() / target.relative_std));
+        residual.extend(self.unpaired(&links).flat_map(unexplained));
         let data_rows = residual.len();
         residual.extend(z);
         Ok(Evaluation {
@@ -207,7 +222,7 @@ impl<'a> UpdateProblem<'a> {
         })
     }
 
-    /// Targets without a partner; each counts as one at the gate of a start.
+    /// Targets without a partner.
     fn unpaired<'b>(&'b self, links: &'b [Link]) -> impl Iterator<Item = &'b Target> {
         let alone = |t: &usize| !links.iter().any(|link| link.targets.contains(t));
         (0..self.targets.len())
@@ -282,7 +297,8 @@ impl<'a> UpdateProblem<'a> {
     /// Number of residuals of data that say something.
     pub fn data_count(&self, at: &Evaluation) -> usize {
         let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
-        at.links.iter().map(link).sum::<usize>() + self.unpaired(&at.links).count()
+        let unpaired = self.unpaired(&at.links).map(Target::informative);
+        at.links.iter().map(link).sum::<usize>() + unpaired.sum::<usize>()
     }
 
     /// Frequency of the model (Hz) and MAC of each target; `None` for one without a partner.
@@ -296,4 +312,11 @@ impl<'a> UpdateProblem<'a> {
         }
         fits
     }
+}
+
+/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes with a MAC of 0, which is
+/// more than any partner leaves.
+fn unexplained(target: &Target) -> impl Iterator<Item = f64> {
+    let vectors = target.shapes.iter().flat_map(|shapes| &shapes.vectors);
+    std::iter::once(target.relative_std.recip()).chain(vectors.flatten().copied())
 }

@@ -205,6 +205,65 @@ fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
 }
 
 #[test]
+fn a_measured_mode_that_loses_its_partner_costs_more_than_any_partner_leaves() {
+    let values = [100.0, 200.0, 300.0];
+    let model = chain(&values);
+    let sensors = sensors(&model, &values);
+    let test = measured(&model, &values, 0.003, true);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let options = UpdateOptions {
+        frequency_floor: 0.004,
+        ..options()
+    };
+    let chosen = free(&["k1", "k2", "k3"]);
+    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+    let problem = new.unwrap();
+    let at = problem.start(&[0.0; 3]).unwrap();
+    let with_all = problem.data_count(&at);
+    let mut links = at.links.clone();
+    links.remove(1);
+    let lost = problem.at_links(&[0.0; 3], links).unwrap();
+    // A frequency off by all of itself at 0.5 %; three components of root mean square 1 at 5 %.
+    let expected = 1.0 / 0.005f64.powi(2) + 3.0 / 0.05f64.powi(2);
+    let cost = lost.chi_square() - at.chi_square();
+    assert!((cost / expected - 1.0).abs() < 1e-9, "{cost}");
+    assert_eq!(problem.data_count(&lost), with_all);
+    assert!(problem.fits(&lost)[1].is_none());
+    // They do not depend on a parameter.
+    let jacobian = problem.jacobian(&lost).unwrap();
+    let rows = lost.data_rows - 4..lost.data_rows;
+    for row in rows {
+        assert!((0..3).all(|j| jacobian[(row, j)].abs() < f64::MIN_POSITIVE));
+    }
+}
+
+#[test]
+fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
+    let values = [100.0, 200.0, 300.0];
+    let model = chain(&values);
+    let sensors = sensors(&model, &values);
+    let test = measured(&model, &values, 0.001, true);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let chosen = free(&["k1", "k2", "k3"]);
+    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
+    let problem = new.unwrap();
+    let paired = |stiffer: f64| {
+        let z = stiffer.ln() / 0.3;
+        problem.start(&[z; 3]).unwrap().links.len()
+    };
+    // All springs alike leave the shapes as they are; frequencies go with the square root.
+    for (stiffer, expected) in [(1.9, 3), (3.9, 3), (4.1, 0), (9.0, 0), (1.0 / 4.1, 0)] {
+        assert_eq!(paired(stiffer), expected, "{stiffer}");
+    }
+}
+
+#[test]
 fn parameters_that_cannot_be_meant_are_named() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[100.0], 0.001, false);

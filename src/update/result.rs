@@ -81,6 +81,14 @@ pub struct Fit {
     pub largest_percent: Option<f64>,
 }
 
+impl Fit {
+    /// Number of targets that have a partner in the model; the errors are theirs.
+    pub fn paired(&self) -> usize {
+        let rows = self.rows.iter();
+        rows.filter(|row| row.model_hz.is_some()).count()
+    }
+}
+
 /// How the starts ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Starts {

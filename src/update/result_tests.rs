@@ -1,6 +1,6 @@
 //! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
 
-use crate::finding::{Code, Severity};
+use crate::finding::{Code, Place, Severity};
 use crate::linalg::real_matrix;
 
 use super::test_models::{chain, free, measured, sensors};
@@ -138,6 +138,30 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
     assert_eq!(told(&wrong), Some((Severity::Warning, Some(expected))));
     let right = result(&[130.0, 100.0, 100.0]);
     assert!(right.fits() && told(&right).is_none());
+}
+
+#[test]
+fn a_measured_mode_without_a_partner_is_named_in_the_findings() {
+    let model = chain(&[100.0, 200.0]);
+    let values = [100.0, 200.0];
+    let sensors = sensors(&model, &values);
+    let test = measured(&model, &[104.0, 200.0], 1e-3, true);
+    let own = [MeasuredModes {
+        name: "t",
+        modes: &test,
+    }];
+    let chosen = free(&["k1"]);
+    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
+    let mut found = update(&new.unwrap()).unwrap();
+    let lost = |own: &UpdateResult| {
+        let findings = own.findings().into_iter();
+        let places = findings.filter(|f| f.code == Code::PartnerLost);
+        places.map(|f| f.place).collect::<Vec<_>>()
+    };
+    assert_eq!((found.after.paired(), lost(&found)), (2, Vec::new()));
+    found.after.rows[1].model_hz = None;
+    let expected = vec![Place::Mode(test.modes[1].frequency_hz)];
+    assert_eq!((found.after.paired(), lost(&found)), (1, expected));
 }
 
 #[test]

@@ -42,6 +42,16 @@ pub struct Target {
     pub(super) shapes: Option<TargetShapes>,
 }
 
+impl Target {
+    /// How many of its residuals say something where it has as many modes of the model as its own: its frequency, and its
+    /// shapes less their free directions.
+    pub(super) fn informative(&self) -> usize {
+        let vectors = self.shapes.iter().flat_map(|shapes| &shapes.vectors);
+        let of_shape = vectors.map(|v| v.len().saturating_sub(self.modes.len()));
+        1 + of_shape.sum::<usize>()
+    }
+}
+
 /// Shapes of a target at the degrees of freedom that test and model share, everything divided by the deviations.
 #[derive(Clone, Debug)]
 pub(super) struct TargetShapes {

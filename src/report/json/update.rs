@@ -58,6 +58,7 @@ struct StartsFile {
 
 #[derive(Serialize)]
 struct FitFile<'a> {
+    paired: usize,
     chi_square: f64,
     data_count: usize,
     rms_percent: Option<f64>,
@@ -200,6 +201,7 @@ fn fit(own: &Fit) -> FitFile<'_> {
         mac: row.mac,
     });
     FitFile {
+        paired: own.paired(),
         chi_square: own.chi_square,
         data_count: own.data_count,
         rms_percent: own.rms_percent,
