@@ -52,7 +52,7 @@ pub fn whole_comparison(table: &ComparisonTable, theory: &Theory) -> Vec<Block> 
     comparison_blocks(table, &[group], theory)
 }
 
-fn error_head(reference: ErrorReference) -> &'static str {
+pub(super) fn error_head(reference: ErrorReference) -> &'static str {
     match reference {
         ErrorReference::Theory => "(test−theory)/theory (%)",
         ErrorReference::Test => "(theory−test)/test (%)",

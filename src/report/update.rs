@@ -3,7 +3,7 @@
 use crate::scene::SceneUpdate;
 use crate::update::{Change, Explanation, Fit, UpdateResult};
 
-use super::comparison::whole_comparison;
+use super::comparison::{error_head, whole_comparison};
 use super::{Block, Cell, Column, Table};
 
 /// Single changes beyond these are not printed; `update.json` has all.
@@ -18,7 +18,7 @@ pub fn update_blocks(title: &str, own: &SceneUpdate) -> Vec<Block> {
     blocks.extend(whole_comparison(&own.after, &own.theory_after));
     blocks.push(parameters(own));
     blocks.push(combinations(&own.result));
-    blocks.push(fits(&own.result.before, &own.result.after));
+    blocks.push(fits(own));
     blocks.push(Block::Text(convergence(&own.result)));
     blocks.extend(own.explanation.iter().flat_map(explanation));
     blocks
@@ -115,7 +115,9 @@ fn combinations(own: &UpdateResult) -> Block {
     })
 }
 
-fn fits(before: &Fit, after: &Fit) -> Block {
+fn fits(own: &SceneUpdate) -> Block {
+    let (before, after) = (&own.result.before, &own.result.after);
+    let error = error_head(own.options.pair.error_reference);
     let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
         vec![
             Cell::text(&b.label),
@@ -132,11 +134,11 @@ fn fits(before: &Fit, after: &Fit) -> Block {
     let heads = [
         "test (Hz)",
         "before (Hz)",
-        "error (%)",
+        error,
         "MAC",
         "after (Hz)",
         "std (Hz)",
-        "error (%)",
+        error,
         "MAC",
     ];
     let mut columns = vec![Column::text("mode")];
@@ -154,7 +156,7 @@ fn fits(before: &Fit, after: &Fit) -> Block {
         )
     };
     Block::Table(Table {
-        caption: "The modes that counted; error (model−test)/test".to_owned(),
+        caption: "The modes that counted".to_owned(),
         columns,
         rows: before.rows.iter().zip(&after.rows).map(row).collect(),
         footnotes: vec![summary("Before", before), summary("After", after)],

@@ -303,7 +303,7 @@ pub struct UpdateTable {
     pub max_iterations: Option<usize>,
     /// Whether single changes are tried.
     pub explain: bool,
-    /// Parameters that are free in every one of those trials.
+    /// Parameters that are free in every one of those trials; with `explain` alone.
     pub always: Vec<String>,
 }
 
@@ -313,9 +313,9 @@ pub struct UpdateTable {
 pub struct UpdateParameterTable {
     /// Name in the model.
     pub name: String,
-    /// `log-normal` or `normal`; by its value and bounds when not stated.
+    /// `log-normal` or `normal`; by its value and bounds when not stated, whether `prior_std` is stated or not.
     pub prior: Option<String>,
-    /// Prior deviation as a part of the value.
+    /// Prior deviation as a part of the value; for a value of 0 it is a quarter of the range between the bounds.
     pub prior_std: Option<f64>,
     /// Lower bound, in the parameter's unit.
     pub lower: Option<f64>,

@@ -8,16 +8,17 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::theory::{ModeOptions, coordinate_sensors};
 use crate::update::{
     Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
-    explain, update,
+    check_always, explain, update,
 };
 
 use super::SceneError;
 use super::chain::{Comparison, NamedTest, TestResult, compare_tests, run_test, theory_band};
+use super::expected::Expected;
 use super::model::{LoadedModel, Theory, named_model, table_model, value_error};
 use super::plan::Scene;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
-use super::updated_model::{replaced, table};
+use super::updated_model::{overrides_note, replaced, table};
 
 /// Name of the published frequencies beside the tests.
 const PUBLISHED: &str = "published";
@@ -47,12 +48,13 @@ pub struct SceneUpdate {
     pub findings: Vec<Finding>,
 }
 
-/// Updates the model of a scene.
+/// Updates the model of a scene; one without `[update]` with the defaults of all options.
 ///
 /// # Errors
-/// [`SceneError`]: a scene without a model, without `[update]`, or without anything measured; those of the stages.
+/// [`SceneError`]: a scene without a model or without anything measured, options that have no effect; those of the stages.
 pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let stated = scene.update.clone().unwrap_or_default();
+    check_effect(&stated, &scene.path)?;
     let table = scene
         .model
         .as_ref()
@@ -66,14 +68,9 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let sensors = sensors(&model, scene)?;
     let options = options(scene, &stated);
     let choices = choices(&stated, &model, &scene.path)?;
-    let in_band: Vec<(String, ModalModel)> = measured
-        .iter()
-        .map(|(name, modes)| Ok((name.clone(), inside(modes, &stated, &scene.path)?)))
-        .collect::<Result<_, SceneError>>()?;
-    let own: Vec<MeasuredModes<'_>> = in_band
-        .iter()
-        .map(|(name, modes)| MeasuredModes { name, modes })
-        .collect();
+    let band = band(&stated, &scene.path)?;
+    let in_band: Vec<Measured> = measured.iter().map(|own| own.inside(band)).collect();
+    let own: Vec<MeasuredModes<'_>> = in_band.iter().map(Measured::borrowed).collect();
     let values = &model.values;
     let problem = UpdateProblem::new(
         model.model.as_ref(),
@@ -83,6 +80,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         &sensors,
         options.clone(),
     )?;
+    check_always(&problem, &stated.always)?;
     let result = update(&problem)?;
     let explanation = match stated.explain {
         true => Some(explain(&problem, &stated.always)?),
@@ -121,6 +119,21 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     })
 }
 
+/// Options that nothing would read.
+fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
+    if !stated.always.is_empty() && !stated.explain {
+        let got = stated.always.join(", ");
+        let expected = "explain = true beside it, the trials that it is for";
+        return Err(value_error(path, "[update] always", &got, expected));
+    }
+    if let Some(floor) = stated.shape_floor.filter(|_| stated.shapes == Some(false)) {
+        let expected = "no shape_floor beside shapes = false";
+        let got = format!("{floor}");
+        return Err(value_error(path, "[update] shape_floor", &got, expected));
+    }
+    Ok(())
+}
+
 /// The tests that `[update]` names; all of them where it names none and no published frequencies count.
 fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
     let known: Vec<&str> = scene.tests.iter().map(|test| test.name.as_str()).collect();
@@ -139,63 +152,104 @@ fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>,
     counted.map(|test| run_test(scene, test)).collect()
 }
 
-/// Names and modes of everything that was measured or published.
+/// The modes of a test, or what was published.
+#[derive(Clone)]
+struct Measured {
+    name: String,
+    modes: ModalModel,
+    /// Number of each mode, by which labels name it whatever counts.
+    numbers: Vec<usize>,
+}
+
+impl Measured {
+    fn of_test(test: &TestResult) -> Self {
+        Self {
+            name: test.name.clone(),
+            modes: test.modes.clone(),
+            numbers: (1..=test.modes.modes.len()).collect(),
+        }
+    }
+
+    /// Published roots apart from which nothing was inferred, numbered as the scene numbers the roots of its model.
+    fn published(expected: &Expected, first_root: usize) -> Self {
+        let mut own = Self {
+            name: PUBLISHED.to_owned(),
+            modes: ModalModel::default(),
+            numbers: Vec::new(),
+        };
+        let elastic = expected.roots.iter().filter(|root| root.omega_rad_s > 0.0);
+        for (number, root) in (first_root..).zip(elastic) {
+            if root.calibrated {
+                continue;
+            }
+            let hz = root.omega_rad_s / std::f64::consts::TAU;
+            let hz = root.printed_hz.unwrap_or(hz);
+            let mode = Mode {
+                group: u32::try_from(number).ok().filter(|_| root.multiplicity > 1),
+                ..Mode::new(hz, None, ModeShape::default(), Scaling::Unknown)
+            };
+            let modes = std::iter::repeat_n(mode, root.multiplicity);
+            own.modes.modes.extend(modes);
+            let numbers = std::iter::repeat_n(number, root.multiplicity);
+            own.numbers.extend(numbers);
+        }
+        own
+    }
+
+    /// The modes inside the band.
+    fn inside(&self, band: Option<Band>) -> Self {
+        let pairs = self.modes.modes.iter().zip(&self.numbers);
+        let kept =
+            pairs.filter(|(mode, _)| band.is_none_or(|band| band.contains(mode.frequency_hz)));
+        let (modes, numbers) = kept.map(|(mode, number)| (mode.clone(), *number)).unzip();
+        Self {
+            name: self.name.clone(),
+            modes: ModalModel {
+                modes,
+                ..self.modes.clone()
+            },
+            numbers,
+        }
+    }
+
+    fn borrowed(&self) -> MeasuredModes<'_> {
+        MeasuredModes {
+            name: &self.name,
+            modes: &self.modes,
+            numbers: &self.numbers,
+        }
+    }
+}
+
+/// Everything that was measured or published.
 fn measured(
     scene: &Scene,
     stated: &UpdateTable,
     tests: &[TestResult],
-) -> Result<Vec<(String, ModalModel)>, SceneError> {
-    let own = tests
-        .iter()
-        .map(|test| (test.name.clone(), test.modes.clone()));
-    let mut all: Vec<(String, ModalModel)> = own.collect();
+) -> Result<Vec<Measured>, SceneError> {
+    let mut all: Vec<Measured> = tests.iter().map(Measured::of_test).collect();
     if stated.published {
         let expected = scene.expected.as_ref().ok_or_else(|| {
             let got = "no expected.toml beside the scene";
             value_error(&scene.path, "[update] published", got, "one with [[root]]")
         })?;
-        let mut modes = ModalModel::default();
-        let roots = expected.roots.iter().enumerate();
-        for (number, root) in roots.filter(|(_, root)| !root.calibrated) {
-            let hz = root.omega_rad_s / std::f64::consts::TAU;
-            let mode = Mode {
-                group: u32::try_from(number).ok().filter(|_| root.multiplicity > 1),
-                ..Mode::new(
-                    root.printed_hz.unwrap_or(hz),
-                    None,
-                    ModeShape::default(),
-                    Scaling::Unknown,
-                )
-            };
-            modes
-                .modes
-                .extend(std::iter::repeat_n(mode, root.multiplicity));
-        }
-        all.push((PUBLISHED.to_owned(), modes));
+        all.push(Measured::published(expected, scene.first_root));
     }
     if all.is_empty() {
         let expected = "a [[test]], or published = true in [update]";
-        return Err(value_error(
-            &scene.path,
-            "[update]",
-            "nothing measured",
-            expected,
-        ));
+        let got = "nothing measured";
+        return Err(value_error(&scene.path, "[update]", got, expected));
     }
     Ok(all)
 }
 
-/// The modes inside the stated band.
-fn inside(modes: &ModalModel, stated: &UpdateTable, path: &str) -> Result<ModalModel, SceneError> {
+/// The stated band.
+fn band(stated: &UpdateTable, path: &str) -> Result<Option<Band>, SceneError> {
     let band = stated.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
-    let band = band.map_err(|error| {
+    band.map_err(|error| {
         let got = format!("{:?}", stated.band_hz.unwrap_or_default());
         value_error(path, "[update] band_hz", &got, &error.to_string())
-    })?;
-    let mut own = modes.clone();
-    own.modes
-        .retain(|mode| band.is_none_or(|band| band.contains(mode.frequency_hz)));
-    Ok(own)
+    })
 }
 
 /// The scene's sensors and the model's; without any, one on every coordinate.
@@ -251,32 +305,26 @@ fn choice(
     path: &str,
 ) -> Result<ParameterChoice, SceneError> {
     let key = format!("[[update.parameter]] {:?} prior", table.name);
-    let specs = model.model.parameters().iter().zip(&model.values);
-    let value = specs
-        .filter(|(spec, _)| spec.name == table.name)
-        .map(|(_, v)| v.abs())
-        .next();
+    let mut specs = model.model.parameters().iter().zip(&model.values);
+    let named = specs.find(|(spec, _)| spec.name == table.name);
+    let value = named.map_or(0.0, |(_, value)| value.abs());
     let part = table.prior_std.or(stated.prior_std);
     let part = part.unwrap_or(UpdateOptions::default().prior_std);
     let prior = match table.prior.as_deref() {
-        None if table.prior_std.is_none() => None,
-        Some("normal") => Some(Prior::Normal {
-            std: part * value.unwrap_or(0.0),
-        }),
-        None | Some("log-normal") => Some(Prior::LogNormal { std: part }),
+        None => None,
+        // No part of it is a width; the default is a normal one over the range.
+        Some("normal") if value == 0.0 => None,
+        Some("normal") => Some(Prior::Normal { std: part * value }),
+        Some("log-normal") => Some(Prior::LogNormal { std: part }),
         Some(name) => {
-            let got = format!("{name:?}");
-            return Err(value_error(
-                path,
-                &key,
-                &got,
-                "\"log-normal\" or \"normal\"",
-            ));
+            let expected = "\"log-normal\" or \"normal\"";
+            return Err(value_error(path, &key, &format!("{name:?}"), expected));
         }
     };
     Ok(ParameterChoice {
         name: table.name.clone(),
         prior,
+        prior_std: table.prior_std,
         lower: table.lower,
         upper: table.upper,
     })
@@ -285,17 +333,17 @@ fn choice(
 /// All that was measured against a model: modes that did not count, too.
 fn compared(
     scene: &Scene,
-    measured: &[(String, ModalModel)],
+    measured: &[Measured],
     tests: &[TestResult],
     theory: &Theory,
 ) -> Result<Comparison, SceneError> {
     let named: Vec<NamedTest<'_>> = measured
         .iter()
-        .map(|(name, modes)| {
-            let test = tests.iter().find(|test| test.name == *name);
+        .map(|own| {
+            let test = tests.iter().find(|test| test.name == own.name);
             NamedTest {
-                name,
-                modes,
+                name: &own.name,
+                modes: &own.modes,
                 frfs: test.map_or(&[], |test| test.frfs.as_slice()),
             }
         })
@@ -316,5 +364,10 @@ fn model_text(
         return Ok(table("name", &name, specs, values));
     };
     let text = read_text(&named_model(named, &scene.folder, &scene.path)?)?;
-    Ok(replaced(&text, specs, values).unwrap_or_else(|| table("file", file, specs, values)))
+    let replaced = replaced(&text, specs, &model.values, values);
+    let overrides = overrides_note(named.parameters.keys());
+    Ok(replaced.map_or_else(
+        || table("file", file, specs, values),
+        |text| overrides + &text,
+    ))
 }

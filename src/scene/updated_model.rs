@@ -2,52 +2,86 @@
 //! was, or the `[model]` table of a scene for a built-in one.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use crate::theory::ParameterSpec;
 
-/// The `model.toml` with other nominal values; `None` where a parameter's table was not found.
-pub(super) fn replaced(text: &str, specs: &[ParameterSpec], values: &[f64]) -> Option<String> {
+/// The `model.toml` with other nominal values, those that updating moved from `start` as inferred ones; `None` where a
+/// parameter's table was not found.
+pub(super) fn replaced(
+    text: &str,
+    specs: &[ParameterSpec],
+    start: &[f64],
+    values: &[f64],
+) -> Option<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    for (spec, value) in specs.iter().zip(values) {
+    for ((spec, start), value) in specs.iter().zip(start).zip(values) {
         if spec.nominal.to_bits() == value.to_bits() {
             continue;
         }
-        let line = nominal_line(&lines, &spec.name)?;
-        let indent: String = lines[line]
-            .chars()
-            .take_while(|c| c.is_whitespace())
-            .collect();
-        lines[line] = format!(
-            "{indent}nominal = {value:?}    # updated from {:?}",
-            spec.nominal
+        let (status, comment) = if start.to_bits() == value.to_bits() {
+            let comment = format!("stated by the scene; {:?} before", spec.nominal);
+            ("assumed", comment)
+        } else {
+            ("inferred", format!("updated from {start:?}"))
+        };
+        let own = parameter_table(&lines, &spec.name)?;
+        let nominal = key_line(&lines, &own, "nominal")?;
+        set(
+            &mut lines[nominal],
+            &format!("nominal = {value:?}    # {comment}"),
         );
+        let printed = key_line(&lines, &own, "status")?;
+        set(&mut lines[printed], &format!("status = \"{status}\""));
     }
     Some(lines.join("\n") + "\n")
 }
 
-/// The line of `nominal` in the `[[parameter]]` table of this name.
-fn nominal_line(lines: &[String], name: &str) -> Option<usize> {
+/// Lines before an updated `model.toml`: which values of the scene would hide its own. Empty where there are none.
+pub(super) fn overrides_note<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "# Values of the scene's [model.parameters] are in this file. Delete them there, or they hide it: {}.\n",
+        names.join(", ")
+    )
+}
+
+/// Another text at the indent of a line.
+fn set(line: &mut String, text: &str) {
+    let indent = line.len() - line.trim_start().len();
+    line.truncate(indent);
+    line.push_str(text);
+}
+
+/// The value of a key on a line, with the comment behind it.
+fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
+    let (own, value) = line.split_once('=')?;
+    (own.trim() == key).then(|| value.trim())
+}
+
+fn key_line(lines: &[String], table: &Range<usize>, key: &str) -> Option<usize> {
+    table.clone().find(|&i| value(&lines[i], key).is_some())
+}
+
+/// The lines of the `[[parameter]]` table of this name.
+fn parameter_table(lines: &[String], name: &str) -> Option<Range<usize>> {
     let header = |line: &String| line.trim_start().starts_with('[');
-    let value = |line: &String, key: &str| -> Option<String> {
-        let (own, value) = line.split_once('=')?;
-        (own.trim() == key).then(|| value.trim().to_owned())
-    };
     let starts = (0..lines.len()).filter(|&i| lines[i].trim_start().starts_with("[[parameter]]"));
-    for start in starts {
+    let quoted = [format!("\"{name}\""), format!("'{name}'")];
+    let table = |start: usize| {
         let end = (start + 1..lines.len()).find(|&i| header(&lines[i]));
-        let table = start + 1..end.unwrap_or(lines.len());
-        let quoted = [format!("\"{name}\""), format!("'{name}'")];
-        let named = |i: usize| {
+        start + 1..end.unwrap_or(lines.len())
+    };
+    let named = |table: &Range<usize>| {
+        table.clone().any(|i| {
             let own = value(&lines[i], "name");
             own.is_some_and(|own| quoted.iter().any(|q| own.starts_with(q.as_str())))
-        };
-        if table.clone().any(named) {
-            return table
-                .clone()
-                .find(|&i| value(&lines[i], "nominal").is_some());
-        }
-    }
-    None
+        })
+    };
+    starts.map(table).find(named)
 }
 
 /// The `[model]` table of a scene that gives a model these values.
@@ -86,13 +120,26 @@ mod tests {
 
     #[test]
     fn nominal_values_are_replaced_in_their_own_tables_alone() {
-        let text = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.0 # start\nname = \"a\"\n[[parameter]]\nname = 'ab'\n  nominal = 2.0\n[[body]]\nname = \"a\"\n";
+        let text = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.0 # start\nname = \"a\"\nstatus = \"printed\"\n[[parameter]]\nname = 'ab'\n  nominal = 2.0\n status = 'printed'\n[[body]]\nname = \"a\"\n";
         let specs = [spec("a", 1.0), spec("ab", 2.0)];
-        let new = replaced(text, &specs, &[1.5, 2.5]).unwrap();
-        let expected = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.5    # updated from 1.0\nname = \"a\"\n[[parameter]]\nname = 'ab'\n  nominal = 2.5    # updated from 2.0\n[[body]]\nname = \"a\"\n";
+        // The scene states 3 for the second one, which updating leaves.
+        let new = replaced(text, &specs, &[1.0, 3.0], &[1.5, 3.0]).unwrap();
+        let expected = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.5    # updated from 1.0\nname = \"a\"\nstatus = \"inferred\"\n[[parameter]]\nname = 'ab'\n  nominal = 3.0    # stated by the scene; 2.0 before\n status = \"assumed\"\n[[body]]\nname = \"a\"\n";
         assert_eq!(new, expected);
-        assert_eq!(replaced(text, &specs, &[1.0, 2.0]).unwrap(), text);
-        assert_eq!(replaced(text, &[spec("c", 1.0)], &[2.0]), None);
+        let same = [1.0, 2.0];
+        assert_eq!(replaced(text, &specs, &same, &same).unwrap(), text);
+        assert_eq!(replaced(text, &[spec("c", 1.0)], &[1.0], &[2.0]), None);
+    }
+
+    #[test]
+    fn the_values_of_the_scene_that_would_hide_the_file_are_named() {
+        let names = ["k1".to_owned(), "k2".to_owned()];
+        let note = overrides_note(names.iter());
+        assert!(
+            note.starts_with("# ") && note.ends_with("hide it: k1, k2.\n"),
+            "{note}"
+        );
+        assert_eq!(overrides_note(std::iter::empty()), "");
     }
 
     #[test]

@@ -49,7 +49,7 @@ impl Change {
 pub struct Foretold {
     /// Label of the target.
     pub label: String,
-    /// Error of the model as it stood, (model − test)/test, percent.
+    /// Error of the model as it stood, percent, as in [`FitRow`](super::FitRow).
     pub before_percent: f64,
     /// Error of the model updated without it, percent.
     pub after_percent: f64,
@@ -75,7 +75,7 @@ pub struct Explanation {
 /// Sets of more than two grow from the best pair by the parameter that leaves least.
 ///
 /// # Errors
-/// [`UpdateError::Parameter`] for an unknown name; as [`solve_from_starts`].
+/// [`UpdateError::Parameter`] for an unknown name or one that stands twice; as [`solve_from_starts`].
 pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explanation, UpdateError> {
     let trials = Trials::new(problem, always)?;
     let none = trials.change(&[])?;
@@ -113,6 +113,14 @@ pub fn single_changes(
     Ok(ranked.into_iter().map(|(_, change)| change).collect())
 }
 
+/// Whether every name is that of a free parameter, and none stands twice: what [`explain`] asks of `always`.
+///
+/// # Errors
+/// [`UpdateError::Parameter`].
+pub fn check_always(problem: &UpdateProblem<'_>, always: &[String]) -> Result<(), UpdateError> {
+    Trials::new(problem, always).map(|_| ())
+}
+
 struct Trials<'a, 'b> {
     problem: &'a UpdateProblem<'b>,
     /// Places in the problem's list of free parameters.
@@ -124,15 +132,21 @@ type Ranked = Vec<(Vec<usize>, Change)>;
 
 impl<'a, 'b> Trials<'a, 'b> {
     fn new(problem: &'a UpdateProblem<'b>, always: &[String]) -> Result<Self, UpdateError> {
-        let place = |name: &String| {
-            let found = problem.free.iter().position(|own| own.name == *name);
-            found.ok_or_else(|| UpdateError::Parameter {
-                name: name.clone(),
-                reason: "it is not among the free parameters",
-                known: problem.free.iter().map(|own| own.name.clone()).collect(),
-            })
+        let error = |name: &String, reason| UpdateError::Parameter {
+            name: name.clone(),
+            reason,
+            known: problem.free.iter().map(|own| own.name.clone()).collect(),
         };
-        let always = always.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let mut places = Vec::with_capacity(always.len());
+        for name in always {
+            let found = problem.free.iter().position(|own| own.name == *name);
+            let place = found.ok_or_else(|| error(name, "it is not among the free parameters"))?;
+            if places.contains(&place) {
+                return Err(error(name, "named twice as always free"));
+            }
+            places.push(place);
+        }
+        let always = places;
         let rest = (0..problem.free.len()).filter(|j| !always.contains(j));
         Ok(Self {
             candidates: rest.collect(),

@@ -8,10 +8,7 @@ fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out()
     let start = [100.0, 200.0, 300.0, 150.0];
     let model = chain(&start);
     let test = measured(&model, &[100.0, 200.0, 420.0, 150.0], 1e-3, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let sensors = sensors(&model, &start);
     let options = UpdateOptions {
         starts: 3,
@@ -32,5 +29,10 @@ fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out()
     for row in &found.foretold {
         assert!(row.after_percent.abs() < 0.1, "{row:?}");
     }
-    assert!(explain(&problem, &["k9".to_owned()]).is_err());
+    for always in [vec!["k9"], vec!["k1", "k1"]] {
+        let names: Vec<String> = always.iter().map(|&name| name.to_owned()).collect();
+        assert!(check_always(&problem, &names).is_err(), "{always:?}");
+        assert!(explain(&problem, &names).is_err(), "{always:?}");
+    }
+    assert_eq!(check_always(&problem, &["k1".to_owned()]), Ok(()));
 }

@@ -67,10 +67,7 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     let model = built_in("cycloid-ball/A").unwrap();
     let values = nominal_values(model.parameters());
     let test = printed();
-    let own = [MeasuredModes {
-        name: "table 2",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("table 2", &test)];
     // Those that follow from two printed frequencies, and two angles that change none.
     let skipped = [
         "cos2_beta",
@@ -107,10 +104,7 @@ fn with_one_bearing_stiffness_free_as_well_the_geometry_ends_at_set_d() {
     let model = built_in("cycloid-ball/B").unwrap();
     let values = nominal_values(model.parameters());
     let test = printed();
-    let own = [MeasuredModes {
-        name: "table 2",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("table 2", &test)];
     let names = [&GEOMETRY[..], &["k_03y"]].concat();
     let chosen = free(&names);
     let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options());

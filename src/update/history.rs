@@ -10,6 +10,8 @@ pub enum StopReason {
     NoDecrease,
     /// The steps that are still trusted have become as small as rounding.
     SmallStep,
+    /// The test sees none of the free parameters: all are held where they were.
+    NothingSeen,
     /// The stated number of iterations is reached; not converged.
     IterationLimit,
 }
@@ -20,13 +22,14 @@ impl StopReason {
         match self {
             StopReason::NoDecrease => "converged: no step lowers the objective",
             StopReason::SmallStep => "converged: the steps have become as small as rounding",
+            StopReason::NothingSeen => "nothing changed: the test sees none of the free parameters",
             StopReason::IterationLimit => {
                 "not converged: the stated number of iterations is reached"
             }
         }
     }
 
-    /// Whether it is a minimum, as far as the linear model can tell.
+    /// Whether it is a minimum, as far as the linear model can tell, or nothing was to be changed.
     pub fn converged(self) -> bool {
         self != StopReason::IterationLimit
     }

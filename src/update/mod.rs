@@ -34,7 +34,7 @@ mod solve_tests;
 #[cfg(test)]
 mod test_models;
 
-pub use changes::{Change, Explanation, Foretold, explain, single_changes};
+pub use changes::{Change, Explanation, Foretold, check_always, explain, single_changes};
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};

@@ -30,6 +30,8 @@ pub struct ParameterChoice {
     /// `None` for the default: log-normal with the stated deviation where value and bounds are not below 0; a normal one
     /// with that part of the value otherwise; for a value of 0 a normal one with a quarter of the range between its bounds.
     pub prior: Option<Prior>,
+    /// Deviation of the default prior, instead of the options'; a value of 0 has no use for it.
+    pub prior_std: Option<f64>,
     /// Lower bound, instead of the model's.
     pub lower: Option<f64>,
     /// Upper bound, instead of the model's.
@@ -83,7 +85,8 @@ impl FreeParameter {
                 upper,
             });
         }
-        let default = default_prior(initial, lower, upper, options.prior_std);
+        let std = choice.prior_std.unwrap_or(options.prior_std);
+        let default = default_prior(initial, lower, upper, std);
         let prior = choice.prior.or(default);
         let prior = prior.ok_or_else(|| UpdateError::NoPrior {
             name: name.clone(),

@@ -41,10 +41,7 @@ fn against_differences(problem: &UpdateProblem<'_>, z: &[f64]) -> f64 {
 fn residuals_of_one_spring_are_those_of_the_square_root_of_its_stiffness() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[121.0], 0.003, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
@@ -69,10 +66,7 @@ fn a_shape_residual_squared_is_one_minus_mac_over_its_variance() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &[140.0, 150.0, 330.0], 0.001, true);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
     let new = |options| UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
     let with = new(options()).unwrap();
@@ -116,10 +110,7 @@ fn derivatives_are_those_of_differences_with_shapes_of_every_machine() {
         };
         let test = measured(model.as_ref(), &values, 0.001, true);
         let sensors = sensors(model.as_ref(), &values);
-        let own = [MeasuredModes {
-            name: "t",
-            modes: &test,
-        }];
+        let own = [MeasuredModes::new("t", &test)];
         let chosen = free(&chosen);
         let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &sensors, options());
         let z = vec![0.1; chosen.len()];
@@ -145,10 +136,7 @@ fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
     };
     let chosen = free(&["m_p"]);
     let chi_square = |test: &ModalModel| {
-        let own = [MeasuredModes {
-            name: "t",
-            modes: test,
-        }];
+        let own = [MeasuredModes::new("t", test)];
         let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options.clone());
         let problem = new.unwrap();
         let at = problem.start(&[0.0]).unwrap();
@@ -182,10 +170,7 @@ fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
     let mut far = test.modes[0].clone();
     far.frequency_hz *= 3.0;
     test.modes.push(far);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let problem =
         UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options()).unwrap();
     assert_eq!((problem.targets.len(), problem.left_out.len()), (1, 1));
@@ -193,10 +178,7 @@ fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
         modes: vec![test.modes[1].clone()],
         ..ModalModel::default()
     };
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &alone,
-    }];
+    let own = [MeasuredModes::new("t", &alone)];
     let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options());
     assert!(matches!(
         error,
@@ -210,10 +192,7 @@ fn a_measured_mode_that_loses_its_partner_costs_more_than_any_partner_leaves() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &values, 0.003, true);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
@@ -246,10 +225,7 @@ fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &values, 0.001, true);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
     let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
     let problem = new.unwrap();
@@ -267,10 +243,7 @@ fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
 fn parameters_that_cannot_be_meant_are_named() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[100.0], 0.001, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let new = |choices: &[ParameterChoice], options| {
         UpdateProblem::new(&model, &[100.0], choices, &own, &[], options).unwrap_err()
     };
@@ -295,6 +268,15 @@ fn parameters_that_cannot_be_meant_are_named() {
         new(&flat, options()),
         UpdateError::PriorDeviation { .. }
     ));
+    // A stated deviation keeps the kind of the default.
+    let narrow = choice(|own| own.prior_std = Some(0.1));
+    let problem = UpdateProblem::new(&model, &[100.0], &narrow, &own, &[], options()).unwrap();
+    assert_eq!(problem.free[0].prior, Prior::LogNormal { std: 0.1 });
+    let flat = choice(|own| own.prior_std = Some(-0.1));
+    assert!(matches!(
+        new(&flat, options()),
+        UpdateError::PriorDeviation { .. }
+    ));
     let bad = UpdateOptions {
         frequency_floor: f64::NAN,
         ..options()
@@ -308,10 +290,7 @@ fn parameters_that_cannot_be_meant_are_named() {
     ));
     let mut silent = test.clone();
     silent.modes[0].frequency_std_hz = None;
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &silent,
-    }];
+    let own = [MeasuredModes::new("t", &silent)];
     let exact = UpdateOptions {
         frequency_floor: 0.0,
         ..options()

@@ -60,7 +60,7 @@ pub struct FitRow {
     pub model_hz: Option<f64>,
     /// Deviation of the model's from the uncertain parameters, Hz.
     pub model_std_hz: Option<f64>,
-    /// (model − test)/test, percent.
+    /// Error of frequency by the reference of the pairing options, percent.
     pub error_percent: Option<f64>,
     /// Weighted MAC.
     pub mac: Option<f64>,
@@ -170,11 +170,18 @@ pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> 
     let seen = Identifiability::new(&first, &problem.free)?;
     let starts = starts(problem, &found, &seen);
     let kept: Vec<usize> = (0..problem.free.len()).filter(|&j| seen.seen(j)).collect();
-    let all = kept.len() == problem.free.len();
-    let (at, history, changes, stop_reason) = if all || kept.is_empty() {
-        held(problem, &kept, found.best)?
-    } else {
+    let (at, history, changes, stop_reason) = if kept.is_empty() {
+        nothing_seen(problem)?
+    } else if kept.len() < problem.free.len() {
         settle(problem, &kept, found.best)?
+    } else {
+        let best = found.best;
+        (
+            best.at,
+            best.history,
+            best.pairing_changes,
+            best.stop_reason,
+        )
     };
     let jacobian = problem.jacobian(&at)?;
     let data = real_matrix(at.data_rows, jacobian.ncols(), |i, j| jacobian[(i, j)]);
@@ -203,14 +210,10 @@ pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> 
 
 type Ended = (Evaluation, Vec<Iteration>, Vec<PairingChange>, StopReason);
 
-/// Nothing to hold, or everything.
-fn held(problem: &UpdateProblem<'_>, kept: &[usize], best: Solution) -> Result<Ended, UpdateError> {
-    let at = if kept.is_empty() {
-        problem.start(&vec![0.0; problem.free.len()])?
-    } else {
-        best.at
-    };
-    Ok((at, best.history, best.pairing_changes, best.stop_reason))
+/// Everything where it was.
+fn nothing_seen(problem: &UpdateProblem<'_>) -> Result<Ended, UpdateError> {
+    let at = problem.start(&vec![0.0; problem.free.len()])?;
+    Ok((at, Vec::new(), Vec::new(), StopReason::NothingSeen))
 }
 
 /// The seen parameters from where they ended, the others back at their start.
@@ -305,6 +308,7 @@ pub(super) fn fit(
         None => vec![None; problem.targets.len()],
     };
     let fits = problem.fits(at);
+    let reference = problem.options.pair.error_reference;
     let rows: Vec<FitRow> = problem
         .targets
         .iter()
@@ -316,7 +320,7 @@ pub(super) fn fit(
             test_std_hz: target.relative_std * target.hz,
             model_hz: fit.map(|(hz, _)| hz),
             model_std_hz,
-            error_percent: fit.map(|(hz, _)| 100.0 * (hz / target.hz - 1.0)),
+            error_percent: fit.map(|(hz, _)| 100.0 * reference.error(target.hz, hz)),
             mac: fit.and_then(|(_, mac)| mac),
         })
         .collect();

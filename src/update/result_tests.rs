@@ -1,5 +1,6 @@
 //! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
 
+use crate::correlate::ErrorReference;
 use crate::finding::{Code, Place, Severity};
 use crate::linalg::real_matrix;
 
@@ -17,10 +18,7 @@ fn options() -> UpdateOptions {
 fn the_posterior_deviation_of_one_spring_is_that_of_its_frequency_twice() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[121.0], 0.003, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
@@ -48,10 +46,7 @@ fn a_parameter_that_no_residual_depends_on_is_named_and_stays_where_it_was() {
     let model = chain(&start);
     let mut test = measured(&model, &[130.0, 100.0, 1e9], 1e-3, false);
     test.modes.truncate(2);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k3", "k2"]);
     let sensors = sensors(&model, &start);
     let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
@@ -73,10 +68,7 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
     let model = chain(&start);
     let mut test = measured(&model, &[120.0, 120.0], 1e-3, false);
     test.modes.truncate(1);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let sensors = sensors(&model, &start);
     let chosen = free(&["k1", "k2"]);
     let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
@@ -116,10 +108,7 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
     let sensors = sensors(&model, &start);
     let result = |truth: &[f64]| {
         let test = measured(&model, truth, 1e-3, false);
-        let own = [MeasuredModes {
-            name: "t",
-            modes: &test,
-        }];
+        let own = [MeasuredModes::new("t", &test)];
         let chosen = free(&["k1"]);
         let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options());
         update(&new.unwrap()).unwrap()
@@ -141,15 +130,66 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
 }
 
 #[test]
+fn where_nothing_is_seen_there_is_no_history_of_a_discarded_optimum() {
+    // The only mode that was measured is far below what the last spring moves.
+    let start = [100.0, 1e9];
+    let model = chain(&start);
+    let mut test = measured(&model, &[130.0, 1e9], 1e-3, false);
+    test.modes.truncate(1);
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let chosen = free(&["k2"]);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let found = update(&problem).unwrap();
+    assert!(found.parameters[0].held);
+    assert_eq!(found.stop_reason, StopReason::NothingSeen);
+    assert!(found.history.is_empty() && found.pairing_changes.is_empty());
+    assert!(
+        found
+            .values
+            .iter()
+            .zip(start)
+            .all(|(a, b)| a.to_bits() == b.to_bits())
+    );
+}
+
+#[test]
+fn labels_are_the_numbers_that_were_given_and_errors_have_the_stated_reference() {
+    let values = [100.0, 200.0];
+    let model = chain(&values);
+    let test = measured(&model, &[121.0, 242.0], 1e-3, false);
+    let own = [MeasuredModes {
+        numbers: &[4, 7],
+        ..MeasuredModes::new("t", &test)
+    }];
+    let sensors = sensors(&model, &values);
+    for (reference, expected) in [
+        (ErrorReference::Theory, 10.0),
+        (ErrorReference::Test, -100.0 / 11.0),
+    ] {
+        let mut options = options();
+        options.pair.error_reference = reference;
+        let chosen = free(&["k1", "k2"]);
+        let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+        let rows = update(&new.unwrap()).unwrap().before.rows;
+        let labels: Vec<&str> = rows.iter().map(|row| row.label.as_str()).collect();
+        assert_eq!(labels, ["t f4", "t f7"]);
+        for row in rows {
+            assert!(
+                (row.error_percent.unwrap() - expected).abs() < 1e-9,
+                "{row:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_measured_mode_without_a_partner_is_named_in_the_findings() {
     let model = chain(&[100.0, 200.0]);
     let values = [100.0, 200.0];
     let sensors = sensors(&model, &values);
     let test = measured(&model, &[104.0, 200.0], 1e-3, true);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1"]);
     let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
     let mut found = update(&new.unwrap()).unwrap();
@@ -169,10 +209,7 @@ fn covariance_of_a_known_sensitivity_is_its_closed_form() {
     let model = chain(&[100.0, 200.0]);
     let values = [100.0, 200.0];
     let test = measured(&model, &values, 1e-3, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2"]);
     let new = UpdateProblem::new(&model, &values, &chosen, &own, &[], options());
     let free = new.unwrap().free;

@@ -22,10 +22,7 @@ fn a_chain_gets_its_stiffnesses_back_from_every_start() {
     let model = chain(&start);
     let test = measured(&model, &truth, 1e-4, true);
     let sensors = sensors(&model, &start);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
     let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(8)).unwrap();
     let found = solve_from_starts(&problem).unwrap();
@@ -55,10 +52,7 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
     let sensors = sensors(&model, &start);
     for shapes in [true, false] {
         let test = measured(&model, &[110.0, 110.0], 1e-4, shapes);
-        let own = [MeasuredModes {
-            name: "t",
-            modes: &test,
-        }];
+        let own = [MeasuredModes::new("t", &test)];
         let chosen = free(&["kx", "ky"]);
         let problem =
             UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(1)).unwrap();
@@ -82,10 +76,7 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
 fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[139.0], 1e-3, false);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let mut chosen = free(&["k1"]);
     chosen[0].upper = Some(125.0);
     let problem = UpdateProblem::new(&model, &[100.0], &chosen, &own, &[], exact(1)).unwrap();
@@ -107,10 +98,7 @@ fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
     let (start, truth) = (at(5.0e7), at(3.7e7));
     let sensors = sensors(model.as_ref(), &start);
     let test = measured(model.as_ref(), &truth, 1e-4, true);
-    let own = [MeasuredModes {
-        name: "t",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("t", &test)];
     let options = exact(1);
     let chosen = free(&["k_r"]);
     let problem =
@@ -142,10 +130,7 @@ fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
         };
         test.modes.extend(std::iter::repeat_n(mode, count));
     }
-    let own = [MeasuredModes {
-        name: "table 2",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("table 2", &test)];
     let options = UpdateOptions {
         frequency_floor: 1e-6,
         ..exact(10)

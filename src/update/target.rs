@@ -21,6 +21,23 @@ pub struct MeasuredModes<'a> {
     pub name: &'a str,
     /// Its modes.
     pub modes: &'a ModalModel,
+    /// Number of each mode in labels; none for their places, from 1.
+    pub numbers: &'a [usize],
+}
+
+impl<'a> MeasuredModes<'a> {
+    /// Modes that are numbered by their places, from 1.
+    pub fn new(name: &'a str, modes: &'a ModalModel) -> Self {
+        Self {
+            name,
+            modes,
+            numbers: &[],
+        }
+    }
+
+    fn number(&self, mode: usize) -> usize {
+        self.numbers.get(mode).copied().unwrap_or(mode + 1)
+    }
 }
 
 /// One measured root: a mode, or several modes of one group number, which have one frequency.
@@ -165,7 +182,7 @@ pub(super) fn targets_of(
     let target = |own: Vec<usize>| {
         let modes: Vec<&Mode> = own.iter().map(|&i| &model.modes[i]).collect();
         let hz = modes.iter().map(|m| m.frequency_hz).sum::<f64>() / modes.len() as f64;
-        let label = format!("{} f{}", measured.name, own[0] + 1);
+        let label = format!("{} f{}", measured.name, measured.number(own[0]));
         let hz_std = modes
             .iter()
             .filter_map(|m| m.frequency_std_hz)

@@ -86,7 +86,7 @@ fn converge(name: &str, model: &dyn TheoreticalModel, names: &[&str]) -> Result<
     let matrices = model.assemble(&values)?;
     let sensors = coordinate_sensors(&matrices.coordinates);
     let test = changed(model, names, &sensors, usize::MAX)?;
-    let own = [MeasuredModes { name, modes: &test }];
+    let own = [MeasuredModes::new(name, &test)];
     let problem = UpdateProblem::new(model, &values, &choices(names), &own, &sensors, options())?;
     let mut fastest = Duration::MAX;
     let mut steps = 0;
@@ -110,10 +110,7 @@ fn converge(name: &str, model: &dyn TheoreticalModel, names: &[&str]) -> Result<
 fn sensitivities(model: &LumpedModel, count: usize, names: &[&str]) -> Result<(), Failure> {
     let values = nominal_values(model.parameters());
     let test = changed(model, names, &[], 10)?;
-    let own = [MeasuredModes {
-        name: "chain",
-        modes: &test,
-    }];
+    let own = [MeasuredModes::new("chain", &test)];
     let problem = UpdateProblem::new(model, &values, &choices(names), &own, &[], options())?;
     let at = problem.start(&vec![0.0; names.len()])?;
     let start = Instant::now();

@@ -103,10 +103,7 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
     let all = ModeOptions::default();
     let own = modes(model, &values, &machine.sensors, &all).unwrap().model;
     let test = noisy(&own, &mut normal);
-    let measured = [MeasuredModes {
-        name: "twin",
-        modes: &test,
-    }];
+    let measured = [MeasuredModes::new("twin", &test)];
     let choice = |name: &&str| ParameterChoice {
         name: (*name).to_owned(),
         ..ParameterChoice::default()
