@@ -5,11 +5,13 @@ mod judge;
 #[path = "../population/pipeline.rs"]
 mod pipeline;
 
-use pipeline::{Tally, family, judged};
+use modalign::synth::population::Member;
+use pipeline::{Tally, family, judged, judged_from_frfs_alone};
 use rayon::prelude::*;
 
-#[test]
-fn separated_modes_of_the_first_members_are_found() {
+use judge::Verdict;
+
+fn tally(judged: fn(&Member) -> Verdict) -> Tally {
     let family = family();
     let members: Vec<_> = (0..family.members.len())
         .flat_map(|kind| [(kind, 0), (kind, 1)])
@@ -21,11 +23,18 @@ fn separated_modes_of_the_first_members_are_found() {
         all.add(member, verdict);
     }
     assert_eq!(all.members, 16);
-    // Of the whole family 443 of 444 are found; one may be lost here, to another machine's rounding.
-    assert!(all.clear.there >= 20, "{}", all.clear.there);
-    assert!(
-        all.clear.there - all.clear.found <= 1,
-        "{}",
-        all.clear.found
-    );
+    all
+}
+
+#[test]
+fn separated_modes_of_the_first_members_are_found() {
+    let alone = tally(judged_from_frfs_alone);
+    for all in [&tally(judged), &alone] {
+        // Of the whole family 443 of 444 are found; one may be lost here, to another machine's rounding.
+        assert!(all.clear.there >= 20, "{}", all.clear.there);
+        let lost = all.clear.there - all.clear.found;
+        assert!(lost <= 1, "{lost}");
+    }
+    // One of the modes of these members is none; three are the most that another machine's rounding makes of it.
+    assert!(alone.spurious <= 3, "{}", alone.spurious);
 }
