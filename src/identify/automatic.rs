@@ -18,7 +18,7 @@
 //!    counts as noise in its deviations.
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
-//! variances in the data, the noise is told from the second differences of what the fit leaves over.
+//! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
 
 use std::f64::consts::TAU;
 

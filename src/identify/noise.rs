@@ -1,8 +1,9 @@
 //! The noise variance of a measured function, line by line, from the best source there is.
 //!
 //! In this order: the variances that came with the data; coherence and number of averages (two or more),
-//! `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf), the coherence being that of n averages; else the data alone. Variances of a few averages scatter widely, and a value that is
-//! small by chance makes noise look like a signal: their course over the lines counts ([`noise_course`](super::noise_course)).
+//! `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf); else the data alone, and then what a fit leaves over of them.
+//! Variances of a few averages scatter widely, and a value that is small by chance makes noise look like a signal: their course over
+//! the lines counts ([`noise_course`](super::noise_course)).
 
 use std::collections::BTreeMap;
 use std::ops::Range;
