@@ -61,9 +61,9 @@ fn without_noise_the_poles_come_back_within_the_bound_of_the_method() {
 #[test]
 fn noise_moves_poles_little_and_as_far_as_is_stated() {
     for snr_db in [60.0, 40.0] {
-        for (method, limit) in [("line", 4e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
+        for (method, limit) in [("line", 3e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
             let mut squares = Vec::new();
-            for seed in 0..16 {
+            for seed in 0..8 {
                 let (structure, how) = separated_modes(seed);
                 let set = structure.measured(&Measurement {
                     snr_db: Some(snr_db),
@@ -80,11 +80,11 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
                     squares.push(off * off);
                 }
             }
-            // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a deviation of 0.1 about 0.674, of
-            // which three are allowed.
+            // 0.455 is the median of a squared normal deviate; that of the magnitude of 30 has a deviation of 0.144 about 0.674, of which
+            // three are allowed above, and two and a half below.
             squares.sort_by(f64::total_cmp);
             let median = squares[squares.len() / 2];
-            assert!((0.14..0.95).contains(&median), "{method} {snr_db} {median}");
+            assert!((0.1..1.23).contains(&median), "{method} {snr_db} {median}");
         }
     }
 }
