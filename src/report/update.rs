@@ -173,7 +173,10 @@ fn convergence(own: &UpdateResult) -> String {
         own.starts.seed
     );
     if own.starts.failed > 0 {
-        text += &format!("; from {} the model had no modes or no derivatives", own.starts.failed);
+        text += &format!(
+            "; from {} the model had no modes or no derivatives",
+            own.starts.failed
+        );
     }
     text += ".";
     for (label, hz) in &own.left_out {
