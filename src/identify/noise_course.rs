@@ -24,6 +24,9 @@ const TRIED: usize = 24;
 const RATIO: f64 = 1.6;
 /// Steps between two of them, each of which leaves two thirds.
 const THIRDS: usize = 10;
+/// Largest b that what a fit leaves over may tell: 5 % of the response. A pole that moves from function to function leaves over more in
+/// its resonance, and that is no noise.
+const MOST_LEFT_OVER: f64 = 2.5e-3;
 /// Logarithm of the likelihood that b must gain over none.
 const GAIN: f64 = 10.0;
 /// Probability of a variance so far above the course that the line is noisier than its neighbours, as that of the mains is.
@@ -126,6 +129,12 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
         own.map(|(own, most)| own.likelihood(stretches[n].clone(), b, *most))
             .sum()
     };
+    let left_over = functions.iter().any(|own| own.own.is_some());
+    let limit = if left_over {
+        MOST_LEFT_OVER
+    } else {
+        f64::INFINITY
+    };
     let mean = |n: usize, own: &&Estimated| {
         let sum = |values: &[f64]| values[stretches[n].clone()].iter().sum::<f64>();
         sum(&own.variance) / sum(&own.power)
@@ -148,7 +157,8 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
                 high -= third;
             }
         }
-        Some(0.5 * (low + high))
+        let b = 0.5 * (low + high);
+        (b <= limit).then_some(b)
     };
     let told: Vec<Option<f64>> = (0..stretches.len())
         .into_par_iter()
