@@ -114,8 +114,6 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
         // The shapes' own deviations are the test's; the model has no error.
         shape_floor: Some(1e-6),
         prior_std: PRIOR,
-        // As many springs as frequencies have several solutions, which shapes tell apart.
-        starts: 12,
         ..UpdateOptions::default()
     };
     options.pair.max_frequency_error = 0.6;
