@@ -25,8 +25,7 @@ use num_complex::Complex64;
 
 use crate::linalg;
 
-use super::single::{Isolated, SingleModeFit, SingleModeMethod};
-use super::spread::weighted_mean;
+use super::single::{Isolated, OwnFit, SingleModeFit, SingleModeMethod};
 
 /// Gauss-Newton steps at most; three are enough from any start inside the half-power band.
 const STEPS: usize = 20;
@@ -40,15 +39,6 @@ pub(super) struct CircleFit;
 struct Circle {
     center: Complex64,
     radius: f64,
-}
-
-/// What one function says about the pole.
-#[derive(Clone, Copy, Debug)]
-struct OwnFit {
-    weight: f64,
-    omega: f64,
-    decay: f64,
-    spread: f64,
 }
 
 /// Resonance angle, damped frequency and decay rate of a sweep.
@@ -206,8 +196,7 @@ fn own_fit(isolated: &Isolated, function: usize) -> Option<OwnFit> {
     let radial = arms.iter().map(off).sum::<f64>() / arms.len() as f64;
     Some(OwnFit {
         weight: circle.radius.powi(2) / (isolated.variance[function] + radial),
-        omega: sweep.omega,
-        decay,
+        lambda: Complex64::new(-decay, sweep.omega),
         spread,
     })
 }
@@ -222,21 +211,7 @@ impl SingleModeMethod for CircleFit {
     }
 
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit> {
-        let fits: Vec<OwnFit> = (0..isolated.values.len())
-            .filter_map(|f| own_fit(isolated, f))
-            .collect();
-        let mean = |value: fn(&OwnFit) -> f64| {
-            let pairs: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.weight, value(fit))).collect();
-            weighted_mean(&pairs)
-        };
-        let (omega, decay) = (mean(|fit| fit.omega)?, mean(|fit| fit.decay)?);
-        Some(SingleModeFit {
-            lambda: Complex64::new(-decay.mean, omega.mean),
-            omega_std_rad_s: omega.std,
-            decay_std_rad_s: decay.std,
-            spread: mean(|fit| fit.spread).map(|spread| spread.mean),
-            one_sided: false,
-        })
+        SingleModeFit::of_functions(isolated, own_fit)
     }
 }
 

@@ -19,8 +19,7 @@
 
 use num_complex::Complex64;
 
-use super::single::{Isolated, SingleModeFit, SingleModeMethod};
-use super::spread::weighted_mean;
+use super::single::{Isolated, OwnFit, SingleModeFit, SingleModeMethod};
 
 /// Line fit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,13 +33,6 @@ struct Line {
     /// Weight of the slope: its inverse variance for weights that are inverse variances.
     precision: f64,
     /// Root of the mean square of what is left over, relative to that of the values.
-    left_over: f64,
-}
-
-/// What one function says about the pole.
-struct OwnFit {
-    weight: f64,
-    lambda: Complex64,
     left_over: f64,
 }
 
@@ -100,7 +92,7 @@ fn own_fit(isolated: &Isolated, function: usize) -> Option<OwnFit> {
     (inside && lambda.is_finite() && power.is_finite()).then(|| OwnFit {
         weight: power / isolated.variance[function],
         lambda,
-        left_over: line.left_over,
+        spread: line.left_over,
     })
 }
 
@@ -114,21 +106,7 @@ impl SingleModeMethod for LineFit {
     }
 
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit> {
-        let fits: Vec<OwnFit> = (0..isolated.values.len())
-            .filter_map(|f| own_fit(isolated, f))
-            .collect();
-        let mean = |value: fn(&OwnFit) -> f64| {
-            let pairs: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.weight, value(fit))).collect();
-            weighted_mean(&pairs)
-        };
-        let (omega, decay) = (mean(|fit| fit.lambda.im)?, mean(|fit| -fit.lambda.re)?);
-        Some(SingleModeFit {
-            lambda: Complex64::new(-decay.mean, omega.mean),
-            omega_std_rad_s: omega.std,
-            decay_std_rad_s: decay.std,
-            spread: mean(|fit| fit.left_over).map(|left| left.mean),
-            one_sided: false,
-        })
+        SingleModeFit::of_functions(isolated, own_fit)
     }
 }
 

@@ -20,6 +20,7 @@ use super::indicator::Indicator;
 use super::receptance::Receptances;
 use super::repeated::PairTable;
 use super::search::{self, Found, Peak};
+use super::spread::weighted_mean;
 use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable, checks, residues};
 
 /// Passes with the neighbours taken out.
@@ -54,6 +55,40 @@ pub(super) struct SingleModeFit {
     pub spread: Option<f64>,
     /// Whether a half-power point was missing.
     pub one_sided: bool,
+}
+
+/// What one function by itself says of a resonance.
+pub(super) struct OwnFit {
+    /// Its say in the mean: power of the resonance over the noise.
+    pub weight: f64,
+    /// Pole as in the data, rad/s.
+    pub lambda: Complex64,
+    /// What the function leaves of the method's own measure of a good fit.
+    pub spread: f64,
+}
+
+impl SingleModeFit {
+    /// The weighted mean over the functions that could be fitted; `None` where none could.
+    pub fn of_functions(
+        isolated: &Isolated,
+        own: fn(&Isolated, usize) -> Option<OwnFit>,
+    ) -> Option<Self> {
+        let fits: Vec<OwnFit> = (0..isolated.values.len())
+            .filter_map(|f| own(isolated, f))
+            .collect();
+        let mean = |value: fn(&OwnFit) -> f64| {
+            let pairs: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.weight, value(fit))).collect();
+            weighted_mean(&pairs)
+        };
+        let (omega, decay) = (mean(|fit| fit.lambda.im)?, mean(|fit| -fit.lambda.re)?);
+        Some(Self {
+            lambda: Complex64::new(-decay.mean, omega.mean),
+            omega_std_rad_s: omega.std,
+            decay_std_rad_s: decay.std,
+            spread: mean(|fit| fit.spread).map(|spread| spread.mean),
+            one_sided: false,
+        })
+    }
 }
 
 /// A method that looks at one resonance at a time.

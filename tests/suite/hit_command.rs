@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::command::{fail, succeed, write};
 
-const SPEC: &str = r#"schema = "modalign-synth/1"
+pub const SPEC: &str = r#"schema = "modalign-synth/1"
 title = "two masses"
 seed = 5
 averages = 5
@@ -23,7 +23,7 @@ noise = { force_snr_db = 70, response_snr_db = 60 }
 dofs = ["1:+Z"]
 responses = ["1:+Z", "2:+Z"]
 "#;
-const TRUTH: &str = r#"{"schema": "modalign-modes/1", "modes": [
+pub const TRUTH: &str = r#"{"schema": "modalign-modes/1", "modes": [
 {"frequency_hz": 60.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [1, 0], "2:+Z": [0.7, 0]}},
 {"frequency_hz": 210.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [0.8, 0], "2:+Z": [-1, 0]}}]}"#;
 

@@ -6,22 +6,7 @@ use modalign::identify::ESTIMATORS;
 use serde_json::Value;
 
 use crate::command::{fail, json, modalign, succeed, write};
-
-const SPEC: &str = r#"schema = "modalign-synth/1"
-title = "two masses"
-seed = 5
-averages = 5
-truth = { modes = "truth.json" }
-record = { sampling_rate_hz = 2048, samples = 8192, pretrigger_s = 0.1, response = "acceleration" }
-pulse = { duration_s = 2e-3, peak_n = 100, peak_spread = 0.2 }
-noise = { force_snr_db = 70, response_snr_db = 60 }
-[[hit]]
-dofs = ["1:+Z"]
-responses = ["1:+Z", "2:+Z"]
-"#;
-const TRUTH: &str = r#"{"schema": "modalign-modes/1", "modes": [
-{"frequency_hz": 60.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [1, 0], "2:+Z": [0.7, 0]}},
-{"frequency_hz": 210.0, "damping_ratio": 0.01, "modal_mass_kg": 2.0, "shape": {"1:+Z": [0.8, 0], "2:+Z": [-1, 0]}}]}"#;
+use crate::hit_command::{SPEC, TRUTH};
 
 fn text(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
