@@ -91,12 +91,18 @@ impl<'a> TestSight<'a> {
     }
 
     fn doubt(&self, verdict: &Verdict) -> Option<String> {
-        let Verdict::Ambiguous {
-            rival,
-            cost_difference,
-        } = verdict
-        else {
-            return None;
+        let (rival, cost_difference) = match verdict {
+            Verdict::Paired => return None,
+            Verdict::Mixed { share } => {
+                return Some(format!(
+                    "the root holds {:.0} % of the test shape when all roots explain it together",
+                    100.0 * share
+                ));
+            }
+            Verdict::Ambiguous {
+                rival,
+                cost_difference,
+            } => (rival, cost_difference),
         };
         let who = match rival {
             Rival::Theory(modes) => {

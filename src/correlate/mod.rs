@@ -16,6 +16,7 @@ mod options;
 mod pairing;
 pub mod published;
 mod roots;
+mod share;
 mod subspace;
 mod table;
 

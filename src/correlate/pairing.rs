@@ -9,11 +9,18 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::roots::{Root, check_model, elastic_modes, elastic_roots};
+use super::share::shares;
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions, assign};
 
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
 const ALONE: f64 = 1.0;
+
+/// Least share of a test shape, over `min_mac`, that makes a root a partner at all.
+const LEAST_SHARE: f64 = 0.6;
+
+/// Weight of the frequency beside the shape.
+const OF_FREQUENCY: f64 = 0.1;
 
 /// Fewest common degrees of freedom on which a MAC says anything.
 const FEWEST_DOFS: usize = 2;
@@ -38,6 +45,11 @@ pub enum Verdict {
         rival: Rival,
         /// Its cost minus the pair's; negative when the rival is better by itself and the whole decided against it.
         cost_difference: f64,
+    },
+    /// No root holds enough of the test shape.
+    Mixed {
+        /// The part that the paired root holds.
+        share: f64,
     },
 }
 
@@ -110,12 +122,14 @@ pub struct Pairing {
 
 /// Pairs the modes of a test with those of a theory.
 ///
-/// With `u = |frequency error| / max_frequency_error` and `v = (1 - MAC) / (1 - min_mac)`, a pair is allowed when both are
-/// at most 1 and costs `(u + v)/2`; with fewer than two degrees of freedom in common it costs `u`: a MAC over one component
-/// is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over
+/// With `u = |frequency error| / max_frequency_error` and the share `a` of a test shape that a root holds when all roots explain it
+/// together (the MAC over all degrees of freedom as far as the sensors tell it, [`share`](super::share)), a pair is allowed when
+/// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
+/// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than two degrees of freedom in common it costs `u`: a
+/// MAC over one component is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over
 /// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
 /// as moving costs more than that. The sum is made smallest over all pairs at once. A pair is ambiguous when, for either
-/// side, another allowed partner costs less than `ambiguous_margin` more.
+/// side, another allowed partner costs less than `ambiguous_margin` more, and mixed when `a` is below `min_mac`.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
 /// modes, by [`subspace_mac`]. Modes at 0 Hz, of either side, are left out.
@@ -154,13 +168,13 @@ pub fn pair(
 }
 
 /// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
-struct Shapes {
-    test: Vec<Vec<Option<Complex64>>>,
-    theory: Vec<Vec<Option<Complex64>>>,
+pub(super) struct Shapes {
+    pub test: Vec<Vec<Option<Complex64>>>,
+    pub theory: Vec<Vec<Option<Complex64>>>,
 }
 
 impl Shapes {
-    fn new(
+    pub fn new(
         test: &ModalModel,
         theory: &ModalModel,
         map: &DofMap,
@@ -179,7 +193,7 @@ impl Shapes {
     }
 
     /// The test and theory vectors on the degrees of freedom at which all of these modes have a value.
-    fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
+    pub fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
         let all = || {
             let test = test.iter().map(|&i| &self.test[i]);
             test.chain(theory.iter().map(|&j| &self.theory[j]))
@@ -247,9 +261,11 @@ fn without_rounding(mut modes: Vec<Vec<Option<Complex64>>>) -> Vec<Vec<Option<Co
 struct Candidate {
     frequency_error: f64,
     mac: Option<f64>,
+    /// The part of the test shape that the root holds.
+    share: Option<f64>,
     /// `None` when a gate forbids the pair.
     cost: Option<f64>,
-    /// Inside the frequency gate, with a MAC under its gate.
+    /// Inside the frequency gate, with a MAC under its gate and no other claim.
     low_mac: bool,
 }
 
@@ -263,12 +279,16 @@ struct CandidateTable {
 impl CandidateTable {
     fn new(test: &ModalModel, theory: &ModalModel, shapes: &Shapes, options: &PairOptions) -> Self {
         let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
-        let candidate = |i: usize, root: &Root| {
-            let hz = test.modes[i].frequency_hz;
-            let error = options.error_reference.error(hz, root.hz);
-            candidate(error, shapes.compare(i, &root.modes), options)
+        let row = |&i: &usize| {
+            let shares = shares((test, theory), shapes, (i, &roots));
+            let candidate = |(root, share): (&Root, Option<f64>)| {
+                let hz = test.modes[i].frequency_hz;
+                let error = options.error_reference.error(hz, root.hz);
+                let (comparable, mac) = shapes.compare(i, &root.modes);
+                candidate(error, comparable.then_some((mac, share)), options)
+            };
+            roots.iter().zip(shares).map(candidate).collect()
         };
-        let row = |&i: &usize| roots.iter().map(|root| candidate(i, root)).collect();
         Self {
             candidates: modes.iter().map(row).collect(),
             modes,
@@ -335,7 +355,10 @@ impl CandidateTable {
                     cost_difference: rival_cost - cost,
                 }
             }
-            _ => Verdict::Paired,
+            _ => match chosen.share {
+                Some(share) if share < options.min_mac => Verdict::Mixed { share },
+                _ => Verdict::Paired,
+            },
         };
         Partner {
             test: self.modes[i],
@@ -397,14 +420,16 @@ impl CandidateTable {
             let place = Place::Mode(test.modes[self.modes[i]].frequency_hz);
             let warn = |code| Finding::new(Severity::Warning, code, place);
             if let Some(r) = root {
-                let partner = self.partner(i, *r, root_of, options);
-                if let Verdict::Ambiguous {
-                    cost_difference, ..
-                } = partner.verdict
-                {
-                    let finding = warn(Code::Ambiguous).value(cost_difference, "");
-                    findings.push(finding.limit(options.ambiguous_margin));
-                }
+                let finding = match self.partner(i, *r, root_of, options).verdict {
+                    Verdict::Paired => None,
+                    Verdict::Ambiguous {
+                        cost_difference, ..
+                    } => Some((Code::Ambiguous, cost_difference, options.ambiguous_margin)),
+                    Verdict::Mixed { share } => Some((Code::MixedShape, share, options.min_mac)),
+                };
+                let finding =
+                    finding.map(|(code, value, limit)| warn(code).value(value, "").limit(limit));
+                findings.extend(finding);
                 continue;
             }
             let candidates = self.candidates[i].iter().copied().enumerate();
@@ -417,24 +442,31 @@ impl CandidateTable {
     }
 }
 
+/// `shapes` are the MAC and the share, where the two have enough in common.
 fn candidate(
     frequency_error: f64,
-    (comparable, mac): (bool, Option<f64>),
+    shapes: Option<(Option<f64>, Option<f64>)>,
     options: &PairOptions,
 ) -> Candidate {
     let u = frequency_error.abs() / options.max_frequency_error;
-    let near = u <= 1.0;
-    let v = mac.map(|mac| (1.0 - mac) / (1.0 - options.min_mac));
-    let cost = match v {
-        Some(v) => (v <= 1.0).then_some(0.5 * (u + v)),
-        None if comparable => None,
-        None => Some(u),
+    let (near, least) = (u <= 1.0, LEAST_SHARE * options.min_mac);
+    let (mac, share) = shapes.unwrap_or_default();
+    let share = share.or(mac);
+    let alike = share.is_some_and(|a| a >= least) || mac.is_some_and(|mac| mac >= options.min_mac);
+    let cost = match (shapes, share) {
+        (None, _) => Some(u),
+        (Some(_), Some(a)) => {
+            let v = ((1.0 - a) / (1.0 - least)).min(1.0);
+            alike.then_some(OF_FREQUENCY * u + (1.0 - OF_FREQUENCY) * v)
+        }
+        (Some(_), None) => None,
     };
     Candidate {
         frequency_error,
         mac,
+        share,
         cost: cost.filter(|_| near),
-        low_mac: near && v.is_some_and(|v| v > 1.0),
+        low_mac: near && mac.is_some() && !alike,
     }
 }
 

@@ -230,7 +230,7 @@ fn doubts_and_refusals_have_their_reason() {
     );
     assert_eq!(
         cell.reasons,
-        ["test mode 2 at 100.40 Hz fits as well (cost +0.005)"]
+        ["test mode 2 at 100.40 Hz fits as well (cost +0.001)"]
     );
     assert_eq!(
         table.rows[1].tests[0].reasons[0],

@@ -1,6 +1,7 @@
 //! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of it is right, and how
 //! many of its modes the present method finds. Identification from FRFs of systems known by their modes, in white noise of
-//! known variance. Models updated to synthetic twins of their machines. And every reader on damaged files.
+//! known variance. Modes paired with models whose stiffnesses are
+//! wrong, and models updated to synthetic twins of their machines. And every reader on damaged files.
 
 mod bound;
 mod close_pairs;
@@ -10,8 +11,10 @@ mod found;
 mod hits;
 mod identification;
 mod judge;
+mod machines;
 mod mutants;
 mod mutation;
+mod pairing;
 mod pipeline;
 mod recording;
 mod seeds;

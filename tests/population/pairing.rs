@@ -1,0 +1,188 @@
+//! Pairing of test modes with a model whose stiffnesses are wrong, beside pairing by frequency, by MAC and by index alone.
+
+use modalign::correlate::{PairOptions, Verdict, assign, pair};
+use rayon::prelude::*;
+
+use super::machines::{Machine, SENSORS};
+
+const MACHINES: u64 = 500;
+/// Part of a shape from which on a root is its partner without question.
+const CLEAR: f64 = 0.5;
+
+/// What became of test modes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    /// Paired with the root that holds most of the shape, and surely so.
+    right: usize,
+    /// With that root, labelled ambiguous.
+    right_ambiguous: usize,
+    /// With another, labelled ambiguous.
+    wrong_ambiguous: usize,
+    /// With another, without a word.
+    wrong: usize,
+    /// With none.
+    alone: usize,
+}
+
+impl Counts {
+    fn all(&self) -> usize {
+        self.right + self.right_ambiguous + self.wrong_ambiguous + self.wrong + self.alone
+    }
+
+    /// The part that is with its root.
+    fn found(&self) -> f64 {
+        (self.right + self.right_ambiguous) as f64 / self.all() as f64
+    }
+
+    fn line(&self) -> String {
+        format!(
+            "{:>5}  {:>5}  {:>9}  {:>8}  {:>5}  {:>4}",
+            self.all(),
+            self.right,
+            self.right_ambiguous,
+            self.wrong_ambiguous,
+            self.wrong,
+            self.alone
+        )
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.right += other.right;
+        self.right_ambiguous += other.right_ambiguous;
+        self.wrong_ambiguous += other.wrong_ambiguous;
+        self.wrong += other.wrong;
+        self.alone += other.alone;
+    }
+
+    fn count(&mut self, truth: usize, root: Option<usize>, sure: bool) {
+        let Some(root) = root else {
+            self.alone += 1;
+            return;
+        };
+        *match (root == truth, sure) {
+            (true, true) => &mut self.right,
+            (true, false) => &mut self.right_ambiguous,
+            (false, false) => &mut self.wrong_ambiguous,
+            (false, true) => &mut self.wrong,
+        } += 1;
+    }
+}
+
+/// Root of every test mode by some rule, and whether it is sure.
+type Choice = Vec<(Option<usize>, bool)>;
+type Rule = fn(&Machine) -> Choice;
+
+fn by_tool(machine: &Machine) -> Choice {
+    let pairing = pair(&machine.test, &machine.theory, &PairOptions::default()).unwrap();
+    let mut choice = vec![(None, true); machine.test.modes.len()];
+    for own in &pairing.pairs {
+        let root = machine.theory.modes[own.theory[0]].group.unwrap() as usize;
+        for partner in &own.partners {
+            choice[partner.test] = (Some(root), partner.verdict == Verdict::Paired);
+        }
+    }
+    choice
+}
+
+/// The rules of thumb: by frequency alone and by MAC alone, each decided for all modes together, and by index.
+fn by_rule(machine: &Machine, cost: impl Fn(usize, usize) -> f64) -> Choice {
+    let (tests, theory) = (machine.test.modes.len(), &machine.theory.modes);
+    let row = |i: usize| (0..theory.len()).map(|j| Some(cost(i, j))).collect();
+    let costs: Vec<Vec<Option<f64>>> = (0..tests).map(row).collect();
+    let root = |column: usize| theory[column].group.unwrap() as usize;
+    let chosen = assign(&costs, 1e3).into_iter();
+    chosen.map(|column| (column.map(root), true)).collect()
+}
+
+fn by_frequency(machine: &Machine) -> Choice {
+    by_rule(machine, |i, j| {
+        let (test, theory) = (&machine.test.modes[i], &machine.theory.modes[j]);
+        (test.frequency_hz / theory.frequency_hz).ln().abs()
+    })
+}
+
+fn by_mac(machine: &Machine) -> Choice {
+    let options = PairOptions {
+        max_frequency_error: 100.0,
+        ..PairOptions::default()
+    };
+    let pairing = pair(&machine.test, &machine.theory, &options).unwrap();
+    by_rule(machine, |i, j| 1.0 - pairing.mac[i][j].unwrap_or(0.0))
+}
+
+fn by_index(machine: &Machine) -> Choice {
+    by_rule(machine, |i, j| i.abs_diff(j) as f64)
+}
+
+struct Judged {
+    sensors: usize,
+    /// Clear modes and the rest, by the tool and by each rule of thumb.
+    counts: Vec<[Counts; 2]>,
+}
+
+const RULES: [(&str, Rule); 4] = [
+    ("frequency and MAC", by_tool),
+    ("frequency alone", by_frequency),
+    ("MAC alone", by_mac),
+    ("index", by_index),
+];
+
+fn judged(number: u64) -> Judged {
+    let machine = Machine::draw(number);
+    let counts = RULES.iter().map(|(_, rule)| {
+        let mut counts = [Counts::default(); 2];
+        for ((root, sure), truth) in rule(&machine).into_iter().zip(&machine.truth) {
+            counts[usize::from(truth.mac <= CLEAR)].count(truth.root, root, sure);
+        }
+        counts
+    });
+    Judged {
+        sensors: machine.sensors,
+        counts: counts.collect(),
+    }
+}
+
+// The machines and their seeds are fixed, so that the counts are too, but for a few on the edge.
+
+/// Least part of clear modes that find their root, with 20 sensors or more and with 8. Measured: 5885 of 5886, and 1544 of 1558.
+const LEAST_FOUND: f64 = 0.995;
+const LEAST_FOUND_BY_FEW: f64 = 0.98;
+/// Most modes that are said to belong where they do not, clear and others, with 20 sensors or more. Measured: 0 of 5886 and 3 of 41.
+const MOST_WRONG: [usize; 2] = [2, 5];
+
+#[test]
+fn modes_find_their_roots_in_models_whose_stiffnesses_are_wrong() {
+    let all: Vec<Judged> = (0..MACHINES).into_par_iter().map(judged).collect();
+    println!("sensors  rule               part   modes  found  ambiguous  wrong so  wrong  none");
+    for &sensors in &SENSORS {
+        for (r, (rule, _)) in RULES.iter().enumerate() {
+            for (part, own) in ["clear", "mixed"]
+                .iter()
+                .zip(sums(&all, r, |s| s == sensors))
+            {
+                println!("{sensors:>7}  {rule:17}  {part}  {}", own.line());
+            }
+        }
+    }
+    let [clear, mixed] = sums(&all, 0, |sensors| sensors >= 20);
+    assert!(clear.found() >= LEAST_FOUND, "{clear:?}");
+    assert!(clear.wrong <= MOST_WRONG[0], "{clear:?}");
+    assert!(mixed.wrong <= MOST_WRONG[1], "{mixed:?}");
+    let [few, _] = sums(&all, 0, |sensors| sensors < 20);
+    assert!(few.found() >= LEAST_FOUND_BY_FEW, "{few:?}");
+    // What all of it is for.
+    for rule in 1..RULES.len() {
+        let [thumb, _] = sums(&all, rule, |_| true);
+        assert!(thumb.wrong > 100 * clear.wrong.max(1), "{thumb:?}");
+    }
+}
+
+fn sums(all: &[Judged], rule: usize, counts: impl Fn(usize) -> bool) -> [Counts; 2] {
+    let mut sums = [Counts::default(); 2];
+    for judged in all.iter().filter(|own| counts(own.sensors)) {
+        for (sum, own) in sums.iter_mut().zip(&judged.counts[rule]) {
+            sum.add(own);
+        }
+    }
+    sums
+}
