@@ -345,6 +345,9 @@ codes! {
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",
         "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";
+    /// Two modes of one set with one shape.
+    DuplicateModes: "this mode has nearly the same shape and frequency as another of its set: one mode found twice, or sensors that cannot tell two apart",
+        "The value is the MAC of both (autoMAC). A stabilization diagram read twice, two poles fitted to one resonance that moved between runs, or too few sensors give such a pair. Keep the one that explains more of the response, or measure at more points.";
     /// Degrees of freedom without a partner.
     DofWithoutPartner: "a degree of freedom of the test has no counterpart in the model and was left out of the comparison",
         "MAC is computed on the degrees of freedom that both have. State the missing ones as [[sensor]] in the scene.";

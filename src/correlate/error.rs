@@ -1,6 +1,8 @@
 //! What can be wrong with a request to correlate.
 
+use crate::dof::Dof;
 use crate::linalg::LinalgError;
+use crate::theory::TheoryError;
 
 /// Why modes cannot be paired or compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -77,6 +79,39 @@ pub enum CorrelateError {
         expected_test: usize,
         /// Modes of the theory.
         expected_theory: usize,
+    },
+    /// A sensor at which a mass matrix cannot be reduced by statics.
+    #[error(
+        "sensor {dof}: got a reading of several coordinates, or of one that another sensor reads, expected one coordinate for each sensor; reduce with serep"
+    )]
+    NotACoordinate {
+        /// The sensor, as the theory names it.
+        dof: Dof,
+    },
+    /// A mass matrix that cannot be reduced to the sensors.
+    #[error("the mass matrix cannot be reduced to the sensors: {0}")]
+    Reduction(#[source] Box<TheoryError>),
+    /// Two sets of FRFs of other points.
+    #[error(
+        "got {got_first} and {got_second} functions without one response and reference in common, expected functions of the same points"
+    )]
+    NoCommonFunction {
+        /// Functions of the first set.
+        got_first: usize,
+        /// Functions of the second set.
+        got_second: usize,
+    },
+    /// Two sets of FRFs on other lines.
+    #[error(
+        "got axes with lines every {got_first_hz} Hz and {got_second_hz} Hz that have {common} lines in common, expected two or more"
+    )]
+    NoCommonLine {
+        /// Spacing of the first set, Hz.
+        got_first_hz: f64,
+        /// Spacing of the second set, Hz.
+        got_second_hz: f64,
+        /// Lines in common inside the band.
+        common: usize,
     },
     /// A matrix problem without an answer.
     #[error(transparent)]

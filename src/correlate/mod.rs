@@ -2,6 +2,7 @@
 //!
 //! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes, [`observability`](fn@observability) says what a test
 //! could see, [`compare`] makes rows of one theory and several tests.
+//! [`measures`](mod@measures) holds what shapes and FRFs say beside the pairing.
 //! [`published`] holds what a paper printed against a model, and its claims against its own tables.
 //! This module must not compute modes, and must not print or write what it finds.
 
@@ -11,6 +12,7 @@ mod dof_map;
 mod dof_names;
 mod error;
 mod footnote;
+pub mod measures;
 mod observability;
 mod options;
 mod pairing;

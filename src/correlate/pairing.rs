@@ -228,7 +228,13 @@ impl Shapes {
         }
     }
 
-    fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
+    /// At how many degrees of freedom a test and a theory mode have values.
+    pub fn common_count(&self, test: usize, theory: usize) -> usize {
+        let both = self.test[test].iter().zip(&self.theory[theory]);
+        both.filter(|(a, b)| a.is_some() && b.is_some()).count()
+    }
+
+    pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
         let row = |i| {
             (0..self.theory.len())
                 .map(|j| self.compare(i, &[j]).1)
@@ -240,7 +246,9 @@ impl Shapes {
 
 /// A theory's values with exact zeros where a mode stands still: below a part of the largest value that any mode has there,
 /// only rounding is left, and rounding has every shape.
-fn without_rounding(mut modes: Vec<Vec<Option<Complex64>>>) -> Vec<Vec<Option<Complex64>>> {
+pub(super) fn without_rounding(
+    mut modes: Vec<Vec<Option<Complex64>>>,
+) -> Vec<Vec<Option<Complex64>>> {
     /// An eigenvector is known to about 1e-14 of its largest component.
     const ROUNDING: f64 = 1e-10;
     let count = modes.first().map_or(0, Vec::len);

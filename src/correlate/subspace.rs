@@ -54,6 +54,16 @@ pub fn subspace_mac(vector: &[Complex64], span: &[Vec<Complex64>]) -> Option<f64
     Some((captured / squared).min(1.0))
 }
 
+/// The part of a vector that lies in the span of others, `Q Q^H v`.
+pub(super) fn projection(vector: &[Complex64], span: &[Vec<Complex64>]) -> Vec<Complex64> {
+    let mut part = vec![Complex64::ZERO; vector.len()];
+    for q in orthonormal(span) {
+        let along = inner(&q, vector);
+        part.iter_mut().zip(&q).for_each(|(p, q)| *p += along * q);
+    }
+    part
+}
+
 /// Principal angles between two subspaces, ascending, degrees; as many as the smaller has dimensions.
 ///
 /// The cosines are the singular values of `Q_a^H Q_b`; an angle below about 1e-6 degrees is lost in rounding.

@@ -1,0 +1,108 @@
+//! A set of modes against itself: whether its shapes can be told apart at its sensors.
+
+use serde::Serialize;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::ModalModel;
+
+use super::super::pairing::Shapes;
+use super::super::roots::check_model;
+use super::super::{CorrelateError, DofMap, PairOptions};
+use super::{MacMatrix, ModeName};
+
+/// When two modes of one set are duplicates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DuplicateLimits {
+    /// Smallest MAC between them.
+    pub min_mac: f64,
+    /// Largest difference of their frequencies, as a part of the higher one.
+    pub max_frequency_difference: f64,
+}
+
+impl Default for DuplicateLimits {
+    /// A MAC of 0.9 within 5 % in frequency.
+    fn default() -> Self {
+        Self {
+            min_mac: 0.9,
+            max_frequency_difference: 0.05,
+        }
+    }
+}
+
+/// Two modes of one set with nearly the same shape at nearly the same frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Duplicate {
+    /// The one of smaller number.
+    pub first: ModeName,
+    /// The other.
+    pub second: ModeName,
+    /// Their MAC.
+    pub mac: f64,
+}
+
+/// MAC of a set of modes with itself.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AutoMac {
+    /// Symmetric, with a diagonal of 1 where a mode has a shape.
+    pub matrix: MacMatrix,
+    /// What counts as a duplicate.
+    pub limits: DuplicateLimits,
+    /// The duplicates, by their first and second number.
+    pub duplicates: Vec<Duplicate>,
+}
+
+/// MAC of every mode of a set with every other, and those that are too alike to be two.
+///
+/// Modes of one repeated root (same group number) span a space of which any basis is as good; they are not duplicates.
+///
+/// # Errors
+/// [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`], [`CorrelateError::MixedUnits`].
+///
+/// # Reference
+/// Allemang and Brown (1982), A correlation coefficient for modal vector analysis, IMAC 1.
+pub fn auto_mac(
+    model: &ModalModel,
+    limits: DuplicateLimits,
+    options: &PairOptions,
+) -> Result<AutoMac, CorrelateError> {
+    check_model("test", model)?;
+    let map = DofMap::of_models(model, model);
+    let shapes = Shapes::new(model, model, &map, options)?;
+    let matrix = MacMatrix::new(model, model, &shapes);
+    Ok(AutoMac {
+        duplicates: duplicates(model, &matrix, limits),
+        matrix,
+        limits,
+    })
+}
+
+fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -> Vec<Duplicate> {
+    let mut found = Vec::new();
+    for (i, first) in matrix.rows.iter().enumerate() {
+        for (j, second) in matrix.rows.iter().enumerate().skip(i + 1) {
+            let apart = (first.hz - second.hz).abs();
+            let near = apart <= limits.max_frequency_difference * first.hz.max(second.hz);
+            let group = model.modes[i].group;
+            let one_root = group.is_some() && group == model.modes[j].group;
+            let mac = matrix.mac[i][j].filter(|mac| *mac >= limits.min_mac);
+            if let Some(mac) = mac.filter(|_| near && !one_root) {
+                let (first, second) = (*first, *second);
+                found.push(Duplicate { first, second, mac });
+            }
+        }
+    }
+    found
+}
+
+impl AutoMac {
+    /// Each duplicate as a finding at its second mode.
+    pub fn findings(&self) -> Vec<Finding> {
+        let finding = |own: &Duplicate| {
+            let place = Place::Mode(own.second.hz);
+            Finding::new(Severity::Warning, Code::DuplicateModes, place)
+                .value(own.mac, "")
+                .limit(self.limits.min_mac)
+        };
+        self.duplicates.iter().map(finding).collect()
+    }
+}
