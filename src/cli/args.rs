@@ -74,6 +74,7 @@ pub enum Verb {
 
 /// `run`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign run measurements/cycloid-ball -o out")]
 pub struct RunArgs {
     /// A scene's folder or its scene.toml.
     pub scene: PathBuf,
@@ -87,6 +88,7 @@ pub struct RunArgs {
 
 /// `inspect`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign inspect hits.uff model.unv --json")]
 pub struct InspectArgs {
     /// Files of any known format.
     #[arg(required = true)]
@@ -95,6 +97,7 @@ pub struct InspectArgs {
 
 /// `convert`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign convert wing.unv -o wing.h5")]
 pub struct ConvertArgs {
     /// Files of any known format, put together in this order; or one scene, whose first test's files are meant as it
     /// describes them.
@@ -119,6 +122,9 @@ pub struct ConvertArgs {
 
 /// `frf`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  modalign frf hits.uff --force-window 0.02 --reject 3 -o frfs.h5"
+)]
 pub struct FrfArgs {
     /// Recordings, or one scene whose tests describe them.
     #[arg(required = true)]
@@ -174,6 +180,7 @@ pub struct FrfArgs {
 
 /// `identify`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign identify frfs.h5 --band 20:400 -o modes.json")]
 pub struct IdentifyArgs {
     /// FRF files.
     #[arg(required = true)]
@@ -212,6 +219,9 @@ pub struct IdentifyArgs {
 
 /// `theory`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json"
+)]
 pub struct TheoryArgs {
     /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
     pub model: PathBuf,
@@ -246,13 +256,31 @@ pub struct TheoryArgs {
 
 /// `correlate`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  modalign correlate --test modes.json --theory model.toml -o table.md\n  modalign correlate --test wing.unv --theory wing-model.unv --nearest-node 0.005 --measures\n  modalign correlate --test wing.unv                         # autoMAC, duplicates named\n  modalign correlate --test hammer.h5 --theory model-frfs.uff --band 20:400 --lines lines.csv"
+)]
 pub struct CorrelateArgs {
-    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55; may be repeated.
+    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55; or FRFs. May be repeated.
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
-    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose model is meant.
+    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose model is meant; FRFs where
+    /// the test is FRFs. Without it each test is held against itself (autoMAC).
     #[arg(long)]
-    pub theory: PathBuf,
+    pub theory: Option<PathBuf>,
+    /// Print the measures beside the pairing, each with its definition: MAC and autoMAC matrices, FMAC, modal scale factors,
+    /// COMAC, close modes as subspaces.
+    #[arg(long, requires = "theory")]
+    pub measures: bool,
+    /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by guyan or serep (through the
+    /// paired modes).
+    #[arg(long, value_name = "guyan|serep", requires = "theory")]
+    pub orthogonality: Option<String>,
+    /// FRFs: compare these lines alone, LO:HI in Hz.
+    #[arg(long, value_name = "LO:HI", value_parser = band)]
+    pub band: Option<Band>,
+    /// FRFs: write shape and amplitude criterion at every line here (.csv).
+    #[arg(long, value_name = "FILE")]
+    pub lines: Option<PathBuf>,
     /// A list of lines TEST,THEORY, where the degrees of freedom of both have other names.
     #[arg(long, value_name = "FILE", conflicts_with = "nearest_node")]
     pub dof_map: Option<PathBuf>,
@@ -291,6 +319,7 @@ pub struct UpdateArgs {
 
 /// `synth`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign synth spec.toml -o hits.uff")]
 pub struct SynthArgs {
     /// Spec of the synthetic test (TOML).
     pub spec: PathBuf,
@@ -301,6 +330,9 @@ pub struct SynthArgs {
 
 /// `check`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  modalign check out/comparison.json --against scene.toml --junit check.xml"
+)]
 pub struct CheckArgs {
     /// comparison.json or modes.json.
     pub result: PathBuf,

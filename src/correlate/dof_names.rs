@@ -115,6 +115,12 @@ impl DofNames {
         self.pairs.is_empty()
     }
 
+    /// What the theory itself calls a degree of freedom of the test, with the sign of the theory's sensor.
+    pub fn in_theory(&self, test: &Dof) -> Option<&Dof> {
+        let mut pairs = self.pairs.iter();
+        pairs.find(|(own, _)| own == test).map(|(_, theory)| theory)
+    }
+
     /// The theory under the names of the test: each shape at the test's degrees of freedom, as far as a pair names them
     /// and the shape has a value there.
     pub fn rename(&self, theory: &ModalModel) -> ModalModel {
@@ -184,6 +190,8 @@ mod tests {
         let renamed = names.rename(&model(&[("101:+X", 2.0), ("102:-X", 3.0)]));
         let expected = [("1:+Z".to_owned(), -2.0), ("2:-Z".to_owned(), -3.0)];
         assert_eq!(values(&renamed), expected);
+        let own = names.in_theory(&"1:+Z".parse().unwrap());
+        assert_eq!(own.map(ToString::to_string), Some("101:-X".to_owned()));
     }
 
     #[test]

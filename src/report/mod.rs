@@ -12,6 +12,7 @@ mod indicators;
 pub mod json;
 mod latex;
 mod markdown;
+mod measures;
 mod modes;
 mod published;
 mod response;
@@ -30,6 +31,9 @@ pub use frf::{frf_block, hits_block};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use latex::Latex;
 pub use markdown::Markdown;
+pub use measures::{
+    auto_mac_blocks, frf_correlation_blocks, frf_lines_block, measures_blocks, orthogonality_blocks,
+};
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,

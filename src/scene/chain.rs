@@ -439,6 +439,8 @@ pub struct Comparison {
     pub table: ComparisonTable,
     /// Findings of every pairing, by test.
     pub findings: Vec<(String, Vec<Finding>)>,
+    /// The pairing of every test, in their order.
+    pub pairings: Vec<Pairing>,
 }
 
 /// A test as it comes to a comparison.
@@ -480,5 +482,9 @@ pub fn compare_tests(
     let findings = findings
         .map(|(test, pairing)| (test.name.to_owned(), pairing.findings.clone()))
         .collect();
-    Ok(Comparison { table, findings })
+    Ok(Comparison {
+        table,
+        findings,
+        pairings,
+    })
 }

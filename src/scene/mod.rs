@@ -17,6 +17,7 @@ mod modes_file;
 mod plan;
 mod quantities;
 mod recording;
+mod reduced;
 mod synth_spec;
 mod synth_truth;
 mod toml_text;
@@ -39,7 +40,7 @@ pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
-pub use modes_file::{is_modes_file, load_modes};
+pub use modes_file::{holds_functions, is_modes_file, load_modes};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};

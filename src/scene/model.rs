@@ -200,7 +200,7 @@ impl LoadedModel {
     }
 
     /// The model file's sensors and those of a scene, which counts where both name one.
-    pub(super) fn sensors_with(&self, sensors: &[Sensor]) -> Vec<Sensor> {
+    pub fn sensors_with(&self, sensors: &[Sensor]) -> Vec<Sensor> {
         let own = self.sensors.iter();
         let own = own.filter(|own| !sensors.iter().any(|s| s.dof == own.dof));
         own.chain(sensors).cloned().collect()

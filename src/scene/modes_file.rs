@@ -19,6 +19,24 @@ pub fn is_modes_file(path: &Path) -> bool {
     !is_toml && !is_built_in(path) && !path.is_dir()
 }
 
+/// Whether a file holds functions and no modes, by its headers; `false` for one that cannot be opened, whose reason the
+/// reader of modes tells.
+pub fn holds_functions(path: &Path, format: Option<&str>) -> bool {
+    let Ok(format) = format_of(path, format) else {
+        return false;
+    };
+    let hints = Hints {
+        path: path.display().to_string(),
+        table: None,
+    };
+    let opened = open_path(path, &hints, Some(format.name()));
+    format.name() != "modes"
+        && opened.is_ok_and(|source| {
+            let catalog = source.catalog();
+            catalog.modes.is_empty() && !catalog.entries.is_empty()
+        })
+}
+
 /// Reads the modes of a file, with the geometry that it holds.
 ///
 /// # Errors

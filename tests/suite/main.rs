@@ -3,6 +3,7 @@
 mod architecture;
 mod bad_input;
 mod command;
+mod correlate_command;
 mod cycloid_ball;
 mod exchange;
 mod free_free_beam;

@@ -12,7 +12,7 @@ use crate::command::{fail, json, shared_data, succeed, write};
 use crate::twins::{Tally, Twin, lumped, torsional, twin};
 
 /// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the ground.
-fn frame(mass: f64, stiffness: &[f64], (lower, upper): (f64, f64)) -> String {
+pub fn frame(mass: f64, stiffness: &[f64], (lower, upper): (f64, f64)) -> String {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
     for (i, k) in stiffness.iter().enumerate() {
         let n = i + 1;
@@ -37,7 +37,7 @@ fn frame(mass: f64, stiffness: &[f64], (lower, upper): (f64, f64)) -> String {
 }
 
 /// Finished modes: frequency, its deviation where it is known, shape at storeys from 1.
-fn modes_json(modes: &[(f64, Option<f64>, Vec<f64>)]) -> String {
+pub fn modes_json(modes: &[(f64, Option<f64>, Vec<f64>)]) -> String {
     let mode = |(hz, std, shape): &(f64, Option<f64>, Vec<f64>)| {
         let values = shape.iter().enumerate();
         let values: serde_json::Map<String, Value> = values
@@ -177,7 +177,7 @@ fn a_scene_that_cannot_be_meant_says_why() {
 }
 
 /// Measured frequencies (Hz), and the shapes of the four modes at the four storeys.
-fn four_storeys(path: &Path) -> (Vec<f64>, Vec<Vec<f64>>) {
+pub fn four_storeys(path: &Path) -> (Vec<f64>, Vec<Vec<f64>>) {
     let names = [
         "test_frequency",
         "test_mode:1",

@@ -47,7 +47,7 @@ pub struct AutoMac {
     pub matrix: MacMatrix,
     /// What counts as a duplicate.
     pub limits: DuplicateLimits,
-    /// The duplicates, by their first and second number.
+    /// The duplicates, the most alike first.
     pub duplicates: Vec<Duplicate>,
 }
 
@@ -66,14 +66,32 @@ pub fn auto_mac(
     options: &PairOptions,
 ) -> Result<AutoMac, CorrelateError> {
     check_model("test", model)?;
-    let map = DofMap::of_models(model, model);
-    let shapes = Shapes::new(model, model, &map, options)?;
-    let matrix = MacMatrix::new(model, model, &shapes);
+    let matrix = matrix(model, &DofMap::of_models(model, model), options)?;
     Ok(AutoMac {
         duplicates: duplicates(model, &matrix, limits),
         matrix,
         limits,
     })
+}
+
+/// MAC of a set with itself on the degrees of freedom of a map onto itself.
+fn matrix(
+    model: &ModalModel,
+    map: &DofMap,
+    options: &PairOptions,
+) -> Result<MacMatrix, CorrelateError> {
+    let shapes = Shapes::new(model, model, map, options)?;
+    Ok(MacMatrix::new(model, model, &shapes))
+}
+
+/// MAC of a theory with itself at the sensors of a test: which of its modes these sensors cannot tell apart.
+pub(super) fn at_sensors(
+    theory: &ModalModel,
+    map: &DofMap,
+    options: &PairOptions,
+) -> Result<MacMatrix, CorrelateError> {
+    let sensors = || map.pairs.iter().map(|pair| &pair.theory);
+    matrix(theory, &DofMap::new(sensors(), sensors()), options)
 }
 
 fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -> Vec<Duplicate> {
@@ -91,6 +109,7 @@ fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -
             }
         }
     }
+    found.sort_by(|a, b| b.mac.total_cmp(&a.mac));
     found
 }
 

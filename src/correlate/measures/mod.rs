@@ -38,6 +38,7 @@ pub use orthogonality::{
     reduced_mass,
 };
 
+use auto_mac::at_sensors;
 use cluster::clusters;
 use coordinate::coordinates;
 use pair_shapes::PairShapes;
@@ -151,7 +152,9 @@ pub struct ScaleFactor {
 pub struct Measures {
     /// MAC of every test mode (row) with every theory mode (column), each by itself.
     pub mac: MacMatrix,
-    /// All pairs of modes above 0 Hz with frequencies and MAC.
+    /// MAC of the theory with itself at the test's sensors: modes that these cannot tell apart.
+    pub theory_auto_mac: MacMatrix,
+    /// All pairs of modes with frequencies and MAC.
     pub frequency_mac: Vec<FrequencyMac>,
     /// Of every pair with a simple root.
     pub scale_factors: Vec<ScaleFactor>,
@@ -177,6 +180,7 @@ pub fn measures(
     let pairs = PairShapes::of_pairing(&shapes, pairing);
     let mac = MacMatrix::new(test, theory, &shapes);
     Ok(Measures {
+        theory_auto_mac: at_sensors(theory, &pairing.map, options)?,
         frequency_mac: frequency_mac(&mac, options),
         scale_factors: scale_factors(&mac, &shapes, pairing),
         coordinates: coordinates(&pairing.map, &pairs),

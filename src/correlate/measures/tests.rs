@@ -34,6 +34,7 @@ fn every_mode_meets_every_mode_with_both_frequencies() {
     near(own.mac.mac[1][1], 0.0);
     assert_eq!(own.mac.dofs, DofRange { fewest: 3, most: 3 });
     assert_eq!(own.frequency_mac.len(), 4);
+    near(own.theory_auto_mac.mac[0][1], 1.0 / 3.0);
     let point = own.frequency_mac[1];
     assert_eq!((point.test.mode, point.theory.mode), (1, 2));
     near(point.error_percent, 10.0);
@@ -172,6 +173,14 @@ fn modes_of_one_shape_near_in_frequency_are_duplicates() {
     near(Some(own.duplicates[0].mac), mac);
     near(own.matrix.mac[2][2], 1.0);
     assert_eq!(own.findings()[0].value, Some(own.duplicates[0].mac));
+    let wide = DuplicateLimits {
+        max_frequency_difference: 0.3,
+        ..limits
+    };
+    let own = auto_mac(&set, wide, &options).unwrap();
+    let found = own.duplicates.iter();
+    let found: Vec<_> = found.map(|d| (d.first.mode, d.second.mode)).collect();
+    assert_eq!(found, [(1, 3), (1, 2), (2, 3)]);
     // The modes of a repeated root are no duplicates, whatever their basis.
     set.modes[0].group = Some(1);
     set.modes[1].group = Some(1);

@@ -1,8 +1,12 @@
 //! `comparison.json`, schema `modalign-comparison/1`.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+use crate::correlate::measures::Measures;
 use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell};
+
+use super::measures::measures_value;
 
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
@@ -39,6 +43,9 @@ pub struct ComparisonFile {
     pub rows: Vec<RowFile>,
     /// Figures over all rows, one per test.
     pub summary: SummaryFile,
+    /// Measures beside the pairing, where they were asked for: an object for each test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measures: Option<Value>,
 }
 
 /// One row.
@@ -98,6 +105,11 @@ pub struct SummaryFile {
 
 /// The text of `comparison.json`, ending in a newline.
 pub fn comparison_to_json(table: &ComparisonTable) -> String {
+    comparison_with_measures(table, &[])
+}
+
+/// The text of `comparison.json` with the measures of tests, by name; the same text without any.
+pub fn comparison_with_measures(table: &ComparisonTable, tests: &[(String, Measures)]) -> String {
     let file = ComparisonFile {
         schema: COMPARISON_SCHEMA.to_owned(),
         error_reference: table.error_reference.name().to_owned(),
@@ -105,6 +117,7 @@ pub fn comparison_to_json(table: &ComparisonTable) -> String {
         summary: SummaryFile {
             tests: table.summary.clone(),
         },
+        measures: (!tests.is_empty()).then(|| measures_value(tests)),
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
     text + "\n"

@@ -3,6 +3,7 @@
 mod compare;
 mod comparison;
 mod hits;
+mod measures;
 mod response;
 mod sweep;
 mod update;
@@ -10,9 +11,12 @@ mod update;
 pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
-    comparison_from_json, comparison_to_json,
+    comparison_from_json, comparison_to_json, comparison_with_measures,
 };
 pub use hits::hits;
+pub use measures::{
+    AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,
+};
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use update::{UPDATE_SCHEMA, update_to_json};

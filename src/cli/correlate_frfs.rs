@@ -1,0 +1,95 @@
+//! `modalign correlate` of FRFs: functions of tests against those of a theory, or of another test.
+
+use std::path::Path;
+
+use crate::correlate::measures::frf_correlation;
+use crate::error::Error;
+use crate::frf::FrfSet;
+use crate::io::write_whole;
+use crate::report::{CsvText, Renderer, frf_correlation_blocks, frf_lines_block, json};
+use crate::scene::{FilePlan, IngestOptions, ingest_files};
+
+use super::Outcome;
+use super::args::CorrelateArgs;
+use super::correlate::print;
+use super::output::{Output, check_extension};
+
+/// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
+pub fn correlate_frfs(
+    args: &CorrelateArgs,
+    theory: &Path,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
+    check_arguments(args)?;
+    let other = functions(theory, format, output)?;
+    let second = theory.display().to_string();
+    let (mut blocks, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
+    for path in &args.test {
+        let name = path.display().to_string();
+        let own = frf_correlation(&functions(path, format, output)?, &other, args.band)?;
+        blocks.extend(frf_correlation_blocks(&name, &second, &own));
+        lines.push(frf_lines_block(&name, &second, &own));
+        all.push((name, own));
+    }
+    if let Some(path) = &args.lines {
+        write_whole(path, CsvText.render(&lines))?;
+    }
+    print(
+        args,
+        (&blocks, json::frf_correlations_to_json(&all)),
+        output,
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// What pairs modes has no meaning for functions.
+fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
+    check_extension(args.lines.as_deref(), &["csv"])?;
+    let given = [
+        ("--measures", args.measures),
+        ("--orthogonality", args.orthogonality.is_some()),
+        ("--dof-map", args.dof_map.is_some()),
+        ("--nearest-node", args.nearest_node.is_some()),
+        ("--min-mac", args.min_mac.is_some()),
+        ("--max-frequency-error", args.max_frequency_error.is_some()),
+        ("--error-reference", args.error_reference.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((argument, _)) => Err(Error::Argument {
+            argument,
+            got: "FRFs".to_owned(),
+            expected: "modes on both sides".to_owned(),
+        }),
+    }
+}
+
+/// The FRFs of a file, on one axis.
+fn functions(path: &Path, format: Option<&str>, output: &mut Output) -> Result<FrfSet, Error> {
+    let options = IngestOptions {
+        format,
+        ..IngestOptions::default()
+    };
+    let data = ingest_files(&[FilePlan::bare(path)], &options)?;
+    output.findings(&data.findings);
+    let count = data.frfs.len();
+    let mut sets = data.frfs.into_iter();
+    match (sets.next(), sets.next(), data.recording) {
+        (Some(set), None, None) => Ok(set),
+        (_, _, recording) => Err(Error::Argument {
+            argument: "--test, --theory",
+            got: match recording {
+                Some(recording) => {
+                    format!(
+                        "{}, with {} recorded hits",
+                        path.display(),
+                        recording.hits().len()
+                    )
+                }
+                None => format!("{}, with FRFs on {count} axes", path.display()),
+            },
+            expected: "FRFs on one axis on both sides; make them with `modalign frf`".to_owned(),
+        }),
+    }
+}

@@ -1,0 +1,401 @@
+//! Measures beside the pairing as tables, each with its definition and the degrees of freedom that it rests on.
+
+use crate::correlate::measures::{
+    AutoMac, CLUSTER_WIDTH, ClusterMac, CoordinateMac, DofRange, FrequencyMac, FrfCorrelation,
+    FunctionCorrelation, LineCorrelation, MacMatrix, Measures, ModeName, Orthogonality, Reduction,
+    ScaleFactor,
+};
+
+use super::{Block, Cell, Column, Table};
+
+/// Pairs of modes with less MAC than this have no row in the table of MAC with frequencies.
+const LISTED_MAC: f64 = 0.3;
+
+/// Theory modes within these parts of the lowest and the highest test frequency have a column in a matrix.
+const COLUMNS_WITHIN: [f64; 2] = [0.8, 1.25];
+
+const MAC: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";
+
+/// Every measure of one test against one theory.
+pub fn measures_blocks(test: &str, own: &Measures) -> Vec<Block> {
+    let mut tables = vec![
+        mac_table(format!("MAC of {test} and theory"), &own.mac),
+        frequency_table(test, &own.frequency_mac, own.mac.dofs),
+        scale_table(test, &own.scale_factors),
+        coordinate_table(test, &own.coordinates),
+        theory_table(test, own),
+    ];
+    if !own.clusters.is_empty() {
+        tables.push(cluster_table(test, &own.clusters));
+    }
+    let mut blocks: Vec<Block> = tables.into_iter().map(Block::Table).collect();
+    blocks.extend(orthogonality_blocks(test, own));
+    blocks
+}
+
+/// Orthogonality alone, where there is one.
+pub fn orthogonality_blocks(test: &str, own: &Measures) -> Vec<Block> {
+    let found = own.orthogonality.iter();
+    let tables = found.flat_map(|own| orthogonality_tables(test, own));
+    tables.map(Block::Table).collect()
+}
+
+/// A set of modes against itself, with its duplicates.
+pub fn auto_mac_blocks(name: &str, own: &AutoMac) -> Vec<Block> {
+    let mut table = mac_table(format!("AutoMAC of {name}"), &own.matrix);
+    let (mac, part) = (
+        own.limits.min_mac,
+        100.0 * own.limits.max_frequency_difference,
+    );
+    let rule = format!("Duplicates: a MAC of {mac} or more within {part} % in frequency");
+    table.footnotes.push(if own.duplicates.is_empty() {
+        format!("{rule}: none.")
+    } else {
+        format!("{rule}: {}.", own.duplicates.len())
+    });
+    let mut blocks = vec![Block::Table(table)];
+    if !own.duplicates.is_empty() {
+        let row = |own: &crate::correlate::measures::Duplicate| {
+            vec![
+                name_cell(&own.first),
+                Cell::number(Some(own.first.hz), 3),
+                name_cell(&own.second),
+                Cell::number(Some(own.second.hz), 3),
+                Cell::number(Some(own.mac), 4),
+            ]
+        };
+        let heads = ["mode", "f (Hz)", "mode", "f (Hz)", "MAC"];
+        blocks.push(Block::Table(Table {
+            caption: format!("Modes of {name} that are alike"),
+            columns: heads.map(Column::number).to_vec(),
+            rows: own.duplicates.iter().map(row).collect(),
+            footnotes: vec![
+                "One mode found twice, or sensors that cannot tell two apart.".to_owned(),
+            ],
+        }));
+    }
+    blocks
+}
+
+/// Two sets of FRFs: by function, and over parts of the band.
+pub fn frf_correlation_blocks(first: &str, second: &str, own: &FrfCorrelation) -> Vec<Block> {
+    let row = |own: &FunctionCorrelation| {
+        vec![
+            Cell::text(own.response.to_string()),
+            Cell::text(own.reference.to_string()),
+            Cell::number(own.frac, 4),
+            Cell::signed(own.level_db, 2),
+        ]
+    };
+    let lines = own.lines.len();
+    let ends = own.lines.first().zip(own.lines.last());
+    let band = ends.map_or_else(String::new, |(a, b)| {
+        format!(" from {} to {} Hz", a.hz, b.hz)
+    });
+    let mut footnotes = vec![
+        "FRAC = |Σ a* b|²/(Σ |a|² · Σ |b|²) over the lines (Heylen and Lammens 1996); level: rms of the second over the first.".to_owned(),
+        format!("{} functions, {lines} lines{band}, both in {}.", own.functions.len(), own.unit),
+    ];
+    if own.first_alone + own.second_alone > 0 {
+        footnotes.push(format!(
+            "Functions without a partner: {} of the first, {} of the second.",
+            own.first_alone, own.second_alone
+        ));
+    }
+    let columns = vec![
+        Column::text("response"),
+        Column::text("reference"),
+        Column::number("FRAC"),
+        Column::number("level (dB)"),
+    ];
+    vec![
+        Block::Table(Table {
+            caption: format!("FRFs of {first} and {second}"),
+            columns,
+            rows: own.functions.iter().map(row).collect(),
+            footnotes,
+        }),
+        Block::Table(band_table(first, second, own)),
+    ]
+}
+
+/// What the columns over frequency are.
+const LINE_DEFINITIONS: &str = "At each line, a and b the functions as vectors: shape = |a^H b|²/(a^H a · b^H b), blind to amplitude; amplitude = 2|a^H b|/(a^H a + b^H b), 1 for equal vectors (Zang, Grafe and Imregun 2001).";
+
+fn band_table(first: &str, second: &str, own: &FrfCorrelation) -> Table {
+    let heads = [
+        "from (Hz)",
+        "to (Hz)",
+        "lines",
+        "shape, mean",
+        "shape, least",
+        "amplitude, mean",
+        "amplitude, least",
+    ];
+    let row = |band: &crate::correlate::measures::BandCorrelation| {
+        let values = [
+            band.mean_shape,
+            band.least_shape,
+            band.mean_amplitude,
+            band.least_amplitude,
+        ];
+        let ends = [band.lo_hz, band.hi_hz].map(|hz| Cell::number(Some(hz), 2));
+        let mut cells = ends.to_vec();
+        cells.push(Cell::text(band.lines.to_string()));
+        cells.extend(values.map(|value| Cell::number(value, 4)));
+        cells
+    };
+    let count = own.functions.len();
+    Table {
+        caption: format!("FRFs of {first} and {second} over frequency"),
+        columns: heads.map(Column::number).to_vec(),
+        rows: own.bands.iter().map(row).collect(),
+        footnotes: vec![format!(
+            "{LINE_DEFINITIONS} {count} functions in each vector."
+        )],
+    }
+}
+
+/// The criteria at every line.
+pub fn frf_lines_block(first: &str, second: &str, own: &FrfCorrelation) -> Block {
+    let row = |line: &LineCorrelation| {
+        vec![
+            Cell::number(Some(line.hz), 4),
+            Cell::number(line.shape, 6),
+            Cell::number(line.amplitude, 6),
+        ]
+    };
+    Block::Table(Table {
+        caption: format!("FRFs of {first} and {second} by line"),
+        columns: ["f (Hz)", "shape", "amplitude"]
+            .map(Column::number)
+            .to_vec(),
+        rows: own.lines.iter().map(row).collect(),
+        footnotes: vec![LINE_DEFINITIONS.to_owned()],
+    })
+}
+
+fn dofs_text(dofs: DofRange) -> String {
+    if dofs.fewest == dofs.most {
+        format!("{} degrees of freedom", dofs.most)
+    } else {
+        format!("{} to {} degrees of freedom", dofs.fewest, dofs.most)
+    }
+}
+
+fn name_cell(name: &ModeName) -> Cell {
+    Cell::text(name.mode.to_string())
+}
+
+/// Columns of a matrix that are worth their place: those near the rows in frequency.
+fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
+    let lowest = rows.iter().map(|own| own.hz).fold(f64::INFINITY, f64::min);
+    let highest = rows.iter().map(|own| own.hz).fold(0.0, f64::max);
+    let near = |own: &ModeName| {
+        (COLUMNS_WITHIN[0] * lowest..=COLUMNS_WITHIN[1] * highest).contains(&own.hz)
+    };
+    (0..columns.len()).filter(|&j| near(&columns[j])).collect()
+}
+
+/// A matrix of modes against modes, rows and columns headed by number and frequency.
+fn matrix_table(
+    caption: String,
+    (rows, columns): (&[ModeName], &[ModeName]),
+    (values, decimals): (&[Vec<Option<f64>>], usize),
+) -> Table {
+    let kept = columns_near(rows, columns);
+    let mut heads = vec![Column::number("mode"), Column::number("f (Hz)")];
+    heads.extend(kept.iter().map(|&j| {
+        let own = columns[j];
+        Column::number(format!("{}\n{:.2}", own.mode, own.hz))
+    }));
+    let row = |(own, values): (&ModeName, &Vec<Option<f64>>)| {
+        let mut cells = vec![name_cell(own), Cell::number(Some(own.hz), 2)];
+        cells.extend(kept.iter().map(|&j| Cell::number(values[j], decimals)));
+        cells
+    };
+    let left_out = columns.len() - kept.len();
+    let note =
+        format!("Columns: mode and Hz; {left_out} beyond the frequencies of the rows left out.");
+    Table {
+        caption,
+        columns: heads,
+        rows: rows.iter().zip(values).map(row).collect(),
+        footnotes: (left_out > 0).then_some(note).into_iter().collect(),
+    }
+}
+
+fn mac_table(caption: String, own: &MacMatrix) -> Table {
+    let mut table = matrix_table(caption, (&own.rows, &own.columns), (&own.mac, 4));
+    table
+        .footnotes
+        .insert(0, format!("{MAC}; {}.", dofs_text(own.dofs)));
+    table
+}
+
+fn theory_table(test: &str, own: &Measures) -> Table {
+    let matrix = &own.theory_auto_mac;
+    let kept = columns_near(&own.mac.rows, &matrix.rows);
+    let rows: Vec<ModeName> = kept.iter().map(|&i| matrix.rows[i]).collect();
+    let mac = kept
+        .iter()
+        .map(|&i| kept.iter().map(|&j| matrix.mac[i][j]).collect())
+        .collect();
+    let near = MacMatrix {
+        columns: rows.clone(),
+        rows,
+        mac,
+        dofs: matrix.dofs,
+    };
+    let caption = format!("AutoMAC of the theory at the sensors of {test}");
+    let mut table = mac_table(caption, &near);
+    table
+        .footnotes
+        .push("Modes far from 0 with each other cannot be told apart by these sensors.".to_owned());
+    table
+}
+
+fn frequency_table(test: &str, points: &[FrequencyMac], dofs: DofRange) -> Table {
+    let row = |own: &FrequencyMac| {
+        vec![
+            name_cell(&own.test),
+            Cell::number(Some(own.test.hz), 2),
+            name_cell(&own.theory),
+            Cell::number(Some(own.theory.hz), 2),
+            Cell::signed(own.error_percent, 2),
+            Cell::number(Some(own.mac), 4),
+        ]
+    };
+    let heads = [
+        "test mode",
+        "test (Hz)",
+        "theory mode",
+        "theory (Hz)",
+        "error (%)",
+        "MAC",
+    ];
+    let high = points.iter().filter(|own| own.mac >= LISTED_MAC);
+    Table {
+        caption: format!("MAC over both frequencies (FMAC) of {test} and theory"),
+        columns: heads.map(Column::number).to_vec(),
+        rows: high.map(row).collect(),
+        footnotes: vec![format!(
+            "All pairs of modes with a MAC of {LISTED_MAC} or more and both frequencies (Fotsch and Ewins 2000); {}.",
+            dofs_text(dofs)
+        )],
+    }
+}
+
+fn scale_table(test: &str, factors: &[ScaleFactor]) -> Table {
+    let row = |own: &ScaleFactor| {
+        vec![
+            name_cell(&own.test),
+            name_cell(&own.theory),
+            Cell::text(format!("{:.4e}", own.magnitude)),
+            Cell::signed(Some(own.phase_deg), 1),
+            Cell::text(own.dofs.to_string()),
+        ]
+    };
+    let heads = ["test mode", "theory mode", "|MSF|", "phase (deg)", "DOFs"];
+    Table {
+        caption: format!("Modal scale factors from theory to {test}"),
+        columns: heads.map(Column::number).to_vec(),
+        rows: factors.iter().map(row).collect(),
+        footnotes: vec!["Test shape = MSF · theory shape, MSF = a^H b/(a^H a) with a the theory's and b the test's (Allemang 2003, eq. 2). Pairs with repeated roots have none.".to_owned()],
+    }
+}
+
+fn coordinate_table(test: &str, coordinates: &[CoordinateMac]) -> Table {
+    let row = |own: &CoordinateMac| {
+        vec![
+            Cell::text(own.dof.to_string()),
+            Cell::number(own.comac, 4),
+            Cell::number(own.enhanced, 4),
+            Cell::signed(own.direction, 3),
+            Cell::text(own.pairs.to_string()),
+        ]
+    };
+    let mut columns = vec![Column::text("DOF")];
+    columns.extend(["COMAC", "ECOMAC", "direction", "pairs"].map(Column::number));
+    Table {
+        caption: format!("Correlation by degree of freedom of {test} and theory (COMAC)"),
+        columns,
+        rows: coordinates.iter().map(row).collect(),
+        footnotes: vec![
+            "Over the pairs, shapes of unit length and one phase, a the test's and b the theory's: COMAC = (Σ |a b|)²/(Σ |a|² · Σ |b|²), blind to signs (Lieven and Ewins 1988); ECOMAC = Σ |a − b|/(2 pairs), 0 for equal shapes (Hunt 1992); direction = Σ Re(b* a)/√(Σ |a|² · Σ |b|²), near −1 for a reversed sensor.".to_owned(),
+            format!("{} degrees of freedom.", coordinates.len()),
+        ],
+    }
+}
+
+fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
+    let numbers = |names: &[ModeName]| {
+        let all: Vec<String> = names.iter().map(|own| own.mode.to_string()).collect();
+        Cell::text(all.join(" "))
+    };
+    let row = |own: &ClusterMac| {
+        let angles = own.angles_deg.iter().flatten();
+        let angles: Vec<String> = angles.map(|angle| format!("{angle:.1}")).collect();
+        vec![
+            numbers(&own.theory),
+            Cell::number(own.theory.first().map(|own| own.hz), 2),
+            numbers(&own.test),
+            if angles.is_empty() {
+                Cell::Missing
+            } else {
+                Cell::text(angles.join(" "))
+            },
+            Cell::number(own.space_mac, 4),
+            Cell::number(own.mean_mac, 4),
+            Cell::text(own.dofs.to_string()),
+        ]
+    };
+    let heads = [
+        "theory modes",
+        "from (Hz)",
+        "test modes",
+        "angles (deg)",
+        "spaceMAC",
+        "mean cos²",
+        "DOFs",
+    ];
+    Table {
+        caption: format!("Close modes of {test} and theory as subspaces"),
+        columns: heads.map(Column::number).to_vec(),
+        rows: clusters.iter().map(row).collect(),
+        footnotes: vec![format!(
+            "Modes within {} % in frequency and repeated roots; principal angles (Björck and Golub 1973); spaceMAC = 1 − sin of the largest angle (Vinze, Allemang and Phillips, there of the smallest). Without more degrees of freedom than modes, none.",
+            100.0 * CLUSTER_WIDTH
+        )],
+    }
+}
+
+fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
+    let how = match (own.reduction, own.reduction_modes) {
+        (Reduction::Serep, Some(modes)) => format!(
+            "by SEREP through {modes} paired modes of the theory (O'Callahan, Avitabile and Riemer 1989)"
+        ),
+        _ => "statically (Guyan 1965)".to_owned(),
+    };
+    let note = format!(
+        "|a^H M b|/√(a^H M a · b^H M b), M the theory's mass matrix reduced {how} to {} degrees of freedom.",
+        own.dofs
+    );
+    let table = |caption: String, columns: &[ModeName], values: &[Vec<Option<f64>>]| {
+        let mut table = matrix_table(caption, (&own.test, columns), (values, 4));
+        table.footnotes.insert(0, note.clone());
+        table
+    };
+    [
+        table(
+            format!("Cross-orthogonality of {test} and theory"),
+            &own.theory,
+            &own.cross,
+        ),
+        table(
+            format!("Self-orthogonality of {test}"),
+            &own.test,
+            &own.self_test,
+        ),
+    ]
+}
