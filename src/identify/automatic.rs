@@ -337,14 +337,12 @@ impl Fit {
         standings(&self.data, &measured, &self.roots)
     }
 
-    /// How the noise hangs together over the lines and, where the data brought no variances, how large it is: from what the fit
-    /// leaves over.
+    /// How large the noise is, as far as the data do not state it, and how it hangs together over the lines: from what the fit leaves
+    /// over.
     pub fn measure_noise(&mut self) {
         unsettle(&mut self.roots);
-        if !self.data.variance_measured() {
-            let rest = self.rest();
-            self.data.measure_noise(&rest);
-        }
+        let rest = self.rest();
+        self.data.measure_noise(&rest);
         let rest = self.rest();
         if let Some(own) = Correlation::of_rest(&rest) {
             self.data.correlation = own;

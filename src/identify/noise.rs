@@ -93,20 +93,35 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
     })
 }
 
-/// Variances of functions of one hit point from what a fit leaves over of them; each is a function's values and what is left over, as
-/// measured.
+/// A function of which a fit leaves something over.
+pub(super) struct LeftOver {
+    /// Its values, as measured.
+    pub values: Vec<Complex64>,
+    /// What is left over of them.
+    pub rest: Vec<Complex64>,
+    /// Variances that came with the data.
+    pub stated: Option<Vec<f64>>,
+}
+
+/// Variances of functions of one hit point from what a fit leaves over of them.
 ///
-/// What is the function's own is even over the lines, and second differences tell it, which what a missing mode leaves hardly moves.
-/// Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in all resonances together tells
-/// it. The mean square of the second difference of unit noise is `by_lines`, 6 for white noise; `alike` lines count for one.
-pub(super) fn of_rest(
-    functions: &[(Vec<Complex64>, Vec<Complex64>)],
-    (by_lines, alike): (f64, f64),
-) -> Vec<Smooth> {
-    let left = |(values, rest): &(Vec<Complex64>, Vec<Complex64>)| {
-        let even = from_second_differences(rest);
-        let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
-        raise_to_floor(&mut own, values);
+/// What is the function's own came with the data; else it is even over the lines, and second differences tell it, which what a missing
+/// mode leaves hardly moves. Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in
+/// all resonances together tells it, better than the variances of a few hits do. The mean square of the second difference of unit
+/// noise is `by_lines`, 6 for white noise; `alike` lines count for one.
+pub(super) fn of_rest(functions: &[LeftOver], (by_lines, alike): (f64, f64)) -> Vec<Smooth> {
+    let left = |function: &LeftOver| {
+        let LeftOver {
+            values,
+            rest,
+            stated,
+        } = function;
+        let own = stated.clone().unwrap_or_else(|| {
+            let even = from_second_differences(rest);
+            let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
+            raise_to_floor(&mut own, values);
+            own
+        });
         Estimated {
             variance: rest.iter().map(Complex64::norm_sqr).collect(),
             power: values.iter().map(Complex64::norm_sqr).collect(),
@@ -199,7 +214,11 @@ mod tests {
             .map(|f| {
                 let own = white_noise(4000, 1e-6, 10 + f);
                 let rest = (0..4000).map(|k| own[k] + force(k) * values[k]);
-                (values.clone(), rest.collect::<Vec<_>>())
+                LeftOver {
+                    values: values.clone(),
+                    rest: rest.collect(),
+                    stated: None,
+                }
             })
             .collect();
         let told = of_rest(&functions, (6.0, 1.0));

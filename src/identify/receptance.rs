@@ -14,7 +14,8 @@ use crate::linalg::ComplexMatrix;
 
 use super::IdentifyError;
 use super::correlation::Correlation;
-use super::noise::{self, Noise};
+use super::noise::{self, LeftOver, Noise};
+use super::noise_course::Smooth;
 use super::shared::Shared;
 
 /// Lines beside a band that are used with it, as a share of its own.
@@ -36,8 +37,8 @@ pub(super) struct Receptances {
     pub variance: Vec<Vec<f64>>,
     /// Part of every variance that the force makes, as far as it is known.
     pub by_force: Vec<Vec<f64>>,
-    /// Whether the variances of each function came with the data.
-    pub measured: Vec<bool>,
+    /// Variances of each function as they came with the data, where they did.
+    stated: Vec<Option<Smooth>>,
     /// Whether modes just outside the lines must be reckoned with.
     pub outside: bool,
     /// How the noise of neighbouring lines hangs together, as far as it is known.
@@ -83,7 +84,7 @@ impl Receptances {
             values: Vec::with_capacity(set.len()),
             variance: Vec::with_capacity(set.len()),
             by_force: Vec::with_capacity(set.len()),
-            measured: Vec::with_capacity(set.len()),
+            stated: Vec::with_capacity(set.len()),
             outside: true,
             correlation: Correlation::of_window(
                 set.added_damping_rad_s,
@@ -126,33 +127,44 @@ impl Receptances {
 
     /// Whether the variances of all functions came with the data.
     pub fn variance_measured(&self) -> bool {
-        self.measured.iter().all(|own| *own)
+        self.stated.iter().all(Option::is_some)
     }
 
-    /// Variances of functions that brought none, from what a fit leaves over of them: lines × functions, over the noise so far.
+    /// The noise of all functions from what a fit leaves over of them: lines × functions, over the noise so far. To variances that came
+    /// with the data it adds noise of the force that they do not tell.
     pub fn measure_noise(&mut self, rest: &ComplexMatrix) {
         let how = (
             self.correlation.of_second_difference(),
             self.correlation.alike(),
         );
         for group in self.shared.groups().to_vec() {
-            let own: Vec<usize> = group.into_iter().filter(|f| !self.measured[*f]).collect();
-            let as_measured = |f: &usize| {
-                let (values, scale) = (&self.values[*f], &self.measured_scale[*f]);
-                let left = |k: usize| rest[(k, *f)] * self.deviation(*f, k) * scale[k];
-                (
-                    values.iter().zip(scale).map(|(h, s)| h * s).collect(),
-                    (0..self.lines()).map(left).collect(),
-                )
-            };
-            let functions: Vec<_> = own.iter().map(as_measured).collect();
-            for (f, told) in own.into_iter().zip(noise::of_rest(&functions, how)) {
+            let functions: Vec<_> = group.iter().map(|f| self.left_over(*f, rest)).collect();
+            for (f, told) in group.into_iter().zip(noise::of_rest(&functions, how)) {
                 let variance = told.variance.iter().zip(&self.measured_scale[f]);
                 self.variance[f] = variance.map(|(v, s)| v / (s * s)).collect();
-                self.by_force[f] = told.by_force;
+                self.by_force[f] = match &self.stated[f] {
+                    Some(stated) => force_part(stated, &self.variance[f]),
+                    None => told.by_force,
+                };
             }
         }
         self.raise_variances();
+    }
+
+    fn left_over(&self, f: usize, rest: &ComplexMatrix) -> LeftOver {
+        let scale = &self.measured_scale[f];
+        let left = |k: usize| rest[(k, f)] * self.deviation(f, k) * scale[k];
+        let stated = self.stated[f].as_ref();
+        let squared = |(v, s): (&f64, &f64)| v * s * s;
+        LeftOver {
+            values: self.values[f]
+                .iter()
+                .zip(scale)
+                .map(|(h, s)| h * s)
+                .collect(),
+            rest: (0..self.lines()).map(left).collect(),
+            stated: stated.map(|own| own.variance.iter().zip(scale).map(squared).collect()),
+        }
     }
 
     fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {
@@ -166,9 +178,13 @@ impl Receptances {
         self.values.push(scaled.collect());
         let variance = self.omega.iter().zip(&noise.variance);
         let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
-        self.variance.push(variance.collect());
-        self.by_force.push(noise.by_force);
-        self.measured.push(noise.measured);
+        let own = Smooth {
+            variance: variance.collect(),
+            by_force: noise.by_force,
+        };
+        self.variance.push(own.variance.clone());
+        self.by_force.push(own.by_force.clone());
+        self.stated.push(noise.measured.then_some(own));
         let scale = self.omega.iter().map(|w| factor(w).norm().recip());
         self.measured_scale.push(scale.collect());
     }
@@ -255,6 +271,13 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
         });
     }
     Ok(lines)
+}
+
+/// The part of variances that the force makes, where all that they have more than what the data state is its own.
+fn force_part(stated: &Smooth, variance: &[f64]) -> Vec<f64> {
+    let own = stated.variance.iter().zip(&stated.by_force).zip(variance);
+    own.map(|((before, part), v)| 1.0 - (1.0 - part) * before / v)
+        .collect()
 }
 
 fn check_finite(

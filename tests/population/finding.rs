@@ -21,8 +21,8 @@ const MOST_CLEAR_LOST: usize = 2;
 const FEWEST_CROWDED: usize = 628;
 /// Most modes of the close kind that are none. Measured: 1.
 const CLOSE_SPURIOUS: usize = 3;
-/// Most of the other kinds together. Measured: 21; 5 are wanted.
-const OTHER_SPURIOUS: usize = 25;
+/// Most of the other kinds together. Measured: 12; 5 are wanted.
+const OTHER_SPURIOUS: usize = 15;
 
 /// The same from FRFs alone: separated modes not found, crowded modes found, modes that are none. Measured: 1, 626 and 9.
 const ALONE_CLEAR_LOST: usize = 2;
