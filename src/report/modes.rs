@@ -204,7 +204,7 @@ pub fn sensitivities_block(
         columns,
         rows: parameters.iter().enumerate().map(row).collect(),
         footnotes: vec![
-            "(df/f)/(dp/p), in closed form from the derivatives of the matrices; of a repeated root the mean over its branches. —: the parameter is 0.".to_owned(),
+            "(df/f)/(dp/p), in closed form from the derivatives of the matrices; of a repeated root the mean over its branches. —: the parameter is 0, or a number of parts, which has no derivative.".to_owned(),
         ],
     })
 }

@@ -8,21 +8,40 @@ use crate::theory::{Locus, LocusEvent, Sweep, SweepRange};
 use super::published::significant;
 use super::{Block, Cell, Column, Table};
 
-/// The loci of a sweep that enter a band, and the crossings and veerings in it.
+/// The loci of a sweep that enter a band, and the crossings and veerings in it, where loci are followed.
 pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block> {
     let inside = |hz: f64| band.is_none_or(|band| band.contains(hz));
     let shown: Vec<(usize, &Locus)> = (1..)
         .zip(&sweep.loci)
-        .filter(|(_, locus)| locus.omega_rad_s.iter().any(|omega| inside(omega / TAU)))
+        .filter(|(_, locus)| {
+            locus
+                .omega_rad_s
+                .iter()
+                .flatten()
+                .any(|omega| inside(omega / TAU))
+        })
         .collect();
     let events = sweep.events.iter();
     let events: Vec<&LocusEvent> = events
         .filter(|event| event.frequency_hz.iter().any(|hz| inside(*hz)))
         .collect();
-    vec![
-        loci_block(model, sweep, &shown),
-        events_block(model, sweep, &events),
-    ]
+    let mut blocks = vec![loci_block(model, sweep, &shown)];
+    if sweep.followed {
+        blocks.push(events_block(model, sweep, &events));
+    }
+    blocks
+}
+
+/// How many modes share a locus, where they are more than one: `, 3 modes`; `, 9 10 11 modes` where their number changes.
+fn multiplicity(locus: &Locus) -> String {
+    let mut told: Vec<String> = locus.multiplicity.iter().map(usize::to_string).collect();
+    if told.windows(2).all(|pair| pair[0] == pair[1]) {
+        told.truncate(1);
+    }
+    match told.join(" ") {
+        one if one == "1" => String::new(),
+        all => format!(", {all} modes"),
+    }
 }
 
 fn parameter(sweep: &Sweep) -> String {
@@ -32,31 +51,40 @@ fn parameter(sweep: &Sweep) -> String {
 fn loci_block(model: &str, sweep: &Sweep, shown: &[(usize, &Locus)]) -> Block {
     let mut columns = vec![Column::number(parameter(sweep))];
     columns.extend(shown.iter().map(|(number, locus)| {
-        Column::number(match locus.multiplicity {
-            1 => format!("locus {number} (Hz)"),
-            times => format!("locus {number}, {times} modes (Hz)"),
-        })
+        let word = if sweep.followed { "locus" } else { "root" };
+        Column::number(format!("{word} {number}{} (Hz)", multiplicity(locus)))
     }));
     let row = |(i, value): (usize, &f64)| {
         let cells = shown.iter();
-        let cells = cells.map(|(_, locus)| Cell::number(Some(locus.omega_rad_s[i] / TAU), 4));
-        std::iter::once(Cell::text(significant(*value)))
-            .chain(cells)
-            .collect()
+        let cells =
+            cells.map(|(_, locus)| Cell::number(locus.omega_rad_s[i].map(|omega| omega / TAU), 4));
+        let value = match sweep.followed {
+            true => significant(*value),
+            false => format!("{value}"),
+        };
+        std::iter::once(Cell::text(value)).chain(cells).collect()
     };
-    let mut footnotes = vec![format!(
-        "Each locus is followed by its shape; {} eigenproblems. Values in equal {}.",
-        sweep.solved,
-        if is_geometric(&sweep.values) {
-            "ratios"
-        } else {
-            "steps"
-        }
-    )];
+    let mut footnotes = vec![if sweep.followed {
+        format!(
+            "Each locus is followed by its shape; {} eigenproblems. Values in equal {}.",
+            sweep.solved,
+            if is_geometric(&sweep.values) {
+                "ratios"
+            } else {
+                "steps"
+            }
+        )
+    } else {
+        format!(
+            "{} is a number of parts: the values are whole, and the coordinates change with it, so that roots are numbered from the lowest and not followed by their shapes. {} eigenproblems.",
+            sweep.parameter.name, sweep.solved
+        )
+    }];
+    let word = if sweep.followed { "Locus" } else { "Root" };
     let classes = shown.iter();
     let classes = classes.filter_map(|(number, locus)| Some((number, locus.class.as_ref()?)));
     footnotes.extend(
-        classes.map(|(number, class)| format!("Locus {number}, at the first value: {class}.")),
+        classes.map(|(number, class)| format!("{word} {number}, at the first value: {class}.")),
     );
     Block::Table(Table {
         caption: format!("Loci of the roots of {model} over {}", sweep.parameter.name),

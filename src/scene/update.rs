@@ -276,7 +276,7 @@ fn options(scene: &Scene, stated: &UpdateTable) -> UpdateOptions {
     }
 }
 
-/// The parameters that are named; where none is, all of the model above 0.
+/// The parameters that are named; where none is, all of the model above 0 but numbers of parts.
 fn choices(
     stated: &UpdateTable,
     model: &LoadedModel,
@@ -292,7 +292,7 @@ fn choices(
     }
     if all.is_empty() {
         let specs = model.model.parameters().iter().zip(&model.values);
-        let above = specs.filter(|(_, value)| **value > 0.0);
+        let above = specs.filter(|(spec, value)| !spec.whole && **value > 0.0);
         all.extend(above.map(|(spec, _)| plain(&spec.name)));
     }
     Ok(all)

@@ -115,6 +115,7 @@ mod tests {
             lower: None,
             upper: None,
             status: ParameterStatus::Assumed,
+            whole: false,
         }
     }
 

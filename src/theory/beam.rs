@@ -219,7 +219,7 @@ impl TheoreticalModel for BeamModel {
 
     /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the cosine to the
     /// deflection: a sensor across the plane of bending reads 0.
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         let mut row = vec![0.0; self.coordinates.len()];
         match target {
             Target::Coordinate(name) => row[coordinate_index(&self.coordinates, name)?] = 1.0,

@@ -95,7 +95,7 @@ fn a_stiff_bar_on_two_springs_bounces_and_pitches() {
 fn row(target: Target) -> Result<Vec<f64>, TheoryError> {
     BeamModel::new(bar(3, End::Free, End::Free))
         .unwrap()
-        .observation_row(&target)
+        .observation_row(&[], &target)
 }
 
 fn point(body: &str, at_m: [f64; 3], direction: [f64; 3]) -> Target {
@@ -211,6 +211,7 @@ fn a_parameter_moves_the_matrices_that_name_it() {
         lower: Some(1e11),
         upper: Some(3e11),
         status: ParameterStatus::Assumed,
+        whole: false,
     });
     file.beams[0].youngs_modulus_pa = Value::Parameter("modulus".to_owned());
     let model = BeamModel::new(file).unwrap();

@@ -71,7 +71,7 @@ pub fn modes(
     check_sensors(sensors)?;
     let rows = sensors
         .iter()
-        .map(|sensor| Ok(nonzeros(&model.observation_row(&sensor.target)?)))
+        .map(|sensor| Ok(nonzeros(&model.observation_row(values, &sensor.target)?)))
         .collect::<Result<Vec<_>, TheoryError>>()?;
     let mut result = match model.sparse(values)? {
         Some(system) => modes_of_sparse(&system, options)?,

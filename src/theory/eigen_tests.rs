@@ -231,7 +231,7 @@ fn residues_rebuild_the_direct_solution_of_the_equations_of_motion() {
             .remove(0);
         let rows: Vec<Vec<f64>> = places
             .iter()
-            .map(|s| model.observation_row(&s.target).unwrap())
+            .map(|s| model.observation_row(&[], &s.target).unwrap())
             .collect();
         let lowest = result.omega_rad_s[result.rigid];
         for omega in [0.3 * lowest, lowest, 2.7 * lowest] {

@@ -51,6 +51,22 @@ pub enum TheoryError {
         /// Unit of all three.
         unit: String,
     },
+    /// A part of a number of parts.
+    #[error("parameter `{name}`: got {got}, expected a whole number")]
+    NotWhole {
+        /// Parameter.
+        name: String,
+        /// Value.
+        got: f64,
+    },
+    /// A derivative by a number of parts.
+    #[error(
+        "parameter `{name}`: got a derivative asked for, expected none: it takes whole numbers alone"
+    )]
+    NoDerivative {
+        /// Parameter.
+        name: String,
+    },
     /// Two things of one kind with one name.
     #[error("got {what} `{name}` twice, expected every {what} to have its own name")]
     Duplicate {
@@ -344,6 +360,21 @@ pub enum TheoryError {
         "parameter `{parameter}`: got a sweep from {lower} to {upper} in {count} values, expected ascending finite ends and at least 2 values"
     )]
     SweepRange {
+        /// The parameter.
+        parameter: String,
+        /// The first value.
+        lower: f64,
+        /// The last value.
+        upper: f64,
+        /// How many values.
+        count: usize,
+    },
+    /// Values of a number of parts that are not whole.
+    #[error(
+        "parameter `{parameter}`: got a sweep from {lower} to {upper} in {count} values, expected whole numbers in equal steps, such as {lower}:{upper}:{}",
+        .upper - .lower + 1.0
+    )]
+    SweepNotWhole {
         /// The parameter.
         parameter: String,
         /// The first value.

@@ -240,7 +240,7 @@ impl TheoreticalModel for ExternalModel {
     }
 
     /// A coordinate alone can be read: matrices do not say where a point is.
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         let name = match target {
             Target::Coordinate(name) => name,
             Target::BodyPoint { body, .. } => {

@@ -20,6 +20,7 @@ fn parameter(name: &str, nominal: f64) -> ParameterSpec {
         lower: Some(0.1),
         upper: Some(10.0),
         status: ParameterStatus::Assumed,
+        whole: false,
     }
 }
 
@@ -307,9 +308,9 @@ fn what_is_wrong_with_matrices_is_named() {
         at_m: [0.0; 3],
         direction: [1.0, 0.0, 0.0],
     };
-    let error = model.observation_row(&point).unwrap_err();
+    let error = model.observation_row(&[], &point).unwrap_err();
     assert!(matches!(error, TheoryError::NoPositions { body } if body == "1"));
-    let error = model.observation_row(&Target::Coordinate("2:+Y".to_owned()));
+    let error = model.observation_row(&[], &Target::Coordinate("2:+Y".to_owned()));
     assert!(matches!(
         error,
         Err(TheoryError::UnknownCoordinate { count: 2, .. })

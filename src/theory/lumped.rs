@@ -142,7 +142,7 @@ impl TheoreticalModel for LumpedModel {
     }
 
     /// A point need not lie on the body: it moves as if it were fixed to it.
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         self.bodies.observation_row(target)
     }
 

@@ -165,7 +165,7 @@ pub struct Assumption {
 /// A parameterised linear model of a machine.
 ///
 /// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation of a sensor depends on
-/// the geometry alone, not on the values.
+/// the nominal geometry, and of the values on the numbers of parts alone.
 pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// What the model calls itself.
     fn name(&self) -> &str;
@@ -186,12 +186,12 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownCoordinate`], [`TheoryError::PointOutside`],
     /// [`TheoryError::ZeroDirection`].
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError>;
+    fn observation_row(&self, values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError>;
 
     /// Derivative of the matrices by parameter `j`, in closed form.
     ///
     /// # Errors
-    /// As [`assemble`](TheoreticalModel::assemble).
+    /// As [`assemble`](TheoreticalModel::assemble); [`TheoryError::NoDerivative`] for a number of parts.
     fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError>;
 
     /// The matrices without their zeros, for a model that is solved so ([`modes_of_sparse`]): the lowest modes alone. `None`

@@ -37,6 +37,9 @@ pub struct ParameterSpec {
     pub upper: Option<f64>,
     /// Where the nominal value comes from.
     pub status: ParameterStatus,
+    /// A number of parts: whole values alone, no derivative by it. The parameters of a model file are none.
+    #[serde(skip)]
+    pub whole: bool,
 }
 
 impl ParameterSpec {
@@ -44,7 +47,7 @@ impl ParameterSpec {
         let above = self.lower.is_none_or(|lower| value >= lower);
         let below = self.upper.is_none_or(|upper| value <= upper);
         if value.is_finite() && above && below {
-            return Ok(());
+            return self.check_whole(value);
         }
         Err(TheoryError::OutOfBounds {
             name: self.name.clone(),
@@ -54,6 +57,26 @@ impl ParameterSpec {
             unit: self.unit.clone(),
         })
     }
+
+    fn check_whole(&self, value: f64) -> Result<(), TheoryError> {
+        if !self.whole || value.fract() == 0.0 {
+            return Ok(());
+        }
+        Err(TheoryError::NotWhole {
+            name: self.name.clone(),
+            got: value,
+        })
+    }
+}
+
+/// Checks that a parameter has a derivative.
+pub(super) fn check_derivable(spec: &ParameterSpec) -> Result<(), TheoryError> {
+    if !spec.whole {
+        return Ok(());
+    }
+    Err(TheoryError::NoDerivative {
+        name: spec.name.clone(),
+    })
 }
 
 /// The nominal values, in order.
@@ -61,10 +84,11 @@ pub fn nominal_values(specs: &[ParameterSpec]) -> Vec<f64> {
     specs.iter().map(|spec| spec.nominal).collect()
 }
 
-/// Checks a vector of values against the specifications: one finite value for each, inside its bounds (edges included).
+/// Checks a vector of values against the specifications: one finite value for each, inside its bounds (edges included),
+/// whole where it is a number of parts.
 ///
 /// # Errors
-/// [`TheoryError::ValueCount`]; [`TheoryError::OutOfBounds`].
+/// [`TheoryError::ValueCount`]; [`TheoryError::OutOfBounds`]; [`TheoryError::NotWhole`].
 pub fn check_values(
     model: &str,
     specs: &[ParameterSpec],
@@ -89,6 +113,7 @@ pub fn check_values(
 /// use modalign::theory::{ParameterSpec, ParameterStatus, override_values};
 /// let spec = |name: &str, nominal| ParameterSpec {
 ///     name: name.into(), unit: "N/m".into(), nominal, lower: Some(0.0), upper: None, status: ParameterStatus::Assumed,
+///     whole: false,
 /// };
 /// let specs = [spec("mesh", 1.0), spec("bearing", 2.0)];
 /// let values = override_values("gear", &specs, &[("bearing".to_owned(), 5.0)].into()).unwrap();
@@ -97,7 +122,7 @@ pub fn check_values(
 /// ```
 ///
 /// # Errors
-/// [`TheoryError::UnknownParameter`] for a name that is not declared; [`TheoryError::OutOfBounds`].
+/// [`TheoryError::UnknownParameter`] for a name that is not declared; as [`check_values`].
 pub fn override_values(
     model: &str,
     specs: &[ParameterSpec],
@@ -140,6 +165,7 @@ mod tests {
             lower: Some(1.0),
             upper: Some(4.0),
             status: ParameterStatus::Printed,
+            whole: false,
         };
         vec![spec("a", 1.0), spec("b", 4.0)]
     }

@@ -12,7 +12,9 @@
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
 use super::sparse::SparseDerivative;
-use super::{ModelRoot, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes};
+use super::{
+    ModelRoot, ParameterSpec, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes,
+};
 
 /// How one root depends on the parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,34 +22,46 @@ pub struct RootSensitivity {
     /// Angular frequency of the root, rad/s.
     pub omega_rad_s: f64,
     /// For every parameter, in the order of the model, the derivatives of `lambda = omega^2`, (rad/s)² per unit of the
-    /// parameter, of the branches into which the root splits, ascending; as many as the root has modes.
+    /// parameter, of the branches into which the root splits, ascending; as many as the root has modes. None of a number of
+    /// parts ([`ParameterSpec::whole`](super::ParameterSpec::whole)).
     pub branches: Vec<Vec<f64>>,
 }
 
 impl RootSensitivity {
-    /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit.
-    pub fn mean(&self, j: usize) -> f64 {
-        self.branches[j].iter().sum::<f64>() / self.branches[j].len() as f64
+    /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit; `None` for a number of parts.
+    pub fn mean(&self, j: usize) -> Option<f64> {
+        let own = &self.branches[j];
+        (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
     }
 
     /// Relative change of the frequency per relative change of parameter `j` with this value, `p/(2 lambda) dlambda/dp`;
-    /// `None` for a root at 0.
+    /// `None` for a root at 0 and for a number of parts.
     pub fn scaled(&self, j: usize, value: f64) -> Option<f64> {
         let lambda = self.omega_rad_s * self.omega_rad_s;
-        (lambda > 0.0).then(|| 0.5 * value * self.mean(j) / lambda)
+        let mean = self.mean(j).filter(|_| lambda > 0.0)?;
+        Some(0.5 * value * mean / lambda)
     }
 }
 
-/// Derivatives of the matrices by every parameter, in their order.
+/// Derivatives of the matrices by every parameter, in their order; `None` for a number of parts.
 ///
 /// # Errors
 /// As [`TheoreticalModel::derivative`].
 pub fn system_derivatives(
     model: &dyn TheoreticalModel,
     values: &[f64],
-) -> Result<Vec<SystemDerivative>, TheoryError> {
-    let all = 0..model.parameters().len();
-    all.map(|j| model.derivative(values, j)).collect()
+) -> Result<Vec<Option<SystemDerivative>>, TheoryError> {
+    by_each(model, |j| model.derivative(values, j))
+}
+
+/// What a derivative by each parameter gives; `None` for a number of parts.
+fn by_each<T>(
+    model: &dyn TheoreticalModel,
+    by: impl Fn(usize) -> Result<T, TheoryError>,
+) -> Result<Vec<Option<T>>, TheoryError> {
+    let all = model.parameters().iter().enumerate();
+    let derivative = |(j, spec): (usize, &ParameterSpec)| (!spec.whole).then(|| by(j)).transpose();
+    all.map(derivative).collect()
 }
 
 /// Sensitivities of the roots of these modes, which must be those of the matrices that were differentiated.
@@ -57,14 +71,16 @@ pub fn system_derivatives(
 pub fn sensitivities(
     modes: &TheoryModes,
     roots: &[ModelRoot],
-    derivatives: &[SystemDerivative],
+    derivatives: &[Option<SystemDerivative>],
 ) -> Result<Vec<RootSensitivity>, TheoryError> {
     let applied = derivatives.iter().map(|by| {
-        let (k, m) = (&by.stiffness, &by.mass);
-        move |phi: &RealMatrix, lambda: f64| {
-            let product = m * phi;
-            k * phi - real_matrix(phi.nrows(), phi.ncols(), |i, j| lambda * product[(i, j)])
-        }
+        let SystemDerivative {
+            stiffness, mass, ..
+        } = by.as_ref()?;
+        Some(move |phi: &RealMatrix, lambda: f64| {
+            let product = mass * phi;
+            stiffness * phi - real_matrix(phi.nrows(), phi.ncols(), |i, j| lambda * product[(i, j)])
+        })
     });
     of_roots(modes, roots, &applied.collect::<Vec<_>>())
 }
@@ -79,32 +95,33 @@ pub fn model_sensitivities(
     modes: &TheoryModes,
     roots: &[ModelRoot],
 ) -> Result<Vec<RootSensitivity>, TheoryError> {
-    let all = 0..model.parameters().len();
-    let sparse = all.map(|j| model.sparse_derivative(values, j));
-    let sparse: Option<Vec<SparseDerivative>> =
-        sparse.collect::<Result<Vec<_>, _>>()?.into_iter().collect();
-    let Some(sparse) = sparse else {
+    if model.sparse(values)?.is_none() {
         return sensitivities(modes, roots, &system_derivatives(model, values)?);
-    };
+    }
+    let sparse = by_each(model, |j| model.sparse_derivative(values, j))?;
     let applied = sparse.iter().map(|by| {
-        move |phi: &RealMatrix, lambda: f64| {
-            let (k, m) = (by.stiffness.multiply(phi), by.mass.multiply(phi));
+        let SparseDerivative { stiffness, mass } = by.as_ref()?.as_ref()?;
+        Some(move |phi: &RealMatrix, lambda: f64| {
+            let (k, m) = (stiffness.multiply(phi), mass.multiply(phi));
             real_matrix(phi.nrows(), phi.ncols(), |i, j| {
                 k[(i, j)] - lambda * m[(i, j)]
             })
-        }
+        })
     });
     of_roots(modes, roots, &applied.collect::<Vec<_>>())
 }
 
-/// `applied` gives `(dK - lambda dM) Phi` for each parameter.
+/// `applied` gives `(dK - lambda dM) Phi` for each parameter that has a derivative.
 fn of_roots(
     modes: &TheoryModes,
     roots: &[ModelRoot],
-    applied: &[impl Fn(&RealMatrix, f64) -> RealMatrix],
+    applied: &[Option<impl Fn(&RealMatrix, f64) -> RealMatrix>],
 ) -> Result<Vec<RootSensitivity>, TheoryError> {
     let of_root = |root: &ModelRoot| {
-        let branches = applied.iter().map(|by| branches(modes, root, by));
+        let branches = applied.iter().map(|by| match by {
+            Some(by) => branches(modes, root, by),
+            None => Ok(Vec::new()),
+        });
         Ok(RootSensitivity {
             omega_rad_s: root.omega_rad_s,
             branches: branches.collect::<Result<_, _>>()?,

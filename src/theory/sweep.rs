@@ -11,7 +11,9 @@
 use super::parameter::{check_values, index_of};
 use super::sweep_events::events;
 use super::sweep_track::{Follower, Trail};
-use super::{ParameterSpec, TheoreticalModel, TheoryError};
+use super::{
+    ModeOptions, ModelRoot, ParameterSpec, TheoreticalModel, TheoryError, model_roots, modes,
+};
 
 /// From this ratio of its ends a range is divided into equal ratios.
 const GEOMETRIC_FROM: f64 = 10.0;
@@ -52,6 +54,21 @@ impl SweepRange {
         (0..self.count).map(value).collect()
     }
 
+    /// The values of a number of parts: whole numbers in equal steps, however wide the range.
+    fn whole_values(&self, parameter: &str) -> Result<Vec<f64>, TheoryError> {
+        let step = (self.upper - self.lower) / (self.count - 1) as f64;
+        if self.lower.fract() == 0.0 && step.fract() == 0.0 {
+            let value = |i: usize| self.lower + i as f64 * step;
+            return Ok((0..self.count).map(value).collect());
+        }
+        Err(TheoryError::SweepNotWhole {
+            parameter: parameter.to_owned(),
+            lower: self.lower,
+            upper: self.upper,
+            count: self.count,
+        })
+    }
+
     fn check(&self, parameter: &str) -> Result<(), TheoryError> {
         let ascending = self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper;
         if ascending && self.count >= 2 {
@@ -66,13 +83,13 @@ impl SweepRange {
     }
 }
 
-/// A root followed through a sweep, with all modes that share it throughout.
+/// A root through a sweep, with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locus {
-    /// How many modes share it.
-    pub multiplicity: usize,
-    /// Angular frequency at each value, rad/s.
-    pub omega_rad_s: Vec<f64>,
+    /// How many modes share it at each value: the same number at all, where they are followed by their shapes.
+    pub multiplicity: Vec<usize>,
+    /// Angular frequency at each value, rad/s; `None` where the model has fewer roots, over a number of parts alone.
+    pub omega_rad_s: Vec<Option<f64>>,
     /// What kind of motion it is at the first value, in the words of the model.
     pub class: Option<String>,
 }
@@ -129,6 +146,9 @@ pub struct Sweep {
     pub events: Vec<LocusEvent>,
     /// Eigenproblems solved.
     pub solved: usize,
+    /// Whether the loci are followed by their shapes. Not over a number of parts, by which the coordinates change: there a
+    /// locus is the root of one number, counted from the lowest, and no event is told.
+    pub followed: bool,
 }
 
 /// Sweeps a parameter of a model, by its name, over a range, the other parameters at `values`.
@@ -136,10 +156,12 @@ pub struct Sweep {
 /// Modes at neighbouring values belong together by their shapes: the share of one in the other, weighted by the mass, must be
 /// 0.9 at least, or values between are taken. Modes of one root are followed as a subspace. Loci that change their order are
 /// held to cross only once the shapes next to the meeting point say so; roots nearer than a millionth of their
-/// frequency count as one there, so that a veering narrower than this is called a crossing.
+/// frequency count as one there, so that a veering narrower than this is called a crossing. Over a number of parts
+/// ([`ParameterSpec::whole`]) the roots are numbered instead.
 ///
 /// # Errors
-/// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::NotFollowed`] where shapes do not go over
+/// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::SweepNotWhole`];
+/// [`TheoryError::NotFollowed`] where shapes do not go over
 /// into each other however near the values; those of the model.
 pub fn sweep(
     model: &dyn TheoreticalModel,
@@ -157,6 +179,9 @@ pub fn sweep(
         values[j] = end;
         check_values(model.name(), specs, &values)?;
     }
+    if parameter.whole {
+        return numbered(model, values, j, range.whole_values(&parameter.name)?);
+    }
     let grid = range.values();
     let follower = Follower::new(model, values, j);
     let trail = follower.trail(&grid)?;
@@ -167,6 +192,43 @@ pub fn sweep(
         parameter: parameter.clone(),
         values: grid,
         solved: follower.solved(),
+        followed: true,
+    })
+}
+
+/// The distinct roots at each value of a number of parts, by their number.
+fn numbered(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    j: usize,
+    grid: Vec<f64>,
+) -> Result<Sweep, TheoryError> {
+    let at = |value: &f64| {
+        let mut values = values.to_vec();
+        values[j] = *value;
+        let solved = modes(model, &values, &[], &ModeOptions::default())?;
+        Ok(model_roots(model, &solved))
+    };
+    let roots: Vec<Vec<ModelRoot>> = grid.iter().map(at).collect::<Result<_, TheoryError>>()?;
+    let count = roots.iter().map(Vec::len).max().unwrap_or(0);
+    let locus = |number: usize| Locus {
+        multiplicity: roots
+            .iter()
+            .map(|own| own.get(number).map_or(0, |root| root.modes.len()))
+            .collect(),
+        omega_rad_s: roots
+            .iter()
+            .map(|own| own.get(number).map(|root| root.omega_rad_s))
+            .collect(),
+        class: roots[0].get(number).and_then(|root| root.class.clone()),
+    };
+    Ok(Sweep {
+        parameter: model.parameters()[j].clone(),
+        loci: (0..count).map(locus).collect(),
+        events: Vec::new(),
+        solved: grid.len(),
+        values: grid,
+        followed: false,
     })
 }
 
@@ -179,10 +241,10 @@ fn loci(
     let told = grid.iter().filter_map(|value| trail.at(*value));
     let told: Vec<_> = told.collect();
     let locus = |family: &Vec<usize>| Locus {
-        multiplicity: family.len(),
+        multiplicity: vec![family.len(); told.len()],
         omega_rad_s: told
             .iter()
-            .map(|sample| sample.omega_rad_s[family[0]])
+            .map(|sample| Some(sample.omega_rad_s[family[0]]))
             .collect(),
         class: model
             .mode_class(

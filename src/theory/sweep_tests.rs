@@ -46,7 +46,7 @@ fn check_complete(model: &dyn TheoreticalModel, own: &Sweep) {
         expected.sort_by(f64::total_cmp);
         let each = own.loci.iter();
         let mut got: Vec<f64> = each
-            .flat_map(|locus| vec![locus.omega_rad_s[i]; locus.multiplicity])
+            .flat_map(|locus| vec![locus.omega_rad_s[i].unwrap(); locus.multiplicity[i]])
             .collect();
         got.sort_by(f64::total_cmp);
         assert_eq!(got, expected, "{} = {value}", own.parameter.name);
@@ -133,9 +133,10 @@ fn two_masses_without_a_joint_cross_and_keep_their_shapes() {
             own.loci[1]
                 .omega_rad_s
                 .iter()
+                .flatten()
                 .all(|omega| (omega - 10.0).abs() < 1e-12)
         );
-        assert!((own.loci[0].omega_rad_s[count - 1] - 170.0f64.sqrt()).abs() < 1e-12);
+        assert!((own.loci[0].omega_rad_s[count - 1].unwrap() - 170.0f64.sqrt()).abs() < 1e-12);
     }
 }
 
@@ -144,7 +145,7 @@ fn a_sample_exactly_on_a_crossing_does_not_swap_the_modes() {
     let own = swept(&pair(0.0), "left", (50.0, 150.0, 3));
     assert_eq!(told(&own).len(), 1);
     assert_eq!(own.events[0].kind, EventKind::Crossing);
-    assert!((own.loci[0].omega_rad_s[2] - 150.0f64.sqrt()).abs() < 1e-12);
+    assert!((own.loci[0].omega_rad_s[2].unwrap() - 150.0f64.sqrt()).abs() < 1e-12);
 }
 
 #[test]
@@ -154,7 +155,7 @@ fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_
         let own = swept(model.as_ref(), "k_r", (1e7, 1e11, count));
         check_complete(model.as_ref(), &own);
         // Free motion, the planet modes (two), the rotational ones.
-        let mut multiplicities: Vec<usize> = own.loci.iter().map(|l| l.multiplicity).collect();
+        let mut multiplicities: Vec<usize> = own.loci.iter().map(|l| l.multiplicity[0]).collect();
         multiplicities.sort_unstable();
         assert_eq!(multiplicities, [1, 1, 1, 2], "{count}");
         let kinds: Vec<EventKind> = own.events.iter().map(|event| event.kind).collect();
@@ -199,7 +200,7 @@ fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_
         let planet = own
             .loci
             .iter()
-            .position(|locus| locus.multiplicity == 2)
+            .position(|locus| locus.multiplicity[0] == 2)
             .unwrap();
         assert!(lower.loci.contains(&planet) && upper.loci.contains(&planet));
         let rotational = |loci: [usize; 2]| loci.into_iter().find(|own| *own != planet).unwrap();
@@ -262,9 +263,57 @@ fn the_cycloid_mode_that_jumps_crosses_and_does_not_veer() {
         // The mode that is met does not move at all.
         let met = jump.loci.into_iter().find(|&locus| {
             let all = &own.loci[locus].omega_rad_s;
-            all.iter().all(|omega| (omega / all[0] - 1.0).abs() < 1e-9)
+            all.iter()
+                .flatten()
+                .all(|omega| (omega / all[0].unwrap() - 1.0).abs() < 1e-9)
         });
         assert!(met.is_some(), "{set}");
+    }
+}
+
+#[test]
+fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_told() {
+    let model = built_in("cycloid-ball").unwrap();
+    let own = swept(model.as_ref(), "ball_count", (8.0, 14.0, 7));
+    assert_eq!(own.values, [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0]);
+    assert!(!own.followed && own.events.is_empty());
+    assert_eq!(own.loci.len(), 17);
+    let balls = |less: i32| -> Vec<usize> { (8..15).map(|n| (n + less) as usize).collect() };
+    for (number, locus) in (1..).zip(&own.loci) {
+        let expected = match number {
+            1 => balls(1),
+            6 => vec![4; 7],
+            12 => balls(-2),
+            _ => vec![1; 7],
+        };
+        assert_eq!(locus.multiplicity, expected, "root {number}");
+    }
+    // The reference's numbers at Z2 = 8, 12 and 14.
+    for (number, value, expected) in [
+        (3, 0, 13920.975),
+        (4, 4, 14370.959),
+        (13, 4, 59611.981),
+        (14, 6, 65167.516),
+    ] {
+        let omega = own.loci[number - 1].omega_rad_s[value].unwrap();
+        assert!((omega - expected).abs() < 6e-4, "{number}: {omega}");
+    }
+    // A range of a factor of ten goes on in equal steps.
+    let wide = swept(model.as_ref(), "ball_count", (4.0, 40.0, 4));
+    assert_eq!(wide.values, [4.0, 16.0, 28.0, 40.0]);
+    let values = nominal_values(model.parameters());
+    for (lower, upper, count) in [(8.0, 14.0, 5), (8.5, 14.5, 7)] {
+        let range = SweepRange {
+            lower,
+            upper,
+            count,
+        };
+        let error = sweep(model.as_ref(), &values, "ball_count", range).unwrap_err();
+        let whole = matches!(
+            error,
+            TheoryError::SweepNotWhole { .. } | TheoryError::NotWhole { .. }
+        );
+        assert!(whole, "{error}");
     }
 }
 

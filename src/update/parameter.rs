@@ -72,6 +72,10 @@ impl FreeParameter {
         let named = specs.iter().position(|spec| spec.name == choice.name);
         let index = named.ok_or_else(|| unknown(specs, &choice.name, "there is none"))?;
         let (spec, initial) = (&specs[index], values[index]);
+        if spec.whole {
+            let reason = "a number of parts, which is not updated";
+            return Err(unknown(specs, &choice.name, reason));
+        }
         let model_lower = spec.lower.unwrap_or(f64::NEG_INFINITY);
         let model_upper = spec.upper.unwrap_or(f64::INFINITY);
         let lower = choice.lower.unwrap_or(model_lower).max(model_lower);

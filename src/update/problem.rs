@@ -59,7 +59,7 @@ impl<'a> UpdateProblem<'a> {
         for (test, own) in measured.iter().enumerate() {
             let floor = options.shape_floor;
             let rows = floor
-                .map(|floor| ShapeRows::new(model, sensors, own.modes, &options, floor))
+                .map(|floor| ShapeRows::new((model, values), sensors, own.modes, &options, floor))
                 .transpose()?;
             targets.extend(targets_of(test, own, rows.as_ref(), &options)?);
         }

@@ -87,7 +87,7 @@ pub(super) struct ShapeRows {
 impl ShapeRows {
     /// The common degrees of freedom of a test and the sensors, each with its sign and weight and its observation row.
     pub fn new(
-        model: &dyn TheoreticalModel,
+        (model, values): (&dyn TheoreticalModel, &[f64]),
         sensors: &[Sensor],
         test: &ModalModel,
         options: &UpdateOptions,
@@ -105,7 +105,7 @@ impl ShapeRows {
             let Some(sensor) = sensor else { continue };
             let turns = pair.test.axis().is_rotation();
             let weight = if turns { length.unwrap_or(1.0) } else { 1.0 };
-            let row = model.observation_row(&sensor.target)?;
+            let row = model.observation_row(values, &sensor.target)?;
             let row = row.iter().map(|part| weight * part).collect();
             pairs.push((pair.test.clone(), pair.sign * weight, row));
         }

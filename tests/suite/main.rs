@@ -22,6 +22,7 @@ mod recordings;
 mod roving;
 #[path = "../population/seeds.rs"]
 mod seeds;
+mod theory_command;
 mod torture;
 mod transmissions;
 mod truncation;

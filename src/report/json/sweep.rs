@@ -20,15 +20,20 @@ struct SweepFile<'a> {
     parameter: &'a str,
     unit: &'a str,
     values: &'a [f64],
+    /// Whether loci are followed by their shapes; else they are the roots by number.
+    followed: bool,
     loci: Vec<LocusFile<'a>>,
     events: Vec<EventFile>,
 }
 
 #[derive(Serialize)]
 struct LocusFile<'a> {
+    /// At the first value.
     multiplicity: usize,
+    /// At each value, where it changes.
+    multiplicities: Option<&'a [usize]>,
     class: Option<&'a str>,
-    frequency_hz: Vec<f64>,
+    frequency_hz: Vec<Option<f64>>,
 }
 
 #[derive(Serialize)]
@@ -54,7 +59,10 @@ pub fn sweeps_to_json(sweeps: &[Sweep]) -> String {
 }
 
 fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
-    let locus = |locus: &'_ Locus| locus.omega_rad_s.iter().map(|omega| omega / TAU).collect();
+    let locus = |locus: &'_ Locus| {
+        let all = locus.omega_rad_s.iter();
+        all.map(|omega| omega.map(|omega| omega / TAU)).collect()
+    };
     let event = |event: &LocusEvent| EventFile {
         kind: event.kind.name(),
         loci: event.loci,
@@ -65,7 +73,8 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
         width: event.width,
     };
     let loci = sweep.loci.iter().map(|own| LocusFile {
-        multiplicity: own.multiplicity,
+        multiplicity: own.multiplicity[0],
+        multiplicities: changing(&own.multiplicity),
         class: own.class.as_deref(),
         frequency_hz: locus(own),
     });
@@ -73,7 +82,13 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
         parameter: &sweep.parameter.name,
         unit: &sweep.parameter.unit,
         values: &sweep.values,
+        followed: sweep.followed,
         loci: loci.collect(),
         events: sweep.events.iter().map(event).collect(),
     }
+}
+
+/// Numbers that are not all the same.
+fn changing(all: &[usize]) -> Option<&[usize]> {
+    all.iter().any(|own| *own != all[0]).then_some(all)
 }

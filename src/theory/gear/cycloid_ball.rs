@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
 use crate::theory::machine::{Machine, minus};
-use crate::theory::parameter::{check_values, nominal_values};
+use crate::theory::parameter::{check_derivable, check_values, nominal_values};
 use crate::theory::rigid::RigidBodies;
 use crate::theory::{
     Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
@@ -35,8 +35,8 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 /// The arm of a body's own centre.
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 
-/// Number of reduction balls Z2 of the machine tested.
-const BALLS: usize = 10;
+/// The parameter with the number of reduction balls Z2.
+const BALLS: &str = "ball_count";
 /// Number of pin balls Z4.
 const PIN_BALLS: usize = 6;
 /// A share of the kinetic energy below which a group of coordinates counts as still: far above rounding.
@@ -44,7 +44,8 @@ const STILL: f64 = 1e-12;
 /// A share above which one body has the motion for itself.
 const ALONE: f64 = 0.99;
 
-/// The transmission with `11 + 2 Z2 + Z4` coordinates: 37 with the 10 reduction balls and 6 pin balls that were tested.
+/// The transmission with `11 + 2 Z2 + Z4` coordinates: 37 with the 10 reduction balls (`ball_count`) and 6 pin balls that
+/// were tested.
 ///
 /// Bodies: `input` (x0, y0, u0), `centre-disc` (x1, y1, u1), `ball-1` ... (x2_1, y2_1, ...), `planet-disc` (x3, y3, u3),
 /// `pin-ball-1` ... (y4_1, ...), `output` (y5, u5). Positions of sensors refer to the nominal geometry.
@@ -52,42 +53,16 @@ const ALONE: f64 = 0.99;
 pub struct CycloidBall {
     name: String,
     parameters: Vec<ParameterSpec>,
-    balls: usize,
-    /// At the nominal geometry, for sensors.
-    bodies: RigidBodies,
 }
 
 impl CycloidBall {
     /// The model with a parameter set: `B` (the physical reference), `A` (as printed), `C` or `D` (fitted); `None` for
     /// another name.
     pub fn new(set: &str) -> Option<Self> {
-        Self::with_balls(set, BALLS)
-    }
-
-    /// The model with another number of reduction balls, Z3 = Z2 + 1 teeth of the planet disc.
-    pub(super) fn with_balls(set: &str, balls: usize) -> Option<Self> {
-        if !SET_NAMES.contains(&set) {
-            return None;
-        }
-        let mut model = Self {
+        SET_NAMES.contains(&set).then(|| Self {
             name: format!("cycloid ball transmission, set {set}"),
             parameters: parameters(set),
-            balls,
-            bodies: RigidBodies::default(),
-        };
-        model.bodies = model.bodies(&nominal_values(&model.parameters));
-        Some(model)
-    }
-
-    /// The machine with more reduction balls, or fewer, and Z3 = Z2 + 1.
-    pub(super) fn with_more_balls(&self, more: isize) -> Self {
-        let balls = self.balls.saturating_add_signed(more);
-        let mut model = Self {
-            balls,
-            ..self.clone()
-        };
-        model.bodies = model.bodies(&nominal_values(&model.parameters));
-        model
+        })
     }
 
     fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
@@ -97,7 +72,7 @@ impl CycloidBall {
 
     /// Angle of ball i (from 0) on its circle, and the sine and cosine of its normal Φ3.
     fn ball(&self, values: &Values<'_>, i: usize) -> (Dual, [Dual; 2]) {
-        let turn = Dual::constant(TAU * i as f64 / self.balls as f64);
+        let turn = Dual::constant(TAU * i as f64 / values.get(BALLS).value);
         let theta = values.get("ball_phase") + turn;
         let (sin, cos) = theta.sin_cos();
         let cos = cos + values.get("trochoid_ratio");
@@ -105,14 +80,20 @@ impl CycloidBall {
         (theta, [sin / length, cos / length])
     }
 
-    fn bodies(&self, values: &[f64]) -> RigidBodies {
-        let values = &self.values(values, None);
+    /// The bodies of the machine with so many reduction balls at its nominal geometry.
+    fn bodies(&self, balls: f64) -> RigidBodies {
+        let mut values = nominal_values(&self.parameters);
+        let counts = self.parameters.iter().zip(&mut values);
+        counts
+            .filter(|(spec, _)| spec.name == BALLS)
+            .for_each(|(_, value)| *value = balls);
+        let values = &self.values(&values, None);
         let e = values.get("half_eccentricity").value;
-        let radius = self.balls as f64 * e / values.get("trochoid_ratio").value;
+        let radius = balls * e / values.get("trochoid_ratio").value;
         let mut all = Builder::default();
         all.body("input", [0.0; 3], &[("x0", X), ("y0", Y), ("u0", Z)]);
         all.body("centre-disc", [0.0; 3], &[("x1", X), ("y1", Y), ("u1", Z)]);
-        for i in 0..self.balls {
+        for i in 0..balls as usize {
             let theta = self.ball(values, i).0.value;
             let at_m = [-radius * theta.sin(), e + radius * theta.cos(), 0.0];
             let n = i + 1;
@@ -143,7 +124,7 @@ impl CycloidBall {
         [radius * sin, radius * cos]
     }
 
-    fn inertia(&self, values: &Values<'_>) -> Vec<Dual> {
+    fn inertia(coordinates: &[Coordinate], values: &Values<'_>) -> Vec<Dual> {
         let of_coordinate = |coordinate: &Coordinate| {
             let (letter, part) = coordinate.name.split_at(1);
             let part = &part[..1];
@@ -152,11 +133,12 @@ impl CycloidBall {
                 _ => values.get(&format!("m_{part}")),
             }
         };
-        self.bodies.coordinates.iter().map(of_coordinate).collect()
+        coordinates.iter().map(of_coordinate).collect()
     }
 
     fn machine(&self, values: &Values<'_>) -> Machine {
-        let mut all = Machine::new(&self.bodies.coordinates, self.inertia(values));
+        let coordinates = self.bodies(values.get(BALLS).value).coordinates;
+        let mut all = Machine::new(&coordinates, Self::inertia(&coordinates, values));
         let shift = [
             Dual::ZERO,
             2.0 * values.get("half_eccentricity"),
@@ -187,10 +169,11 @@ impl CycloidBall {
     /// The contacts A, B with the planet disc and C, D with the centre disc. They act along the normal through the pitch
     /// point, so that its foot there gives the arm Z3 e sin Φ3.
     fn add_balls(&self, values: &Values<'_>, all: &mut Machine) {
-        let arm = (self.balls + 1) as f64 * values.get("half_eccentricity");
+        let balls = values.get(BALLS).value;
+        let arm = (balls + 1.0) * values.get("half_eccentricity");
         let arm = [Dual::ZERO, -arm, Dual::ZERO];
         let cos2 = values.get("cos2_beta");
-        for i in 0..self.balls {
+        for i in 0..balls as usize {
             let (_, [sin, cos]) = self.ball(values, i);
             let normal = [sin, -cos, Dual::ZERO];
             let ball = all.point(&format!("ball-{}", i + 1), CENTRE, normal);
@@ -242,16 +225,22 @@ impl TheoreticalModel for CycloidBall {
 
     fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
         check_values(&self.name, &self.parameters, values)?;
+        check_derivable(&self.parameters[j])?;
         Ok(self.machine(&self.values(values, Some(j))).derivative())
     }
 
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
-        self.bodies.observation_row(target)
+    fn observation_row(&self, values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
+        check_values(&self.name, &self.parameters, values)?;
+        let balls = self.values(values, None).get(BALLS).value;
+        self.bodies(balls).observation_row(target)
     }
 
     fn mode_class(&self, omega_rad_s: f64, shares: &[f64]) -> Option<&'static str> {
+        // Eleven coordinates of the discs, one of each pin ball, two of each reduction ball.
+        let balls = shares.len().saturating_sub(11 + PIN_BALLS) / 2;
+        let coordinates = self.bodies(balls as f64).coordinates;
         let share = |of: &dyn Fn(&Coordinate) -> bool| -> f64 {
-            let all = self.bodies.coordinates.iter().zip(shares);
+            let all = coordinates.iter().zip(shares);
             all.filter(|(coordinate, _)| of(coordinate))
                 .map(|(_, share)| share)
                 .sum()

@@ -118,6 +118,7 @@ pub(super) fn parameters(set: &str) -> Vec<ParameterSpec> {
         positive("pin_circle_radius", own.pin_circle_radius_m, "m", Inferred),
         angle("ball_phase"),
         angle("pin_phase"),
+        ball_count(),
     ]);
     specs
 }
@@ -131,6 +132,7 @@ fn positive(name: &str, nominal: f64, unit: &str, status: ParameterStatus) -> Pa
         lower: Some(0.1 * nominal),
         upper: Some(10.0 * nominal),
         status,
+        whole: false,
     }
 }
 
@@ -139,6 +141,16 @@ fn fraction(name: &str, nominal: f64, status: ParameterStatus) -> ParameterSpec 
         lower: Some(0.01),
         upper: Some(0.99),
         ..positive(name, nominal, "1", status)
+    }
+}
+
+/// Number Z2 of reduction balls, table 1; the planet disc has Z3 = Z2 + 1 teeth.
+fn ball_count() -> ParameterSpec {
+    ParameterSpec {
+        lower: Some(4.0),
+        upper: Some(40.0),
+        whole: true,
+        ..positive("ball_count", 10.0, "1", Printed)
     }
 }
 

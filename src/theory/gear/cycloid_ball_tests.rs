@@ -4,7 +4,8 @@
 use crate::geometry::Target;
 use crate::theory::parameter::nominal_values;
 use crate::theory::{
-    CycloidBall, ModeOptions, ModelRoot, TheoreticalModel, TheoryModes, model_roots, modes,
+    CycloidBall, ModeOptions, ModelRoot, TheoreticalModel, TheoryError, TheoryModes, model_roots,
+    modes, override_values,
 };
 
 fn solved(model: &CycloidBall, values: &[f64]) -> TheoryModes {
@@ -14,6 +15,17 @@ fn solved(model: &CycloidBall, values: &[f64]) -> TheoryModes {
 fn roots(model: &CycloidBall) -> Vec<ModelRoot> {
     let values = nominal_values(model.parameters());
     model_roots(model, &solved(model, &values))
+}
+
+/// Set B with another number of reduction balls.
+fn with_balls(balls: f64) -> (CycloidBall, Vec<f64>) {
+    let model = CycloidBall::new("B").unwrap();
+    let values = override_values(
+        model.name(),
+        model.parameters(),
+        &[("ball_count".to_owned(), balls)].into(),
+    );
+    (model, values.unwrap())
 }
 
 /// All 37 angular frequencies of a set, rad/s, from the printed matrix by `tests/reference/cycloid_ball.py`.
@@ -172,7 +184,8 @@ fn the_zero_modes_are_ten_rolling_balls_and_the_mechanism() {
 fn more_balls_add_zero_and_ball_roots_and_no_others() {
     // The fourth number is the third single root in rad/s.
     for (balls, zero, ball, third) in [(8, 9, 6, 13920.975), (12, 13, 10, 13613.763)] {
-        let found = roots(&CycloidBall::with_balls("B", balls).unwrap());
+        let (model, values) = with_balls(f64::from(balls));
+        let found = model_roots(&model, &solved(&model, &values));
         let multiple: Vec<usize> = found
             .iter()
             .map(|root| root.modes.len())
@@ -218,8 +231,9 @@ fn a_sensor_reads_the_disc_on_which_it_sits() {
         at_m: [0.02, 2.4e-3, 0.0],
         direction: [0.0, 1.0, 0.0],
     };
-    let row = model.observation_row(&target).unwrap();
-    let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let values = nominal_values(model.parameters());
+    let row = model.observation_row(&values, &target).unwrap();
+    let matrices = model.assemble(&values).unwrap();
     for (value, coordinate) in row.iter().zip(&matrices.coordinates) {
         let expected = match coordinate.name.as_str() {
             "y3" => 1.0,
@@ -228,4 +242,45 @@ fn a_sensor_reads_the_disc_on_which_it_sits() {
         };
         assert!((value - expected).abs() < 1e-15, "{}", coordinate.name);
     }
+}
+
+#[test]
+fn the_number_of_balls_is_whole_has_no_derivative_and_moves_the_sensors_with_it() {
+    let (model, values) = with_balls(12.0);
+    let j = model
+        .parameters()
+        .iter()
+        .position(|p| p.name == "ball_count");
+    let j = j.unwrap();
+    for (bad, whole) in [(10.5, false), (3.0, true), (41.0, true)] {
+        let mut values = values.clone();
+        values[j] = bad;
+        let error = model.assemble(&values).unwrap_err();
+        let expected = match error {
+            TheoryError::NotWhole { ref name, got } => !whole && name == "ball_count" && got == bad,
+            TheoryError::OutOfBounds { ref name, .. } => whole && name == "ball_count",
+            _ => false,
+        };
+        assert!(expected, "{error}");
+    }
+    let error = model.derivative(&values, j).unwrap_err();
+    assert!(matches!(error, TheoryError::NoDerivative { name } if name == "ball_count"));
+    // Ball 12 is there, on its circle of radius Z2 e/K about (0, e), and reads its own coordinate alone.
+    let matrices = model.assemble(&values).unwrap();
+    assert_eq!(matrices.coordinates.len(), 11 + 2 * 12 + 6);
+    let last = matrices.coordinates.iter().position(|c| c.name == "y2_12");
+    let last = last.unwrap();
+    let [x, y, _] = matrices.coordinates[last].at_m;
+    assert!((x.hypot(y - 1.2e-3) - 12.0 * 4e-3).abs() < 1e-15);
+    let target = Target::BodyPoint {
+        body: "ball-12".to_owned(),
+        at_m: [0.0; 3],
+        direction: [0.0, 1.0, 0.0],
+    };
+    let row = model.observation_row(&values, &target).unwrap();
+    let mut expected = vec![0.0; matrices.coordinates.len()];
+    expected[last] = 1.0;
+    assert_eq!(row, expected);
+    let nominal = nominal_values(model.parameters());
+    assert!(model.observation_row(&nominal, &target).is_err());
 }

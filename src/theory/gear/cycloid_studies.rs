@@ -9,8 +9,8 @@
 
 use crate::theory::parameter::index_of;
 use crate::theory::{
-    CycloidBall, EventKind, ModeOptions, ModelQuantity, SweepRange, TheoreticalModel, TheoryError,
-    model_roots, modes, sweep,
+    CycloidBall, EventKind, Locus, ModeOptions, ModelQuantity, SweepRange, TheoreticalModel,
+    TheoryError, model_roots, modes, sweep,
 };
 
 /// Numbers of the roots of figures 6 to 8, from 1.
@@ -24,7 +24,7 @@ const STIFFNESSES: [f64; 7] = [1e7, 2e7, 3e7, 4e7, 5e7, 7e7, 9e7];
 /// Where the paper has the mode jump, N/m.
 const PRINTED_JUMP: f64 = 3e7;
 /// More balls than the machine has.
-const MORE_BALLS: [isize; 6] = [-2, -1, 0, 1, 2, 4];
+const MORE_BALLS: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 4.0];
 
 /// Roots 3, 4, 13 and 14 along a study, rad/s.
 pub(super) type Study = Vec<[f64; 4]>;
@@ -45,16 +45,16 @@ impl Studies<'_> {
     }
 
     /// The four roots with values changed; not numbers where a value is out of its bounds or a root is not there.
-    fn roots(&self, model: &CycloidBall, changes: &[(&str, f64)]) -> Result<[f64; 4], TheoryError> {
+    fn roots(&self, changes: &[(&str, f64)]) -> Result<[f64; 4], TheoryError> {
         let mut values = self.values.to_vec();
         for (name, value) in changes {
             values[self.index(name)?] = *value;
         }
-        let solved = match modes(model, &values, &[], &ModeOptions::default()) {
+        let solved = match modes(self.model, &values, &[], &ModeOptions::default()) {
             Err(TheoryError::OutOfBounds { .. }) => return Ok([f64::NAN; 4]),
             other => other?,
         };
-        let roots = model_roots(model, &solved);
+        let roots = model_roots(self.model, &solved);
         let root = |number: usize| {
             roots
                 .get(number - 1)
@@ -74,7 +74,7 @@ impl Studies<'_> {
                 ("trochoid_ratio", part * ratio),
                 ("half_eccentricity", part * e),
             ];
-            self.roots(self.model, &changes)
+            self.roots(&changes)
         };
         RATIOS.iter().map(at).collect()
     }
@@ -82,20 +82,49 @@ impl Studies<'_> {
     /// Over r0 with K kept.
     pub fn over_radius(&self) -> Result<Study, TheoryError> {
         let e = self.value("half_eccentricity")?;
-        let at = |part: &f64| self.roots(self.model, &[("half_eccentricity", part * e)]);
+        let at = |part: &f64| self.roots(&[("half_eccentricity", part * e)]);
         RADII.iter().map(at).collect()
     }
 
     /// Over one of the stiffnesses between input and planet disc.
     pub fn over_stiffness(&self, name: &str) -> Result<Study, TheoryError> {
-        let at = |k: &f64| self.roots(self.model, &[(name, *k)]);
+        let at = |k: &f64| self.roots(&[(name, *k)]);
         STIFFNESSES.iter().map(at).collect()
     }
 
     /// Over the number of reduction balls.
     pub fn over_balls(&self) -> Result<Study, TheoryError> {
-        let at = |more: &isize| self.roots(&self.model.with_more_balls(*more), &[]);
+        let balls = self.value("ball_count")?;
+        let at = |more: &f64| self.roots(&[("ball_count", balls + more)]);
         MORE_BALLS.iter().map(at).collect()
+    }
+
+    /// Over the number of reduction balls, the largest departure of a root's multiplicity from the paper's words: the first and
+    /// the twelfth root change as Z2 does, the others not at all.
+    pub fn multiplicities_off(&self) -> Result<f64, TheoryError> {
+        let balls = self.value("ball_count")?;
+        let (less, more) = (MORE_BALLS[0], MORE_BALLS[MORE_BALLS.len() - 1]);
+        let range = SweepRange {
+            lower: balls + less,
+            upper: balls + more,
+            count: (more - less) as usize + 1,
+        };
+        let swept = match sweep(self.model, self.values, "ball_count", range) {
+            Err(TheoryError::OutOfBounds { .. }) => return Ok(f64::NAN),
+            other => other?,
+        };
+        let off = |(number, locus): (usize, &Locus)| {
+            let first = locus.multiplicity[0] as f64;
+            let pairs = swept.values.iter().zip(&locus.multiplicity);
+            let change = |value: &f64| match number {
+                1 | 12 => value - range.lower,
+                _ => 0.0,
+            };
+            pairs
+                .map(|(value, own)| (*own as f64 - first - change(value)).abs())
+                .fold(0.0, f64::max)
+        };
+        Ok((1..).zip(&swept.loci).map(off).fold(0.0, f64::max))
     }
 
     /// Where locus `lower`, numbered from 1 as the roots at the first value, crosses the next one, with the event's coupling.
@@ -238,6 +267,12 @@ pub(super) fn study_quantities(
             coupling,
             "",
             "coupling factor of the modes that cross there: 0 for a crossing, 1 for a veering",
+        ),
+        ModelQuantity::new(
+            "multiplicities_off_over_z2",
+            studies.multiplicities_off()?,
+            "",
+            "largest departure of a root's multiplicity from changing as Z2 does (ω1, ω12) or not at all (the others)",
         ),
         rise("rise_3_over_z2", &balls, 3, over_balls),
         rise("rise_4_over_z2", &balls, 4, over_balls),

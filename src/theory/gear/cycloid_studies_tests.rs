@@ -155,6 +155,7 @@ fn the_quantities_tell_rises_falls_and_the_jump() {
     }
     assert!((value("jump_k03y") / 3.192963e7 - 1.0).abs() < 3e-7);
     assert!(value("jump_coupling") < 1e-12);
+    assert!(value("multiplicities_off_over_z2").abs() < 1e-12);
     let exchange = value("r0_of_exchange");
     assert!(exchange > 6.0 && exchange < 7.0, "{exchange}");
 }

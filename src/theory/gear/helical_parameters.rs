@@ -108,6 +108,7 @@ fn positive(name: &str, nominal: f64, unit: &str, status: ParameterStatus) -> Pa
         lower: Some(0.01 * nominal),
         upper: Some(100.0 * nominal),
         status,
+        whole: false,
     }
 }
 

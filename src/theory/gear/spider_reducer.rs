@@ -247,7 +247,7 @@ impl TheoreticalModel for SpiderReducer {
         Ok(self.machine(&self.values(values, Some(j))).derivative())
     }
 
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         self.bodies.observation_row(target)
     }
 

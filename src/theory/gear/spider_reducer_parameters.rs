@@ -76,6 +76,7 @@ pub(super) fn parameters() -> Vec<ParameterSpec> {
             lower: Some(lower),
             upper: Some(upper),
             status,
+            whole: false,
         };
     let around = |nominal: f64| [0.1 * nominal, 10.0 * nominal];
     let mut all = Vec::new();

@@ -166,7 +166,7 @@ impl TheoreticalModel for TorsionalPlanetary {
     }
 
     /// A coordinate; a point of a body has no reading, since the radii are not known.
-    fn observation_row(&self, target: &Target) -> Result<Vec<f64>, TheoryError> {
+    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         self.bodies.observation_row(target)
     }
 
@@ -211,6 +211,7 @@ fn parameters(fixed: Option<Fixed>) -> Vec<ParameterSpec> {
             lower: Some(lower),
             upper: Some(upper),
             status,
+            whole: false,
         };
     let carrier_support = if fixed.is_none() { 1e9 } else { 0.0 };
     let (mass, mesh, support) = ((0.01, 1e3), (1e5, 1e13), (0.0, 1e13));

@@ -328,7 +328,7 @@ fn energies_of_table_2_are_the_reference_and_add_up() {
 fn a_sensor_reads_a_coordinate_and_no_point() {
     let model = TorsionalPlanetary::new("table-2").unwrap();
     let row = model
-        .observation_row(&Target::Coordinate("us".to_owned()))
+        .observation_row(&[], &Target::Coordinate("us".to_owned()))
         .unwrap();
     assert_eq!(row, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     let point = Target::BodyPoint {
@@ -337,7 +337,7 @@ fn a_sensor_reads_a_coordinate_and_no_point() {
         direction: [1.0, 0.0, 0.0],
     };
     assert!(matches!(
-        model.observation_row(&point),
+        model.observation_row(&[], &point),
         Err(TheoryError::NoRadius { body, .. }) if body == "sun"
     ));
     assert!(built_in("torsional-planetary/sun-fixed").is_ok());
@@ -426,7 +426,7 @@ fn with_a_free_carrier_one_crossing_with_the_planet_modes_is_left() {
     let planet = own
         .loci
         .iter()
-        .position(|locus| locus.multiplicity == 2)
+        .position(|locus| locus.multiplicity[0] == 2)
         .unwrap();
     let class = own.loci[planet].class.as_deref();
     assert!(class.unwrap().starts_with("planet mode"));

@@ -160,7 +160,13 @@ impl<'a> State<'a> {
     }
 
     fn rate(&self, root: usize, name: &str) -> Result<f64, TheoryError> {
-        Ok(self.sensitivities[root].mean(self.index(name)?))
+        Ok(self.slope(root, self.index(name)?))
+    }
+
+    /// `dlambda/dp`; not a number for a root that is not there: one that is met at a step is none of its own there.
+    fn slope(&self, root: usize, j: usize) -> f64 {
+        let own = self.sensitivities.get(root);
+        own.and_then(|own| own.mean(j)).unwrap_or(f64::NAN)
     }
 
     fn value(&self, name: &str) -> Result<f64, TheoryError> {
@@ -200,13 +206,9 @@ impl<'a> State<'a> {
         );
         let mut largest = 0.0f64;
         for root in self.elastic() {
-            // A root that is met at one of the steps is none of its own there.
-            let energy = |state: &Self| {
-                let own = state.sensitivities.get(root);
-                own.map_or(f64::NAN, |own| 0.5 * state.values[j] * own.mean(j))
-            };
+            let energy = |state: &Self| 0.5 * state.values[j] * state.slope(root, j);
             let rate = (energy(&up) - energy(&down)) / (2.0 * STEP * k_r);
-            let claimed = 0.5 * self.sensitivities[root].mean(j);
+            let claimed = 0.5 * self.slope(root, j);
             largest = largest.max((rate / claimed - 1.0).abs());
         }
         Ok(largest)
