@@ -348,6 +348,12 @@ codes! {
     /// Two modes of one set with one shape.
     DuplicateModes: "this mode has nearly the same shape and frequency as another of its set: one mode found twice, or sensors that cannot tell two apart",
         "The value is the MAC of both (autoMAC). A stabilization diagram read twice, two poles fitted to one resonance that moved between runs, or too few sensors give such a pair. Keep the one that explains more of the response, or measure at more points.";
+    /// A sensor that points the other way.
+    ReversedSensor: "this sensor reads against the theory in the pairs; turned, it raises their mean MAC",
+        "Its values disagree in sign with the theory's in most pairs of modes. The value is what the mean MAC gains when it is turned. Look at how the sensor was mounted, or at the sign of its channel; it is left as it is unless --turn-reversed is given.";
+    /// A test's frame that was fitted to the theory's.
+    NodesAligned: "the test's points were turned, shifted and scaled onto the theory's",
+        "The value is the scale, near 0.001 for millimetres that count as metres. Where several frames fit as well, because points on a line or of a symmetric machine do not tell them apart, it is a warning, and the one that turns least was taken. Look at the distances, and at the MAC.";
     /// Degrees of freedom without a partner.
     DofWithoutPartner: "a degree of freedom of the test has no counterpart in the model and was left out of the comparison",
         "MAC is computed on the degrees of freedom that both have. State the missing ones as [[sensor]] in the scene.";

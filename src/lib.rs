@@ -28,6 +28,7 @@
 //! | [`theory::TimeResponse`] | a response over time in growing detail of its model | `theory` |
 //! | [`theory::RootSensitivity`] | how a root depends on the parameters | `theory` |
 //! | [`correlate::Observability`] | what a test could see of a root | `correlate` |
+//! | [`correlate::Alignment`] | a test's frame fitted to that of the theory | `correlate` |
 //! | [`correlate::measures::Measures`] | MAC, COMAC, scale factors, subspaces, orthogonality of the pairs | `correlate` |
 //! | [`correlate::measures::FrfCorrelation`] | FRFs against FRFs, by function and by line | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |

@@ -17,6 +17,8 @@ pub use sparse::SparseMatrix;
 
 /// Vector of three, for positions and directions.
 pub type Vector3 = nalgebra::Vector3<f64>;
+/// Matrix of three by three, for rotations.
+pub type Matrix3 = nalgebra::Matrix3<f64>;
 /// Dense real matrix.
 pub type RealMatrix = Mat<f64>;
 /// Dense complex matrix.

@@ -287,6 +287,16 @@ pub struct CorrelateArgs {
     /// Tie degrees of freedom by the nearest node within this distance, m, instead of by name.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub nearest_node: Option<f64>,
+    /// With --nearest-node: turn, shift and scale the test's points onto the theory's first; with a list of lines TEST,THEORY
+    /// by these points, else by the nearest ones from several starts. Refused where a point stays farther off than METRES.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "nearest_node")]
+    pub align: Option<Option<PathBuf>>,
+    /// Turn the sensors that read against the theory; without it they are a finding.
+    #[arg(long, requires = "theory")]
+    pub turn_reversed: bool,
+    /// Length by which rotations are multiplied where they meet translations in one MAC, m.
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub rotation_length: Option<f64>,
     /// Write the table here (.md, .csv, .tex, .txt or .json).
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,

@@ -3,27 +3,28 @@
 use std::path::Path;
 
 use crate::correlate::measures::{
-    DuplicateLimits, Orthogonality, Reduction, auto_mac, measures, orthogonality,
-    orthogonality_dofs,
+    DuplicateLimits, Orthogonality, Reduction, ReversedSensor, auto_mac, measures, orthogonality,
+    orthogonality_dofs, reversed_sensors, turned,
 };
-use crate::correlate::{CorrelateError, DofMap, DofNames, ErrorReference, PairOptions, Pairing};
+use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading};
 use crate::dof::Dof;
 use crate::error::Error;
-use crate::geometry::{Geometry, Sensor};
+use crate::geometry::Sensor;
 use crate::io::write_whole;
 use crate::modal::ModalModel;
 use crate::report::{
-    Block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks, renderer_for_extension,
-    whole_comparison,
+    Block, alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks,
+    renderer_for_extension, reversed_block, whole_comparison,
 };
 use crate::scene::{
     LoadedModel, NamedTest, Scene, SceneError, Theory, compare_tests, holds_functions,
-    is_modes_file, load_model, load_modes, read_text, table_model, theory,
+    is_modes_file, load_model, load_modes, table_model, theory,
 };
 use crate::theory::ModeOptions;
 
 use super::Outcome;
 use super::args::CorrelateArgs;
+use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
 use super::output::{Output, check_extension};
 
@@ -66,9 +67,16 @@ fn compared(
         .map(|path| Ok((path.display().to_string(), load(path, format)?.theory)))
         .collect::<Result<Vec<_>, Error>>()?;
     let Loaded { theory, model } = load(theory, format)?;
-    let (theory, names) = tied(args, &mut tests, theory)?;
-    for (name, test) in &tests {
+    let Tied {
+        theory,
+        names,
+        alignment,
+    } = tied(args, &mut tests, theory)?;
+    let mut reversed = Vec::new();
+    for (name, test) in &mut tests {
         has_common(name, &test.modes, &theory.modes)?;
+        let own = turn(args, &mut test.modes, &theory.modes, &options)?;
+        reversed.push((name.clone(), own));
     }
     let named: Vec<_> = tests
         .iter()
@@ -103,7 +111,16 @@ fn compared(
             orthogonality_blocks(name, own)
         });
     }
-    let json = json::comparison_with_measures(&comparison.table, &all);
+    blocks.extend(alignment.as_ref().map(alignment_block));
+    blocks.extend(reversed_block(&reversed, args.turn_reversed));
+    let json = json::comparison_with(
+        &comparison.table,
+        &json::Additions {
+            measures: &all,
+            reversed: &reversed,
+            alignment: alignment.as_ref(),
+        },
+    );
     print(args, (&blocks, json), output)?;
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
@@ -113,6 +130,23 @@ fn compared(
         output.findings_of(test, findings);
     }
     Ok(Outcome::Done)
+}
+
+/// The reversed sensors of a test, told as findings, and turned where that is wanted.
+fn turn(
+    args: &CorrelateArgs,
+    test: &mut ModalModel,
+    theory: &ModalModel,
+    options: &PairOptions,
+) -> Result<Vec<ReversedSensor>, Error> {
+    let found = reversed_sensors(test, theory, options)?;
+    if args.turn_reversed {
+        let dofs: Vec<Dof> = found.iter().map(|own| own.dof.clone()).collect();
+        *test = turned(test, &dofs);
+    }
+    let findings = found.iter().map(|own| own.finding(args.turn_reversed));
+    test.findings.extend(findings);
+    Ok(found)
 }
 
 /// Every test against itself.
@@ -181,92 +215,17 @@ fn through_mass(
         expected: "a model as --theory".to_owned(),
     })?;
     let common = orthogonality_dofs(test, theory, &pairing.map);
-    let own = |dof: &Dof| {
+    let reading = |dof: &Dof| {
         let named = names.as_ref().and_then(|names| names.in_theory(dof));
-        named.unwrap_or(dof).clone()
+        let own = || vec![(dof.positive(), dof.sign())];
+        (dof.clone(), named.cloned().unwrap_or_else(own))
     };
-    let dofs: Vec<Dof> = common.iter().map(own).collect();
+    let readings: Vec<(Dof, Reading)> = common.iter().map(reading).collect();
     let kept = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
     let kept: Vec<usize> = kept.copied().collect();
-    let mass = model
-        .model
-        .reduced_mass(&model.sensors, &dofs, reduction, &kept)?;
-    let found = orthogonality((test, theory), &pairing.map, &mass, &common)?;
-    Ok(found)
-}
-
-/// Shapes on both sides without one common degree of freedom have other names, or are of another machine.
-fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
-    let example = |model: &ModalModel| {
-        let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());
-        shapes.next().map(|(dof, _)| dof.to_string())
-    };
-    let (Some(own), Some(other)) = (example(test), example(theory)) else {
-        return Ok(());
-    };
-    if !DofMap::of_models(test, theory).is_empty() {
-        return Ok(());
-    }
-    Err(Error::Argument {
-        argument: "--test",
-        got: format!(
-            "{name}, which has no degree of freedom in common with the theory ({own}, ... and {other}, ...)"
-        ),
-        expected: "common names; or tie them with --dof-map FILE or --nearest-node METRES"
-            .to_owned(),
-    })
-}
-
-/// The theory under the names of the test, where the names differ. With several tests all must have the first one's.
-fn tied(
-    args: &CorrelateArgs,
-    tests: &mut [(String, Theory)],
-    theory: Theory,
-) -> Result<(Theory, Option<DofNames>), Error> {
-    if let Some(path) = &args.dof_map {
-        let text = read_text(path)?;
-        let names = DofNames::parse(&text).map_err(|error| list_error(path, &error))?;
-        return Ok((renamed(&names, theory), Some(names)));
-    }
-    let (Some(tolerance), Some((_, first))) = (args.nearest_node, tests.first_mut()) else {
-        return Ok((theory, None));
-    };
-    has_nodes(&args.test[0], &first.geometry)?;
-    let path = args.theory.as_deref().unwrap_or(Path::new(""));
-    has_nodes(path, &theory.geometry)?;
-    let (names, finding) = DofNames::nearest(
-        (&first.modes, &first.geometry),
-        (&theory.modes, &theory.geometry),
-        tolerance,
-    );
-    first.modes.findings.push(finding);
-    Ok((renamed(&names, theory), Some(names)))
-}
-
-fn renamed(names: &DofNames, theory: Theory) -> Theory {
-    Theory {
-        modes: names.rename(&theory.modes),
-        ..theory
-    }
-}
-
-fn list_error(path: &Path, error: &CorrelateError) -> Error {
-    Error::Argument {
-        argument: "--dof-map",
-        got: format!("{}: {error}", path.display()),
-        expected: "a file with a line TEST,THEORY for each pair".to_owned(),
-    }
-}
-
-fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
-    if !geometry.nodes.is_empty() {
-        return Ok(());
-    }
-    Err(Error::Argument {
-        argument: "--nearest-node",
-        got: format!("{} without a position of any point", path.display()),
-        expected: "a file with nodes (universal datasets 15 or 2411), or a model with sensors at positions".to_owned(),
-    })
+    let (model, sensors) = (&model.model, &model.sensors);
+    let mass = model.reduced_mass(sensors, &readings, reduction, &kept)?;
+    Ok(orthogonality((test, theory), &pairing.map, &mass)?)
 }
 
 fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
@@ -283,6 +242,7 @@ fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
         .max_frequency_error
         .unwrap_or(options.max_frequency_error);
     options.min_mac = args.min_mac.unwrap_or(options.min_mac);
+    options.rotation_length_m = args.rotation_length;
     Ok(options)
 }
 

@@ -51,6 +51,8 @@ fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
         ("--orthogonality", args.orthogonality.is_some()),
         ("--dof-map", args.dof_map.is_some()),
         ("--nearest-node", args.nearest_node.is_some()),
+        ("--turn-reversed", args.turn_reversed),
+        ("--rotation-length", args.rotation_length.is_some()),
         ("--min-mac", args.min_mac.is_some()),
         ("--max-frequency-error", args.max_frequency_error.is_some()),
         ("--error-reference", args.error_reference.is_some()),

@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod convert;
 mod correlate;
+mod correlate_dofs;
 mod correlate_frfs;
 mod frf;
 mod identify;

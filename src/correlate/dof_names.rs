@@ -2,19 +2,28 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use num_complex::Complex64;
+
 use crate::dof::{Axis, Dof};
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::geometry::Geometry;
 use crate::linalg::Vector3;
 use crate::modal::{ModalModel, ModeShape};
 
-use super::CorrelateError;
+use super::{CorrelateError, Similarity};
 
-/// Pairs of degrees of freedom that read the same: the test's sensor, with its sign, and the theory's.
+/// Part of a unit direction below which the theory's axis is not needed.
+const AXIS_NEEDED: f64 = 1e-3;
+
+/// Degrees of freedom that read the same: the test's sensor, with its sign, and what of the theory gives its reading.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofNames {
-    pairs: Vec<(Dof, Dof)>,
+    pairs: Vec<(Dof, Reading)>,
 }
+
+/// A sum of a theory's degrees of freedom along their positive axes: one of them, or several where the test's axis lies
+/// between the theory's.
+pub type Reading = Vec<(Dof, f64)>;
 
 impl DofNames {
     /// Reads a list: a line for each pair, the test's degree of freedom and the theory's, separated by a comma. A heading
@@ -49,12 +58,13 @@ impl DofNames {
                     theory.trim().parse().ok()?,
                 ))
             });
-            let (test, theory) =
+            let (test, theory): (Dof, Dof) =
                 pair.ok_or_else(|| error("TEST,THEORY, two degrees of freedom such as 1:+Z"))?;
             if !known.insert(test.positive()) {
                 return Err(error("each degree of freedom of the test once"));
             }
-            names.pairs.push((test, theory));
+            let reading = vec![(theory.positive(), theory.sign())];
+            names.pairs.push((test, reading));
         }
         if names.is_empty() {
             return Err(CorrelateError::DofList {
@@ -66,23 +76,35 @@ impl DofNames {
         Ok(names)
     }
 
-    /// Ties each degree of freedom of the test to the theory's of the same axis at the nearest node, as far as that lies
-    /// within `tolerance_m`. Both geometries must be in one frame.
+    /// The pairs of points that a list ties, by the names of both, each once and in order.
+    pub fn points(&self) -> Vec<(&str, &str)> {
+        let pairs = self.pairs.iter();
+        let named = pairs.flat_map(|(test, reading)| {
+            let theory = reading.iter();
+            theory.map(|(dof, _)| (test.point(), dof.point()))
+        });
+        named.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Ties each degree of freedom of the test to the theory's at the nearest node, as far as that lies within
+    /// `tolerance_m`: a test's point `x` at `s R x + t`, its axis along `R e`. Where that lies between the theory's axes,
+    /// the theory's reading is the sum of its components, all of which the node must have. Rotations go with rotations,
+    /// scalars with scalars.
     ///
     /// The finding tells the largest distance. Degrees of freedom without a position or a node near enough stay without a
     /// partner.
     pub fn nearest(
         test: (&ModalModel, &Geometry),
         theory: (&ModalModel, &Geometry),
+        frame: &Similarity,
         tolerance_m: f64,
     ) -> (Self, Finding) {
         let test_nodes = positions(test.1);
         let theory_nodes = positions(theory.1);
-        let mut of_axis: BTreeMap<Axis, Vec<(Vector3, Dof)>> = BTreeMap::new();
+        let mut of_point: BTreeMap<String, BTreeSet<Axis>> = BTreeMap::new();
         for dof in dofs(theory.0) {
-            if let Some(at) = theory_nodes.get(dof.point()) {
-                of_axis.entry(dof.axis()).or_default().push((*at, dof));
-            }
+            let axes = of_point.entry(dof.point().to_owned()).or_default();
+            axes.insert(dof.axis());
         }
         let mut names = Self::default();
         let mut largest = 0.0_f64;
@@ -90,12 +112,22 @@ impl DofNames {
             let Some(at) = test_nodes.get(own.point()) else {
                 continue;
             };
-            let partners = of_axis.get(&own.axis()).into_iter().flatten();
-            let distances = partners.map(|(place, dof)| ((place - at).norm(), dof));
-            let near = distances.filter(|(distance, _)| *distance <= tolerance_m);
-            if let Some((distance, dof)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            let at = frame.position(at);
+            let needed = along(frame, own.axis());
+            let full = of_point
+                .iter()
+                .filter(|(_, axes)| needed.iter().all(|(axis, _)| axes.contains(axis)));
+            let placed = full.filter_map(|(point, _)| {
+                let place = theory_nodes.get(point.as_str())?;
+                Some(((place - at).norm(), point))
+            });
+            let near = placed.filter(|(distance, _)| *distance <= tolerance_m);
+            if let Some((distance, point)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 largest = largest.max(distance);
-                names.pairs.push((own.positive(), dof.positive()));
+                let reading = needed
+                    .iter()
+                    .filter_map(|&(axis, part)| Some((Dof::new(point, axis, false).ok()?, part)));
+                names.pairs.push((own.positive(), reading.collect()));
             }
         }
         names.pairs.dedup();
@@ -115,10 +147,10 @@ impl DofNames {
         self.pairs.is_empty()
     }
 
-    /// What the theory itself calls a degree of freedom of the test, with the sign of the theory's sensor.
-    pub fn in_theory(&self, test: &Dof) -> Option<&Dof> {
+    /// What of the theory gives the reading of a degree of freedom of the test.
+    pub fn in_theory(&self, test: &Dof) -> Option<&Reading> {
         let mut pairs = self.pairs.iter();
-        pairs.find(|(own, _)| own == test).map(|(_, theory)| theory)
+        pairs.find(|(own, _)| own == test).map(|(_, own)| own)
     }
 
     /// The theory under the names of the test: each shape at the test's degrees of freedom, as far as a pair names them
@@ -126,9 +158,11 @@ impl DofNames {
     pub fn rename(&self, theory: &ModalModel) -> ModalModel {
         let mut renamed = theory.clone();
         for mode in &mut renamed.modes {
-            let value = |(test, own): &(Dof, Dof)| {
-                let value = mode.shape.along_positive(own)?;
-                Some((test.clone(), value * own.sign()))
+            let value = |(test, reading): &(Dof, Reading)| {
+                let parts = reading.iter();
+                let parts = parts.map(|(dof, part)| Some(mode.shape.along_positive(dof)? * *part));
+                let sum: Option<Complex64> = parts.sum();
+                Some((test.clone(), sum?))
             };
             mode.shape = ModeShape::new(self.pairs.iter().filter_map(value));
             (mode.shape_std, mode.residues) = (None, Default::default());
@@ -142,6 +176,20 @@ fn positions(geometry: &Geometry) -> BTreeMap<&str, Vector3> {
     nodes.map(|node| (node.point.as_str(), node.at_m)).collect()
 }
 
+/// A test's positive axis in the theory's: which of the theory's axes, and the part along each.
+fn along(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
+    let Some(unit) = axis.unit_vector() else {
+        return vec![(axis, 1.0)];
+    };
+    let of_kind = match axis.is_rotation() {
+        true => [Axis::RX, Axis::RY, Axis::RZ],
+        false => [Axis::X, Axis::Y, Axis::Z],
+    };
+    let turned = frame.rotation * Vector3::from(unit);
+    let parts = of_kind.into_iter().zip(turned.iter().copied());
+    parts.filter(|(_, part)| part.abs() > AXIS_NEEDED).collect()
+}
+
 /// Every degree of freedom at which a mode has a value, in order.
 fn dofs(model: &ModalModel) -> BTreeSet<Dof> {
     let shapes = model.modes.iter().map(|mode| &mode.shape);
@@ -152,8 +200,6 @@ fn dofs(model: &ModalModel) -> BTreeSet<Dof> {
 
 #[cfg(test)]
 mod tests {
-    use num_complex::Complex64;
-
     use super::*;
     use crate::geometry::Node;
     use crate::modal::{Mode, Scaling};
@@ -191,7 +237,8 @@ mod tests {
         let expected = [("1:+Z".to_owned(), -2.0), ("2:-Z".to_owned(), -3.0)];
         assert_eq!(values(&renamed), expected);
         let own = names.in_theory(&"1:+Z".parse().unwrap());
-        assert_eq!(own.map(ToString::to_string), Some("101:-X".to_owned()));
+        assert_eq!(own, Some(&vec![("101:+X".parse().unwrap(), -1.0)]));
+        assert_eq!(names.points(), [("1", "101"), ("2", "102"), ("3", "103")]);
     }
 
     #[test]
@@ -224,10 +271,42 @@ mod tests {
                 &theory,
                 &geometry(&[("11", 0.001), ("12", 0.1), ("13", 0.25)]),
             ),
+            &Similarity::identity(),
             0.01,
         );
         let expected = [("1:+Z".to_owned(), 5.0), ("2:+Z".to_owned(), 6.0)];
         assert_eq!(values(&names.rename(&theory)), expected);
         assert!((finding.value.unwrap() - 0.004).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_turned_axis_reads_the_sum_of_the_theorys_components() {
+        // The test's x and z turned by 30 degrees about the theory's y; a point at 2 mm of a scale of 1000.
+        let (sin, cos) = 30f64.to_radians().sin_cos();
+        let frame = Similarity {
+            scale: 1e-3,
+            rotation: crate::linalg::Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos),
+            shift_m: Vector3::new(0.0, 0.5, 0.0),
+        };
+        let test = model(&[("1:-X", 1.0), ("1:+Y", 1.0), ("2:+X", 1.0)]);
+        let theory = model(&[("7:+X", 2.0), ("7:+Y", 3.0), ("7:-Z", 4.0), ("8:+X", 9.0)]);
+        let at = |point: &str, at: [f64; 3]| Node::new(point, at.into());
+        let of = |nodes: Vec<Node>| Geometry {
+            nodes,
+            ..Geometry::default()
+        };
+        let own = of(vec![at("1", [2.0, 0.0, 0.0]), at("2", [500.0, 0.0, 0.0])]);
+        let place = [2e-3 * cos, 0.5, -2e-3 * sin];
+        let other = of(vec![at("7", place), at("8", [0.5 * cos, 0.5, -0.5 * sin])]);
+        let (names, _) = DofNames::nearest((&test, &own), (&theory, &other), &frame, 1e-6);
+        // Point 8 has no z component and cannot give the reading of 2:+X.
+        let found = values(&names.rename(&theory));
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[0].0.as_str(), found[1].0.as_str()), ("1:+X", "1:+Y"));
+        assert!(
+            (found[0].1 - (2.0 * cos + 4.0 * sin)).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert!((found[1].1 - 3.0).abs() < 1e-12);
     }
 }

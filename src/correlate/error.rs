@@ -80,6 +80,28 @@ pub enum CorrelateError {
         /// Modes of the theory.
         expected_theory: usize,
     },
+    /// Fewer points than a frame needs.
+    #[error("got {got} points with a position, expected {expected} or more to fit a frame to them")]
+    FewPoints {
+        /// Points, or partners for them.
+        got: usize,
+        /// Needed.
+        expected: usize,
+    },
+    /// Points that no turn, shift and scale brings to the theory's.
+    #[error(
+        "the best fit of turn, shift and scale ({scale:.4}) leaves the test's points {largest_m:.3e} m off at most ({rms_m:.3e} m rms), expected {tolerance_m:.3e} m or less; give a list of partners"
+    )]
+    NotAligned {
+        /// Root mean square distance, m; infinite where no fit gave every point a partner of its own.
+        rms_m: f64,
+        /// Largest distance, m.
+        largest_m: f64,
+        /// Scale of the fit.
+        scale: f64,
+        /// Stated.
+        tolerance_m: f64,
+    },
     /// A sensor at which a mass matrix cannot be reduced by statics.
     #[error(
         "sensor {dof}: got a reading of several coordinates, or of one that another sensor reads, expected one coordinate for each sensor; reduce with serep"

@@ -6,6 +6,7 @@
 //! [`published`] holds what a paper printed against a model, and its claims against its own tables.
 //! This module must not compute modes, and must not print or write what it finds.
 
+mod alignment;
 mod assignment;
 mod cell;
 mod dof_map;
@@ -29,9 +30,10 @@ mod pairing_tests;
 #[cfg(test)]
 mod table_tests;
 
+pub use alignment::{Alignment, Similarity, align_known, align_nearest, fit_similarity};
 pub use assignment::assign;
 pub use dof_map::{DofMap, DofPair};
-pub use dof_names::DofNames;
+pub use dof_names::{DofNames, Reading};
 pub use error::CorrelateError;
 pub use footnote::Footnote;
 pub use observability::{

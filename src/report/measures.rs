@@ -1,9 +1,10 @@
 //! Measures beside the pairing as tables, each with its definition and the degrees of freedom that it rests on.
 
+use crate::correlate::Alignment;
 use crate::correlate::measures::{
     AutoMac, CLUSTER_WIDTH, ClusterMac, CoordinateMac, DofRange, FrequencyMac, FrfCorrelation,
     FunctionCorrelation, LineCorrelation, MacMatrix, Measures, ModeName, Orthogonality, Reduction,
-    ScaleFactor,
+    ReversedSensor, ScaleFactor,
 };
 
 use super::{Block, Cell, Column, Table};
@@ -38,6 +39,80 @@ pub fn orthogonality_blocks(test: &str, own: &Measures) -> Vec<Block> {
     let found = own.orthogonality.iter();
     let tables = found.flat_map(|own| orthogonality_tables(test, own));
     tables.map(Block::Table).collect()
+}
+
+/// The frame of a test fitted to that of a theory.
+pub fn alignment_block(own: &Alignment) -> Block {
+    let row = |i: usize| {
+        let mut cells = vec![Cell::text(["x", "y", "z"][i])];
+        cells.extend(own.rotation[i].map(|value| Cell::number(Some(value), 6)));
+        cells.push(Cell::number(Some(own.shift_m[i]), 6));
+        cells
+    };
+    let mut columns = vec![Column::text("theory")];
+    let heads = ["test x", "test y", "test z", "shift (m)"];
+    columns.extend(heads.map(Column::number));
+    let partners = if own.known {
+        "with the partners that were given (Umeyama 1991)"
+    } else {
+        "with partners that were not known: each point's nearest one, from several starts (Umeyama 1991; Besl and McKay 1992)"
+    };
+    let mut footnotes = vec![
+        format!(
+            "x' = s R x + t of {} points, {partners}: s = {:.6}.",
+            own.points, own.scale
+        ),
+        format!(
+            "Distance after the fit: {:.3e} m rms, {:.3e} m at most.",
+            own.rms_m, own.largest_m
+        ),
+    ];
+    if own.as_good > 0 {
+        footnotes.push(format!(
+            "{} other frames fit as well; this one turns least.",
+            own.as_good
+        ));
+    }
+    Block::Table(Table {
+        caption: "The test's points in the theory's frame".to_owned(),
+        columns,
+        rows: (0..3).map(row).collect(),
+        footnotes,
+    })
+}
+
+/// Sensors that read against the theory; `None` where there are none.
+pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
+    let row = |test: &str, own: &ReversedSensor| {
+        vec![
+            Cell::text(test),
+            Cell::text(own.dof.to_string()),
+            Cell::signed(Some(own.direction), 3),
+            Cell::number(Some(own.mac_before), 4),
+            Cell::number(Some(own.mac_after), 4),
+        ]
+    };
+    let rows = tests
+        .iter()
+        .flat_map(|(test, all)| all.iter().map(move |own| row(test, own)));
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    let mut columns = vec![Column::text("test"), Column::text("sensor")];
+    columns.extend(["direction", "mean MAC", "mean MAC, turned"].map(Column::number));
+    let state = if turned {
+        "They were turned."
+    } else {
+        "They were left as they are."
+    };
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: "Sensors that read against the theory".to_owned(),
+            columns,
+            rows,
+            footnotes: vec![format!(
+                "One after the other, each with those above it turned. {state}"
+            )],
+        })
+    })
 }
 
 /// A set of modes against itself, with its duplicates.

@@ -32,7 +32,8 @@ pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use latex::Latex;
 pub use markdown::Markdown;
 pub use measures::{
-    auto_mac_blocks, frf_correlation_blocks, frf_lines_block, measures_blocks, orthogonality_blocks,
+    alignment_block, auto_mac_blocks, frf_correlation_blocks, frf_lines_block, measures_blocks,
+    orthogonality_blocks, reversed_block,
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use published::{

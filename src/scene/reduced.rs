@@ -1,7 +1,7 @@
 //! A model's mass matrix at the sensors of a test.
 
-use crate::correlate::CorrelateError;
 use crate::correlate::measures::{ReducedMass, Reduction, SensorRow, reduced_mass};
+use crate::correlate::{CorrelateError, Reading};
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::linalg::real_matrix;
@@ -11,15 +11,15 @@ use super::SceneError;
 use super::model::LoadedModel;
 
 impl LoadedModel {
-    /// The mass matrix reduced to some degrees of freedom of the sensors at which the model was solved (without any, its own
-    /// coordinates); SEREP keeps the modes of these indices in the solved model's list.
+    /// The mass matrix reduced to readings, each named as a comparison names it and a sum of the sensors at which the model was
+    /// solved (without any, of its own coordinates); SEREP keeps the modes of these indices in the solved model's list.
     ///
     /// # Errors
     /// [`CorrelateError::NotACoordinate`] also for a degree of freedom that no sensor has; the model's own reasons.
     pub fn reduced_mass(
         &self,
         sensors: &[Sensor],
-        dofs: &[Dof],
+        readings: &[(Dof, Reading)],
         reduction: Reduction,
         kept: &[usize],
     ) -> Result<ReducedMass, SceneError> {
@@ -28,16 +28,25 @@ impl LoadedModel {
             [] => coordinate_sensors(&matrices.coordinates),
             _ => sensors.to_vec(),
         };
-        let row = |dof: &Dof| -> Result<SensorRow, SceneError> {
+        let read = |dof: &Dof| -> Result<Vec<f64>, SceneError> {
             let mut known = own.iter();
             let sensor = known.find(|sensor| sensor.dof.positive() == dof.positive());
-            let dof = dof.clone();
-            let sensor = sensor.ok_or(CorrelateError::NotACoordinate { dof: dof.clone() })?;
-            let mut row = self.model.observation_row(&sensor.target)?;
-            row.iter_mut().for_each(|b| *b *= dof.sign());
+            let sensor =
+                sensor.ok_or_else(|| CorrelateError::NotACoordinate { dof: dof.clone() })?;
+            Ok(self.model.observation_row(&sensor.target)?)
+        };
+        let row = |(name, reading): &(Dof, Reading)| -> Result<SensorRow, SceneError> {
+            let mut row = vec![0.0; matrices.coordinates.len()];
+            for (dof, part) in reading {
+                let own = read(dof)?;
+                row.iter_mut()
+                    .zip(own)
+                    .for_each(|(sum, b)| *sum += part * b);
+            }
+            let dof = name.clone();
             Ok(SensorRow { dof, row })
         };
-        let rows: Vec<SensorRow> = dofs.iter().map(row).collect::<Result<_, _>>()?;
+        let rows: Vec<SensorRow> = readings.iter().map(row).collect::<Result<_, _>>()?;
         let solved = modes(
             self.model.as_ref(),
             &self.values,

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::command::{fail, json, modalign, shared_data, succeed, write};
 use crate::hit_command::{SPEC, TRUTH};
+use crate::mode_files::universal_file;
 use crate::updating::{four_storeys, frame, modes_json};
 
 fn text(path: &Path) -> String {
@@ -252,7 +253,9 @@ fn the_help_of_every_verb_has_an_example() {
         .skip_while(|line| !line.starts_with("Commands:"))
         .skip(1);
     let verbs = verbs.take_while(|line| line.starts_with("  "));
-    let verbs: Vec<&str> = verbs
+    // The text of a verb goes on in lines that begin farther in.
+    let first = verbs.filter(|line| !line.starts_with("   "));
+    let verbs: Vec<&str> = first
         .filter_map(|line| line.split_whitespace().next())
         .collect();
     assert!(
@@ -267,4 +270,109 @@ fn the_help_of_every_verb_has_an_example() {
             "{verb}: {help}"
         );
     }
+}
+
+/// Two motions of a bracket, as displacements of its points.
+fn motions(points: &[[f64; 3]]) -> [(f64, Vec<[f64; 3]>); 3] {
+    let of = |motion: fn(&[f64; 3]) -> [f64; 3]| points.iter().map(motion).collect();
+    [
+        (50.0, of(|[x, y, _]| [0.0, x * y, x * x])),
+        (90.0, of(|[x, y, _]| [y * y, -x, 0.3 - x * x])),
+        (130.0, of(|[x, y, z]| [z - y, 0.2 * x, *y])),
+    ]
+}
+
+/// A bracket as the theory has it, and turned by a quarter about z and by 30 degrees about the new y, in millimetres.
+fn bracket(folder: &Path) -> [String; 2] {
+    let mut points: Vec<[f64; 3]> = (0..7).map(|i| [0.2 * f64::from(i), 0.0, 0.0]).collect();
+    points.extend((1..5).map(|i| [0.0, 0.15 * f64::from(i), 0.05 * f64::from(i)]));
+    let (sin, cos) = 30f64.to_radians().sin_cos();
+    let turn = |[x, y, z]: [f64; 3]| [-cos * y + sin * z, x, sin * y + cos * z];
+    let place = |at: [f64; 3]| {
+        let [x, y, z] = turn(at);
+        [1e3 * (x + 2.0), 1e3 * (y - 1.0), 1e3 * z]
+    };
+    let nodes = |first: i64, at: &dyn Fn([f64; 3]) -> [f64; 3]| -> Vec<(i64, [f64; 3])> {
+        (first..).zip(&points).map(|(n, p)| (n, at(*p))).collect()
+    };
+    let modes = motions(&points);
+    let turned = |(hz, shape): &(f64, Vec<[f64; 3]>)| {
+        // Sensor 4 is mounted the other way round.
+        let shape = shape.iter().enumerate();
+        let value = |(i, v): (usize, &[f64; 3])| turn(*v).map(|v| if i == 3 { -v } else { v });
+        (*hz, shape.map(value).collect())
+    };
+    let test: Vec<_> = modes.iter().map(turned).collect();
+    let files = [
+        ("test.unv", universal_file(&nodes(1, &place), &test)),
+        ("theory.unv", universal_file(&nodes(101, &|p| p), &modes)),
+    ];
+    write(
+        folder,
+        &files.each_ref().map(|(name, text)| (*name, text.as_str())),
+    );
+    files.map(|(name, _)| text(&folder.join(name)))
+}
+
+#[test]
+fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let [test, theory] = bracket(folder.path());
+    let files = ["correlate", "--test", &test, "--theory", &theory];
+    let run = |more: &[&str]| -> (Value, String) {
+        let arguments = files
+            .into_iter()
+            .chain(["--nearest-node", "0.002", "--json"]);
+        let output = modalign(arguments.chain(more.iter().copied()));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{error}");
+        (serde_json::from_slice(&output.stdout).unwrap(), error)
+    };
+    let macs = |table: &Value| -> Vec<f64> {
+        let rows = table["rows"].as_array().unwrap().iter();
+        rows.map(|row| number(&row["tests"][0]["mac"])).collect()
+    };
+    let (table, error) = run(&["--align"]);
+    let frame = &table["alignment"];
+    assert!((number(&frame["scale"]) - 1e-3).abs() < 1e-9, "{frame}");
+    assert!(
+        number(&frame["largest_m"]) < 1e-9 && frame["known"] == false,
+        "{frame}"
+    );
+    assert!(
+        error.contains("nodes-aligned") && error.contains("reversed-sensor"),
+        "{error}"
+    );
+    let sensors = table["reversed_sensors"][0]["sensors"].as_array().unwrap();
+    assert!(!sensors.is_empty());
+    for sensor in sensors {
+        assert!(
+            sensor["dof"].as_str().unwrap().starts_with("4:"),
+            "{sensor}"
+        );
+    }
+    // Turned, nothing is left between them but small components at sensor 4 that cost less than a finding.
+    let (whole, _) = run(&["--align", "--turn-reversed"]);
+    let (as_is, better) = (macs(&table), macs(&whole));
+    assert_eq!(better.len(), 3);
+    assert!(better.iter().all(|mac| *mac > 0.97), "{better:?}");
+    assert!(
+        as_is.iter().sum::<f64>() < better.iter().sum::<f64>() - 0.05,
+        "{as_is:?}"
+    );
+    // With known partners the same frame.
+    let list: String = (1..=11)
+        .map(|n| format!("{n}:+Z,{}:+Z\n", n + 100))
+        .collect();
+    write(folder.path(), &[("points.csv", &list)]);
+    let (known, _) = run(&["--align", &text(&folder.path().join("points.csv"))]);
+    assert_eq!(known["alignment"]["known"], true);
+    assert!((number(&known["alignment"]["scale"]) - 1e-3).abs() < 1e-9);
+    // Wrong partners leave points farther off than the tolerance.
+    let list = "1:+Z,101:+Z\n2:+Z,107:+Z\n7:+Z,102:+Z\n11:+Z,111:+Z\n";
+    write(folder.path(), &[("wrong.csv", list)]);
+    let wrong = text(&folder.path().join("wrong.csv"));
+    let more = ["--nearest-node", "0.002", "--align", &wrong];
+    let error = fail(files.into_iter().chain(more));
+    assert!(error.contains("turn, shift and scale"), "{error}");
 }

@@ -78,26 +78,32 @@ fn the_modes_of_a_commercial_system_have_their_natural_frequencies() {
 
 /// Two modes at three points as a universal file with nodes, its labels counted from `first`.
 fn universal(first: i64, sign: f64) -> String {
+    let nodes: Vec<(i64, [f64; 3])> = (0..3)
+        .map(|k| (first + k, [0.1 * k as f64, 0.0, 0.0]))
+        .collect();
+    let modes = [(50.0, [1.0, 2.0, 3.0]), (90.0, [1.0, -1.0, 0.5])];
+    let modes = modes.map(|(hz, shape)| (hz, shape.map(|v| [0.0, 0.0, sign * v]).to_vec()));
+    universal_file(&nodes, &modes)
+}
+
+/// Nodes (label, position) and real modes (Hz, displacements at the nodes in their order) as a universal file.
+pub fn universal_file(nodes: &[(i64, [f64; 3])], modes: &[(f64, Vec<[f64; 3]>)]) -> String {
     let mut text = String::from("    -1\n   164\n         1SI                          2\n");
     text += "  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00\n";
     text += "  0.00000000000000000D+00\n    -1\n    -1\n  2411\n";
-    for k in 0..3 {
-        let x = 0.1 * k as f64;
-        text += &format!("{:>10}         0         0         0\n", first + k);
-        text += &format!("{x:25.16E}{:25.16E}{:25.16E}\n", 0.0, 0.0);
+    for (label, [x, y, z]) in nodes {
+        text += &format!("{label:>10}         0         0         0\n");
+        text += &format!("{x:25.16E}{y:25.16E}{z:25.16E}\n");
     }
     text += "    -1\n";
-    for (number, (hz, shape)) in [(50.0, [1.0, 2.0, 3.0]), (90.0, [1.0, -1.0, 0.5])]
-        .iter()
-        .enumerate()
-    {
+    for (number, (hz, shape)) in modes.iter().enumerate() {
         text += "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n";
         text += "         1         2         2         8         2         3\n";
         text += &format!("         2         4         1{:>10}\n", number + 1);
         text += &format!("{hz:13.5E}{:13.5E}{:13.5E}{:13.5E}\n", 1.0, 0.01, 0.0);
-        for (k, value) in shape.iter().enumerate() {
-            text += &format!("{:>10}\n", first + k as i64);
-            text += &format!("{:13.5E}{:13.5E}{:13.5E}\n", 0.0, 0.0, sign * value);
+        for ((label, _), [x, y, z]) in nodes.iter().zip(shape) {
+            text += &format!("{label:>10}\n");
+            text += &format!("{x:13.5E}{y:13.5E}{z:13.5E}\n");
         }
         text += "    -1\n";
     }

@@ -6,6 +6,7 @@
 //! | [`FrequencyMac`] | the same pairs with both frequencies | Fotsch and Ewins 2000 |
 //! | [`ScaleFactor`] | a pair: which factor and phase lie between its shapes | Allemang 2003 |
 //! | [`CoordinateMac`] | a degree of freedom over all pairs | Lieven and Ewins 1988; Hunt 1992 |
+//! | [`ReversedSensor`] | a sensor that reads against the theory | - |
 //! | [`ClusterMac`] | close modes as subspaces | Björck and Golub 1973 |
 //! | [`Orthogonality`] | shapes through a mass matrix reduced to the sensors | Guyan 1965; O'Callahan et al. 1989 |
 //! | [`FrfCorrelation`] | two sets of FRFs, by function and by line | Heylen and Lammens 1996; Zang et al. 2001 |
@@ -18,6 +19,7 @@ mod coordinate;
 mod frf;
 mod orthogonality;
 mod pair_shapes;
+mod reversed;
 
 use num_complex::Complex64;
 use serde::Serialize;
@@ -37,6 +39,8 @@ pub use orthogonality::{
     Orthogonality, ReducedMass, Reduction, SensorRow, orthogonality, orthogonality_dofs,
     reduced_mass,
 };
+
+pub use reversed::{ReversedSensor, reversed_sensors, turned};
 
 use auto_mac::at_sensors;
 use cluster::clusters;

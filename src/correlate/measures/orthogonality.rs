@@ -159,8 +159,7 @@ pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) 
 
 /// Self- and cross-orthogonality of a test and a theory at the sensors of a reduced mass matrix.
 ///
-/// `theory_names` are the sensors of the mass as the map names the theory's side, in the order of the mass; they differ from
-/// its own names where the theory was renamed.
+/// The sensors of the mass must be named as the map names the theory's side.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have.
@@ -168,14 +167,13 @@ pub fn orthogonality(
     (test, theory): (&ModalModel, &ModalModel),
     map: &DofMap,
     reduced: &ReducedMass,
-    theory_names: &[Dof],
 ) -> Result<Orthogonality, CorrelateError> {
     let pair = |dof: &Dof| {
         let mut pairs = map.pairs.iter();
         let found = pairs.find(|pair| pair.theory == *dof);
         found.ok_or_else(|| CorrelateError::NotACoordinate { dof: dof.clone() })
     };
-    let pairs: Vec<_> = theory_names.iter().map(pair).collect::<Result<_, _>>()?;
+    let pairs: Vec<_> = reduced.dofs.iter().map(pair).collect::<Result<_, _>>()?;
     let test_value = |shape: &ModeShape| -> Option<Vec<Complex64>> {
         let own = pairs.iter();
         own.map(|pair| shape.get(&pair.test).map(|v| v * pair.sign))
@@ -323,7 +321,7 @@ mod tests {
         let map = DofMap::of_models(test, theory);
         let names = orthogonality_dofs(test, theory, &map);
         assert_eq!(names, reduced.dofs);
-        orthogonality((test, theory), &map, reduced, &names).unwrap()
+        orthogonality((test, theory), &map, reduced).unwrap()
     }
 
     #[test]

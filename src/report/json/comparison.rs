@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::correlate::measures::Measures;
-use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell};
+use crate::correlate::measures::{Measures, ReversedSensor};
+use crate::correlate::{
+    Alignment, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
+};
 
-use super::measures::measures_value;
+use super::measures::{measures_value, reversed_value};
 
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
@@ -46,6 +48,12 @@ pub struct ComparisonFile {
     /// Measures beside the pairing, where they were asked for: an object for each test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measures: Option<Value>,
+    /// Sensors that read against the theory, where there are some: an object for each test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reversed_sensors: Option<Value>,
+    /// The frame that was fitted to the points of the first test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<Value>,
 }
 
 /// One row.
@@ -105,11 +113,23 @@ pub struct SummaryFile {
 
 /// The text of `comparison.json`, ending in a newline.
 pub fn comparison_to_json(table: &ComparisonTable) -> String {
-    comparison_with_measures(table, &[])
+    comparison_with(table, &Additions::default())
 }
 
-/// The text of `comparison.json` with the measures of tests, by name; the same text without any.
-pub fn comparison_with_measures(table: &ComparisonTable, tests: &[(String, Measures)]) -> String {
+/// What may stand beside the rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Additions<'a> {
+    /// Measures of tests, by name.
+    pub measures: &'a [(String, Measures)],
+    /// Reversed sensors of tests, by name.
+    pub reversed: &'a [(String, Vec<ReversedSensor>)],
+    /// The frame that was fitted to the points of the first test.
+    pub alignment: Option<&'a Alignment>,
+}
+
+/// The text of `comparison.json` with what stands beside the rows, each under a key of its own where there is something.
+pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String {
+    let alignment = more.alignment.map(serde_json::to_value);
     let file = ComparisonFile {
         schema: COMPARISON_SCHEMA.to_owned(),
         error_reference: table.error_reference.name().to_owned(),
@@ -117,7 +137,9 @@ pub fn comparison_with_measures(table: &ComparisonTable, tests: &[(String, Measu
         summary: SummaryFile {
             tests: table.summary.clone(),
         },
-        measures: (!tests.is_empty()).then(|| measures_value(tests)),
+        measures: (!more.measures.is_empty()).then(|| measures_value(more.measures)),
+        reversed_sensors: reversed_value(more.reversed),
+        alignment: alignment.and_then(Result::ok),
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
     text + "\n"

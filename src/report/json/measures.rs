@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::correlate::measures::{AutoMac, FrfCorrelation, Measures};
+use crate::correlate::measures::{AutoMac, FrfCorrelation, Measures, ReversedSensor};
 
 /// The schema text of modes against themselves.
 pub const AUTO_MAC_SCHEMA: &str = "modalign-automac/1";
@@ -23,6 +23,14 @@ pub fn frf_correlations_to_json(tests: &[(String, FrfCorrelation)]) -> String {
 /// The measures of every test, as `measures` of `comparison.json` holds them.
 pub(super) fn measures_value(tests: &[(String, Measures)]) -> Value {
     named(tests)
+}
+
+/// The reversed sensors of the tests that have some, as `reversed_sensors` of `comparison.json` holds them.
+pub(super) fn reversed_value(tests: &[(String, Vec<ReversedSensor>)]) -> Option<Value> {
+    let some = tests.iter().filter(|(_, own)| !own.is_empty());
+    let objects = some.map(|(name, own)| json!({ "test": name, "sensors": own }));
+    let objects: Vec<Value> = objects.collect();
+    (!objects.is_empty()).then(|| objects.into())
 }
 
 /// An object for each test, with its name as `test`.

@@ -10,8 +10,8 @@ mod update;
 
 pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
-    COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile, TheoryFile,
-    comparison_from_json, comparison_to_json, comparison_with_measures,
+    Additions, COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile,
+    TheoryFile, comparison_from_json, comparison_to_json, comparison_with,
 };
 pub use hits::hits;
 pub use measures::{

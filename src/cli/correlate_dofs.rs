@@ -1,0 +1,153 @@
+//! Which degree of freedom of a test is which of a theory, where the names do not say it: by a list, or by place.
+
+use std::path::Path;
+
+use crate::correlate::{Alignment, DofMap, DofNames, Similarity, align_known, align_nearest};
+use crate::error::Error;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::geometry::Geometry;
+use crate::linalg::Vector3;
+use crate::modal::ModalModel;
+use crate::scene::{Theory, read_text};
+
+use super::args::CorrelateArgs;
+
+/// A theory under the names of the test.
+pub struct Tied {
+    /// The theory.
+    pub theory: Theory,
+    /// What of it stands behind each name; `None` where the names are its own.
+    pub names: Option<DofNames>,
+    /// The frame that was fitted.
+    pub alignment: Option<Alignment>,
+}
+
+/// The theory under the names of the test, where the names differ. With several tests all must have the first one's.
+pub fn tied(
+    args: &CorrelateArgs,
+    tests: &mut [(String, Theory)],
+    theory: Theory,
+) -> Result<Tied, Error> {
+    if let Some(path) = &args.dof_map {
+        return Ok(named(list(path, "--dof-map")?, theory, None));
+    }
+    let (Some(tolerance), Some((_, first))) = (args.nearest_node, tests.first_mut()) else {
+        return Ok(Tied {
+            theory,
+            names: None,
+            alignment: None,
+        });
+    };
+    has_nodes(&args.test[0], &first.geometry)?;
+    has_nodes(
+        args.theory.as_deref().unwrap_or(Path::new("")),
+        &theory.geometry,
+    )?;
+    let alignment = match &args.align {
+        None => None,
+        Some(list) => Some(aligned(list.as_deref(), (first, &theory), tolerance)?),
+    };
+    let frame = alignment.as_ref().map(Alignment::similarity);
+    let (names, finding) = DofNames::nearest(
+        (&first.modes, &first.geometry),
+        (&theory.modes, &theory.geometry),
+        &frame.unwrap_or_else(Similarity::identity),
+        tolerance,
+    );
+    first
+        .modes
+        .findings
+        .extend(alignment.as_ref().map(finding_of));
+    first.modes.findings.push(finding);
+    Ok(named(names, theory, alignment))
+}
+
+fn named(names: DofNames, theory: Theory, alignment: Option<Alignment>) -> Tied {
+    Tied {
+        theory: Theory {
+            modes: names.rename(&theory.modes),
+            ..theory
+        },
+        names: Some(names),
+        alignment,
+    }
+}
+
+fn list(path: &Path, argument: &'static str) -> Result<DofNames, Error> {
+    let text = read_text(path)?;
+    DofNames::parse(&text).map_err(|error| Error::Argument {
+        argument,
+        got: format!("{}: {error}", path.display()),
+        expected: "a file with a line TEST,THEORY for each pair".to_owned(),
+    })
+}
+
+/// The test's frame fitted to the theory's by a list of partners, or by the nearest points.
+fn aligned(
+    path: Option<&Path>,
+    (test, theory): (&Theory, &Theory),
+    tolerance_m: f64,
+) -> Result<Alignment, Error> {
+    let Some(path) = path else {
+        let (test, theory) = (places(test), places(theory));
+        return Ok(align_nearest(&test, &theory, tolerance_m)?);
+    };
+    let names = list(path, "--align")?;
+    let place = |geometry: &Geometry, point: &str| geometry.node(point).map(|node| node.at_m);
+    let both = |(own, other): &(&str, &str)| {
+        Some((place(&test.geometry, own)?, place(&theory.geometry, other)?))
+    };
+    let pairs: Vec<(Vector3, Vector3)> = names.points().iter().filter_map(both).collect();
+    Ok(align_known(&pairs, tolerance_m)?)
+}
+
+/// Where the points are at which some mode has a value, each once.
+fn places(own: &Theory) -> Vec<Vector3> {
+    let shapes = own.modes.modes.iter().map(|mode| &mode.shape);
+    let points = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof.point().to_owned()));
+    let points: std::collections::BTreeSet<String> = points.collect();
+    let nodes = points.iter().filter_map(|point| own.geometry.node(point));
+    nodes.map(|node| node.at_m).collect()
+}
+
+fn finding_of(alignment: &Alignment) -> Finding {
+    let severity = if alignment.as_good > 0 {
+        Severity::Warning
+    } else {
+        Severity::Info
+    };
+    Finding::new(severity, Code::NodesAligned, Place::Whole).value(alignment.scale, "")
+}
+
+fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
+    if !geometry.nodes.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "--nearest-node",
+        got: format!("{} without a position of any point", path.display()),
+        expected: "a file with nodes (universal datasets 15 or 2411), or a model with sensors at positions".to_owned(),
+    })
+}
+
+/// Shapes on both sides without one common degree of freedom have other names, or are of another machine.
+pub fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
+    let example = |model: &ModalModel| {
+        let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());
+        shapes.next().map(|(dof, _)| dof.to_string())
+    };
+    let (Some(own), Some(other)) = (example(test), example(theory)) else {
+        return Ok(());
+    };
+    if !DofMap::of_models(test, theory).is_empty() {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "--test",
+        got: format!(
+            "{name}, which has no degree of freedom in common with the theory ({own}, ... and {other}, ...)"
+        ),
+        expected: "common names; or tie them with --dof-map FILE or --nearest-node METRES"
+            .to_owned(),
+    })
+}

@@ -1,0 +1,488 @@
+//! The frame of a test fitted to that of a theory: rotation, shift and scale between their points.
+
+use serde::Serialize;
+
+use crate::linalg::{Matrix3, Vector3};
+
+use super::CorrelateError;
+
+/// Rounds of nearest points after which a fit that still changes is left.
+const ROUNDS: usize = 60;
+
+/// Fits whose residuals differ by less than this part of the extent of the points are as good as each other.
+const AS_GOOD: f64 = 1e-3;
+
+/// Second extent of points, as a part of the first, below which they lie on one line.
+const ON_A_LINE: f64 = 1e-6;
+
+/// `x' = s R x + t`: points of the test in the theory's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Similarity {
+    /// `s`, above 0: 0.001 for a test in millimetres that counts them as metres.
+    pub scale: f64,
+    /// `R`, a rotation without reflection.
+    pub rotation: Matrix3,
+    /// `t`, m.
+    pub shift_m: Vector3,
+}
+
+impl Similarity {
+    /// One frame for both.
+    pub fn identity() -> Self {
+        Self {
+            scale: 1.0,
+            rotation: Matrix3::identity(),
+            shift_m: Vector3::zeros(),
+        }
+    }
+
+    /// A point of the test in the theory's frame, m.
+    pub fn position(&self, point: &Vector3) -> Vector3 {
+        self.rotation * point * self.scale + self.shift_m
+    }
+
+    /// Angle of the rotation, rad.
+    pub fn angle(&self) -> f64 {
+        ((self.rotation.trace() - 1.0) / 2.0)
+            .clamp(-1.0, 1.0)
+            .acos()
+    }
+}
+
+/// A fitted frame with what speaks for it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alignment {
+    /// `s` of `x' = s R x + t`.
+    pub scale: f64,
+    /// Rows of `R`.
+    pub rotation: [[f64; 3]; 3],
+    /// `t`, m.
+    pub shift_m: [f64; 3],
+    /// Root mean square distance of the points after the fit, m.
+    pub rms_m: f64,
+    /// Largest distance, m.
+    pub largest_m: f64,
+    /// Points of the test.
+    pub points: usize,
+    /// Whether the partner of each point was known, and not found as its nearest one.
+    pub known: bool,
+    /// Fits with other frames that are as good, of which this one turns least: more than 0 for points that a rotation
+    /// brings onto one another, or that lie on one line, about which they tell no rotation.
+    pub as_good: usize,
+    #[serde(skip)]
+    similarity: Option<Similarity>,
+}
+
+impl Alignment {
+    fn new(fit: Similarity, pairs: &[(Vector3, Vector3)], known: bool) -> Self {
+        let (rms_m, largest_m) = distances(&fit, pairs);
+        let row = |i: usize| [0, 1, 2].map(|j| fit.rotation[(i, j)]);
+        Self {
+            scale: fit.scale,
+            rotation: [row(0), row(1), row(2)],
+            shift_m: fit.shift_m.into(),
+            rms_m,
+            largest_m,
+            points: pairs.len(),
+            known,
+            as_good: 0,
+            similarity: Some(fit),
+        }
+    }
+
+    /// The frame itself.
+    pub fn similarity(&self) -> Similarity {
+        self.similarity.unwrap_or_else(Similarity::identity)
+    }
+
+    /// This fit, unless a point stays farther off than `tolerance_m`.
+    ///
+    /// # Errors
+    /// [`CorrelateError::NotAligned`].
+    fn within(self, tolerance_m: f64) -> Result<Self, CorrelateError> {
+        if self.largest_m <= tolerance_m {
+            return Ok(self);
+        }
+        Err(CorrelateError::NotAligned {
+            rms_m: self.rms_m,
+            largest_m: self.largest_m,
+            scale: self.scale,
+            tolerance_m,
+        })
+    }
+}
+
+/// Root mean square and largest distance of pairs after a fit, m.
+fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
+    let apart = |(a, b): &(Vector3, Vector3)| (fit.position(a) - b).norm();
+    let squares: f64 = pairs.iter().map(|pair| apart(pair).powi(2)).sum();
+    let rms = (squares / pairs.len().max(1) as f64).sqrt();
+    (rms, pairs.iter().map(apart).fold(0.0, f64::max))
+}
+
+/// The similarity that brings points `x` nearest to their partners `y` in the sense of least squares.
+///
+/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x²`, `t = ȳ − s R x̄`, where
+/// `S = diag(1, 1, det U det V)` keeps `R` from being a reflection. Of points on one line it is the rotation that turns
+/// least. `None` for fewer than two points, or points that are one.
+///
+/// # Reference
+/// Umeyama (1991), Least-squares estimation of transformation parameters between two point patterns, IEEE PAMI 13(4), eq. 39
+/// to 43; Kabsch (1976), Acta Crystallographica A32, 922.
+pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
+    let count = pairs.len() as f64;
+    let mean = |of: fn(&(Vector3, Vector3)) -> Vector3| {
+        pairs.iter().map(of).sum::<Vector3>() / count.max(1.0)
+    };
+    let (x_mean, y_mean) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let centred = || pairs.iter().map(|(x, y)| (x - x_mean, y - y_mean));
+    let spread = centred().map(|(x, _)| x.norm_squared()).sum::<f64>() / count.max(1.0);
+    let covariance = centred().map(|(x, y)| y * x.transpose()).sum::<Matrix3>() / count.max(1.0);
+    let svd = covariance.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let values = svd.singular_values;
+    if pairs.len() < 2 || values[0] <= 0.0 {
+        return None;
+    }
+    let sign = (u.determinant() * v_t.determinant()).signum();
+    let rotation = if values[1] <= ON_A_LINE * values[0] {
+        least_rotation(v_t.row(0).transpose(), u.column(0).into_owned())
+    } else {
+        u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t
+    };
+    let scale = (values[0] + values[1] + sign * values[2]) / spread;
+    Some(Similarity {
+        scale,
+        rotation,
+        shift_m: y_mean - rotation * x_mean * scale,
+    })
+}
+
+/// The smallest rotation that brings one unit vector onto another: by Rodrigues' formula with `c = a · b`, `w = a × b`,
+/// `R = I + [w] + [w]²/(1 + c)`; half a turn about a perpendicular axis where they point against each other.
+fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
+    let (cosine, w) = (a.dot(&b), a.cross(&b));
+    if cosine < -1.0 + 1e-12 {
+        let least = (0..3).min_by(|&i, &j| a[i].abs().total_cmp(&a[j].abs()));
+        let mut other = Vector3::zeros();
+        other[least.unwrap_or(0)] = 1.0;
+        let axis = a.cross(&other).normalize();
+        return axis * axis.transpose() * 2.0 - Matrix3::identity();
+    }
+    let cross = w.cross_matrix();
+    Matrix3::identity() + cross + cross * cross / (1.0 + cosine)
+}
+
+/// The frame fitted to points whose partners are known.
+///
+/// # Errors
+/// [`CorrelateError::FewPoints`] for fewer than three, [`CorrelateError::NotAligned`] beyond the tolerance.
+pub fn align_known(
+    pairs: &[(Vector3, Vector3)],
+    tolerance_m: f64,
+) -> Result<Alignment, CorrelateError> {
+    let few = || CorrelateError::FewPoints {
+        got: pairs.len(),
+        expected: 3,
+    };
+    let fit = fit_similarity(pairs)
+        .filter(|_| pairs.len() >= 3)
+        .ok_or_else(few)?;
+    Alignment::new(fit, pairs, true).within(tolerance_m)
+}
+
+/// The frame fitted to points whose partners are not known: each point's nearest one, fitted again until nothing changes,
+/// from several starts (the frames as they are, and the principal axes of both in every order and direction; at the scale as
+/// it is, and at that of both extents).
+///
+/// A fit counts when every point has a partner of its own. The least root mean square distance wins; of fits that are as good
+/// the one that turns least, and their number is told. A start from which no fit reaches the right partners finds none:
+/// points that cover another part than the theory's may need a list of partners.
+///
+/// # Errors
+/// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than points;
+/// [`CorrelateError::NotAligned`] where no fit is within the tolerance.
+///
+/// # Reference
+/// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2).
+pub fn align_nearest(
+    test: &[Vector3],
+    theory: &[Vector3],
+    tolerance_m: f64,
+) -> Result<Alignment, CorrelateError> {
+    let needed = test.len().max(3);
+    if test.len() < 3 || theory.len() < needed {
+        let got = test.len().min(theory.len());
+        let expected = needed;
+        return Err(CorrelateError::FewPoints { got, expected });
+    }
+    let runs = starts(test, theory).into_iter();
+    let mut fits: Vec<Alignment> = runs
+        .filter_map(|start| iterated(start, test, theory))
+        .collect();
+    fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
+    let Some(best) = fits.first() else {
+        return Err(CorrelateError::NotAligned {
+            rms_m: f64::INFINITY,
+            largest_m: f64::INFINITY,
+            scale: f64::NAN,
+            tolerance_m,
+        });
+    };
+    let limit = best.rms_m + AS_GOOD * extent(theory);
+    fits.retain(|fit| fit.rms_m <= limit);
+    let mut different: Vec<Alignment> = Vec::new();
+    for fit in fits {
+        let same = |other: &Alignment| {
+            let (a, b) = (fit.similarity(), other.similarity());
+            let apart = |x: &Vector3| (a.position(x) - b.position(x)).norm();
+            let turned = (a.rotation - b.rotation).norm();
+            turned < 0.02 && test.iter().map(apart).fold(0.0, f64::max) < 0.02 * extent(theory)
+        };
+        if !different.iter().any(same) {
+            different.push(fit);
+        }
+    }
+    let angle = |fit: &Alignment| fit.similarity().angle();
+    different.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let as_good = different.len() - 1;
+    let chosen = different.swap_remove(0);
+    Alignment { as_good, ..chosen }.within(tolerance_m)
+}
+
+/// Root mean square distance from the centre, m.
+fn extent(points: &[Vector3]) -> f64 {
+    let centre = points.iter().sum::<Vector3>() / points.len() as f64;
+    let squares: f64 = points.iter().map(|p| (p - centre).norm_squared()).sum();
+    (squares / points.len() as f64).sqrt()
+}
+
+/// Centre and principal axes (columns, right-handed, longest first).
+fn principal(points: &[Vector3]) -> (Vector3, Matrix3) {
+    let centre = points.iter().sum::<Vector3>() / points.len() as f64;
+    let moments: Matrix3 = points
+        .iter()
+        .map(|p| (p - centre) * (p - centre).transpose())
+        .sum();
+    let svd = moments.svd(true, false);
+    let mut axes = svd.u.unwrap_or_else(Matrix3::identity);
+    let third = axes.column(0).cross(&axes.column(1));
+    axes.set_column(2, &third);
+    (centre, axes)
+}
+
+/// The 24 rotations that bring axes onto axes.
+fn axis_rotations() -> Vec<Matrix3> {
+    let orders = [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ];
+    let signs = [1.0, -1.0];
+    let mut found = Vec::new();
+    for order in orders {
+        for (a, b) in signs.iter().flat_map(|a| signs.map(|b| (*a, b))) {
+            let mut turn = Matrix3::zeros();
+            turn[(order[0], 0)] = a;
+            turn[(order[1], 1)] = b;
+            let third = turn.column(0).cross(&turn.column(1));
+            turn.set_column(2, &third);
+            found.push(turn);
+        }
+    }
+    found
+}
+
+fn starts(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
+    let ((x, x_axes), (y, y_axes)) = (principal(test), principal(theory));
+    let ratio = extent(theory) / extent(test).max(f64::MIN_POSITIVE);
+    let mut found = vec![Similarity::identity()];
+    for scale in [1.0, ratio] {
+        let turned = |rotation: Matrix3| Similarity {
+            scale,
+            rotation,
+            shift_m: y - rotation * x * scale,
+        };
+        found.push(turned(Matrix3::identity()));
+        let rotations = axis_rotations().into_iter();
+        found.extend(rotations.map(|turn| turned(y_axes * turn * x_axes.transpose())));
+    }
+    found
+}
+
+/// Nearest partners and fit in turn, from a start; `None` where two points end at one partner.
+fn iterated(start: Similarity, test: &[Vector3], theory: &[Vector3]) -> Option<Alignment> {
+    let mut fit = start;
+    let mut partners: Vec<usize> = Vec::new();
+    for _ in 0..ROUNDS {
+        let nearest: Vec<usize> = test
+            .iter()
+            .map(|x| nearest(&fit.position(x), theory))
+            .collect();
+        if nearest == partners {
+            break;
+        }
+        partners = nearest;
+        fit = fit_similarity(&pairs(test, theory, &partners))?;
+    }
+    let mut distinct = partners.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    let pairs = pairs(test, theory, &partners);
+    (distinct.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
+}
+
+fn pairs(test: &[Vector3], theory: &[Vector3], partners: &[usize]) -> Vec<(Vector3, Vector3)> {
+    let both = test.iter().zip(partners);
+    both.map(|(x, &j)| (*x, theory[j])).collect()
+}
+
+fn nearest(at: &Vector3, points: &[Vector3]) -> usize {
+    let distance = |j: &usize| (points[*j] - at).norm_squared();
+    let all = 0..points.len();
+    all.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn turn(axis: [f64; 3], angle: f64) -> Matrix3 {
+        let axis = Vector3::from(axis).normalize();
+        let cross = axis.cross_matrix();
+        Matrix3::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos())
+    }
+
+    fn moved(points: &[Vector3], fit: &Similarity) -> Vec<Vector3> {
+        points.iter().map(|x| fit.position(x)).collect()
+    }
+
+    fn same(a: &Similarity, b: &Similarity, within: f64) -> bool {
+        let shift = (a.shift_m - b.shift_m).norm();
+        (a.scale / b.scale - 1.0).abs() < within
+            && (a.rotation - b.rotation).norm() < within
+            && shift < within * (1.0 + b.shift_m.norm())
+    }
+
+    /// An L-shaped bracket of unequal legs, out of plane at one end.
+    fn bracket() -> Vec<Vector3> {
+        let at = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+        let mut points: Vec<Vector3> = (0..6).map(|i| at(0.2 * f64::from(i), 0.0, 0.0)).collect();
+        points.extend((1..4).map(|i| at(0.0, 0.15 * f64::from(i), 0.0)));
+        points.push(at(0.0, 0.45, 0.1));
+        points
+    }
+
+    proptest! {
+        #[test]
+        fn known_partners_give_the_frame_back(
+            numbers in proptest::collection::vec(-1.0..1.0f64, 15),
+            axis in (-1.0..1.0f64, -1.0..1.0f64, 0.1..1.0f64),
+            angle in -3.0..3.0f64,
+            scale in 1e-3..1e3f64,
+        ) {
+            let points: Vec<Vector3> = numbers.chunks(3).map(|c| Vector3::new(c[0], c[1], c[2])).collect();
+            let truth = Similarity {
+                scale,
+                rotation: turn([axis.0, axis.1, axis.2], angle),
+                shift_m: Vector3::new(3.0, -2.0, 0.5),
+            };
+            let pairs: Vec<_> = points.iter().copied().zip(moved(&points, &truth)).collect();
+            let fit = fit_similarity(&pairs).unwrap();
+            // Points that are nearly in one plane leave rounding its room.
+            prop_assert!(same(&fit, &truth, 1e-6), "{fit:?} {truth:?}");
+            prop_assert!((fit.rotation.determinant() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_mirrored_set_is_not_taken_for_a_turned_one() {
+        let points = bracket();
+        let pairs: Vec<_> = points
+            .iter()
+            .map(|p| (*p, Vector3::new(p.x, p.y, -p.z)))
+            .collect();
+        let fit = fit_similarity(&pairs).unwrap();
+        assert!((fit.rotation.determinant() - 1.0).abs() < 1e-12);
+        let error = align_known(&pairs, 0.01).unwrap_err();
+        assert!(
+            matches!(error, CorrelateError::NotAligned { .. }),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn points_in_millimetres_turned_and_shifted_find_their_partners() {
+        let theory = bracket();
+        let truth = Similarity {
+            scale: 1e-3,
+            rotation: turn([1.0, 2.0, -1.0], 2.2),
+            shift_m: Vector3::new(0.3, 0.1, -0.7),
+        };
+        // The test's points by the inverse of the truth, 1 mm off in turn, in another order.
+        let back = |(i, y): (usize, &Vector3)| {
+            let off = Vector3::new(1.0, -1.0, 1.0) * (1e-3 * if i % 2 == 0 { 1.0 } else { -1.0 });
+            truth.rotation.transpose() * (y + off - truth.shift_m) / truth.scale
+        };
+        let mut test: Vec<Vector3> = theory.iter().enumerate().map(back).collect();
+        test.reverse();
+        let own = align_nearest(&test, &theory, 0.005).unwrap();
+        assert!(same(&own.similarity(), &truth, 0.02), "{own:?} {truth:?}");
+        assert!(own.largest_m < 0.003 && own.rms_m > 0.0005, "{own:?}");
+        assert_eq!((own.points, own.known, own.as_good), (10, false, 0));
+        let error = align_nearest(&test, &theory, 1e-4).unwrap_err();
+        assert!(
+            matches!(error, CorrelateError::NotAligned { .. }),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_rectangle_fits_in_four_ways_and_turns_least() {
+        let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+        let theory: Vec<Vector3> = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
+            .map(|(x, y)| corner(x, y))
+            .to_vec();
+        let own = align_nearest(&theory, &theory, 0.01).unwrap();
+        assert!(
+            same(&own.similarity(), &Similarity::identity(), 1e-9),
+            "{own:?}"
+        );
+        assert_eq!(own.as_good, 3);
+    }
+
+    #[test]
+    fn points_on_a_line_turn_least() {
+        let line = |i: i32, axis: Vector3| axis * (0.1 * f64::from(i * i));
+        let test: Vec<Vector3> = (0..5).map(|i| line(i, Vector3::x())).collect();
+        let theory: Vec<Vector3> = (0..5).map(|i| line(i, Vector3::y())).collect();
+        let pairs: Vec<_> = test.iter().copied().zip(theory).collect();
+        let fit = fit_similarity(&pairs).unwrap();
+        assert!((fit.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+        assert!((fit.rotation * Vector3::z() - Vector3::z()).norm() < 1e-9);
+        let against: Vec<_> = test.iter().map(|x| (*x, -x)).collect();
+        let fit = fit_similarity(&against).unwrap();
+        assert!((fit.rotation * Vector3::x() + Vector3::x()).norm() < 1e-9);
+        assert!((fit.rotation.determinant() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn too_few_points_are_refused() {
+        let two = [(Vector3::x(), Vector3::x()), (Vector3::y(), Vector3::y())];
+        let error = align_known(&two, 1.0).unwrap_err();
+        assert_eq!(
+            error,
+            CorrelateError::FewPoints {
+                got: 2,
+                expected: 3
+            }
+        );
+        assert!(align_nearest(&bracket(), &bracket()[..4], 1.0).is_err());
+    }
+}

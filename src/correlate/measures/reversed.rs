@@ -1,0 +1,220 @@
+//! Sensors that point the other way than the theory's, found from the shapes of the pairs.
+
+use num_complex::Complex64;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::{ModalModel, ModeShape};
+
+use super::super::pairing::Shapes;
+use super::super::{CorrelateError, PairOptions, pair};
+use super::coordinate::coordinates;
+use super::pair_shapes::PairShapes;
+
+/// Gate on MAC of the pairs that are looked at: reversed sensors cost MAC, and a pair that is lost says nothing.
+const PAIRED: f64 = 0.2;
+
+/// A reversed sensor's direction ([`super::CoordinateMac::direction`]) is at most this.
+const AGAINST: f64 = -0.5;
+
+/// What the mean MAC must gain when a sensor is turned.
+const GAIN: f64 = 0.02;
+
+/// A sensor that reads against the theory's direction.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ReversedSensor {
+    /// As the test names it.
+    pub dof: Dof,
+    /// Mean MAC of the pairs with the sensors turned that were found before it.
+    pub mac_before: f64,
+    /// Mean MAC with this one turned as well.
+    pub mac_after: f64,
+    /// Over the pairs, near -1.
+    pub direction: f64,
+}
+
+/// The sensors of a test that read against the theory, the worst first.
+///
+/// With the modes paired at a MAC of 0.2 or more, the sensor whose turning raises the mean MAC most is taken again and again,
+/// as long as it gains 0.02 or more and the sensor disagrees with the theory over two pairs or more (direction at most -0.5).
+/// Never half of the sensors and more are found: which half is then reversed nobody can say.
+///
+/// # Errors
+/// As [`pair`].
+pub fn reversed_sensors(
+    test: &ModalModel,
+    theory: &ModalModel,
+    options: &PairOptions,
+) -> Result<Vec<ReversedSensor>, CorrelateError> {
+    let options = PairOptions {
+        min_mac: options.min_mac.min(PAIRED),
+        ..options.clone()
+    };
+    let pairing = pair(test, theory, &options)?;
+    let shapes = Shapes::new(test, theory, &pairing.map, &options)?;
+    let pairs = PairShapes::of_pairing(&shapes, &pairing);
+    let known = coordinates(&pairing.map, &pairs);
+    let mut signs = vec![1.0; known.len()];
+    let mut found: Vec<ReversedSensor> = Vec::new();
+    let mut mac_before = mean_mac(&pairs, &signs);
+    while 2 * (found.len() + 1) < known.len() {
+        let candidates = (0..known.len()).filter(|&q| signs[q] > 0.0);
+        let against = candidates.filter_map(|q| {
+            let direction = known[q].direction.filter(|own| *own <= AGAINST)?;
+            let mut turned = signs.clone();
+            turned[q] = -1.0;
+            Some((mean_mac(&pairs, &turned), q, direction))
+        });
+        let best = against.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let Some((mac_after, q, direction)) = best.filter(|own| own.0 - mac_before >= GAIN) else {
+            break;
+        };
+        signs[q] = -1.0;
+        let dof = known[q].dof.clone();
+        found.push(ReversedSensor {
+            dof,
+            mac_before,
+            mac_after,
+            direction,
+        });
+        mac_before = mac_after;
+    }
+    Ok(found)
+}
+
+/// Mean of `|Σ_q s_q ψ_q* φ_q|²` over pairs of unit shapes.
+fn mean_mac(pairs: &[PairShapes], signs: &[f64]) -> f64 {
+    let mac = |own: &PairShapes| {
+        let terms = own.values.iter().zip(signs);
+        let sum: Complex64 = terms
+            .filter_map(|(both, sign)| both.map(|(test, theory)| theory.conj() * test * *sign))
+            .sum();
+        sum.norm_sqr()
+    };
+    pairs.iter().map(mac).sum::<f64>() / pairs.len().max(1) as f64
+}
+
+impl ReversedSensor {
+    /// The sensor as a finding; of no more than information where it was turned.
+    pub fn finding(&self, turned: bool) -> Finding {
+        let severity = if turned {
+            Severity::Info
+        } else {
+            Severity::Warning
+        };
+        let place = Place::Function {
+            response: Some(self.dof.clone()),
+            reference: None,
+        };
+        let gain = self.mac_after - self.mac_before;
+        Finding::new(severity, Code::ReversedSensor, place).value(gain, "")
+    }
+}
+
+/// A model with the values of some degrees of freedom times -1, in shapes and in the residues of responses there.
+pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
+    let sign = |dof: &Dof| if dofs.contains(dof) { -1.0 } else { 1.0 };
+    let mut turned = model.clone();
+    for mode in &mut turned.modes {
+        let values = mode
+            .shape
+            .iter()
+            .map(|(dof, v)| (dof.clone(), v * sign(dof)));
+        mode.shape = ModeShape::new(values.collect::<Vec<_>>());
+        for ((response, _), residue) in &mut mode.residues {
+            *residue *= sign(response);
+        }
+    }
+    turned
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::models::{dof, model};
+    use super::*;
+
+    /// Bending of a hinged beam at `count` sensors in modes 1 to 4, at 10, 40, 90, 160 Hz.
+    fn beam(count: usize) -> ModalModel {
+        let shape = |n: usize| -> Vec<f64> {
+            let at = |q: usize| (q as f64 + 0.7) / (count as f64 + 0.4);
+            let value = |q: usize| (n as f64 * std::f64::consts::PI * at(q)).sin();
+            (0..count).map(value).collect()
+        };
+        let modes: Vec<(f64, Vec<f64>)> =
+            (1..=4).map(|n| (10.0 * (n * n) as f64, shape(n))).collect();
+        let modes: Vec<(f64, &[f64])> = modes.iter().map(|(hz, s)| (*hz, s.as_slice())).collect();
+        model(&modes)
+    }
+
+    fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
+        let own = reversed_sensors(test, theory, &PairOptions::default()).unwrap();
+        let mut dofs: Vec<Dof> = own.into_iter().map(|own| own.dof).collect();
+        dofs.sort();
+        dofs
+    }
+
+    #[test]
+    fn turning_raises_the_mac_to_that_of_the_shapes() {
+        let theory = beam(10);
+        let test = turned(&theory, &[dof(4)]);
+        let own = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
+        assert_eq!(own.len(), 1);
+        assert!((own[0].mac_after - 1.0).abs() < 1e-12 && own[0].mac_before < 0.75);
+        assert!((own[0].direction + 1.0).abs() < 1e-12);
+        assert_eq!(turned(&test, &[dof(4)]), theory);
+        assert_eq!(own[0].finding(false).severity, Severity::Warning);
+        assert_eq!(own[0].finding(true).severity, Severity::Info);
+    }
+
+    proptest! {
+        #[test]
+        fn reversed_sensors_are_found_and_no_others(
+            count in 14usize..40,
+            drawn in proptest::collection::btree_set(0usize..1000, 0..3),
+            noise in proptest::collection::vec(-0.05..0.05f64, 160),
+        ) {
+            let theory = beam(count);
+            let reversed: std::collections::BTreeSet<usize> = drawn.iter().map(|q| 1 + q % count).collect();
+            let reversed: Vec<Dof> = reversed.into_iter().map(dof).collect();
+            let mut test = turned(&theory, &reversed);
+            for (n, mode) in test.modes.iter_mut().enumerate() {
+                let noisy = mode.shape.iter().enumerate();
+                let noisy = noisy.map(|(q, (dof, v))| (dof.clone(), v + noise[40 * n + q]));
+                mode.shape = ModeShape::new(noisy.collect::<Vec<_>>());
+            }
+            let own = found(&test, &theory);
+            prop_assert!(own.iter().all(|dof| reversed.contains(dof)), "{own:?} {reversed:?}");
+            // A sensor with a share w of the squared length costs about 4 w of the MAC.
+            let share = |dof: &Dof| {
+                let of = |mode: &crate::modal::Mode| {
+                    let all: f64 = mode.shape.iter().map(|(_, v)| v.norm_sqr()).sum();
+                    mode.shape.get(dof).unwrap().norm_sqr() / all
+                };
+                theory.modes.iter().map(of).sum::<f64>() / 4.0
+            };
+            for dof in reversed.iter().filter(|dof| share(dof) > 0.01) {
+                prop_assert!(own.contains(dof), "{dof} {own:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_poor_model_has_no_reversed_sensors() {
+        let theory = beam(12);
+        let mut test = theory.clone();
+        for (n, mode) in test.modes.iter_mut().enumerate() {
+            // The test's beam is stiffer at one end: nodes move, and signs near them.
+            let values = mode.shape.iter().enumerate();
+            let bent = values.map(|(q, (dof, _))| {
+                let x = (q as f64 + 0.7) / 12.4;
+                let moved = x + 0.06 * (std::f64::consts::PI * x).sin();
+                let value = ((n + 1) as f64 * std::f64::consts::PI * moved).sin();
+                (dof.clone(), Complex64::from(value))
+            });
+            mode.shape = ModeShape::new(bent.collect::<Vec<_>>());
+        }
+        assert_eq!(found(&test, &theory), []);
+    }
+}
