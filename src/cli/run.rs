@@ -5,8 +5,8 @@ use crate::finding::Finding;
 use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs, write_whole};
 use crate::report::{
     Block, CsvText, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
-    energies_block, json, limits_block, modes_block, parameters_block, published_comparison_block,
-    published_roots_block, quantities_block, whole_comparison,
+    energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
+    published_comparison_block, published_roots_block, quantities_block, whole_comparison,
 };
 use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run as run_scene};
 
@@ -77,6 +77,9 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
     if let Some(table) = &result.table {
         let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
         blocks.extend(comparison_blocks(table, &groups, &result.theory));
+    }
+    for placed in &result.placements {
+        blocks.extend(placement_blocks(placed, result.table.as_ref()));
     }
     blocks.extend(expected.and_then(published_comparison_block));
     blocks.extend(expected.and_then(claims_block));

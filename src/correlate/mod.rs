@@ -17,6 +17,7 @@ pub mod measures;
 mod observability;
 mod options;
 mod pairing;
+mod placement;
 pub mod published;
 mod roots;
 mod share;
@@ -27,6 +28,8 @@ mod table;
 mod observability_tests;
 #[cfg(test)]
 mod pairing_tests;
+#[cfg(test)]
+mod placement_tests;
 #[cfg(test)]
 mod table_tests;
 
@@ -42,6 +45,7 @@ pub use observability::{
 };
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
+pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{
     ComparisonTable, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,

@@ -21,7 +21,7 @@ use super::roots::{Root, elastic_roots};
 ///
 /// An eigenvector is known to about 1e-14 of its largest component, five decades below. At equal damping the peaks of two
 /// accelerances are as far apart as their strengths, here 180 dB, while a converter of 24 bits spans 144 dB.
-const STILL: f64 = 1e-9;
+pub(super) const STILL: f64 = 1e-9;
 
 /// Height of a peak over the noise from which on it can be seen, dB.
 pub const PEAK_OVER_NOISE_DB: f64 = 10.0;
@@ -166,7 +166,7 @@ pub fn observability(
     (0..sight.roots.len()).map(|r| sight.judge(r)).collect()
 }
 
-struct Sight<'a> {
+pub(super) struct Sight<'a> {
     theory: &'a ModalModel,
     frfs: &'a [FrfSet],
     roots: Vec<Root>,
@@ -178,7 +178,7 @@ struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    fn new(theory: &'a ModalModel, test: &ModalModel, frfs: &'a [FrfSet]) -> Self {
+    pub fn new(theory: &'a ModalModel, test: &ModalModel, frfs: &'a [FrfSet]) -> Self {
         let roots = elastic_roots(theory);
         let pairs = pairs(test, frfs);
         let largest = |dof: &Dof| {
@@ -206,6 +206,11 @@ impl<'a> Sight<'a> {
         }
     }
 
+    /// The elastic roots, ascending.
+    pub fn roots(&self) -> &[Root] {
+        &self.roots
+    }
+
     fn judge(&self, r: usize) -> Option<Observability> {
         let root = &self.roots[r];
         let of_pair = |pair| strength(self.theory, &root.modes, pair);
@@ -227,7 +232,7 @@ impl<'a> Sight<'a> {
     }
 
     /// The theory's own damping ratio where it has one, else the test's.
-    fn damping(&self, root: &Root) -> Option<RootDamping> {
+    pub fn damping(&self, root: &Root) -> Option<RootDamping> {
         let own = root.modes.iter();
         let own: Option<Vec<f64>> = own
             .map(|&j| positive_damping(&self.theory.modes[j]))
@@ -245,7 +250,8 @@ impl<'a> Sight<'a> {
         at.is_ok_and(|at| strength <= self.still[at])
     }
 
-    fn spacing_hz(&self, r: usize) -> Option<f64> {
+    /// Distance of a root to the nearest other, Hz.
+    pub fn spacing_hz(&self, r: usize) -> Option<f64> {
         let others = (0..self.roots.len()).filter(|&other| other != r);
         others
             .map(|other| (self.roots[other].hz - self.roots[r].hz).abs())
@@ -291,7 +297,7 @@ impl<'a> Sight<'a> {
 }
 
 /// The peak of a root as the functions of one set show it.
-struct Peak {
+pub(super) struct Peak {
     hz: f64,
     /// Natural frequency, rad/s.
     omega: f64,
@@ -302,7 +308,7 @@ struct Peak {
 }
 
 impl Peak {
-    fn new(hz: f64, damping_ratio: f64, set: &FrfSet) -> Self {
+    pub fn new(hz: f64, damping_ratio: f64, set: &FrfSet) -> Self {
         let omega = TAU * hz;
         Self {
             hz,
@@ -315,15 +321,20 @@ impl Peak {
     /// Square of the peak of a root of strength `g` over the noise of function `i`; `None` where that is not known.
     fn over_noise_squared(&self, set: &FrfSet, i: usize, g: f64) -> Option<f64> {
         let noise = self.noise_squared(set, i)?;
+        let peak = self.height_squared(set, i, g);
+        // A root that stands still does not rise over the absence of noise.
+        Some(if peak > 0.0 { peak / noise } else { 0.0 })
+    }
+
+    /// Square of the peak of a root of strength `g` in function `i`, in the unit of its kind squared.
+    pub fn height_squared(&self, set: &FrfSet, i: usize, g: f64) -> f64 {
         let s = Complex64::new(set.added_damping_rad_s, self.omega);
         let order = set.functions()[i].kind.derivative_order();
-        let peak = g / (2.0 * self.omega * self.delta) * s.norm().powi(order);
-        // A root that stands still does not rise over the absence of noise.
-        Some(if peak > 0.0 { peak * peak / noise } else { 0.0 })
+        (g / (2.0 * self.omega * self.delta) * s.norm().powi(order)).powi(2)
     }
 
     /// Mean variance of function `i` on the half-power lines, in the unit of its kind squared.
-    fn noise_squared(&self, set: &FrfSet, i: usize) -> Option<f64> {
+    pub fn noise_squared(&self, set: &FrfSet, i: usize) -> Option<f64> {
         let (axis, half_hz) = (set.axis(), self.delta / TAU);
         let band = Band::new((self.hz - half_hz).max(0.0), self.hz + half_hz);
         let inside = band.map_or(0..0, |band| axis.lines(&band));
@@ -338,7 +349,7 @@ impl Peak {
     }
 
     /// Smallest variance of the natural frequency for a peak as high as the noise, (rad/s)^2.
-    fn variance_of_unit_peak(&self) -> f64 {
+    pub fn variance_of_unit_peak(&self) -> f64 {
         2.0 * self.step * self.delta / PI
     }
 }
@@ -376,6 +387,12 @@ fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
     let same = |own: &Dof| own.point() == dof.point() && own.axis() == dof.axis();
     let found = shape.iter().find(|(own, _)| same(own));
     found.map(|(own, value)| value * own.sign() * dof.sign())
+}
+
+/// What a mode has at a point over the square root of its modal mass, 1/√kg for a translation; `None` without a shape there.
+pub(super) fn over_root_mass(mode: &Mode, dof: &Dof) -> Result<Option<Complex64>, NotJudged> {
+    let mass = modal_mass_kg(mode).ok_or(NotJudged::ModalMass)?;
+    Ok(reading(&mode.shape, dof).map(|value| value / mass.sqrt()))
 }
 
 fn modal_mass_kg(mode: &Mode) -> Option<f64> {

@@ -17,7 +17,7 @@ use super::*;
 const ZETA: f64 = 0.01;
 
 /// A mode of a theory: unit modal mass, 1 % damping.
-fn of_theory(frequency_hz: f64, shape: &[f64]) -> Mode {
+pub(super) fn of_theory(frequency_hz: f64, shape: &[f64]) -> Mode {
     let mut mode = mode(frequency_hz, shape);
     mode.scaling = Scaling::UnitModalMass;
     mode.damping_ratio = Some(ZETA);
@@ -58,7 +58,7 @@ fn frfs(text: &[(&str, &str)], kind: FrfKind, variance: Option<f64>, step_hz: f6
     vec![set]
 }
 
-fn receptances(text: &[(&str, &str)], variance: f64) -> Vec<FrfSet> {
+pub(super) fn receptances(text: &[(&str, &str)], variance: f64) -> Vec<FrfSet> {
     frfs(text, FrfKind::Receptance, Some(variance), 0.5)
 }
 

@@ -18,7 +18,7 @@ fn norm(a: &[Complex64]) -> f64 {
 }
 
 /// The Q of a QR decomposition by modified Gram-Schmidt, each vector twice; dependent vectors are dropped.
-fn orthonormal(vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
+pub(super) fn orthonormal(vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
     let mut basis: Vec<Vec<Complex64>> = Vec::new();
     for vector in vectors {
         let mut rest = vector.clone();

@@ -14,6 +14,7 @@ mod latex;
 mod markdown;
 mod measures;
 mod modes;
+mod placement;
 mod published;
 mod response;
 mod stabilization;
@@ -36,6 +37,7 @@ pub use measures::{
     orthogonality_blocks, reversed_block,
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
+pub use placement::placement_blocks;
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };

@@ -19,6 +19,7 @@ use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
 use super::modes_file::load_modes;
+use super::placement::{PlacedTest, placed_tests};
 use super::plan::{Scene, TestPlan, TestSource};
 use super::quantities::quantities;
 use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
@@ -58,6 +59,8 @@ pub struct SceneResult {
     pub table: Option<ComparisonTable>,
     /// Findings of the pairing, by test.
     pub comparison_findings: Vec<(String, Vec<Finding>)>,
+    /// Points that tests should have beside their own.
+    pub placements: Vec<PlacedTest>,
     /// Limits held against the comparison.
     pub limits: Vec<LimitCheck>,
     /// Published results held against the model and themselves; `None` for a scene without any.
@@ -139,6 +142,7 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
             .flat_map(|table| judge_comparison(&scene.limits, &table.summary)),
     );
     Ok(SceneResult {
+        placements: placed_tests(&scene.placement, &tests, &theory.modes),
         tests,
         limits,
         expected: judged(scene, known_roots(&theory))?,
@@ -201,6 +205,7 @@ fn without_model(
     Ok(SceneResult {
         tests,
         limits,
+        placements: Vec::new(),
         expected: judged(scene, None)?,
         theory: Theory::default(),
         table: None,

@@ -14,6 +14,7 @@ mod matrices;
 mod matrices_tests;
 mod model;
 mod modes_file;
+mod placement;
 mod plan;
 mod quantities;
 mod recording;
@@ -41,6 +42,7 @@ pub use limits::{
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use modes_file::{holds_functions, is_modes_file, load_modes};
+pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};

@@ -15,6 +15,7 @@ use super::SceneError;
 use super::expected::{Expected, beside};
 use super::limits::Limits;
 use super::model::{check_schema, named_model, sensors, value_error};
+use super::placement::{PlacementPlan, placement_plans};
 use super::toml_text::{parse, read_text};
 use super::typed::{
     FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, TestTable, UpdateTable,
@@ -52,6 +53,8 @@ pub struct Scene {
     pub order: Option<usize>,
     /// Pairing.
     pub pair: PairOptions,
+    /// Tests that more points are wanted for.
+    pub placement: Vec<PlacementPlan>,
     /// Options of updating; `None` for a scene that states none.
     pub update: Option<UpdateTable>,
     /// Limits.
@@ -159,9 +162,11 @@ impl Scene {
             named_model(table, &folder, &name)?;
         }
         let tables = report_tables(typed.report.table, typed.report.caption, &tests, &name)?;
+        let sensors = sensors(&typed.sensor, &name)?;
         Ok(Self {
+            placement: placement_plans(typed.placement, (&tests, &sensors), &name)?,
             tests,
-            sensors: sensors(&typed.sensor, &name)?,
+            sensors,
             hammer: hammer_options(&typed.frf, &name)?,
             pair: typed.pair,
             first_root: typed.report.first_root.unwrap_or(1),

@@ -33,7 +33,7 @@ impl LoadedModel {
             let sensor = known.find(|sensor| sensor.dof.positive() == dof.positive());
             let sensor =
                 sensor.ok_or_else(|| CorrelateError::NotACoordinate { dof: dof.clone() })?;
-            Ok(self.model.observation_row(&sensor.target)?)
+            Ok(self.model.observation_row(&self.values, &sensor.target)?)
         };
         let row = |(name, reading): &(Dof, Reading)| -> Result<SensorRow, SceneError> {
             let mut row = vec![0.0; matrices.coordinates.len()];

@@ -38,6 +38,9 @@ pub struct SceneFile {
     /// Options of pairing.
     #[serde(default)]
     pub pair: PairOptions,
+    /// Tests that more points are wanted for.
+    #[serde(default)]
+    pub placement: Vec<PlacementTable>,
     /// Options of updating.
     pub update: Option<UpdateTable>,
     /// Options of the report.
@@ -46,6 +49,24 @@ pub struct SceneFile {
     /// Limits that decide the exit code.
     #[serde(default)]
     pub limits: Limits,
+}
+
+/// Points that a test could have beside its own.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlacementTable {
+    /// Name of the test.
+    pub test: String,
+    /// Sensors of the scene that can be hit: degrees of freedom, or their beginning with a `*`.
+    #[serde(default = "every_point")]
+    pub hits: Vec<String>,
+    /// Sensors of the scene that a test can put there.
+    #[serde(default = "every_point")]
+    pub sensors: Vec<String>,
+}
+
+fn every_point() -> Vec<String> {
+    vec!["*".to_owned()]
 }
 
 /// One test.

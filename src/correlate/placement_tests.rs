@@ -1,0 +1,169 @@
+//! Points to add to a test: nodes, repeated roots, points that help only together, and what no point can see.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::modal::ModalModel;
+
+use super::observability_tests::{of_theory, receptances};
+use super::pairing_tests::model;
+use super::*;
+
+fn dofs(text: &[&str]) -> Vec<Dof> {
+    text.iter().map(|own| own.parse().unwrap()).collect()
+}
+
+/// Noise far below the peak of a root of strength 1 at 200 Hz, which is 3e-5 m/N.
+const QUIET: f64 = 1e-22;
+
+fn placed(theory: &ModalModel, test: &[(&str, &str)], points: &[&str]) -> Placement {
+    let candidates = Candidates {
+        hits: dofs(points),
+        sensors: dofs(points),
+    };
+    let band = Band::new(10.0, 900.0).unwrap();
+    let frfs = receptances(test, QUIET);
+    placement((theory, &ModalModel::default(), &frfs), band, &candidates).unwrap()
+}
+
+/// Points of every step: hit, sensor.
+fn steps(placement: &Placement) -> Vec<(Option<String>, Option<String>)> {
+    let text = |dof: &Option<Dof>| dof.as_ref().map(Dof::to_string);
+    let steps = placement.steps.iter();
+    steps
+        .map(|step| (text(&step.hit), text(&step.sensor)))
+        .collect()
+}
+
+fn hit(dof: &str) -> (Option<String>, Option<String>) {
+    (Some(dof.to_owned()), None)
+}
+
+#[test]
+fn a_hit_beside_the_node_shows_what_one_on_it_does_not() {
+    let theory = model(vec![
+        of_theory(100.0, &[1.0, 1.0, 1.0]),
+        of_theory(200.0, &[1.0, 0.0, -0.5]),
+        of_theory(400.0, &[1.0, -2.0, 1.0]),
+    ]);
+    let plan = placed(&theory, &[("1:+Z", "2:+Z")], &["1:+Z", "2:+Z", "3:+Z"]);
+    assert_eq!(steps(&plan), [hit("1:+Z")]);
+    assert_eq!(plan.steps[0].shown, [(1, 1)]);
+    let seen: Vec<_> = plan
+        .roots
+        .iter()
+        .map(|own| (own.seen, own.planned))
+        .collect();
+    assert_eq!(seen, [(1, 1), (0, 1), (1, 1)]);
+    // Strength 1 at the driving point, 1 % damping.
+    let omega = std::f64::consts::TAU * 200.0;
+    let peak = 1.0 / (2.0 * 0.01 * omega * omega);
+    let db = plan.roots[1].peak_over_noise_db.unwrap();
+    assert!(
+        (db - 10.0 * (peak * peak / QUIET).log10()).abs() < 1e-9,
+        "{db}"
+    );
+    // Alone, hits at 1 and 3 show all three; of the two, 1 moves more.
+    let ranked: Vec<_> = plan
+        .ranking
+        .iter()
+        .map(|own| (own.dof.to_string(), own.shown))
+        .collect();
+    let expected =
+        [("1:+Z", 3), ("3:+Z", 3), ("2:+Z", 2)].map(|(dof, shown)| (dof.to_owned(), shown));
+    assert_eq!(ranked, expected);
+}
+
+#[test]
+fn a_repeated_root_needs_as_many_hits_as_it_has_modes() {
+    let mut pair = [
+        of_theory(200.0, &[1.0, 0.5, 0.0, FRAC_1_SQRT_2]),
+        of_theory(200.0, &[0.0, 0.0, 1.0, FRAC_1_SQRT_2]),
+    ];
+    pair.iter_mut().for_each(|mode| mode.group = Some(1));
+    let theory = model(pair.to_vec());
+    let test = [("1:+Z", "1:+Z"), ("3:+Z", "1:+Z")];
+    // A hit at 2 moves what one at 1 moves; at 4 half of the other mode, at 3 all of it.
+    let plan = placed(&theory, &test, &["2:+Z", "4:+Z", "3:+Z"]);
+    assert_eq!(steps(&plan), [hit("3:+Z")]);
+    assert_eq!((plan.roots[0].seen, plan.roots[0].planned), (1, 2));
+    let without = placed(&theory, &test, &["2:+Z"]);
+    assert_eq!(steps(&without), []);
+    assert_eq!(without.roots[0].planned, 1);
+}
+
+#[test]
+fn a_hit_and_a_sensor_are_added_together_where_neither_helps_alone() {
+    let theory = model(vec![
+        of_theory(100.0, &[1.0, 0.0, 0.0]),
+        of_theory(200.0, &[0.0, 1.0, 0.2]),
+    ]);
+    let plan = placed(&theory, &[("1:+Z", "1:+Z")], &["1:+Z", "2:+Z", "3:+Z"]);
+    let both = (Some("2:+Z".to_owned()), Some("2:+Z".to_owned()));
+    assert_eq!(steps(&plan), [both]);
+}
+
+#[test]
+fn what_no_point_can_see_is_said_with_its_reason() {
+    let theory = model(vec![
+        of_theory(100.0, &[1.0, 1.0, 0.0]),
+        of_theory(200.0, &[0.0, 0.0, 1.0]),
+        of_theory(400.0, &[1.0, 1e-9, 0.0]),
+    ]);
+    let plan = placed(&theory, &[("2:+Z", "2:+Z")], &["2:+Z"]);
+    assert!(plan.steps.is_empty());
+    let roots: Vec<_> = plan
+        .roots
+        .iter()
+        .map(|own| (own.planned, own.still))
+        .collect();
+    assert_eq!(roots[0], (1, [false, false]));
+    assert_eq!(roots[1], (0, [true, true]));
+    // It moves, but a strength of 1e-18 does not rise over the noise.
+    assert_eq!(roots[2].0, 0);
+    assert!(
+        plan.roots[2]
+            .peak_over_noise_db
+            .is_none_or(|db| db < plan.roots[2].needed_db)
+    );
+}
+
+#[test]
+fn independence_is_the_part_of_a_row_that_no_other_point_has() {
+    // Points 1 and 2 say the same, point 3 something else: 1/2, 1/2 and 1.
+    let theory = model(vec![
+        of_theory(100.0, &[1.0, 1.0, 0.0]),
+        of_theory(200.0, &[1.0, 1.0, 1.0]),
+    ]);
+    let plan = placed(&theory, &[("1:+Z", "1:+Z")], &["1:+Z", "2:+Z", "3:+Z"]);
+    for own in &plan.ranking {
+        let expected = if own.dof.to_string() == "3:+Z" {
+            1.0
+        } else {
+            0.5
+        };
+        assert!((own.independence - expected).abs() < 1e-12, "{own:?}");
+    }
+}
+
+#[test]
+fn without_masses_damping_or_noise_nothing_is_planned() {
+    let theory = model(vec![of_theory(100.0, &[1.0, 1.0])]);
+    let candidates = Candidates {
+        hits: dofs(&["1:+Z"]),
+        sensors: Vec::new(),
+    };
+    let band = Band::new(10.0, 900.0).unwrap();
+    let frfs = receptances(&[("1:+Z", "1:+Z")], QUIET);
+    let planned = |theory: &ModalModel, frfs: &[crate::frf::FrfSet]| {
+        placement((theory, &ModalModel::default(), frfs), band, &candidates)
+    };
+    assert_eq!(planned(&theory, &[]), Err(NotJudged::Variance));
+    let mut other = theory.clone();
+    other.modes[0].damping_ratio = None;
+    assert_eq!(planned(&other, &frfs), Err(NotJudged::DampingRatio));
+    let mut other = theory;
+    other.modes[0].scaling = crate::modal::Scaling::Unknown;
+    assert_eq!(planned(&other, &frfs), Err(NotJudged::ModalMass));
+}

@@ -1,0 +1,106 @@
+//! Points that tests of a scene should have beside their own.
+
+use crate::correlate::{Candidates, NotJudged, Placement, placement};
+use crate::dof::Dof;
+use crate::geometry::Sensor;
+use crate::modal::ModalModel;
+
+use super::SceneError;
+use super::chain::TestResult;
+use super::model::value_error;
+use super::plan::TestPlan;
+use super::typed::PlacementTable;
+
+/// A test to be given more points, and the points that it could have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacementPlan {
+    /// Name of the test.
+    pub test: String,
+    /// The points.
+    pub candidates: Candidates,
+}
+
+/// What more points make of a test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedTest {
+    /// Name of the test.
+    pub test: String,
+    /// The points that it could have.
+    pub candidates: Candidates,
+    /// Those that it should have, or why that is not known.
+    pub placement: Result<Placement, NotJudged>,
+}
+
+/// `[[placement]]` as meant: tests by name, and points out of the scene's sensors.
+///
+/// # Errors
+/// [`SceneError::Value`] for an unknown test and for a pattern that no sensor has.
+pub(super) fn placement_plans(
+    stated: Vec<PlacementTable>,
+    (tests, sensors): (&[TestPlan], &[Sensor]),
+    path: &str,
+) -> Result<Vec<PlacementPlan>, SceneError> {
+    let plan = |table: PlacementTable| {
+        if !tests.iter().any(|test| test.name == table.test) {
+            let names: Vec<&str> = tests.iter().map(|test| test.name.as_str()).collect();
+            let expected = format!("one of the tests {}", names.join(", "));
+            let got = format!("{:?}", table.test);
+            return Err(value_error(path, "[[placement]] test", &got, &expected));
+        }
+        Ok(PlacementPlan {
+            test: table.test,
+            candidates: Candidates {
+                hits: points(&table.hits, sensors, (path, "[[placement]] hits"))?,
+                sensors: points(&table.sensors, sensors, (path, "[[placement]] sensors"))?,
+            },
+        })
+    };
+    stated.into_iter().map(plan).collect()
+}
+
+/// The sensors' degrees of freedom that patterns name, ascending; a `*` at the end stands for anything.
+fn points(
+    patterns: &[String],
+    sensors: &[Sensor],
+    (path, key): (&str, &str),
+) -> Result<Vec<Dof>, SceneError> {
+    let fits = |pattern: &str, dof: &Dof| match pattern.strip_suffix('*') {
+        Some(start) => dof.to_string().starts_with(start),
+        None => dof.to_string() == pattern,
+    };
+    let mut found = std::collections::BTreeSet::new();
+    for pattern in patterns {
+        let before = found.len();
+        let own = sensors.iter().map(|sensor| &sensor.dof);
+        let own: Vec<Dof> = own.filter(|dof| fits(pattern, dof)).cloned().collect();
+        if own.is_empty() && before == found.len() {
+            let got = format!("{pattern:?}");
+            let expected = "the degree of freedom of a [[sensor]], or the beginning of some with a * behind it";
+            return Err(value_error(path, key, &got, expected));
+        }
+        found.extend(own);
+    }
+    Ok(found.into_iter().collect())
+}
+
+/// The points for every test that asks for some.
+pub(super) fn placed_tests(
+    plans: &[PlacementPlan],
+    tests: &[TestResult],
+    theory: &ModalModel,
+) -> Vec<PlacedTest> {
+    let placed = plans.iter().filter_map(|plan| {
+        let test = tests.iter().find(|test| test.name == plan.test)?;
+        let band = test.modes.band;
+        let placement = band.ok_or(NotJudged::Variance).and_then(|band| {
+            let known = (theory, &test.modes, test.frfs.as_slice());
+            placement(known, band, &plan.candidates)
+        });
+        Some(PlacedTest {
+            test: plan.test.clone(),
+            candidates: plan.candidates.clone(),
+            placement,
+        })
+    });
+    placed.collect()
+}
