@@ -341,7 +341,7 @@ codes! {
         "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
     /// A test shape that several roots hold together.
     MixedShape: "the test shape is mixed: its root holds less of it than the stated MAC",
-        "All roots of the model explain the shape together, with masses where the model's shapes are mass-normalised. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
+        "All roots of the model explain the shape together. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",
         "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";

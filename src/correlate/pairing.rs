@@ -123,7 +123,7 @@ pub struct Pairing {
 /// Pairs the modes of a test with those of a theory.
 ///
 /// With `u = |frequency error| / max_frequency_error` and the share `a` of a test shape that a root holds when all roots explain it
-/// together (the MAC over all degrees of freedom as far as the sensors tell it, [`share`](super::share)), a pair is allowed when
+/// together (their own module has the formula), a pair is allowed when
 /// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
 /// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than two degrees of freedom in common it costs `u`: a
 /// MAC over one component is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over

@@ -1,15 +1,15 @@
 //! The part of a test shape that each root of a theory holds, when all roots explain the shape together.
 //!
 //! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look alike, so that the MAC with each mode by
-//! itself counts what they have in common several times. With mass-normalised shapes `φ_j` the coordinates q of `ψ = Σ q_j φ_j` are the
-//! mode's own, and `|q_r|²/Σ|q_j|²` is the MAC with root r over all degrees of freedom and weighted by mass, as far as the sensors tell
-//! them apart. What they leave open is decided by perturbation of first order: a mode at `f` holds one at `f_j` no more than in
-//! proportion to `1/|f_j/f − f/f_j|`.
+//! itself counts what they have in common several times. With the coordinates q of `ψ = Σ q_j φ_j`, shapes of unit length at the
+//! sensors, `|q_r|²/Σ|q_j|²` is what the MAC with root r is at right angles. What the sensors do not tell apart is decided by
+//! perturbation of first order: a mode at `f` holds one at `f_j` no more than in proportion to `1/|f_j/f − f/f_j|`. Lengths by modal mass
+//! would make it the MAC over all degrees of freedom, but where a mode hardly moves the sensors, a little noise would then be much of it.
 
 use num_complex::Complex64;
 
 use crate::linalg::{complex_matrix, least_squares};
-use crate::modal::{ModalModel, Scaling};
+use crate::modal::ModalModel;
 
 use super::pairing::Shapes;
 use super::roots::Root;
@@ -23,9 +23,8 @@ const FAR: f64 = 3.0;
 
 /// The share of every root in a test mode; `None` where modes near it have no shape in common with it.
 ///
-/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j s)²`, `g_j = min(1, 0.1/|f_j/f − f/f_j|)`, `s = |ψ|/|φ|_rms`; the share of
-/// root r is `|q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds at all. Theory shapes that are not
-/// mass-normalised count as equally long at the sensors.
+/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²`, `g_j = min(1, 0.1/|f_j/f − f/f_j|)`; the share of root r is
+/// `|q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds at all.
 ///
 /// # Reference
 /// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7 (coordinates of a measured shape);
@@ -51,10 +50,7 @@ pub(super) fn shares(
     if shape.len() < 2 || squared(shape) <= 0.0 || near.is_empty() {
         return vec![None; roots.len()];
     }
-    let normalised = |j: &usize| theory.modes[*j].scaling == Scaling::UnitModalMass;
-    if !near.iter().all(normalised) {
-        columns.iter_mut().for_each(|own| to_unit_length(own));
-    }
+    columns.iter_mut().for_each(|own| to_unit_length(own));
     let reach: Vec<f64> = near.iter().map(|j| (NEAR / apart(*j)).min(1.0)).collect();
     let coordinates = coordinates(shape, &columns, &reach);
     let held = held(shape, &columns, &coordinates);
@@ -84,12 +80,8 @@ fn to_unit_length(column: &mut [Complex64]) {
 /// q of a shape, with the least deviations that each is allowed.
 fn coordinates(shape: &[Complex64], columns: &[Vec<Complex64>], reach: &[f64]) -> Vec<Complex64> {
     let (points, modes) = (shape.len(), columns.len());
-    let mean = columns.iter().map(|own| squared(own)).sum::<f64>() / modes as f64;
-    if mean <= 0.0 {
-        return vec![Complex64::ZERO; modes];
-    }
-    let deviation = DEVIATION * (squared(shape) / points as f64).sqrt();
-    let scale = (squared(shape) / mean).sqrt();
+    let scale = squared(shape).sqrt();
+    let deviation = DEVIATION * scale / (points as f64).sqrt();
     let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
         None => columns[c][k] / deviation,
         Some(own) if own == c => (reach[c] * scale).recip().into(),

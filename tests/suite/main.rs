@@ -15,6 +15,7 @@ mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]
 mod mutation;
+mod placement;
 mod population;
 mod published;
 mod real_modes;
