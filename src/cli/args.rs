@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Code;
+use crate::report::Language;
 use crate::theory::SweepRange;
 
 /// Correlates a hammer test with a theoretical model of the same machine.
@@ -275,6 +276,10 @@ pub struct CorrelateArgs {
     /// paired modes).
     #[arg(long, value_name = "guyan|serep", requires = "theory")]
     pub orthogonality: Option<String>,
+    /// Write the test's shapes at all coordinates of the model here (.json, or .uff for universal dataset 55), expanded as
+    /// --orthogonality says, else by serep.
+    #[arg(long, value_name = "FILE", requires = "theory")]
+    pub expand: Option<PathBuf>,
     /// FRFs: compare these lines alone, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
@@ -309,6 +314,15 @@ pub struct CorrelateArgs {
     /// theory: (test − theory)/theory; test: (theory − test)/test.
     #[arg(long, value_name = "theory|test")]
     pub error_reference: Option<String>,
+    /// Caption of the first table.
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+    /// Digits after the point of every number in the tables, 0 to 15; CSV and JSON keep them all.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
+    pub digits: Option<u8>,
+    /// Captions and headings in English or Chinese; definitions below the tables stay English.
+    #[arg(long, value_name = "en|zh", default_value = "en", value_parser = language)]
+    pub lang: Language,
 }
 
 /// `update`.
@@ -402,6 +416,10 @@ fn setting(text: &str) -> Result<(String, f64), String> {
         name.trim().to_owned(),
         value.trim().parse().map_err(|_| expected())?,
     ))
+}
+
+fn language(text: &str) -> Result<Language, String> {
+    Language::from_name(text).ok_or_else(|| format!("got `{text}`, expected en or zh"))
 }
 
 fn code(text: &str) -> Result<Code, String> {

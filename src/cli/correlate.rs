@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use crate::correlate::measures::{
-    DuplicateLimits, Orthogonality, Reduction, ReversedSensor, auto_mac, measures, orthogonality,
-    orthogonality_dofs, reversed_sensors, turned,
+    DuplicateLimits, Measures, ReducedMass, Reduction, ReversedSensor, auto_mac, measures,
+    orthogonality, orthogonality_dofs, reversed_sensors, turned,
 };
-use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading};
+use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
 use crate::error::Error;
-use crate::geometry::Sensor;
-use crate::io::write_whole;
+use crate::finding::Finding;
+use crate::geometry::{Geometry, Sensor};
+use crate::io::{modes_to_json, write_whole};
 use crate::modal::ModalModel;
 use crate::report::{
     Block, alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks,
@@ -26,7 +27,7 @@ use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
-use super::output::{Output, check_extension};
+use super::output::{MODES, Output, check_extension, write_modes};
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held against FRFs, a test without
 /// a theory against itself.
@@ -61,6 +62,14 @@ fn compared(
 ) -> Result<Outcome, Error> {
     let options = pair_options(args)?;
     let reduction = args.orthogonality.as_deref().map(reduction).transpose()?;
+    check_extension(args.expand.as_deref(), MODES)?;
+    if args.expand.is_some() && args.test.len() > 1 {
+        return Err(Error::Argument {
+            argument: "--expand",
+            got: format!("{} tests", args.test.len()),
+            expected: "one".to_owned(),
+        });
+    }
     let mut tests = args
         .test
         .iter()
@@ -87,21 +96,18 @@ fn compared(
         })
         .collect();
     let comparison = compare_tests(&theory.modes, &named, &options)?;
+    let wanted = Wanted {
+        args,
+        reduction,
+        options: &options,
+        theory: &theory.modes,
+        model: model.as_ref(),
+        names: names.as_ref(),
+    };
     let mut all = Vec::new();
-    if args.measures || reduction.is_some() {
-        for ((name, test), pairing) in tests.iter().zip(&comparison.pairings) {
-            let mut own = measures(&test.modes, &theory.modes, pairing, &options)?;
-            if let Some(reduction) = reduction {
-                let sides = (&test.modes, &theory.modes);
-                own.orthogonality = Some(through_mass(
-                    model.as_ref(),
-                    sides,
-                    pairing,
-                    (&names, reduction),
-                )?);
-            }
-            all.push((name.clone(), own));
-        }
+    for ((name, test), pairing) in tests.iter().zip(&comparison.pairings) {
+        let own = wanted.of(&test.modes, pairing, output)?;
+        all.extend(own.map(|own| (name.clone(), own)));
     }
     let mut blocks = whole_comparison(&comparison.table, &theory);
     for (name, own) in &all {
@@ -121,7 +127,7 @@ fn compared(
             alignment: alignment.as_ref(),
         },
     );
-    print(args, (&blocks, json), output)?;
+    print(args, (blocks, json), output)?;
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
@@ -176,22 +182,40 @@ fn itself(
         .iter()
         .flat_map(|(name, own)| auto_mac_blocks(name, own));
     let blocks: Vec<Block> = blocks.collect();
-    print(args, (&blocks, json::auto_macs_to_json(&all)), output)?;
+    print(args, (blocks, json::auto_macs_to_json(&all)), output)?;
     Ok(Outcome::Done)
 }
 
 /// Prints a result, and writes it with `-o`.
 pub(super) fn print(
     args: &CorrelateArgs,
-    (blocks, json): (&[Block], String),
+    (blocks, json): (Vec<Block>, String),
     output: &mut Output,
 ) -> Result<(), Error> {
+    let blocks = &args.lang.translated(formatted(args, blocks));
     if let Some(path) = &args.output {
         write_whole(path, rendered(path, blocks, &json))?;
     }
     output.blocks(blocks);
     output.json(|| json);
     Ok(())
+}
+
+/// Blocks with the caption and the number format that were chosen.
+fn formatted(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
+    let tables = blocks.iter_mut().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    for (number, table) in tables.enumerate() {
+        if let Some(caption) = args.caption.as_ref().filter(|_| number == 0) {
+            table.caption = caption.clone();
+        }
+        if let Some(digits) = args.digits {
+            *table = std::mem::take(table).with_decimals(digits.into());
+        }
+    }
+    blocks
 }
 
 fn reduction(name: &str) -> Result<Reduction, Error> {
@@ -202,30 +226,73 @@ fn reduction(name: &str) -> Result<Reduction, Error> {
     })
 }
 
-/// Orthogonality of a test with the theory, whose mass matrix is reduced to the sensors of both.
-fn through_mass(
-    model: Option<&SolvedModel>,
-    (test, theory): (&ModalModel, &ModalModel),
-    pairing: &Pairing,
-    (names, reduction): (&Option<DofNames>, Reduction),
-) -> Result<Orthogonality, Error> {
-    let model = model.ok_or_else(|| Error::Argument {
-        argument: "--orthogonality",
-        got: "finished modes, which have no mass matrix".to_owned(),
-        expected: "a model as --theory".to_owned(),
-    })?;
-    let common = orthogonality_dofs(test, theory, &pairing.map);
-    let reading = |dof: &Dof| {
-        let named = names.as_ref().and_then(|names| names.in_theory(dof));
-        let own = || vec![(dof.positive(), dof.sign())];
-        (dof.clone(), named.cloned().unwrap_or_else(own))
-    };
-    let readings: Vec<(Dof, Reading)> = common.iter().map(reading).collect();
-    let kept = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
-    let kept: Vec<usize> = kept.copied().collect();
-    let (model, sensors) = (&model.model, &model.sensors);
-    let mass = model.reduced_mass(sensors, &readings, reduction, &kept)?;
-    Ok(orthogonality((test, theory), &pairing.map, &mass)?)
+/// What was asked for beside the table.
+struct Wanted<'a> {
+    args: &'a CorrelateArgs,
+    reduction: Option<Reduction>,
+    options: &'a PairOptions,
+    theory: &'a ModalModel,
+    model: Option<&'a SolvedModel>,
+    names: Option<&'a DofNames>,
+}
+
+impl Wanted<'_> {
+    /// The measures of a test, where they are wanted; its expanded shapes go to their file.
+    fn of(
+        &self,
+        test: &ModalModel,
+        pairing: &Pairing,
+        output: &mut Output,
+    ) -> Result<Option<Measures>, Error> {
+        let (args, reduction) = (self.args, self.reduction);
+        let wanted = reduction.is_some() || args.expand.is_some();
+        let mass = wanted.then(|| self.mass(test, pairing)).transpose()?;
+        if let (Some(path), Some(model), Some(mass)) = (&args.expand, self.model, &mass) {
+            output.findings(&expand(path, model, (test, pairing), mass)?);
+        }
+        if !args.measures && reduction.is_none() {
+            return Ok(None);
+        }
+        let mut own = measures(test, self.theory, pairing, self.options)?;
+        let through = mass.as_ref().filter(|_| reduction.is_some());
+        let sides = (test, self.theory);
+        let through = through.map(|mass| orthogonality(sides, &pairing.map, mass));
+        own.orthogonality = through.transpose()?;
+        Ok(Some(own))
+    }
+
+    /// The theory's mass matrix reduced to the sensors of both.
+    fn mass(&self, test: &ModalModel, pairing: &Pairing) -> Result<ReducedMass, Error> {
+        let model = self.model.ok_or_else(|| Error::Argument {
+            argument: "--orthogonality, --expand",
+            got: "finished modes, which have no mass matrix".to_owned(),
+            expected: "a model as --theory".to_owned(),
+        })?;
+        let reading = |dof: Dof| {
+            let named = self.names.and_then(|names| names.in_theory(&dof)).cloned();
+            let reading = named.unwrap_or_else(|| vec![(dof.positive(), dof.sign())]);
+            (dof, reading)
+        };
+        let common = orthogonality_dofs(test, self.theory, &pairing.map).into_iter();
+        let readings: Vec<(Dof, Reading)> = common.map(reading).collect();
+        let kept = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
+        let kept: Vec<usize> = kept.copied().collect();
+        let reduction = self.reduction.unwrap_or(Reduction::Serep);
+        let (model, sensors) = (&model.model, &model.sensors);
+        Ok(model.reduced_mass(sensors, &readings, reduction, &kept)?)
+    }
+}
+
+/// Writes a test's shapes at all coordinates of the model.
+fn expand(
+    path: &Path,
+    model: &SolvedModel,
+    (test, pairing): (&ModalModel, &Pairing),
+    mass: &ReducedMass,
+) -> Result<Vec<Finding>, Error> {
+    let own = expanded(test, &pairing.map, mass, &model.model.coordinate_dofs()?)?;
+    let json = modes_to_json(&own, None);
+    Ok(write_modes(path, &own, &Geometry::default(), &json)?)
 }
 
 fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {

@@ -35,11 +35,7 @@ pub fn correlate_frfs(
     if let Some(path) = &args.lines {
         write_whole(path, CsvText.render(&lines))?;
     }
-    print(
-        args,
-        (&blocks, json::frf_correlations_to_json(&all)),
-        output,
-    )?;
+    print(args, (blocks, json::frf_correlations_to_json(&all)), output)?;
     Ok(Outcome::Done)
 }
 
@@ -48,6 +44,7 @@ fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
     check_extension(args.lines.as_deref(), &["csv"])?;
     let given = [
         ("--measures", args.measures),
+        ("--expand", args.expand.is_some()),
         ("--orthogonality", args.orthogonality.is_some()),
         ("--dof-map", args.dof_map.is_some()),
         ("--nearest-node", args.nearest_node.is_some()),

@@ -71,13 +71,18 @@ impl<'a> TestSight<'a> {
             .partners
             .iter()
             .max_by(|a, b| a.frequency_error.abs().total_cmp(&b.frequency_error.abs()));
-        let hz_of_worst = worst.map(|partner| test.model.modes[partner.test].frequency_hz);
+        let worst_mode = worst.map(|partner| &test.model.modes[partner.test]);
+        let hz_of_worst = worst_mode.map(|mode| mode.frequency_hz);
+        let std_hz = worst_mode.and_then(|mode| mode.frequency_std_hz);
         TestCell {
             error_percent: worst.map(|partner| 100.0 * partner.frequency_error),
             error_hz: hz_of_worst.map(|hz| match options.error_reference {
                 ErrorReference::Theory => hz - root.hz,
                 ErrorReference::Test => root.hz - hz,
             }),
+            normalised_error: hz_of_worst
+                .zip(std_hz.filter(|std| *std > 0.0))
+                .map(|(hz, std)| (hz - root.hz) / std),
             mac: macs.reduce(f64::min),
             angles_deg: pair.angles_deg.clone(),
             status: if ambiguous {
@@ -250,6 +255,7 @@ impl PairedTest<'_> {
             hz_std: collect(|mode| mode.frequency_std_hz).and_then(std_of_mean),
             error_percent: None,
             error_hz: None,
+            normalised_error: None,
             damping_ratio: collect(|mode| mode.damping_ratio).and_then(mean),
             damping_std: collect(|mode| mode.damping_std).and_then(std_of_mean),
             mac: None,

@@ -110,6 +110,16 @@ pub enum CorrelateError {
         /// The sensor, as the theory names it.
         dof: Dof,
     },
+    /// Another number of names than of coordinates.
+    #[error(
+        "got names of {got} coordinates, expected {expected}: the model has coordinates that are no degrees of freedom of a body"
+    )]
+    CoordinateNames {
+        /// Names.
+        got: usize,
+        /// Coordinates of the model.
+        expected: usize,
+    },
     /// A mass matrix that cannot be reduced to the sensors.
     #[error("the mass matrix cannot be reduced to the sensors: {0}")]
     Reduction(#[source] Box<TheoryError>),

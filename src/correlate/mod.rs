@@ -12,6 +12,7 @@ mod cell;
 mod dof_map;
 mod dof_names;
 mod error;
+mod expansion;
 mod footnote;
 pub mod measures;
 mod observability;
@@ -38,6 +39,7 @@ pub use assignment::assign;
 pub use dof_map::{DofMap, DofPair};
 pub use dof_names::{DofNames, Reading};
 pub use error::CorrelateError;
+pub use expansion::expanded;
 pub use footnote::Footnote;
 pub use observability::{
     AgainstNoise, LARGEST_STD_OF_SPACING, NotJudged, Observability, PEAK_OVER_NOISE_DB,

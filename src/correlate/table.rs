@@ -78,6 +78,8 @@ pub struct TestCell {
     pub error_percent: Option<f64>,
     /// The same difference, Hz.
     pub error_hz: Option<f64>,
+    /// `(test - theory)/std` with the standard deviation of the test's frequency, whatever the reference of the errors is.
+    pub normalised_error: Option<f64>,
     /// Damping ratio, a fraction.
     pub damping_ratio: Option<f64>,
     /// Standard deviation of that, as for the frequency.

@@ -133,3 +133,15 @@ pub enum Block {
     /// What the data said.
     Findings(Vec<Finding>),
 }
+
+impl Table {
+    /// The same table with this many digits after the point of every number.
+    pub fn with_decimals(mut self, wanted: usize) -> Self {
+        for cell in self.rows.iter_mut().flatten() {
+            if let Cell::Number { decimals, .. } = cell {
+                *decimals = wanted;
+            }
+        }
+        self
+    }
+}

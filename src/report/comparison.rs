@@ -97,6 +97,12 @@ impl Part<'_> {
         self.tests.len() == 1
     }
 
+    /// Whether a frequency of these tests has a deviation that its error can be counted in.
+    fn normalised(&self) -> bool {
+        let mut cells = self.table.rows.iter().flat_map(|row| self.cells(row));
+        cells.any(|cell| cell.normalised_error.is_some())
+    }
+
     /// Rows of the theory's roots, and of the extra modes of these tests.
     fn rows(&self) -> impl Iterator<Item = &Row> {
         let own = |row: &&Row| row.theory.is_some() || self.cells(row).next().is_some();
@@ -117,8 +123,11 @@ impl Part<'_> {
         let head = error_head(self.table.error_reference);
         let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
         if self.single() {
-            let heads = ["test (Hz)", "std (Hz)", head, "damping (%)", "MAC"];
-            columns.extend(heads.map(Column::number));
+            columns.extend(["test (Hz)", "std (Hz)", head].map(Column::number));
+            if self.normalised() {
+                columns.push(Column::number("(test−theory)/std"));
+            }
+            columns.extend(["damping (%)", "MAC"].map(Column::number));
             columns.push(Column::text("verdict"));
             return columns;
         }
@@ -143,11 +152,12 @@ impl Part<'_> {
             Cell::text(label),
             Cell::number(row.theory.as_ref().map(|theory| theory.hz), 2),
         ];
-        let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) = if self.single() {
-            (full_cells, 6)
-        } else {
-            (short_cells, 4)
-        };
+        let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) =
+            match (self.single(), self.normalised()) {
+                (true, true) => (normalised_cells, 7),
+                (true, false) => (full_cells, 6),
+                (false, _) => (short_cells, 4),
+            };
         for test in &self.tests {
             let own = row.tests.iter().find(|cell| cell.test == *test);
             cells.extend(own.map_or_else(|| vec![Cell::Missing; width], test_cells));
@@ -155,8 +165,8 @@ impl Part<'_> {
         cells
     }
 
-    /// Largest and mean error of every test.
-    fn closing_rows(&self) -> [Vec<Cell>; 2] {
+    /// Largest, mean and root mean square error of every test.
+    fn closing_rows(&self) -> [Vec<Cell>; 3] {
         let row = |name: &str, of: fn(&TestSummary) -> [Option<f64>; 2]| {
             let mut cells = vec![Cell::text(name), Cell::Missing];
             for test in &self.tests {
@@ -174,6 +184,7 @@ impl Part<'_> {
         [
             row("max |error|", |s| [s.max_error_hz, s.max_error_percent]),
             row("mean |error|", |s| [s.mean_error_hz, s.mean_error_percent]),
+            row("rms error", |s| [None, s.rms_error_percent]),
         ]
     }
 
@@ -248,6 +259,12 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::number(cell.mac, 4),
         Cell::text(status_text(cell.status)),
     ]
+}
+
+fn normalised_cells(cell: &TestCell) -> Vec<Cell> {
+    let mut cells = full_cells(cell);
+    cells.insert(3, Cell::signed(cell.normalised_error, 1));
+    cells
 }
 
 fn short_cells(cell: &TestCell) -> Vec<Cell> {

@@ -10,6 +10,7 @@ mod csv_text;
 mod frf;
 mod indicators;
 pub mod json;
+mod language;
 mod latex;
 mod markdown;
 mod measures;
@@ -30,6 +31,7 @@ pub use comparison::{
 pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
+pub use language::Language;
 pub use latex::Latex;
 pub use markdown::Markdown;
 pub use measures::{

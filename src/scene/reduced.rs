@@ -57,4 +57,15 @@ impl LoadedModel {
         let kept = real_matrix(vectors.nrows(), kept.len(), |i, j| vectors[(i, kept[j])]);
         Ok(reduced_mass(&matrices, &rows, reduction, &kept)?)
     }
+
+    /// The model's coordinates as degrees of freedom, in the order of its matrices; none where a coordinate is not one of a
+    /// body.
+    ///
+    /// # Errors
+    /// The model's own reasons.
+    pub fn coordinate_dofs(&self) -> Result<Vec<Dof>, SceneError> {
+        let coordinates = self.model.assemble(&self.values)?.coordinates;
+        let sensors = coordinate_sensors(&coordinates).into_iter();
+        Ok(sensors.map(|sensor| sensor.dof).collect())
+    }
 }

@@ -376,3 +376,88 @@ fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_named() {
     let error = fail(files.into_iter().chain(more));
     assert!(error.contains("turn, shift and scale"), "{error}");
 }
+
+#[test]
+fn caption_digits_and_language_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = frame(1.0, &[1.0e4; 3], (0.1, 10.0));
+    let root = |n: f64| 2.0 * (n * std::f64::consts::PI / 14.0).sin() * 100.0;
+    let hz = |n: f64| root(n) / std::f64::consts::TAU;
+    // The first mode of three masses on three springs, 0.1 Hz too high, known to 0.05 Hz.
+    let shape: Vec<f64> = (1..=3)
+        .map(|i| (f64::from(i) * std::f64::consts::PI / 7.0).sin())
+        .collect();
+    let modes = modes_json(&[(hz(1.0) + 0.1, Some(0.05), shape)]);
+    write(
+        folder.path(),
+        &[("model.toml", &model), ("modes.json", &modes)],
+    );
+    let at = |name: &str| text(&folder.path().join(name));
+    let (test, theory) = (at("modes.json"), at("model.toml"));
+    let files = ["correlate", "--test", &test, "--theory", &theory];
+    let run = |more: &[&str]| succeed(files.into_iter().chain(more.iter().copied()));
+    let printed = run(&[
+        "--caption",
+        "Frame, table 3",
+        "--digits",
+        "1",
+        "--lang",
+        "zh",
+    ]);
+    assert!(printed.starts_with("Frame, table 3\n"), "{printed}");
+    for heading in ["阶次", "(试验−理论)/标准差", "汇总", "已配对"] {
+        assert!(printed.contains(heading), "{heading}: {printed}");
+    }
+    assert!(
+        printed.contains(" +2.0 ") && printed.contains(" 1.0 "),
+        "{printed}"
+    );
+    let english = run(&[]);
+    assert!(
+        english.starts_with("Theory and test compared\n"),
+        "{english}"
+    );
+    assert!(english.contains("(test−theory)/std"), "{english}");
+    let table: Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let cell = &table["rows"][0]["tests"][0];
+    assert!(
+        (number(&cell["normalised_error"]) - 2.0).abs() < 1e-6,
+        "{cell}"
+    );
+    let error = fail(files.into_iter().chain(["--lang", "de"]));
+    assert!(error.contains("en or zh"), "{error}");
+}
+
+#[test]
+fn shapes_of_two_storeys_expand_to_all_three() {
+    let folder = tempfile::tempdir().unwrap();
+    let (model, modes) = three_storeys(folder.path());
+    let whole = json(Path::new(&modes));
+    let mut part = whole.clone();
+    let two = part["modes"].as_array_mut().unwrap();
+    two.truncate(2);
+    for mode in two {
+        mode["shape"].as_object_mut().unwrap().remove("2:+X");
+    }
+    let part = serde_json::to_string(&part).unwrap();
+    write(folder.path(), &[("part.json", &part)]);
+    let (part, out) = (
+        text(&folder.path().join("part.json")),
+        folder.path().join("all.json"),
+    );
+    let files = ["correlate", "--test", &part, "--theory", &model, "--expand"];
+    succeed(files.into_iter().chain([text(&out).as_str()]));
+    let all = json(&out);
+    assert_eq!(all["modes"].as_array().unwrap().len(), 2);
+    for (n, mode) in all["modes"].as_array().unwrap().iter().enumerate() {
+        for i in 1..=3 {
+            // Two modes at two storeys come back through SEREP at the third.
+            let got = number(&mode["shape"][format!("b{i}:+X")][0]);
+            let expected = number(&whole["modes"][n]["shape"][format!("{i}:+X")][0]);
+            assert!(
+                (got - expected).abs() < 1e-9,
+                "mode {n}, storey {i}: {got} {expected}"
+            );
+        }
+    }
+}

@@ -92,6 +92,9 @@ pub struct TestFile {
     /// The same difference, Hz.
     #[serde(default)]
     pub error_hz: Option<f64>,
+    /// `(test - theory)/std` by the standard deviation of the test's frequency.
+    #[serde(default)]
+    pub normalised_error: Option<f64>,
     /// Damping, a fraction.
     pub damping_ratio: Option<f64>,
     /// MAC.
@@ -182,6 +185,7 @@ fn test_file(cell: &TestCell) -> TestFile {
         hz_std: cell.hz_std,
         error_percent: cell.error_percent,
         error_hz: cell.error_hz,
+        normalised_error: cell.normalised_error,
         damping_ratio: cell.damping_ratio,
         mac: cell.mac,
         angles_deg: cell.angles_deg.clone(),

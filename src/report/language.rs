@@ -1,0 +1,258 @@
+//! Headings of the comparison in another language: captions, heads of columns, labels of rows and verdicts. Definitions and
+//! reasons under the tables stay as they are.
+
+use super::{Block, Cell, Table};
+
+/// A language of headings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Language {
+    /// As written.
+    #[default]
+    English,
+    /// Simplified Chinese.
+    Chinese,
+}
+
+impl Language {
+    /// The language of this code: `en` or `zh`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "en" => Some(Language::English),
+            "zh" => Some(Language::Chinese),
+            _ => None,
+        }
+    }
+
+    /// Blocks with their headings in this language; a heading without a translation stays as it is.
+    pub fn translated(self, blocks: Vec<Block>) -> Vec<Block> {
+        match self {
+            Language::English => blocks,
+            Language::Chinese => blocks.into_iter().map(block).collect(),
+        }
+    }
+}
+
+/// Headings as written, and in Chinese; `{}` stands for a name.
+const PHRASES: &[(&str, &str)] = &[
+    ("Theory and test compared", "理论与试验对比"),
+    ("Summary", "汇总"),
+    ("Parameters of the model", "模型参数"),
+    ("Limits", "限值"),
+    ("mode", "阶次"),
+    ("theory (Hz)", "理论 (Hz)"),
+    ("test (Hz)", "试验 (Hz)"),
+    ("std (Hz)", "标准差 (Hz)"),
+    ("(test−theory)/theory (%)", "(试验−理论)/理论 (%)"),
+    ("(theory−test)/test (%)", "(理论−试验)/试验 (%)"),
+    ("(test−theory)/std", "(试验−理论)/标准差"),
+    ("damping (%)", "阻尼比 (%)"),
+    ("verdict", "结论"),
+    ("{}\n(Hz)", "{}\n(Hz)"),
+    ("{}\nerror (Hz)", "{}\n误差 (Hz)"),
+    ("{}\nerror (%)", "{}\n误差 (%)"),
+    ("{}\nverdict", "{}\n结论"),
+    ("max |error|", "最大 |误差|"),
+    ("mean |error|", "平均 |误差|"),
+    ("rms error", "均方根误差"),
+    ("test", "试验"),
+    ("paired", "已配对"),
+    ("missed", "漏检"),
+    ("not observable", "不可观测"),
+    ("extra", "多余"),
+    ("ambiguous", "不明确"),
+    ("max |error| (%)", "最大 |误差| (%)"),
+    ("mean |error| (%)", "平均 |误差| (%)"),
+    ("rms error (%)", "均方根误差 (%)"),
+    ("min MAC", "最小 MAC"),
+    ("DOFs used", "自由度数"),
+    ("missed-expected", "漏检(预期)"),
+    ("missed-unexpected", "漏检(非预期)"),
+    ("not-observable", "不可观测"),
+    ("outside-band", "频带外"),
+    ("name", "名称"),
+    ("value", "数值"),
+    ("unit", "单位"),
+    ("status", "来源"),
+    ("printed", "原文给出"),
+    ("inferred", "推断"),
+    ("assumed", "假定"),
+    ("MAC of {} and theory", "{} 与理论的 MAC"),
+    ("AutoMAC of {}", "{} 的自 MAC"),
+    (
+        "AutoMAC of the theory at the sensors of {}",
+        "理论在 {} 测点处的自 MAC",
+    ),
+    ("Modes of {} that are alike", "{} 中相似的模态"),
+    (
+        "MAC over both frequencies (FMAC) of {} and theory",
+        "{} 与理论的频率 MAC (FMAC)",
+    ),
+    (
+        "Modal scale factors from theory to {}",
+        "由理论到 {} 的模态比例因子",
+    ),
+    (
+        "Correlation by degree of freedom of {} and theory (COMAC)",
+        "{} 与理论的坐标模态置信准则 (COMAC)",
+    ),
+    (
+        "Close modes of {} and theory as subspaces",
+        "{} 与理论的密集模态子空间",
+    ),
+    (
+        "Cross-orthogonality of {} and theory",
+        "{} 与理论的互正交性",
+    ),
+    ("Self-orthogonality of {}", "{} 的自正交性"),
+    ("Sensors that read against the theory", "与理论反向的传感器"),
+    (
+        "The test's points in the theory's frame",
+        "试验测点在理论坐标系中的位置",
+    ),
+    ("f (Hz)", "频率 (Hz)"),
+    ("test mode", "试验阶次"),
+    ("theory mode", "理论阶次"),
+    ("error (%)", "误差 (%)"),
+    ("phase (deg)", "相位 (°)"),
+    ("DOF", "自由度"),
+    ("DOFs", "自由度数"),
+    ("direction", "方向"),
+    ("pairs", "配对数"),
+    ("theory modes", "理论阶次"),
+    ("test modes", "试验阶次"),
+    ("from (Hz)", "起始 (Hz)"),
+    ("to (Hz)", "终止 (Hz)"),
+    ("angles (deg)", "主角 (°)"),
+    ("response", "响应"),
+    ("reference", "参考"),
+    ("level (dB)", "幅值比 (dB)"),
+    ("lines", "谱线数"),
+    ("shape, mean", "形状,平均"),
+    ("shape, least", "形状,最小"),
+    ("amplitude, mean", "幅值,平均"),
+    ("amplitude, least", "幅值,最小"),
+    ("FRFs of {} and {}", "{} 与 {} 的频响函数"),
+    (
+        "FRFs of {} and {} over frequency",
+        "{} 与 {} 的频响函数随频率",
+    ),
+];
+
+fn block(block: Block) -> Block {
+    match block {
+        Block::Heading(text) => Block::Heading(phrase(&text)),
+        Block::Table(table) => Block::Table(translated_table(table)),
+        other => other,
+    }
+}
+
+fn translated_table(mut table: Table) -> Table {
+    table.caption = phrase(&table.caption);
+    for column in &mut table.columns {
+        column.head = phrase(&column.head);
+    }
+    for cell in table.rows.iter_mut().flatten() {
+        if let Cell::Text(text) = cell {
+            *text = phrase(text);
+        }
+    }
+    table
+}
+
+/// The translation of a heading: that of the phrase with the most letters of its own that fits.
+fn phrase(text: &str) -> String {
+    let own = |phrase: &str| phrase.replace("{}", "").chars().count();
+    let fits = PHRASES
+        .iter()
+        .filter_map(|(from, to)| Some((own(from), filled(to, &names(from, text)?))));
+    let best = fits.max_by_key(|(letters, _)| *letters);
+    best.map_or_else(|| text.to_owned(), |(_, translated)| translated)
+}
+
+/// The names in a text that stand where a phrase has `{}`; `None` for another text.
+fn names<'t>(phrase: &str, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut parts = phrase.split("{}");
+    let mut rest = text.strip_prefix(parts.next()?)?;
+    let parts: Vec<&str> = parts.collect();
+    let mut found = Vec::new();
+    for (n, part) in parts.iter().enumerate() {
+        let end = if n + 1 == parts.len() {
+            rest.len()
+                .checked_sub(part.len())
+                .filter(|&at| rest.is_char_boundary(at))?
+        } else {
+            rest.find(part)?
+        };
+        found.push(&rest[..end]);
+        rest = rest[end..].strip_prefix(part)?;
+    }
+    rest.is_empty().then_some(found)
+}
+
+fn filled(phrase: &str, names: &[&str]) -> String {
+    let mut names = names.iter();
+    let mut parts = phrase.split("{}");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        text += names.next().copied().unwrap_or_default();
+        text += part;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Column;
+
+    #[test]
+    fn headings_are_translated_with_the_names_in_them_and_nothing_else() {
+        for (text, expected) in [
+            ("Summary", "汇总"),
+            ("AutoMAC of wing.unv", "wing.unv 的自 MAC"),
+            (
+                "AutoMAC of the theory at the sensors of a and b",
+                "理论在 a and b 测点处的自 MAC",
+            ),
+            (
+                "FRFs of a.h5 and b.uff over frequency",
+                "a.h5 与 b.uff 的频响函数随频率",
+            ),
+            ("large\nerror (%)", "large\n误差 (%)"),
+            ("f6 (8-fold)", "f6 (8-fold)"),
+        ] {
+            assert_eq!(phrase(text), expected);
+        }
+        let table = Table {
+            caption: "Summary".to_owned(),
+            columns: vec![Column::text("mode"), Column::number("MAC")],
+            rows: vec![vec![Cell::text("paired"), Cell::number(Some(0.5), 2)]],
+            footnotes: vec!["Summary".to_owned()],
+        };
+        let blocks = vec![Block::Table(table), Block::Text("Summary".to_owned())];
+        assert_eq!(Language::English.translated(blocks.clone()), blocks);
+        let chinese = Language::Chinese.translated(blocks);
+        let Block::Table(table) = &chinese[0] else {
+            panic!("a table stays one")
+        };
+        assert_eq!(table.columns[0].head, "阶次");
+        assert_eq!(
+            table.rows[0],
+            [Cell::text("已配对"), Cell::number(Some(0.5), 2)]
+        );
+        assert_eq!(table.footnotes, ["Summary"]);
+        assert_eq!(chinese[1], Block::Text("Summary".to_owned()));
+    }
+
+    #[test]
+    fn every_phrase_has_one_translation_with_its_names() {
+        for (index, (from, to)) in PHRASES.iter().enumerate() {
+            let count = |text: &str| text.matches("{}").count();
+            assert_eq!(count(from), count(to), "{from}");
+            assert!(
+                PHRASES[..index].iter().all(|(other, _)| other != from),
+                "{from}"
+            );
+        }
+    }
+}
