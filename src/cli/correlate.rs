@@ -256,7 +256,11 @@ impl Wanted<'_> {
         let mut own = measures(test, self.theory, pairing, self.options)?;
         let through = mass.as_ref().filter(|_| reduction.is_some());
         let sides = (test, self.theory);
-        let through = through.map(|mass| orthogonality(sides, &pairing.map, mass));
+        let columns = match reduction {
+            Some(Reduction::Serep) => paired_theory(pairing),
+            _ => (0..self.theory.modes.len()).collect(),
+        };
+        let through = through.map(|mass| orthogonality(sides, &pairing.map, mass, &columns));
         own.orthogonality = through.transpose()?;
         Ok(Some(own))
     }
@@ -275,12 +279,17 @@ impl Wanted<'_> {
         };
         let common = orthogonality_dofs(test, self.theory, &pairing.map).into_iter();
         let readings: Vec<(Dof, Reading)> = common.map(reading).collect();
-        let kept = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
-        let kept: Vec<usize> = kept.copied().collect();
+        let kept = paired_theory(pairing);
         let reduction = self.reduction.unwrap_or(Reduction::Serep);
         let (model, sensors) = (&model.model, &model.sensors);
         Ok(model.reduced_mass(sensors, &readings, reduction, &kept)?)
     }
+}
+
+/// Indices of the theory's modes that are paired.
+fn paired_theory(pairing: &Pairing) -> Vec<usize> {
+    let modes = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
+    modes.copied().collect()
 }
 
 /// Writes a test's shapes at all coordinates of the model.

@@ -418,6 +418,16 @@ mod tests {
     }
 
     #[test]
+    fn the_best_scale_of_a_mirrored_set_is_that_of_the_closed_form() {
+        // Covariance diag(9, 4, -1)/3, spread 14/3: s = (9 + 4 - 1)/14.
+        let ends = [Vector3::x() * 3.0, Vector3::y() * 2.0, Vector3::z()];
+        let points = ends.iter().flat_map(|p| [*p, -p]);
+        let pairs: Vec<_> = points.map(|p| (p, Vector3::new(p.x, p.y, -p.z))).collect();
+        let fit = fit_similarity(&pairs).unwrap();
+        assert!((fit.scale - 12.0 / 14.0).abs() < 1e-12, "{fit:?}");
+    }
+
+    #[test]
     fn points_in_millimetres_turned_and_shifted_find_their_partners() {
         let theory = bracket();
         let truth = Similarity {

@@ -9,6 +9,7 @@ use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{SystemMatrices, guyan, serep_expansion};
 
 use super::super::pairing::without_rounding;
+use super::super::roots::elastic_modes;
 use super::super::{CorrelateError, DofMap};
 use super::ModeName;
 
@@ -128,9 +129,9 @@ pub struct Orthogonality {
     pub reduction: Reduction,
     /// Modes of a SEREP reduction.
     pub reduction_modes: Option<usize>,
-    /// Test modes with a value at every sensor.
+    /// Test modes above 0 Hz with a value at every sensor.
     pub test: Vec<ModeName>,
-    /// Theory modes with a value at every sensor.
+    /// Theory modes that were asked for with a value at every sensor.
     pub theory: Vec<ModeName>,
     /// Test with test; `None` for a shape without modal mass.
     pub self_test: Vec<Vec<Option<f64>>>,
@@ -159,7 +160,8 @@ pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) 
 
 /// Self- and cross-orthogonality of a test and a theory at the sensors of a reduced mass matrix.
 ///
-/// The sensors of the mass must be named as the map names the theory's side.
+/// The sensors of the mass must be named as the map names the theory's side. `columns` are the indices of the theory's modes
+/// to look at: with SEREP those that it keeps, because the reduced mass says nothing of any other; modes at 0 Hz are left out.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have.
@@ -167,6 +169,7 @@ pub fn orthogonality(
     (test, theory): (&ModalModel, &ModalModel),
     map: &DofMap,
     reduced: &ReducedMass,
+    columns: &[usize],
 ) -> Result<Orthogonality, CorrelateError> {
     let pair = |dof: &Dof| {
         let mut pairs = map.pairs.iter();
@@ -181,8 +184,12 @@ pub fn orthogonality(
     };
     let theory_value =
         |shape: &ModeShape| pairs.iter().map(|pair| shape.get(&pair.theory)).collect();
-    let of_test = Scaled::all(test, &reduced.mass, test_value);
-    let of_theory = Scaled::all(theory, &reduced.mass, theory_value);
+    let rows = elastic_modes(test);
+    let mut columns: Vec<usize> = columns.to_vec();
+    columns.retain(|&j| theory.modes[j].frequency_hz > 0.0);
+    columns.sort_unstable();
+    let of_test = Scaled::all((test, &rows), &reduced.mass, test_value);
+    let of_theory = Scaled::all((theory, &columns), &reduced.mass, theory_value);
     Ok(Orthogonality {
         reduction: reduced.reduction,
         reduction_modes: reduced.modes,
@@ -206,14 +213,14 @@ struct Scaled {
 
 impl Scaled {
     fn all(
-        model: &ModalModel,
+        (model, modes): (&ModalModel, &[usize]),
         mass: &RealMatrix,
         value: impl Fn(&ModeShape) -> Option<Vec<Complex64>>,
     ) -> Vec<Self> {
         let names = ModeName::all(model);
-        let kept = names.into_iter().zip(&model.modes);
-        let kept: Vec<(ModeName, Vec<Complex64>)> = kept
-            .filter_map(|(name, mode)| Some((name, value(&mode.shape)?)))
+        let kept: Vec<(ModeName, Vec<Complex64>)> = modes
+            .iter()
+            .filter_map(|&i| Some((names[i], value(&model.modes[i].shape)?)))
             .collect();
         let options = kept
             .iter()
@@ -321,7 +328,8 @@ mod tests {
         let map = DofMap::of_models(test, theory);
         let names = orthogonality_dofs(test, theory, &map);
         assert_eq!(names, reduced.dofs);
-        orthogonality((test, theory), &map, reduced).unwrap()
+        let columns: Vec<usize> = (0..theory.modes.len()).collect();
+        orthogonality((test, theory), &map, reduced, &columns).unwrap()
     }
 
     #[test]
@@ -389,6 +397,24 @@ mod tests {
         assert!(reduced_mass(&matrices, &rows, Reduction::Serep, &kept).is_ok());
         let error = reduced_mass(&matrices, &rows, Reduction::Serep, &vectors).unwrap_err();
         assert!(matches!(error, CorrelateError::Reduction(_)), "{error}");
+    }
+
+    #[test]
+    fn modes_at_0_hz_and_columns_that_nobody_asked_for_are_left_out() {
+        let matrices = chain(3);
+        let rows = sensors(3, &[(0, 1.0), (1, 1.0), (2, 1.0)]);
+        let (theory, vectors) = readings(&matrices, &rows);
+        let reduced = reduced_mass(&matrices, &rows, Reduction::Guyan, &vectors).unwrap();
+        let mut test = theory.clone();
+        test.modes[0].frequency_hz = 0.0;
+        let map = DofMap::of_models(&test, &theory);
+        let found = orthogonality((&test, &theory), &map, &reduced, &[2, 1]).unwrap();
+        let numbers = |own: &[ModeName]| -> Vec<usize> { own.iter().map(|own| own.mode).collect() };
+        assert_eq!(
+            (numbers(&found.test), numbers(&found.theory)),
+            (vec![2, 3], vec![2, 3])
+        );
+        assert!((found.cross[1][1].unwrap() - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -201,6 +201,25 @@ mod tests {
     }
 
     #[test]
+    fn a_sensor_that_disagrees_in_one_mode_and_agrees_in_another_is_left() {
+        let theory = model(&[
+            (10.0, &[1.0, 1.0, 0.4, 0.2, 0.1, 0.1]),
+            (40.0, &[1.0, -1.0, 0.3, 0.1, -0.1, 0.2]),
+        ]);
+        let mut test = model(&[
+            (10.0, &[1.0, 1.0, -0.4, 0.2, 0.1, 0.1]),
+            (40.0, &[1.0, -1.0, 0.3, 0.1, -0.1, 0.2]),
+        ]);
+        // Turning the third sensor would raise the MAC of mode 1 more than it lowers that of mode 2.
+        let (first, second) = ((1.90f64 / 2.22).powi(2), (1.97f64 / 2.15).powi(2));
+        assert!(0.5 * ((1.0 + second) - (first + 1.0)) > 2.0 * GAIN);
+        assert_eq!(found(&test, &theory), []);
+        // In both modes it is one that points the other way.
+        test.modes[1] = turned(&theory, &[dof(3)]).modes[1].clone();
+        assert_eq!(found(&test, &theory), [dof(3)]);
+    }
+
+    #[test]
     fn a_poor_model_has_no_reversed_sensors() {
         let theory = beam(12);
         let mut test = theory.clone();
