@@ -26,6 +26,8 @@ mod subspace;
 mod table;
 
 #[cfg(test)]
+mod alignment_tests;
+#[cfg(test)]
 mod observability_tests;
 #[cfg(test)]
 mod pairing_tests;

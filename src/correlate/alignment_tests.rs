@@ -1,0 +1,150 @@
+//! Frames fitted to points, known and found.
+
+use proptest::prelude::*;
+
+use super::CorrelateError;
+use super::alignment::{Similarity, align_known, align_nearest, fit_similarity};
+use crate::linalg::{Matrix3, Vector3};
+
+fn turn(axis: [f64; 3], angle: f64) -> Matrix3 {
+    let axis = Vector3::from(axis).normalize();
+    let cross = axis.cross_matrix();
+    Matrix3::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos())
+}
+
+fn moved(points: &[Vector3], fit: &Similarity) -> Vec<Vector3> {
+    points.iter().map(|x| fit.position(x)).collect()
+}
+
+fn same(a: &Similarity, b: &Similarity, within: f64) -> bool {
+    let shift = (a.shift_m - b.shift_m).norm();
+    (a.scale / b.scale - 1.0).abs() < within
+        && (a.rotation - b.rotation).norm() < within
+        && shift < within * (1.0 + b.shift_m.norm())
+}
+
+/// An L-shaped bracket of unequal legs, out of plane at one end.
+fn bracket() -> Vec<Vector3> {
+    let at = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+    let mut points: Vec<Vector3> = (0..6).map(|i| at(0.2 * f64::from(i), 0.0, 0.0)).collect();
+    points.extend((1..4).map(|i| at(0.0, 0.15 * f64::from(i), 0.0)));
+    points.push(at(0.0, 0.45, 0.1));
+    points
+}
+
+proptest! {
+    #[test]
+    fn known_partners_give_the_frame_back(
+        numbers in proptest::collection::vec(-1.0..1.0f64, 15),
+        axis in (-1.0..1.0f64, -1.0..1.0f64, 0.1..1.0f64),
+        angle in -3.0..3.0f64,
+        scale in 1e-3..1e3f64,
+    ) {
+        let points: Vec<Vector3> = numbers.chunks(3).map(|c| Vector3::new(c[0], c[1], c[2])).collect();
+        let truth = Similarity {
+            scale,
+            rotation: turn([axis.0, axis.1, axis.2], angle),
+            shift_m: Vector3::new(3.0, -2.0, 0.5),
+        };
+        let pairs: Vec<_> = points.iter().copied().zip(moved(&points, &truth)).collect();
+        let fit = fit_similarity(&pairs).unwrap();
+        // Points that are nearly in one plane leave rounding its room.
+        prop_assert!(same(&fit, &truth, 1e-6), "{fit:?} {truth:?}");
+        prop_assert!((fit.rotation.determinant() - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_mirrored_set_is_not_taken_for_a_turned_one() {
+    let points = bracket();
+    let pairs: Vec<_> = points
+        .iter()
+        .map(|p| (*p, Vector3::new(p.x, p.y, -p.z)))
+        .collect();
+    let fit = fit_similarity(&pairs).unwrap();
+    assert!((fit.rotation.determinant() - 1.0).abs() < 1e-12);
+    let error = align_known(&pairs, 0.01).unwrap_err();
+    assert!(
+        matches!(error, CorrelateError::NotAligned { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_best_scale_of_a_mirrored_set_is_that_of_the_closed_form() {
+    // Covariance diag(9, 4, -1)/3, spread 14/3: s = (9 + 4 - 1)/14.
+    let ends = [Vector3::x() * 3.0, Vector3::y() * 2.0, Vector3::z()];
+    let points = ends.iter().flat_map(|p| [*p, -p]);
+    let pairs: Vec<_> = points.map(|p| (p, Vector3::new(p.x, p.y, -p.z))).collect();
+    let fit = fit_similarity(&pairs).unwrap();
+    assert!((fit.scale - 12.0 / 14.0).abs() < 1e-12, "{fit:?}");
+}
+
+#[test]
+fn points_in_millimetres_turned_and_shifted_find_their_partners() {
+    let theory = bracket();
+    let truth = Similarity {
+        scale: 1e-3,
+        rotation: turn([1.0, 2.0, -1.0], 2.2),
+        shift_m: Vector3::new(0.3, 0.1, -0.7),
+    };
+    // The test's points by the inverse of the truth, 1 mm off in turn, in another order.
+    let back = |(i, y): (usize, &Vector3)| {
+        let off = Vector3::new(1.0, -1.0, 1.0) * (1e-3 * if i % 2 == 0 { 1.0 } else { -1.0 });
+        truth.rotation.transpose() * (y + off - truth.shift_m) / truth.scale
+    };
+    let mut test: Vec<Vector3> = theory.iter().enumerate().map(back).collect();
+    test.reverse();
+    let own = align_nearest(&test, &theory, 0.005).unwrap();
+    assert!(same(&own.similarity(), &truth, 0.02), "{own:?} {truth:?}");
+    assert!(own.largest_m < 0.003 && own.rms_m > 0.0005, "{own:?}");
+    assert_eq!((own.points, own.known, own.as_good), (10, false, 0));
+    let error = align_nearest(&test, &theory, 1e-4).unwrap_err();
+    assert!(
+        matches!(error, CorrelateError::NotAligned { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_rectangle_fits_in_four_ways_and_turns_least() {
+    let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+    let theory: Vec<Vector3> = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
+        .map(|(x, y)| corner(x, y))
+        .to_vec();
+    let own = align_nearest(&theory, &theory, 0.01).unwrap();
+    assert!(
+        same(&own.similarity(), &Similarity::identity(), 1e-9),
+        "{own:?}"
+    );
+    assert_eq!(own.as_good, 3);
+}
+
+#[test]
+fn points_on_a_line_turn_least() {
+    let line = |i: i32, axis: Vector3| axis * (0.1 * f64::from(i * i));
+    let test: Vec<Vector3> = (0..5).map(|i| line(i, Vector3::x())).collect();
+    let theory: Vec<Vector3> = (0..5).map(|i| line(i, Vector3::y())).collect();
+    let pairs: Vec<_> = test.iter().copied().zip(theory).collect();
+    let fit = fit_similarity(&pairs).unwrap();
+    assert!((fit.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+    assert!((fit.rotation * Vector3::z() - Vector3::z()).norm() < 1e-9);
+    let against: Vec<_> = test.iter().map(|x| (*x, -x)).collect();
+    let fit = fit_similarity(&against).unwrap();
+    assert!((fit.rotation * Vector3::x() + Vector3::x()).norm() < 1e-9);
+    assert!((fit.rotation.determinant() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn too_few_points_are_refused() {
+    let two = [(Vector3::x(), Vector3::x()), (Vector3::y(), Vector3::y())];
+    let error = align_known(&two, 1.0).unwrap_err();
+    assert_eq!(
+        error,
+        CorrelateError::FewPoints {
+            got: 2,
+            expected: 3
+        }
+    );
+    assert!(align_nearest(&bracket(), &bracket()[..4], 1.0).is_err());
+}
