@@ -65,6 +65,8 @@ pub enum Place {
     Mode(f64),
     /// A model or option parameter, by name.
     Parameter(String),
+    /// A number beside the roots of a model, by its name.
+    Quantity(String),
 }
 
 impl fmt::Display for Place {
@@ -93,6 +95,7 @@ impl fmt::Display for Place {
             }
             Place::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
             Place::Parameter(name) => write!(f, "parameter {name}"),
+            Place::Quantity(name) => write!(f, "quantity {name}"),
         }
     }
 }
@@ -366,6 +369,9 @@ codes! {
     /// An assumption of a model.
     Assumption: "a value was assumed, not measured or published",
         "The parameter's status in the model says so: printed, inferred or assumed.";
+    /// A number beside the roots of a model that is not there.
+    QuantityAbsent: "a number beside the roots does not exist at these values of the parameters, or needs values that the model does not allow",
+        "The theory of some models gives numbers that need the model elsewhere, such as with a stiffness doubled or at the place of a crossing. Where a bound of a parameter, or its sign, forbids that, or where nothing crosses, the number is left out (—). Move the parameters away from their bounds.";
     /// A parameter that the data cannot know.
     ParameterNotSupported: "the data do not support a value of this parameter by itself",
         "Its posterior deviation is more than half of its prior one. A parameter that the test does not see at all is held where it was; one that the test sees only together with others moves as far as their combination asks, and the combinations say which. The value is posterior over prior deviation. Measure at other points or more modes, or state what is known of it as prior_std.";

@@ -224,7 +224,7 @@ pub struct IdentifyArgs {
     after_help = "Example:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json"
 )]
 pub struct TheoryArgs {
-    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, or a scene whose model and sensors are meant.
+    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or a file of finished modes.
     pub model: PathBuf,
     /// Write the modes here (.json, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]

@@ -99,7 +99,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Convert(args)) => convert::convert(args, format, output),
         Some(Verb::Frf(args)) => frf::frf(args, format, output),
         Some(Verb::Identify(args)) => identify::identify(args, format, output),
-        Some(Verb::Theory(args)) => theory::theory(args, output),
+        Some(Verb::Theory(args)) => theory::theory(args, format, output),
         Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),
         Some(Verb::Update(args)) => update::update(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),

@@ -3,26 +3,40 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::io::modes_to_json;
-use crate::report::json::{details_to_json, response_to_json, sweeps_to_json};
+use crate::report::json::{
+    TheoryPart, details_to_json, response_to_json, sweeps_to_json, with_theory,
+};
 use crate::report::{
     Block, details_blocks, energies_block, parameters_block, quantities_block, response_blocks,
     roots_block, sensitivities_block, simplest_details_block, sweep_blocks, theory_block,
 };
 use crate::scene::{
-    LoadedModel, ModelTable, Scene, SceneError, Theory, load_model, table_model,
+    LoadedModel, Scene, SceneError, Theory, is_modes_file, load_model, load_modes, table_model,
     theory as scene_theory,
 };
-use crate::theory::ModeOptions;
+use crate::theory::{ModeOptions, ModelQuantity};
 
 use super::Outcome;
 use super::args::TheoryArgs;
 use super::output::{MODES, Output, check_extension, write_modes};
 
 /// Prints the modes; writes them with `-o`.
-pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> {
+pub fn theory(
+    args: &TheoryArgs,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), MODES)?;
-    let result = solve(args)?;
+    let named = Named::of(args, format)?;
+    let result = match &named {
+        Named::Model(model) => model.solve(&model.sensors, &options(args))?,
+        Named::Finished(theory) => {
+            check_effect(args)?;
+            inside(args, theory)
+        }
+    };
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
         let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
@@ -35,48 +49,162 @@ pub fn theory(args: &TheoryArgs, output: &mut Output) -> Result<Outcome, Error> 
     } else {
         roots_block(&format!("Roots of {name}"), &result.roots, args.band)
     });
-    if args.energies {
-        let caption = format!("Energy of the roots of {name}");
-        blocks.extend(energies_block(&caption, &result.roots, args.band));
-    }
-    let special = match model(args)? {
-        Some(model) => analyses(args, &model, &result, &mut blocks)?,
-        None => None,
+    let json = match &named {
+        Named::Model(model) => {
+            let part = told(args, model, &result, &mut blocks, output)?;
+            let special = special(args, model, &mut blocks)?.unwrap_or(json);
+            if part.is_empty() {
+                special
+            } else {
+                with_theory(&special, &part)
+            }
+        }
+        Named::Finished(_) => json,
     };
     output.blocks(&blocks);
-    output.json(|| special.unwrap_or(json));
+    output.json(|| json);
     output.findings(&result.modes.findings);
     Ok(Outcome::Done)
 }
 
-/// What was asked of a model beside its modes, as blocks; its JSON where it has one of its own.
-fn analyses(
+/// What MODEL means.
+enum Named {
+    /// A model that can be solved; its sensors are those of the scene, too.
+    Model(LoadedModel),
+    /// Finished modes.
+    Finished(Box<Theory>),
+}
+
+impl Named {
+    fn of(args: &TheoryArgs, format: Option<&str>) -> Result<Self, SceneError> {
+        let settings: BTreeMap<String, f64> = args.settings.iter().cloned().collect();
+        if !Scene::is_path(&args.model) {
+            if !(is_modes_file(&args.model) && args.model.exists()) {
+                return load_model(&args.model, &settings).map(Named::Model);
+            }
+            let (modes, geometry) = load_modes(&args.model, format)?;
+            let theory = Theory {
+                modes,
+                geometry,
+                ..Theory::default()
+            };
+            return Ok(Named::Finished(Box::new(theory)));
+        }
+        let scene = Scene::load(&args.model)?;
+        let mut table = scene.model.clone().unwrap_or_default();
+        table.parameters.extend(settings);
+        let (folder, path) = (&scene.folder, &scene.path);
+        let Some(mut model) = table_model(&table, folder, path)? else {
+            let options = ModeOptions::default();
+            let theory = scene_theory(&table, folder, path, &scene.sensors, &options)?;
+            return Ok(Named::Finished(Box::new(theory)));
+        };
+        model.sensors = model.sensors_with(&scene.sensors);
+        Ok(Named::Model(model))
+    }
+}
+
+fn options(args: &TheoryArgs) -> ModeOptions {
+    ModeOptions {
+        band: args.band,
+        ..ModeOptions::default()
+    }
+}
+
+/// Finished modes inside the band.
+fn inside(args: &TheoryArgs, theory: &Theory) -> Theory {
+    let mut theory = theory.clone();
+    let kept = |hz: f64| args.band.is_none_or(|band| band.contains(hz));
+    theory.modes.modes.retain(|mode| kept(mode.frequency_hz));
+    theory
+}
+
+/// Finished modes have no parameters, bodies or springs that could be asked for.
+fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
+    let asked = [
+        ("--set", !args.settings.is_empty()),
+        ("--energies", args.energies),
+        ("--sensitivities", args.sensitivities),
+        ("--quantities", args.quantities),
+        ("--sweep", !args.sweep.is_empty()),
+        ("--response", args.response),
+        ("--compare", args.compare.is_some()),
+    ];
+    match asked.into_iter().find(|(_, asked)| *asked) {
+        None => Ok(()),
+        Some((argument, _)) => Err(Error::Argument {
+            argument,
+            got: format!("finished modes ({})", args.model.display()),
+            expected: "a model with parameters: a built-in one or a model.toml".to_owned(),
+        }),
+    }
+}
+
+/// Energies, sensitivities and quantities.
+fn told<'a>(
     args: &TheoryArgs,
     model: &LoadedModel,
-    result: &Theory,
+    result: &'a Theory,
     blocks: &mut Vec<Block>,
-) -> Result<Option<String>, SceneError> {
+    output: &mut Output,
+) -> Result<TheoryPart<'a>, Error> {
     let name = &args.model.display().to_string();
-    let mut special = None;
+    let mut part = TheoryPart {
+        parameters: &result.parameters,
+        band: args.band,
+        ..TheoryPart::default()
+    };
+    if args.energies {
+        let caption = format!("Energy of the roots of {name}");
+        blocks.extend(energies_block(&caption, &result.roots, args.band));
+        part.energies = Some(&result.roots);
+    }
     if args.sensitivities {
         let caption = format!("Sensitivities of the roots of {name}");
         let found = model.sensitivities(args.band)?;
         let block = sensitivities_block(&caption, &result.parameters, &found, args.band);
         blocks.push(block);
+        part.sensitivities = Some(found);
     }
     if args.quantities {
-        blocks.extend(quantities_block(name, &model.quantities()?));
+        let found = model.quantities()?;
+        if found.is_empty() {
+            return Err(Error::Argument {
+                argument: "--quantities",
+                got: format!("a model without a theory beside its matrices ({name})"),
+                expected: "a built-in model".to_owned(),
+            });
+        }
+        let absent = found.iter().filter(|own| own.value.is_none());
+        let finding = |own: &ModelQuantity| {
+            let place = Place::Quantity(own.name.to_owned());
+            Finding::new(Severity::Info, Code::QuantityAbsent, place)
+        };
+        output.findings(&absent.map(finding).collect::<Vec<_>>());
+        blocks.extend(quantities_block(name, &found));
+        part.quantities = Some(found);
     }
+    Ok(part)
+}
+
+/// Responses, comparisons and sweeps, which have a JSON of their own.
+fn special(
+    args: &TheoryArgs,
+    model: &LoadedModel,
+    blocks: &mut Vec<Block>,
+) -> Result<Option<String>, SceneError> {
+    let name = &args.model.display().to_string();
     let within = args.compare.map(|percent| 0.01 * percent);
     if args.response || within.is_some() && model.model.nonlinear().is_some() {
         let found = model.response()?;
         blocks.extend(response_blocks(name, &found));
         blocks.extend(within.map(|within| simplest_details_block(name, &found, within)));
-        special = Some(response_to_json(&found));
-    } else if let Some(within) = within {
+        return Ok(Some(response_to_json(&found)));
+    }
+    if let Some(within) = within {
         let found = model.compare_details()?;
         blocks.extend(details_blocks(name, &found, within));
-        special = Some(details_to_json(&found, within));
+        return Ok(Some(details_to_json(&found, within)));
     }
     let mut sweeps = Vec::new();
     for (parameter, range) in &args.sweep {
@@ -84,41 +212,5 @@ fn analyses(
         blocks.extend(sweep_blocks(name, &swept, args.band));
         sweeps.push(swept);
     }
-    let swept = !sweeps.is_empty();
-    Ok(special.or_else(|| swept.then(|| sweeps_to_json(&sweeps))))
-}
-
-/// The model file itself, or the model of a scene at the scene's sensors.
-fn solve(args: &TheoryArgs) -> Result<Theory, SceneError> {
-    let options = ModeOptions {
-        band: args.band,
-        ..ModeOptions::default()
-    };
-    if !Scene::is_path(&args.model) {
-        let model = load_model(&args.model, &settings(args))?;
-        return model.solve(&model.sensors, &options);
-    }
-    let (scene, table) = scene_table(args)?;
-    scene_theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)
-}
-
-/// The model with its parameters; `None` for finished modes.
-fn model(args: &TheoryArgs) -> Result<Option<LoadedModel>, SceneError> {
-    if Scene::is_path(&args.model) {
-        let (scene, table) = scene_table(args)?;
-        return table_model(&table, &scene.folder, &scene.path);
-    }
-    load_model(&args.model, &settings(args)).map(Some)
-}
-
-fn settings(args: &TheoryArgs) -> BTreeMap<String, f64> {
-    args.settings.iter().cloned().collect()
-}
-
-/// A scene and its model with the parameters that were set.
-fn scene_table(args: &TheoryArgs) -> Result<(Scene, ModelTable), SceneError> {
-    let scene = Scene::load(&args.model)?;
-    let mut table = scene.model.clone().unwrap_or_default();
-    table.parameters.extend(settings(args));
-    Ok((scene, table))
+    Ok((!sweeps.is_empty()).then(|| sweeps_to_json(&sweeps)))
 }

@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
             }
             looked = self.filled;
             let ritz = self.ritz()?;
-            if let Some(shift) = ritz.shift_past_rigid(self.shift).filter(|_| first) {
+            if let Some(shift) = ritz.shift_past_rigid().filter(|_| first) {
                 return Ok(Ended {
                     better_shift: Some(shift),
                     found: self.modes(&ritz, 0, None),
@@ -362,6 +362,7 @@ impl<'a> Run<'a> {
                 .map(|j| 1.0 / theta[m - 1 - j] - self.shift)
                 .collect(),
             coefficients,
+            shift: self.shift,
         })
     }
 

@@ -6,6 +6,10 @@ use super::{LinalgError, RealMatrix};
 /// Eigenvalues nearer than this part are not parted by a limit.
 const GAP: f64 = 1e-5;
 
+/// Eigenvalues below this part of the shift are 0 but for rounding: with rigid-body modes the shift is the first elastic
+/// eigenvalue, without them far below it.
+const RIGID: f64 = 1e-3;
+
 /// What is still to be found.
 #[derive(Clone, Copy)]
 pub(super) enum Goal {
@@ -32,13 +36,16 @@ pub(super) struct Ritz {
     pub coefficients: RealMatrix,
     /// How many of the first are converged without a gap.
     pub converged: usize,
+    /// The shift with which they were found.
+    pub shift: f64,
 }
 
 impl Ritz {
     /// Where eigenvalues under the shift are rigid-body modes, the first elastic one of them as a shift.
-    pub fn shift_past_rigid(&self, shift: f64) -> Option<f64> {
-        let rigid = self.lambda.first().is_some_and(|first| *first < shift);
-        let elastic = self.lambda.iter().find(|lambda| **lambda > 1e3 * shift);
+    pub fn shift_past_rigid(&self) -> Option<f64> {
+        let rigid = self.lambda.first().is_some_and(|first| *first < self.shift);
+        let past = |lambda: &&f64| **lambda > 1e3 * self.shift;
+        let elastic = self.lambda.iter().find(past);
         elastic.filter(|_| rigid).copied()
     }
 
@@ -52,11 +59,12 @@ impl Ritz {
         }
     }
 
-    /// The least number of modes from `count` on after which the next of the first `known` is parted by a gap.
+    /// The least number of modes from `count` on after which the next of the first `known` is parted by a gap. Rigid-body
+    /// modes, at 0 but for rounding, are one root.
     fn parted(&self, count: usize, known: usize) -> Option<usize> {
         let parted = |&j: &usize| {
             let (last, next) = (self.lambda[j - 1], self.lambda[j]);
-            next - last > GAP * next.abs()
+            next > RIGID * self.shift && next - last > GAP * next.abs()
         };
         (count.max(1)..known).find(parted)
     }

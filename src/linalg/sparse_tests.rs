@@ -135,6 +135,45 @@ fn a_free_membrane_has_its_rigid_body_mode_and_the_others_as_exact() {
 }
 
 #[test]
+fn six_rigid_body_modes_are_one_root_however_few_are_wanted() {
+    // Six free bars of 40 nodes that do not touch, of stiffness 1 to 1e8 and as heavy as that.
+    let (nodes, bars) = (40, 6);
+    let part = |(bar, scale): (usize, f64), entries: &[(usize, usize, f64)]| {
+        let own = entries.iter();
+        let own = own.map(|&(i, j, v)| (bar * nodes + i, bar * nodes + j, scale * v));
+        own.collect::<Vec<_>>()
+    };
+    let (k, m) = (
+        bar(nodes, true, 2.0, -1.0),
+        bar(nodes, true, 2.0 / 3.0, 1.0 / 6.0),
+    );
+    let scaled = |entries: &[(usize, usize, f64)], tune: f64| {
+        let all = (0..bars).zip([1.0, 3e2, 7e4, 2e6, 9e7, 1e8]);
+        let all =
+            all.flat_map(|(bar, scale)| part((bar, scale * (1.0 + tune * bar as f64)), entries));
+        SparseMatrix::from_entries(nodes * bars, &all.collect::<Vec<_>>()).unwrap()
+    };
+    // The bars differ in their elastic roots by a tenth of the stiffness each.
+    let (k, m) = (scaled(&k, 0.1), scaled(&m, 0.0));
+    let first = 2.0 * (1.0 - (std::f64::consts::PI / 39.0).cos());
+    let first = 3.0 * first / (2.0 + (std::f64::consts::PI / 39.0).cos());
+    for wanted in 1..9 {
+        let modes = sparse_modes(&k, &m, Wanted::Lowest(wanted), 100).unwrap();
+        assert_eq!(modes.omega_squared.len(), wanted.max(6), "{wanted}");
+        for (number, lambda) in modes.omega_squared.iter().enumerate() {
+            let expected = match number {
+                0..6 => 0.0,
+                _ => first * (1.0 + 0.1 * (number - 6) as f64),
+            };
+            assert!(
+                (lambda - expected).abs() < 1e-9 * first,
+                "{wanted} {number}: {lambda}"
+            );
+        }
+    }
+}
+
+#[test]
 fn all_modes_of_a_small_pair_are_found() {
     for free in [false, true] {
         let all = check(4, 2, free, 16);

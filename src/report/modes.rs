@@ -138,30 +138,40 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
     })
 }
 
-/// Where the energy of each root inside a band is, percent: every body and every name of springs in a column of its own.
-/// `None` without roots.
+/// Where the energy of each root inside a band is, percent: every body and every name of springs in a column of its own; of
+/// more than forty bodies the twenty with the largest shares, and the others together. `None` without roots.
 pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
     let inside = |root: &&ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
     let strained = roots.iter().find(|root| !root.strain_energy.is_empty());
     let springs = strained.map_or(&[][..], |root| &root.strain_energy);
     let bodies = &roots.first()?.kinetic_energy;
+    let shown: Vec<&ModelRoot> = roots.iter().filter(inside).collect();
+    let kinds = [
+        ("T", bodies.as_slice(), largest_bodies(&shown, bodies.len())),
+        ("U", springs, (0..springs.len()).collect()),
+    ];
     let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
-    for (kind, names) in [("T", bodies.as_slice()), ("U", springs)] {
-        let heads = names.iter().map(|(name, _)| format!("{kind} {name} (%)"));
-        columns.extend(heads.map(Column::number));
+    for (kind, names, told) in &kinds {
+        let heads = told.iter().map(|&i| format!("{kind} {} (%)", names[i].0));
+        let others = (told.len() < names.len()).then(|| format!("{kind} others (%)"));
+        columns.extend(heads.chain(others).map(Column::number));
     }
-    let percent = |shares: &[(String, f64)], count: usize| -> Vec<Cell> {
+    let [(_, _, told_bodies), (_, _, told_springs)] = &kinds;
+    let percent = |shares: &[(String, f64)], told: &[usize], all: usize| -> Vec<Cell> {
         let share = |i: usize| shares.get(i).map(|(_, share)| 100.0 * share.max(0.0));
-        (0..count).map(|i| Cell::number(share(i), 3)).collect()
+        let sum: f64 = told.iter().filter_map(|&i| share(i)).sum();
+        let others = (told.len() < all).then(|| Cell::number(Some((100.0 - sum).max(0.0)), 3));
+        let cells = told.iter().map(|&i| Cell::number(share(i), 3));
+        cells.chain(others).collect()
     };
     let row = |(number, root): (usize, &ModelRoot)| {
         let mut cells = vec![
             Cell::text(number.to_string()),
             Cell::number(Some(hz(root)), 4),
         ];
-        cells.extend(percent(&root.kinetic_energy, bodies.len()));
-        cells.extend(percent(&root.strain_energy, springs.len()));
+        cells.extend(percent(&root.kinetic_energy, told_bodies, bodies.len()));
+        cells.extend(percent(&root.strain_energy, told_springs, springs.len()));
         cells
     };
     Some(Block::Table(Table {
@@ -172,6 +182,26 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
             "T: share of the kinetic energy by body; U: share of the strain energy by spring; of a repeated root the mean over its modes. For a spring of stiffness k: df/f = U/2 dk/k.".to_owned(),
         ],
     }))
+}
+
+/// More bodies than this are not told one by one.
+const MOST_BODIES: usize = 40;
+/// Of so many as are not, those with the largest shares are.
+const BODIES_TOLD: usize = 20;
+
+/// Indices, ascending, of the bodies that are told.
+fn largest_bodies(roots: &[&ModelRoot], count: usize) -> Vec<usize> {
+    let mut told: Vec<usize> = (0..count).collect();
+    if count > MOST_BODIES {
+        let largest = |i: &usize| {
+            let shares = roots.iter().map(|root| root.kinetic_energy[*i].1);
+            shares.fold(0.0, f64::max)
+        };
+        told.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
+        told.truncate(BODIES_TOLD);
+        told.sort_unstable();
+    }
+    told
 }
 
 /// Relative change of the frequency of each root above 0 inside a band by that of every parameter: a row for each

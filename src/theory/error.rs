@@ -3,6 +3,8 @@
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
 
+use super::expected::{expected_bounds, expected_name, expected_nearest};
+
 /// Why a model cannot be built, assembled, observed or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -283,6 +285,12 @@ pub enum TheoryError {
         /// Number of coordinates.
         expected: usize,
     },
+    /// Matrices of a model without coordinates.
+    #[error("model `{model}`: got no degree of freedom, expected one for each row of its matrices")]
+    NoCoordinates {
+        /// The model.
+        model: String,
+    },
     /// A matrix entry that is not a number, or not that of its mirror image.
     #[error(
         "{matrix} matrix at {row}, {column} (from 0): got {got}, expected a finite value equal to its mirror image"
@@ -419,43 +427,10 @@ pub enum TheoryError {
     Linalg(#[from] LinalgError),
 }
 
-/// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or more).
-pub(super) fn nearest_name<'a>(
-    got: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
-    known
-        .into_iter()
-        .map(|name| (strsim::jaro_winkler(got, name), name))
-        .filter(|(similarity, _)| *similarity >= 0.7)
-        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
-        .map(|(_, name)| name.to_owned())
-}
-
-fn expected_nearest(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
-}
-
-fn expected_name(nearest: Option<&str>, known: &[String]) -> String {
-    let list = match known {
-        [] => "none, since none is declared".to_owned(),
-        _ => format!("one of {}", known.join(", ")),
-    };
-    list + &expected_nearest(nearest)
-}
-
-fn expected_bounds(lower: Option<f64>, upper: Option<f64>, unit: &str) -> String {
-    match (lower, upper) {
-        (None, None) => String::new(),
-        (Some(lower), None) => format!(" from {lower} {unit}"),
-        (None, Some(upper)) => format!(" up to {upper} {unit}"),
-        (Some(lower), Some(upper)) => format!(" from {lower} to {upper} {unit}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::theory::expected::nearest_name;
 
     #[test]
     fn the_sentence_names_what_was_given_what_was_expected_and_the_nearest() {

@@ -11,16 +11,16 @@ use crate::linalg::SparseMatrix;
 
 use super::description::distinct;
 use super::eigen::check_damping_ratio;
-use super::error::nearest_name;
+use super::expected::nearest_name;
 use super::parameter::{check_values, index_of, nominal_values};
-use super::sparse::{SparseDerivative, SparseSystem};
+use super::sparse::{SparseDerivative, SparseSystem, check_symmetric};
 use super::{
     Assumption, Coordinate, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
     TheoreticalModel, TheoryError,
 };
 
 /// Up to so many coordinates all modes are computed with full matrices: less than a second.
-const DENSE_COORDINATES: usize = 1000;
+pub(super) const DENSE_COORDINATES: usize = 1000;
 /// Matrices with more than this part of their entries are not sparse.
 const SPARSE_FILL: f64 = 0.1;
 /// Full matrices of more coordinates are not made: 200 MB each.
@@ -86,10 +86,15 @@ impl ExternalModel {
     /// The model of these matrices.
     ///
     /// # Errors
-    /// [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`], [`TheoryError::OutOfBounds`],
+    /// [`TheoryError::NoCoordinates`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`], [`TheoryError::OutOfBounds`],
     /// [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`], [`TheoryError::DampingRatio`],
     /// [`TheoryError::PropertyOutOfRange`].
     pub fn new(mut matrices: ExternalMatrices) -> Result<Self, TheoryError> {
+        if matrices.dofs.is_empty() {
+            return Err(TheoryError::NoCoordinates {
+                model: matrices.title,
+            });
+        }
         let names: Vec<String> = matrices
             .dofs
             .iter()
@@ -342,36 +347,6 @@ fn check_set(set: &mut MatrixSet, signs: &[f64]) -> Result<(), TheoryError> {
                 .entries()
                 .map(|(i, j, v)| (i, j, signs[i] * signs[j] * v));
             *matrix = SparseMatrix::from_entries(signs.len(), &turned.collect::<Vec<_>>())?;
-        }
-    }
-    Ok(())
-}
-
-/// Finite entries, each equal to its mirror image up to the rounding of a sum.
-fn check_symmetric(
-    name: &'static str,
-    matrix: &SparseMatrix,
-    expected: usize,
-) -> Result<(), TheoryError> {
-    if expected == 0 || matrix.size() != expected {
-        return Err(TheoryError::MatrixSize {
-            matrix: name,
-            got_rows: matrix.size(),
-            got_columns: matrix.size(),
-            expected,
-        });
-    }
-    let diagonal: Vec<f64> = (0..expected).map(|i| matrix.get(i, i).abs()).collect();
-    for (row, column, got) in matrix.entries() {
-        let scale = (diagonal[row] * diagonal[column]).sqrt().max(got.abs());
-        let mirror = matrix.get(column, row);
-        if !(got.is_finite() && (got - mirror).abs() <= 1e-12 * scale) {
-            return Err(TheoryError::MatrixEntry {
-                matrix: name,
-                row,
-                column,
-                got,
-            });
         }
     }
     Ok(())

@@ -300,6 +300,10 @@ fn what_is_wrong_with_matrices_is_named() {
             ..
         }
     ));
+    let error = build(&|m| m.dofs.clear());
+    assert!(matches!(error, TheoryError::NoCoordinates { .. }));
+    let error = ExternalModel::new(ExternalMatrices::default()).unwrap_err();
+    assert!(matches!(error, TheoryError::NoCoordinates { .. }));
     let error = build(&|m| m.damping.ratios = vec![1.0]);
     assert!(matches!(error, TheoryError::DampingRatio { .. }));
     let model = ExternalModel::new(two_masses("2:+X")).unwrap();
@@ -315,4 +319,58 @@ fn what_is_wrong_with_matrices_is_named() {
         error,
         Err(TheoryError::UnknownCoordinate { count: 2, .. })
     ));
+}
+
+#[test]
+fn sparse_matrices_of_other_sizes_or_without_symmetry_are_refused_at_the_door() {
+    let whole = || {
+        let model = ExternalModel::new(two_masses("2:+X")).unwrap();
+        let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+        let sparse = |dense: &crate::linalg::RealMatrix| {
+            let all = (0..2).flat_map(|i| (0..2).map(move |j| (i, j)));
+            let entries: Vec<_> = all.map(|(i, j)| (i, j, dense[(i, j)])).collect();
+            SparseMatrix::from_entries(2, &entries).unwrap()
+        };
+        SparseSystem {
+            mass: sparse(&matrices.mass),
+            damping: None,
+            stiffness: sparse(&matrices.stiffness),
+            coordinates: matrices.coordinates,
+        }
+    };
+    let options = ModeOptions::default();
+    assert_eq!(
+        modes_of_sparse(&whole(), &options)
+            .unwrap()
+            .omega_rad_s
+            .len(),
+        2
+    );
+    let three = SparseMatrix::from_entries(3, &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)]).unwrap();
+    for part in ["mass", "stiffness", "damping"] {
+        for lopsided in [false, true] {
+            let mut system = whole();
+            let wrong = match lopsided {
+                true => {
+                    SparseMatrix::from_entries(2, &[(0, 0, 1.0), (1, 0, 0.5), (1, 1, 1.0)]).unwrap()
+                }
+                false => three.clone(),
+            };
+            match part {
+                "mass" => system.mass = wrong,
+                "stiffness" => system.stiffness = wrong,
+                _ => system.damping = Some(wrong),
+            }
+            let named = match modes_of_sparse(&system, &options).unwrap_err() {
+                TheoryError::MatrixSize {
+                    matrix,
+                    expected: 2,
+                    ..
+                } if !lopsided => matrix,
+                TheoryError::MatrixEntry { matrix, .. } if lopsided => matrix,
+                other => panic!("{part} {lopsided}: {other}"),
+            };
+            assert_eq!(named, part);
+        }
+    }
 }

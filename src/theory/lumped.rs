@@ -4,7 +4,7 @@ use crate::geometry::Target;
 
 use super::description::{SCHEMA, Value, distinct};
 use super::dual::Values;
-use super::error::nearest_name;
+use super::expected::nearest_name;
 use super::lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };

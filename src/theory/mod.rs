@@ -14,6 +14,7 @@ mod dual;
 mod eigen;
 mod energy;
 mod error;
+mod expected;
 mod external;
 #[cfg(test)]
 mod external_tests;

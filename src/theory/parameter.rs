@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::TheoryError;
-use super::error::nearest_name;
+use super::expected::nearest_name;
 
 /// Where a parameter's nominal value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,5 +1,7 @@
 //! Named numbers that a model's theory gives beside its matrices.
 
+use super::TheoryError;
+
 /// A number with its name, unit and formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelQuantity {
@@ -23,4 +25,18 @@ impl ModelQuantity {
             meaning: meaning.to_owned(),
         }
     }
+}
+
+/// A result, or `none` where it needs values of parameters that the model does not allow.
+pub(super) fn allowed_or<T>(none: T, result: Result<T, TheoryError>) -> Result<T, TheoryError> {
+    match result {
+        Err(TheoryError::OutOfBounds { .. } | TheoryError::SweepRange { .. }) => Ok(none),
+        other => other,
+    }
+}
+
+/// The largest; not a number where one of them is none.
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+    values.into_iter().fold(0.0, larger)
 }

@@ -45,7 +45,8 @@ pub struct SparseDerivative {
 /// quotient is `sqrt(n) eps |phi|^T |K| |phi|`: the many terms of a large sum round independently.
 ///
 /// # Errors
-/// [`TheoryError::DampingRatio`], [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
+/// [`TheoryError::DampingRatio`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
+/// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
 pub fn modes_of_sparse(
     system: &SparseSystem,
     options: &ModeOptions,
@@ -53,6 +54,7 @@ pub fn modes_of_sparse(
     if let Some(got) = options.damping_ratio {
         check_damping_ratio(got)?;
     }
+    check_system(system)?;
     let wanted = match (options.band, options.count) {
         (Some(band), _) => Wanted::Below(((1.0 + BEYOND_END) * TAU * band.hi_hz).powi(2)),
         (None, Some(count)) => Wanted::Lowest(count.max(1)),
@@ -75,6 +77,16 @@ pub fn modes_of_sparse(
             .map(|limit| finding.value(limit.max(0.0).sqrt() / TAU, "Hz")),
     );
     Ok(result)
+}
+
+fn check_system(system: &SparseSystem) -> Result<(), TheoryError> {
+    let size = system.coordinates.len();
+    check_symmetric("mass", &system.mass, size)?;
+    check_symmetric("stiffness", &system.stiffness, size)?;
+    system
+        .damping
+        .as_ref()
+        .map_or(Ok(()), |c| check_symmetric("damping", c, size))
 }
 
 fn column(vectors: &RealMatrix, j: usize) -> Vec<f64> {
@@ -100,4 +112,34 @@ fn solution(system: &SparseSystem, raw: &SparseModes) -> Result<Solution, Theory
         .collect::<Result<_, _>>()?;
     let total: Vec<f64> = (0..n).map(|i| 1.0 / system.mass.get(i, i)).collect();
     Ok(Solution::arranged(&raw.vectors, &quotients, &total))
+}
+
+/// Finite entries, each equal to its mirror image up to the rounding of a sum.
+pub(super) fn check_symmetric(
+    name: &'static str,
+    matrix: &SparseMatrix,
+    expected: usize,
+) -> Result<(), TheoryError> {
+    if expected == 0 || matrix.size() != expected {
+        return Err(TheoryError::MatrixSize {
+            matrix: name,
+            got_rows: matrix.size(),
+            got_columns: matrix.size(),
+            expected,
+        });
+    }
+    let diagonal: Vec<f64> = (0..expected).map(|i| matrix.get(i, i).abs()).collect();
+    for (row, column, got) in matrix.entries() {
+        let scale = (diagonal[row] * diagonal[column]).sqrt().max(got.abs());
+        let mirror = matrix.get(column, row);
+        if !(got.is_finite() && (got - mirror).abs() <= 1e-12 * scale) {
+            return Err(TheoryError::MatrixEntry {
+                matrix: name,
+                row,
+                column,
+                got,
+            });
+        }
+    }
+    Ok(())
 }

@@ -8,6 +8,7 @@
 //! Bois, Adhikari and Lieven (2011), On the quantification of eigenvalue curve veering: a veering index, Journal of
 //! Applied Mechanics 78, 041007.
 
+use super::external::DENSE_COORDINATES;
 use super::parameter::{check_values, index_of};
 use super::sweep_events::events;
 use super::sweep_track::{Follower, Trail};
@@ -161,6 +162,7 @@ pub struct Sweep {
 ///
 /// # Errors
 /// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::SweepNotWhole`];
+/// [`TheoryError::TooLarge`] for a model that is solved sparse;
 /// [`TheoryError::NotFollowed`] where shapes do not go over
 /// into each other however near the values; those of the model.
 pub fn sweep(
@@ -174,6 +176,7 @@ pub fn sweep(
     let j = index_of("sweep", specs, parameter)?;
     let parameter = &specs[j];
     range.check(&parameter.name)?;
+    check_dense(model, values)?;
     for end in [range.lower, range.upper] {
         let mut values = values.to_vec();
         values[j] = end;
@@ -193,6 +196,17 @@ pub fn sweep(
         values: grid,
         solved: follower.solved(),
         followed: true,
+    })
+}
+
+/// All modes are followed, which of a model that is solved sparse are not known.
+fn check_dense(model: &dyn TheoreticalModel, values: &[f64]) -> Result<(), TheoryError> {
+    let Some(system) = model.sparse(values)? else {
+        return Ok(());
+    };
+    Err(TheoryError::TooLarge {
+        got: system.coordinates.len(),
+        most: DENSE_COORDINATES,
     })
 }
 

@@ -11,6 +11,7 @@ mod gate;
 mod hit_command;
 mod hits;
 mod identify_command;
+mod matrix_models;
 mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]

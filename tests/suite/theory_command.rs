@@ -1,8 +1,10 @@
 //! `modalign theory` on built-in models, models of matrices and finished modes, as a user types it.
 
+use std::ffi::OsStr;
+
 use serde_json::Value;
 
-use crate::command::{fail, succeed, write};
+use crate::command::{fail, modalign, succeed, write};
 
 fn parsed(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
@@ -88,4 +90,126 @@ fn the_number_of_balls_cannot_be_updated() {
     let error = fail(["update".as_ref(), folder.path().as_os_str()]);
     let expected = "\"ball_count\": a number of parts, which is not updated";
     assert!(error.contains(expected), "{error}");
+}
+
+#[test]
+fn finished_modes_are_printed_and_what_needs_a_model_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["modes.json", "modes.unv"] {
+        let path = folder.path().join(name);
+        let made: [&OsStr; 4] = [
+            "theory".as_ref(),
+            "cycloid-ball".as_ref(),
+            "-o".as_ref(),
+            path.as_os_str(),
+        ];
+        succeed(made);
+        let text = succeed(["theory".as_ref(), path.as_os_str()]);
+        for part in ["1436.884387", "22666.034"] {
+            assert!(text.contains(part), "{name} {part}:\n{text}");
+        }
+        let band: [&OsStr; 5] = [
+            "theory".as_ref(),
+            path.as_os_str(),
+            "--band".as_ref(),
+            "1000:2000".as_ref(),
+            "--json".as_ref(),
+        ];
+        let inside = parsed(&succeed(band));
+        assert_eq!(inside["modes"].as_array().unwrap().len(), 1, "{inside}");
+        let flags: [&[&str]; 7] = [
+            &["--set", "k_1x=1"],
+            &["--energies"],
+            &["--sensitivities"],
+            &["--quantities"],
+            &["--sweep", "k_1x=1:2:3"],
+            &["--response"],
+            &["--compare"],
+        ];
+        for flag in flags {
+            let first = ["theory".as_ref(), path.as_os_str()];
+            let error = fail(first.into_iter().chain(flag.iter().map(OsStr::new)));
+            assert!(
+                error.contains(flag[0]) && error.contains("finished modes"),
+                "{error}"
+            );
+        }
+        let same: [&OsStr; 8] = [
+            "correlate".as_ref(),
+            "--test".as_ref(),
+            path.as_os_str(),
+            "--theory".as_ref(),
+            "cycloid-ball".as_ref(),
+            "--rotation-length".as_ref(),
+            "0.01".as_ref(),
+            "--json".as_ref(),
+        ];
+        let table = parsed(&succeed(same));
+        let paired = |row: &&Value| row["tests"][0]["status"] == "paired";
+        let rows = table["rows"].as_array().unwrap();
+        assert!(rows.iter().filter(paired).count() >= 14, "{name}");
+    }
+}
+
+#[test]
+fn json_has_what_was_asked_beside_the_modes() {
+    let asked = ["--energies", "--sensitivities", "--quantities", "--json"];
+    let found = parsed(&succeed(
+        ["theory", "torsional-planetary"].into_iter().chain(asked),
+    ));
+    assert_eq!(found["schema"], "modalign-modes/1");
+    assert_eq!(found["modes"].as_array().unwrap().len(), 7);
+    let told = &found["theory"];
+    let k_r = told["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|own| own["name"] == "k_r");
+    assert_eq!(k_r.unwrap()["value"], 5e8);
+    let root = &told["energies"][2];
+    assert_eq!(root["multiplicity"], 3);
+    for kind in ["kinetic", "strain"] {
+        let shares = root[kind].as_object().unwrap().values();
+        let sum: f64 = shares.map(|share| share.as_f64().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{kind} {sum}");
+    }
+    // The reference's derivative of the first elastic root by k_r, 2.6230511e-3 to its last digit.
+    let slope = &told["sensitivities"][1]["by"]["k_r"]["branches_rad2_s2"][0];
+    assert!(
+        (slope.as_f64().unwrap() / 2.6230511e-3 - 1.0).abs() < 6e-8,
+        "{slope}"
+    );
+    let planet = told["quantities"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|own| own["name"] == "planet_mode");
+    assert!((planet.unwrap()["value"].as_f64().unwrap() / 2088.007554 - 1.0).abs() < 1e-9);
+    let plain = parsed(&succeed(["theory", "torsional-planetary", "--json"]));
+    assert_eq!(plain["theory"], Value::Null);
+    let error = fail([
+        "theory",
+        "measurements/free-free-beam/model.toml",
+        "--quantities",
+    ]);
+    assert!(error.contains("--quantities"), "{error}");
+}
+
+#[test]
+fn a_number_that_needs_values_beyond_a_bound_is_left_out_and_said() {
+    for (model, set, absent) in [
+        ("spider-reducer", "k_i2=1.9e8", "k_i2_change_3"),
+        ("torsional-planetary", "k_r=1e13", "mesh_energy_rate_error"),
+    ] {
+        let output = modalign(["theory", model, "--set", set, "--quantities", "--json"]);
+        assert_eq!(output.status.code(), Some(0));
+        let found = parsed(std::str::from_utf8(&output.stdout).unwrap());
+        let all = found["theory"]["quantities"].as_array().unwrap();
+        let own = all.iter().find(|own| own["name"] == absent).unwrap();
+        assert_eq!(own["value"], Value::Null);
+        assert!(all.iter().any(|own| own["value"].is_f64()));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(&format!("quantity {absent}: ")), "{said}");
+        assert!(said.contains("[quantity-absent]"), "{said}");
+    }
 }

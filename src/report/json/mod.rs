@@ -6,6 +6,7 @@ mod hits;
 mod measures;
 mod response;
 mod sweep;
+mod theory;
 mod update;
 
 pub use compare::{DETAILS_SCHEMA, details_to_json};
@@ -19,4 +20,5 @@ pub use measures::{
 };
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
+pub use theory::{TheoryPart, with_theory};
 pub use update::{UPDATE_SCHEMA, update_to_json};

@@ -8,6 +8,7 @@
 //! Yang, An and Duan (2016), figures 6 to 8 and the text beside them.
 
 use crate::theory::parameter::index_of;
+use crate::theory::quantity::allowed_or;
 use crate::theory::{
     CycloidBall, EventKind, Locus, ModeOptions, ModelQuantity, SweepRange, TheoreticalModel,
     TheoryError, model_roots, modes, sweep,
@@ -50,17 +51,13 @@ impl Studies<'_> {
         for (name, value) in changes {
             values[self.index(name)?] = *value;
         }
-        let solved = match modes(self.model, &values, &[], &ModeOptions::default()) {
-            Err(TheoryError::OutOfBounds { .. }) => return Ok([f64::NAN; 4]),
-            other => other?,
-        };
-        let roots = model_roots(self.model, &solved);
-        let root = |number: usize| {
-            roots
-                .get(number - 1)
-                .map_or(f64::NAN, |own| own.omega_rad_s)
-        };
-        Ok(ROOTS.map(root))
+        let solved = modes(self.model, &values, &[], &ModeOptions::default());
+        let roots = solved.map(|solved| {
+            let roots = model_roots(self.model, &solved);
+            let root = |number: usize| roots.get(number - 1).map(|own| own.omega_rad_s);
+            ROOTS.map(|number| root(number).unwrap_or(f64::NAN))
+        });
+        allowed_or([f64::NAN; 4], roots)
     }
 
     /// Over K with the rolling circle r0 = e/K kept.
@@ -109,9 +106,9 @@ impl Studies<'_> {
             upper: balls + more,
             count: (more - less) as usize + 1,
         };
-        let swept = match sweep(self.model, self.values, "ball_count", range) {
-            Err(TheoryError::OutOfBounds { .. }) => return Ok(f64::NAN),
-            other => other?,
+        let swept = sweep(self.model, self.values, "ball_count", range).map(Some);
+        let Some(swept) = allowed_or(None, swept)? else {
+            return Ok(f64::NAN);
         };
         let off = |(number, locus): (usize, &Locus)| {
             let first = locus.multiplicity[0] as f64;
@@ -139,9 +136,9 @@ impl Studies<'_> {
             upper: to,
             count: STIFFNESSES.len(),
         };
-        let swept = match sweep(self.model, self.values, parameter, range) {
-            Err(TheoryError::OutOfBounds { .. }) => return Ok([f64::NAN; 2]),
-            other => other?,
+        let swept = sweep(self.model, self.values, parameter, range).map(Some);
+        let Some(swept) = allowed_or(None, swept)? else {
+            return Ok([f64::NAN; 2]);
         };
         let found = swept
             .events

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::linalg::least_squares_real;
 use crate::theory::parameter::index_of;
+use crate::theory::quantity::{allowed_or, largest};
 use crate::theory::{
     ModeOptions, ModelQuantity, ModelRoot, SpiderReducer, SystemMatrices, TheoreticalModel,
     TheoryError, TheoryModes, model_roots, modes,
@@ -107,17 +108,18 @@ fn of_changes(
         let mut values = values.to_vec();
         let at = index_of(model.name(), model.parameters(), name)?;
         values[at] = change(values[at]);
-        Ok(first_frequencies(&solve(model, &values)?))
+        let hz = solve(model, &values).map(|solved| first_frequencies(&solved));
+        allowed_or(vec![f64::NAN; FIRST], hz)
     };
     let relative = |hz: &[f64], mode: usize| (hz[mode] / reference[mode] - 1.0).abs();
+    let all = |hz: &[f64]| largest((0..FIRST).map(|mode| relative(hz, mode)));
     let mut third = 0.0f64;
     for factor in [0.5, 2.0] {
-        third = third.max(relative(&changed("k_i2", &|k| factor * k)?, 2));
+        third = largest([third, relative(&changed("k_i2", &|k| factor * k)?, 2)]);
     }
     let mut mesh = 0.0f64;
     for factor in [0.8, 1.2] {
-        let hz = changed("k_m", &|k| factor * k)?;
-        mesh = (0..FIRST).fold(mesh, |largest, mode| largest.max(relative(&hz, mode)));
+        mesh = largest([mesh, all(&changed("k_m", &|k| factor * k)?)]);
     }
     let mut turn = 0.0f64;
     for position in 1..POSITIONS {
@@ -125,7 +127,7 @@ fn of_changes(
         let hz = changed("crank_angle", &|own| {
             own + if own > 0.0 { angle - TAU } else { angle }
         })?;
-        turn = (0..FIRST).fold(turn, |largest, mode| largest.max(relative(&hz, mode)));
+        turn = largest([turn, all(&hz)]);
     }
     let quantity = ModelQuantity::new;
     Ok(vec![

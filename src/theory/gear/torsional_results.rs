@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::theory::parameter::index_of;
+use crate::theory::quantity::allowed_or;
 use crate::theory::{
     EventKind, LocusEvent, ModeOptions, ModelQuantity, ModelRoot, SweepRange, TheoreticalModel,
     TheoryError, TheoryModes, TorsionalPlanetary, model_roots, modes, sweep,
@@ -67,10 +68,8 @@ pub(super) fn quantities(
     all.extend(forms.quantities());
     if let Some([veering, crossing]) = forms.veering_and_crossing() {
         let share = |k_r: f64| -> Result<f64, TheoryError> {
-            if !k_r.is_finite() {
-                return Ok(f64::NAN);
-            }
-            Ok(Solved::new(model, values, &[("k_r", k_r)])?.ring_share())
+            let solved = Solved::new(model, values, &[("k_r", k_r)]);
+            allowed_or(f64::NAN, solved.map(|own| own.ring_share()))
         };
         let exchanged = |place: f64| -> Result<f64, TheoryError> {
             let (before, after) = (share(BEFORE * place)?, share(AFTER * place)?);
@@ -136,9 +135,10 @@ fn swept(
         upper: upper.min(spec.upper.unwrap_or(upper)),
         count: SWEEP_VALUES,
     };
-    let swept = sweep(model, values, parameter, range)?;
+    let swept = allowed_or(None, sweep(model, values, parameter, range).map(Some))?;
+    let events = swept.as_ref().map_or(&[][..], |swept| &swept.events);
     let of = |kind: EventKind| {
-        let all = swept.events.iter();
+        let all = events.iter();
         all.filter(move |event| event.kind == kind)
     };
     let place = |event: Option<&LocusEvent>| event.map_or(f64::NAN, |event| event.place);
@@ -172,7 +172,7 @@ fn swept(
         ModelQuantity::new(names[3], gap, "Hz", &followed("their distance there")),
         ModelQuantity::new(
             names[4],
-            others as f64,
+            swept.as_ref().map_or(f64::NAN, |_| others as f64),
             "",
             &followed("further crossings and veerings"),
         ),

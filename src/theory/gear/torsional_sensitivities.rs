@@ -5,6 +5,7 @@
 //! them) and the rates of the mesh energies after equation 19.
 
 use crate::theory::parameter::index_of;
+use crate::theory::quantity::allowed_or;
 use crate::theory::{
     ModeOptions, ModelQuantity, ModelRoot, RootSensitivity, TheoreticalModel, TheoryError,
     TheoryModes, TorsionalPlanetary, model_roots, modes, sensitivities, system_derivatives,
@@ -225,7 +226,7 @@ pub(super) fn sensitivity_quantities(
     let mut all = vec![
         told(
             "equation_13_error",
-            state.equation_13_error()?,
+            allowed_or(f64::NAN, state.equation_13_error())?,
             "largest difference of dλ/dp by equation 13 from extrapolated differences, of the largest p dλ/dp of its root; a repeated root by its mean",
         ),
         told(
@@ -249,7 +250,7 @@ pub(super) fn sensitivity_quantities(
     }
     all.push(told(
         "mesh_energy_rate_error",
-        state.mesh_rate_error()?,
+        allowed_or(f64::NAN, state.mesh_rate_error())?,
         "largest difference of dU_r/dk_r from (1/2) dλ/dk_r: 0 only while the shape stays as it is",
     ));
     Ok(all)

@@ -1,0 +1,35 @@
+//! What would have been accepted, in the words of an error.
+
+/// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or more).
+pub(super) fn nearest_name<'a>(
+    got: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    known
+        .into_iter()
+        .map(|name| (strsim::jaro_winkler(got, name), name))
+        .filter(|(similarity, _)| *similarity >= 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
+        .map(|(_, name)| name.to_owned())
+}
+
+pub(super) fn expected_nearest(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+pub(super) fn expected_name(nearest: Option<&str>, known: &[String]) -> String {
+    let list = match known {
+        [] => "none, since none is declared".to_owned(),
+        _ => format!("one of {}", known.join(", ")),
+    };
+    list + &expected_nearest(nearest)
+}
+
+pub(super) fn expected_bounds(lower: Option<f64>, upper: Option<f64>, unit: &str) -> String {
+    match (lower, upper) {
+        (None, None) => String::new(),
+        (Some(lower), None) => format!(" from {lower} {unit}"),
+        (None, Some(upper)) => format!(" up to {upper} {unit}"),
+        (Some(lower), Some(upper)) => format!(" from {lower} to {upper} {unit}"),
+    }
+}

@@ -1,0 +1,235 @@
+//! Models whose matrices come from files, from `model.toml` to every verb that takes a model: a chain of equal masses
+//! between walls, whose frequencies are known in closed form.
+
+use std::ffi::OsStr;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::command::{fail, json, succeed, write};
+
+/// Mass of each, kg, and stiffness of each spring, N/m.
+const MASS: f64 = 2.0;
+const STIFFNESS: f64 = 5e5;
+
+const SCENE: &str = r#"
+    schema = "modalign-scene/1"
+    title = "chain"
+    [model]
+    file = "model.toml"
+    [[test]]
+    name = "measured"
+    modes = "modes.json"
+    [update]
+    parameters = ["wall"]
+"#;
+
+/// A symmetric matrix by its lower triangle, rows and columns from 1.
+fn matrix_market(size: usize, entries: &[(usize, usize, f64)]) -> String {
+    let count = entries.len();
+    let mut text =
+        format!("%%MatrixMarket matrix coordinate real symmetric\n{size} {size} {count}\n");
+    for (i, j, value) in entries {
+        writeln!(text, "{i} {j} {value}").unwrap();
+    }
+    text
+}
+
+/// A chain of `size` masses: springs between them fixed, those to the walls scaled by the parameter `wall`.
+fn chain(size: usize) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let masses: Vec<_> = (1..=size).map(|i| (i, i, MASS)).collect();
+    let mut springs = Vec::new();
+    for i in 1..size {
+        let end = |own: usize| if own == 1 || own == size { 1.0 } else { 2.0 };
+        springs.push((i, i, end(i) * STIFFNESS));
+        springs.push((i + 1, i, -STIFFNESS));
+    }
+    springs.push((size, size, STIFFNESS));
+    let walls = [(1, 1, STIFFNESS), (size, size, STIFFNESS)];
+    let dofs: Vec<String> = (1..=size).map(|i| format!("{i}:+X")).collect();
+    let model = r#"
+        schema = "modalign-model/1"
+        title = "chain"
+        [matrices]
+        dofs = "dofs.txt"
+        mass = "m.mtx"
+        stiffness = "k.mtx"
+        [[matrices.group]]
+        parameter = "wall"
+        stiffness = "wall.mtx"
+        [[parameter]]
+        name = "wall"
+        unit = "-"
+        nominal = 1.0
+        lower = 0.1
+        upper = 10.0
+        status = "assumed"
+        [damping]
+        stiffness_s = 1e-6
+    "#;
+    write(
+        folder.path(),
+        &[
+            ("m.mtx", &matrix_market(size, &masses)),
+            ("k.mtx", &matrix_market(size, &springs)),
+            ("wall.mtx", &matrix_market(size, &walls)),
+            ("dofs.txt", &dofs.join("\n")),
+            ("model.toml", model),
+            ("scene.toml", SCENE),
+        ],
+    );
+    folder
+}
+
+/// Natural frequency `number` (from 1) between walls as stiff as the chain, Hz.
+fn closed_form(size: usize, number: usize) -> f64 {
+    let angle = 0.5 * std::f64::consts::PI * number as f64 / (size + 1) as f64;
+    2.0 * (STIFFNESS / MASS).sqrt() * angle.sin() / std::f64::consts::TAU
+}
+
+fn theory(folder: &Path, arguments: &[&str]) -> Value {
+    let model = folder.join("model.toml");
+    let first = ["theory".as_ref(), model.as_os_str(), "--json".as_ref()];
+    let all = first.into_iter().chain(arguments.iter().map(OsStr::new));
+    serde_json::from_str(&succeed(all)).unwrap()
+}
+
+/// Writes the modes of the chain with other walls as those of a test.
+fn measure(folder: &Path, wall: &str) {
+    let (model, modes) = (folder.join("model.toml"), folder.join("modes.json"));
+    let set = format!("wall={wall}");
+    let verb: [&OsStr; 6] = [
+        "theory".as_ref(),
+        model.as_os_str(),
+        "--set".as_ref(),
+        set.as_ref(),
+        "-o".as_ref(),
+        modes.as_os_str(),
+    ];
+    succeed(verb);
+}
+
+fn frequency(mode: &Value) -> f64 {
+    mode["frequency_hz"].as_f64().unwrap()
+}
+
+#[test]
+fn a_dense_model_is_solved_swept_compared_run_and_updated() {
+    let size = 6;
+    let folder = chain(size);
+    let path = folder.path();
+    let sweep = ["--sweep", "wall=0.5:2:3", "--energies", "--sensitivities"];
+    let found = theory(path, &sweep);
+    assert_eq!(found["schema"], "modalign-sweep/1");
+    let told = &found["theory"];
+    for number in 1..=size {
+        let hz = closed_form(size, number);
+        let energy = &told["energies"][number - 1];
+        assert!((frequency(energy) / hz - 1.0).abs() < 1e-12, "{energy}");
+        let shares = energy["kinetic"].as_object().unwrap();
+        assert_eq!(shares.len(), size);
+        let sum: f64 = shares.values().map(|share| share.as_f64().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        // Of a chain between walls: phi_1 is sqrt(2/(n + 1)/m) sin(j pi/(n + 1)), and dlambda = 2 k phi_1^2.
+        let angle = std::f64::consts::PI * number as f64 / (size + 1) as f64;
+        let phi2 = 2.0 / (size + 1) as f64 / MASS * angle.sin().powi(2);
+        let lambda = (std::f64::consts::TAU * hz).powi(2);
+        let expected = 0.5 * 2.0 * STIFFNESS * phi2 / lambda;
+        let own = &told["sensitivities"][number - 1]["by"]["wall"]["relative"];
+        assert!(
+            (own.as_f64().unwrap() - expected).abs() < 1e-12,
+            "{own} {expected}"
+        );
+        let locus = &found["sweeps"][0]["loci"][number - 1]["frequency_hz"];
+        let rises = locus[0].as_f64() < locus[1].as_f64() && locus[1].as_f64() < locus[2].as_f64();
+        assert!(rises, "{locus}");
+    }
+    measure(path, "1.21");
+    let model = path.join("model.toml");
+    let modes = path.join("modes.json");
+    let correlate: [&OsStr; 6] = [
+        "correlate".as_ref(),
+        "--test".as_ref(),
+        modes.as_os_str(),
+        "--theory".as_ref(),
+        model.as_os_str(),
+        "--json".as_ref(),
+    ];
+    let table: Value = serde_json::from_str(&succeed(correlate)).unwrap();
+    let out = path.join("out");
+    succeed([
+        "run".as_ref(),
+        path.as_os_str(),
+        "-o".as_ref(),
+        out.as_os_str(),
+    ]);
+    for table in [table, json(&out.join("comparison.json"))] {
+        let rows = table["rows"].as_array().unwrap();
+        assert_eq!(rows.len(), size);
+        for (number, row) in (1..).zip(rows) {
+            assert_eq!(row["tests"][0]["status"], "paired", "{row}");
+            let hz = row["theory"]["hz"].as_f64().unwrap();
+            assert!((hz / closed_form(size, number) - 1.0).abs() < 1e-12);
+            let error = row["tests"][0]["error_percent"].as_f64().unwrap();
+            assert!(error > 0.1, "stiffer walls: {error}");
+        }
+    }
+    let update = ["update".as_ref(), path.as_os_str(), "--json".as_ref()];
+    let updated: Value = serde_json::from_str(&succeed(update)).unwrap();
+    let wall = updated["parameters"][0]["updated"].as_f64().unwrap();
+    // The prior pulls by the square of the deviations' ratio: a thousandth over three tenths.
+    assert!((wall / 1.21 - 1.0).abs() < 1e-3, "{wall}");
+}
+
+#[test]
+fn a_sparse_model_is_solved_run_and_told_by_its_largest_bodies_and_refuses_a_sweep() {
+    let size = 1200;
+    let folder = chain(size);
+    let path = folder.path();
+    let found = theory(path, &["--band", "0:1", "--sensitivities"]);
+    let modes = found["modes"].as_array().unwrap();
+    let expected: Vec<f64> = (1..=size)
+        .map(|number| closed_form(size, number))
+        .take_while(|hz| *hz <= 1.0)
+        .collect();
+    assert_eq!(modes.len(), expected.len());
+    for (mode, hz) in modes.iter().zip(&expected) {
+        assert!((frequency(mode) / hz - 1.0).abs() < 1e-9, "{hz}");
+        let damping = mode["damping_ratio"].as_f64().unwrap();
+        let proportional = 0.5 * 1e-6 * std::f64::consts::TAU * hz;
+        assert!((damping / proportional - 1.0).abs() < 1e-9, "{damping}");
+    }
+    let told = found["theory"]["sensitivities"].as_array().unwrap();
+    assert_eq!(told.len(), expected.len());
+    let model = path.join("model.toml");
+    let energies: [&OsStr; 5] = [
+        "theory".as_ref(),
+        model.as_os_str(),
+        "--energies".as_ref(),
+        "--band".as_ref(),
+        "0:0.3".as_ref(),
+    ];
+    let text = succeed(energies);
+    assert!(text.contains("T others (%)"), "{text}");
+    let error = fail([
+        "theory".as_ref(),
+        model.as_os_str(),
+        "--sweep".as_ref(),
+        "wall=0.5:2:3".as_ref(),
+    ]);
+    assert!(error.contains("got 1200 coordinates"), "{error}");
+    measure(path, "1");
+    let table = succeed(["run".as_ref(), path.as_os_str(), "--json".as_ref()]);
+    let table: Value = serde_json::from_str(&table).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 30, "the lowest thirty");
+    for row in rows {
+        assert_eq!(row["tests"][0]["status"], "paired", "{row}");
+        assert!(
+            row["tests"][0]["mac"].as_f64().unwrap() > 1.0 - 1e-9,
+            "{row}"
+        );
+    }
+}
