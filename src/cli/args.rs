@@ -186,7 +186,7 @@ pub struct IdentifyArgs {
     /// FRF files.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the modes here (.json, or .uff for universal dataset 55).
+    /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// auto (ml), peak, circle, line, rfp, lsce, lscf or ml.
@@ -226,7 +226,7 @@ pub struct IdentifyArgs {
 pub struct TheoryArgs {
     /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or a file of finished modes.
     pub model: PathBuf,
-    /// Write the modes here (.json, or .uff for universal dataset 55).
+    /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Set a parameter; may be repeated.

@@ -17,7 +17,9 @@ use super::args::Global;
 const LISTED_PER_CODE: usize = 5;
 
 /// Extensions of the formats that hold modes.
-pub const MODES: &[&str] = &["json", "uff", "unv", "ufb", "h5", "hdf5", "mat", "npz"];
+pub const MODES: &[&str] = &[
+    "json", "csv", "uff", "unv", "ufb", "h5", "hdf5", "mat", "npz",
+];
 
 /// Extensions of the formats that hold FRFs.
 pub const FUNCTIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];

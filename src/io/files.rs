@@ -1,5 +1,6 @@
 //! Opening, fingerprinting and writing whole files.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -192,7 +193,10 @@ pub fn write_atomically(
 /// Every extension that asks for a format that is written.
 pub fn writable_extensions() -> Vec<&'static str> {
     let extensions = FORMATS.iter().flat_map(|format| format.extensions());
-    extensions.copied().collect()
+    let mut all: Vec<&'static str> = extensions.copied().collect();
+    let mut known = BTreeSet::new();
+    all.retain(|extension| known.insert(*extension));
+    all
 }
 
 /// Writes what a source holds in the format that the path's extension asks for, with [`write_atomically`].
@@ -210,9 +214,9 @@ pub fn write_path(
     };
     let extension = path.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or("").to_lowercase();
-    let format = FORMATS
-        .iter()
-        .find(|format| format.extensions().contains(&extension.as_str()));
+    let of_extension = |format: &&&dyn Format| format.extensions().contains(&extension.as_str());
+    let mut formats = FORMATS.iter().filter(of_extension);
+    let format = formats.find(|format| format.takes(source.catalog()));
     let format = format.ok_or_else(|| IoError::Unwritable {
         path: options.path.clone(),
         what: "a file of this extension",

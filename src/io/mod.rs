@@ -18,6 +18,7 @@ mod matlab5;
 mod matrix;
 mod matrix_market;
 mod memory;
+mod modes_csv;
 mod modes_format;
 mod modes_json;
 mod not_carried;
@@ -36,6 +37,8 @@ mod frfs_tests;
 mod hits_tests;
 #[cfg(test)]
 mod matrix_tests;
+#[cfg(test)]
+mod modes_csv_tests;
 
 pub use catalog::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
@@ -53,6 +56,7 @@ pub use hits::{FileRecording, HitSet, group_hits, has_time_records};
 pub use matlab5::Matlab5;
 pub use matrix::{MatrixEntries, read_matrix};
 pub use memory::{MemorySource, Merged};
+pub use modes_csv::ModesCsv;
 pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};
 pub use note::{FunctionNote, Window};
@@ -106,6 +110,12 @@ pub trait Format: Sync {
     /// File extensions that ask for it, in lower case; none when it is not written.
     fn extensions(&self) -> &'static [&'static str] {
         &[]
+    }
+
+    /// Whether the format is the one of its extension for what a catalogue lists; the first one that is writes
+    /// it.
+    fn takes(&self, _catalog: &Catalog) -> bool {
+        true
     }
 
     /// Judges the first bytes of a file (up to 4 KiB).
@@ -221,5 +231,6 @@ pub const FORMATS: &[&dyn Format] = &[
     &Matlab5,
     &Pulse,
     &SignalCalc,
+    &ModesCsv,
     &Table,
 ];

@@ -234,16 +234,10 @@ fn frequency_and_damping(mode: &ModeJson) -> Result<(f64, Option<f64>), String> 
 
 fn read_mode(mode: ModeJson) -> Result<Mode, String> {
     let (frequency_hz, damping_ratio) = frequency_and_damping(&mode)?;
-    let scaling = match mode.scaling.as_deref() {
-        Some("unit-modal-mass") => Scaling::UnitModalMass,
-        Some("unit-max") => Scaling::UnitMax,
-        None | Some("unknown") => Scaling::Unknown,
-        Some(other) => {
-            return Err(format!(
-                "got scaling {other:?}, expected unit-modal-mass, unit-max or unknown"
-            ));
-        }
-    };
+    let scaling = mode.scaling.as_deref().unwrap_or("unknown");
+    let scaling = Scaling::from_name(scaling).ok_or_else(|| {
+        format!("got scaling {scaling:?}, expected unit-modal-mass, unit-max or unknown")
+    })?;
     Ok(Mode {
         frequency_hz,
         damping_ratio,

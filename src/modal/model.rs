@@ -30,6 +30,12 @@ impl Scaling {
             Scaling::Unknown => "unknown",
         }
     }
+
+    /// The scaling of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let all = [Scaling::UnitModalMass, Scaling::UnitMax, Scaling::Unknown];
+        all.into_iter().find(|own| own.name() == name)
+    }
 }
 
 /// One mode, measured or predicted. What is not known is `None`.

@@ -202,3 +202,76 @@ fn a_recorded_function_is_no_mode() {
     ]);
     assert!(said.contains("no-such.unv"), "{said}");
 }
+
+/// Two modes at two nodes as datasets 2414.
+fn dataset_2414() -> String {
+    let mut text = String::from("    -1\n   164\n         1SI                          2\n");
+    text += "  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00\n";
+    text += "  0.00000000000000000D+00\n    -1\n";
+    for (number, hz, values) in [(1, 50.0, [1.0, 0.5]), (2, 90.0, [1.0, -2.0])] {
+        text += &format!("    -1\n  2414\n{number:>10}\nshaker\n         1\n");
+        text += &"NONE\n".repeat(5);
+        text += "         1         2         2         8         2         3\n";
+        text += &format!(
+            "{:>10}{:>10}{:>10}{:>10}{:>10}{number:>10}{:>10}{:>10}\n",
+            0, 0, 0, 0, 0, 0, 0
+        );
+        text += &format!("{:>10}{:>10}\n", 0, 0);
+        text += &format!(
+            "{:13.5E}{hz:13.5E}{:13.5E}{:13.5E}{:13.5E}{:13.5E}\n",
+            0.0, 0.0, 1.0, 0.01, 0.0
+        );
+        text += &format!("{:13.5E}\n", 0.0);
+        for (node, value) in (1..).zip(values) {
+            text += &format!("{node:>10}\n{:13.5E}{:13.5E}{value:13.5E}\n", 0.0, 0.0);
+        }
+        text += "    -1\n";
+    }
+    text
+}
+
+#[test]
+fn modes_alone_are_a_theory_from_datasets_2414_and_from_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "frequency_hz;damping_ratio;1:+Z;2:+Z\n51;0.02;-2;-1\n88;;0.5;-1\n";
+    let unv = dataset_2414();
+    write(folder.path(), &[("model.unv", &unv), ("test.csv", table)]);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (model, test) = (path("model.unv"), path("test.csv"));
+    for (file, expected) in [
+        (&model, ["50.000000", "90.000000", "1.0000"]),
+        (&test, ["51.000000", "88.000000", "2.0000"]),
+    ] {
+        let text = succeed(["theory", file.as_str()]);
+        for part in expected {
+            assert!(text.contains(part), "{part}:\n{text}");
+        }
+    }
+    // The same shapes in other scales.
+    for files in [[&test, &model], [&model, &test]] {
+        let macs = macs(&["correlate", "--test", files[0], "--theory", files[1]]);
+        assert_eq!(macs.len(), 2);
+        assert!(macs.iter().all(|mac| (mac - 1.0).abs() < 1e-12), "{macs:?}");
+    }
+    // To a universal file and back nothing changes but how a number is printed.
+    let (there, back) = (path("there.unv"), path("back.csv"));
+    succeed(["convert", &test, "-o", &there]);
+    succeed(["convert", &there, "-o", &back]);
+    let again = std::fs::read_to_string(&back).unwrap();
+    let rows: Vec<Vec<&str>> = again
+        .lines()
+        .map(|line| line.split(',').collect())
+        .collect();
+    let column = |name: &str| rows[0].iter().position(|own| *own == name).unwrap();
+    let number = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    for (row, hz, shape) in [(1, 51.0, [-2.0, -1.0]), (2, 88.0, [0.5, -1.0])] {
+        assert!(
+            (number(row, "frequency_hz") / hz - 1.0).abs() < 1e-12,
+            "{again}"
+        );
+        for (name, value) in ["1:+Z", "2:+Z"].into_iter().zip(shape) {
+            assert!((number(row, name) - value).abs() < 1e-5, "{again}");
+        }
+    }
+    assert!((number(1, "damping_ratio") - 0.02).abs() < 1e-6, "{again}");
+}

@@ -95,7 +95,7 @@ fn the_number_of_balls_cannot_be_updated() {
 #[test]
 fn finished_modes_are_printed_and_what_needs_a_model_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["modes.json", "modes.unv"] {
+    for name in ["modes.json", "modes.unv", "modes.csv"] {
         let path = folder.path().join(name);
         let made: [&OsStr; 4] = [
             "theory".as_ref(),
