@@ -2,11 +2,13 @@
 //!
 //! A finding never stops the chain. Its sentence is made here from its parts, so that every report says the same.
 
+mod place;
+
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::dof::Dof;
+pub use place::Place;
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -27,76 +29,6 @@ impl fmt::Display for Severity {
             Severity::Warning => "warning",
             Severity::Error => "error",
         })
-    }
-}
-
-/// Where a finding belongs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Place {
-    /// The whole test or result.
-    Whole,
-    /// A place in a file.
-    File {
-        /// Path as given.
-        path: String,
-        /// Line (from 1), for text.
-        line: Option<u64>,
-        /// Byte offset (from 0), for binary data.
-        byte: Option<u64>,
-    },
-    /// A hit, by its number from 1.
-    Hit(usize),
-    /// A response of a hit.
-    HitChannel {
-        /// Number of the hit, from 1.
-        hit: usize,
-        /// Response degree of freedom.
-        dof: Dof,
-    },
-    /// A channel or a function by its response and, for FRFs, its reference.
-    Function {
-        /// Response degree of freedom.
-        response: Option<Dof>,
-        /// Reference (hit) degree of freedom.
-        reference: Option<Dof>,
-    },
-    /// A mode, by its frequency in Hz.
-    Mode(f64),
-    /// A model or option parameter, by name.
-    Parameter(String),
-    /// A number beside the roots of a model, by its name.
-    Quantity(String),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Place::Whole => f.write_str("whole test"),
-            Place::File { path, line, byte } => {
-                f.write_str(path)?;
-                line.map_or(Ok(()), |n| write!(f, ":{n}"))?;
-                byte.map_or(Ok(()), |n| write!(f, " at byte {n}"))
-            }
-            Place::Hit(n) => write!(f, "hit {n}"),
-            Place::HitChannel { hit, dof } => write!(f, "hit {hit} {dof}"),
-            Place::Function {
-                response,
-                reference,
-            } => {
-                let name = |dof: &Option<Dof>| {
-                    dof.as_ref()
-                        .map_or_else(|| "?".to_owned(), ToString::to_string)
-                };
-                match reference {
-                    Some(_) => write!(f, "{}|{}", name(response), name(reference)),
-                    None => write!(f, "channel {}", name(response)),
-                }
-            }
-            Place::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
-            Place::Parameter(name) => write!(f, "parameter {name}"),
-            Place::Quantity(name) => write!(f, "quantity {name}"),
-        }
     }
 }
 

@@ -286,3 +286,17 @@ fn the_number_of_balls_is_whole_has_no_derivative_and_moves_the_sensors_with_it(
     let nominal = nominal_values(model.parameters());
     assert!(model.observation_row(&nominal, &target).is_err());
 }
+
+#[test]
+fn contact_angles_follow_from_the_printed_roots_of_balls_alone() {
+    let model = CycloidBall::new("B").unwrap();
+    for (name, expected) in [
+        ("cos2_beta", 0.565350409),
+        ("cos2_beta_1", 0.497692110),
+        ("cos2_beta_2", 0.497692110),
+    ] {
+        let spec = model.parameters().iter().find(|spec| spec.name == name);
+        // Half a unit of the last printed digit.
+        assert!((spec.unwrap().nominal - expected).abs() < 6e-10, "{name}");
+    }
+}

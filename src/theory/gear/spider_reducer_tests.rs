@@ -1,8 +1,10 @@
 //! Frequencies, energies, crank turn and static balance of the spider reducer, against an independent computation from the
 //! paper's equations, to its printed digits.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use crate::linalg::least_squares_real;
 use crate::theory::parameter::{nominal_values, override_values};
 use crate::theory::{
     ModeOptions, ModelRoot, SpiderReducer, TheoreticalModel, TheoryModes, model_roots, modes,
@@ -334,4 +336,43 @@ fn quantities_are_the_reference() {
         printed(value(name), text);
     }
     assert!(value("crank_change") < 1e-9, "percent");
+}
+
+#[test]
+fn the_bearings_of_gears_on_shafts_carry_the_load_as_in_the_reference() {
+    let model = SpiderReducer::new("paper").unwrap();
+    let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let output = matrices.coordinates.iter().position(|c| c.name == "boz");
+    let mut load = vec![0.0; matrices.coordinates.len()];
+    load[output.unwrap()] = -1000.0;
+    let moved = least_squares_real(&matrices.stiffness, &load);
+    // Squared forces by gear and shaft, x and y together.
+    let mut squares: BTreeMap<[&str; 2], f64> = BTreeMap::new();
+    for spring in &matrices.springs {
+        let parts = spring.row.iter().zip(&matrices.coordinates);
+        let bodies: Vec<&str> = parts
+            .filter(|(part, _)| part.abs() > 0.0)
+            .map(|(_, coordinate)| coordinate.body.as_str())
+            .collect();
+        let of = |kind: &str| bodies.iter().find(|body| body.starts_with(kind));
+        if let (Some(gear), Some(shaft)) = (of("gear-"), of("shaft-")) {
+            let stretch: f64 = spring.row.iter().zip(&moved).map(|(a, b)| a * b).sum();
+            *squares.entry([gear, shaft]).or_default() += (spring.stiffness * stretch).powi(2);
+        }
+    }
+    let forces: Vec<f64> = squares.values().map(|square| square.sqrt()).collect();
+    let expected = [
+        "1227.60772",
+        "676.45732",
+        "1482.94942",
+        "1179.77775",
+        "1250.97265",
+        "2097.91335",
+        "1502.34844",
+        "1399.59711",
+    ];
+    assert_eq!(forces.len(), expected.len());
+    for (force, text) in forces.into_iter().zip(expected) {
+        printed(force, text);
+    }
 }
