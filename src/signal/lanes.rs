@@ -62,8 +62,8 @@ pub fn lane_moments(values: &[f64], about: f64) -> (f64, f64) {
 }
 
 /// The value that none of the others comes before.
-fn lane_first(values: &[f64], start: f64, before: impl Fn(f64, f64) -> bool) -> f64 {
-    let first = |a: f64, b: f64| if before(b, a) { b } else { a };
+fn lane_first<T: Copy>(values: &[T], start: T, before: impl Fn(T, T) -> bool) -> T {
+    let first = |a: T, b: T| if before(b, a) { b } else { a };
     let lanes = vectorised(
         #[inline(always)]
         || {
@@ -83,14 +83,26 @@ fn lane_first(values: &[f64], start: f64, before: impl Fn(f64, f64) -> bool) -> 
     lanes.into_iter().fold(start, first)
 }
 
-/// Sum, smallest and largest of a piece.
-fn sum_and_ends(piece: &[f64]) -> (f64, f64, f64) {
+/// Sum, smallest and largest of the values of a piece, which are put in `out`, times a factor. With a value that is no number
+/// the sum is none either, and the ends may be any.
+fn scaled<T: Copy + PartialOrd + Into<f64>>(
+    piece: &[T],
+    factor: f64,
+    out: &mut [f64],
+) -> (f64, f64, f64) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for (place, x) in out.iter_mut().zip(piece) {
+                *place = (*x).into() * factor;
+            }
+        },
+    );
     // One result at a time: several at once do not stay in registers.
-    (
-        lane_sum(piece, |x| x),
-        lane_first(piece, f64::INFINITY, |a, b| a < b),
-        lane_first(piece, f64::NEG_INFINITY, |a, b| a > b),
-    )
+    // The ends of what is stored, which is often narrower; the factor keeps or turns their order.
+    let lo = lane_first(piece, piece[0], |a, b| a < b).into() * factor;
+    let hi = lane_first(piece, piece[0], |a, b| a > b).into() * factor;
+    (lane_sum(out, |x| x), lo.min(hi), lo.max(hi))
 }
 
 /// How many values are so.
@@ -118,24 +130,26 @@ pub struct Extent {
 impl Extent {
     /// Of these values.
     pub fn of(values: &[f64]) -> Self {
-        Self::of_pieces(values.chunks(PIECE).map(sum_and_ends))
+        let ends = |piece: &[f64]| {
+            let lo = lane_first(piece, piece[0], |a, b| a < b);
+            (
+                lane_sum(piece, |x| x),
+                lo,
+                lane_first(piece, piece[0], |a, b| a > b),
+            )
+        };
+        Self::of_pieces(values.chunks(PIECE).map(ends))
     }
 
     /// Of values times a factor, which are put in place of what `out` held.
-    pub fn of_scaled<T: Copy + Into<f64>>(values: &[T], factor: f64, out: &mut Vec<f64>) -> Self {
+    pub fn of_scaled<T: Copy + PartialOrd + Into<f64>>(
+        values: &[T],
+        factor: f64,
+        out: &mut Vec<f64>,
+    ) -> Self {
         out.resize(values.len(), 0.0);
-        let pieces = out.chunks_mut(PIECE).zip(values.chunks(PIECE));
-        Self::of_pieces(pieces.map(|(out, values)| {
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (place, x) in out.iter_mut().zip(values) {
-                        *place = (*x).into() * factor;
-                    }
-                },
-            );
-            sum_and_ends(out)
-        }))
+        let pieces = values.chunks(PIECE).zip(out.chunks_mut(PIECE));
+        Self::of_pieces(pieces.map(|(values, out)| scaled(values, factor, out)))
     }
 
     fn of_pieces(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
@@ -179,6 +193,34 @@ mod tests {
             let extent = Extent::of(&x);
             assert_eq!((extent.lo, extent.hi), (-3.0, f64::from(len) - 4.0));
             assert!((extent.sum - x.iter().sum::<f64>()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn scaled_values_have_their_extent_whatever_the_sign() {
+        for len in [1, LANES + 3, PIECE, 2 * PIECE + 5] {
+            let x: Vec<f32> = (0..len).map(|n| ((n * 37) % 101) as f32 - 7.0).collect();
+            for factor in [0.3, -2.5] {
+                let mut out = vec![f64::NAN; 3];
+                let extent = Extent::of_scaled(&x, factor, &mut out);
+                let expected: Vec<f64> = x.iter().map(|x| f64::from(*x) * factor).collect();
+                assert_eq!(out, expected);
+                let of_each = Extent::of(&expected);
+                assert!((extent.sum - of_each.sum).abs() < 1e-9, "{len}");
+                assert_eq!(
+                    Extent { sum: 0.0, ..extent },
+                    Extent {
+                        sum: 0.0,
+                        ..of_each
+                    }
+                );
+            }
+        }
+        let mut out = Vec::new();
+        for bad in [0, 5, PIECE] {
+            let mut x = vec![1.0_f32; PIECE + 9];
+            x[bad] = f32::NAN;
+            assert!(Extent::of_scaled(&x, 1.0, &mut out).sum.is_nan(), "{bad}");
         }
     }
 

@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use super::lane_sum;
+
 /// The force counts as a pulse where it is further from its level than this fraction of the peak.
 ///
 /// Five percent stands well above the noise and the drift of a usable hammer channel (26 dB below the peak).
@@ -109,8 +111,8 @@ impl PreTrigger {
             return None;
         }
         let n = quiet.len() as f64;
-        let mean = quiet.iter().sum::<f64>() / n;
-        let variance = quiet.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let mean = lane_sum(quiet, |v| v) / n;
+        let variance = lane_sum(quiet, |v| (v - mean).powi(2)) / (n - 1.0);
         Some(Self {
             samples: quiet.len(),
             mean,
