@@ -74,9 +74,13 @@ fn on_a_known_rail(samples: &[f64], extent: &Extent, rail: f64, fewest: usize) -
 
 fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     let depth_of_search = NEAR_THE_END * extent.range();
-    let reach = most_depth(samples, extent).min(depth_of_search);
-    let (high, low) = (extent.hi - reach, extent.lo + reach);
-    if extent.range() <= 0.0 || extent.count_beyond(samples, low, high) < fewest {
+    let few_within =
+        |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
+    // Most records have few samples even where a rail is sought, which is told faster than its depth.
+    if extent.range() <= 0.0
+        || few_within(depth_of_search)
+        || few_within(most_depth(samples, extent).min(depth_of_search))
+    {
         return 0;
     }
     let (high, low) = (extent.hi - depth_of_search, extent.lo + depth_of_search);
