@@ -15,7 +15,7 @@ use super::force::ForceHit;
 use super::preconditions::kind_of;
 use super::sums::{LineError, Sums};
 use super::truncation::QuarterEnergies;
-use super::variance::{NoisePowers, variances};
+use super::variance::{Averaged, NoisePowers, variances};
 use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData, Selection};
 
 /// The hits at one point, with their forces.
@@ -79,9 +79,15 @@ pub(super) struct Work {
     scratch: Scratch,
     samples: Samples,
     record: Vec<f64>,
-    spectrum: Vec<Complex64>,
+    spectra: [Vec<Complex64>; ADDED_TOGETHER],
+    /// Hits, by their numbers within the group, whose spectra are there and not yet summed.
+    waiting: Vec<usize>,
     sums: Sums,
 }
+
+/// Hits whose spectra are summed in one pass: the sums are read and written once for all of them, while more spectra than
+/// that would have left the cache before.
+const ADDED_TOGETHER: usize = 2;
 
 impl Work {
     pub fn new(plan: &ForwardPlan) -> Self {
@@ -89,9 +95,24 @@ impl Work {
             scratch: plan.scratch(),
             samples: Samples::F32(Vec::new()),
             record: Vec::new(),
-            spectrum: vec![Complex64::ZERO; plan.lines()],
+            spectra: std::array::from_fn(|_| vec![Complex64::ZERO; plan.lines()]),
+            waiting: Vec::new(),
             sums: Sums::default(),
         }
+    }
+
+    fn clear(&mut self, lines: usize) {
+        self.waiting.clear();
+        self.sums.clear(lines);
+    }
+
+    /// Sums the spectra that wait.
+    fn sum(&mut self, forces: &[ForceHit]) {
+        let force = |hit: &usize| forces[*hit].spectrum.as_slice();
+        let responses = self.spectra.iter().map(Vec::as_slice);
+        let hits: Vec<_> = self.waiting.iter().map(force).zip(responses).collect();
+        self.sums.add(&hits);
+        self.waiting.clear();
     }
 }
 
@@ -143,7 +164,7 @@ impl Estimation<'_> {
     ) -> Result<Finished, FrfError> {
         let mut totals = Totals::default();
         let mut findings = Vec::new();
-        work.sums.clear(self.plan.lines());
+        work.clear(self.plan.lines());
         for member in &task.members {
             let extent = self.read(*member, recording, work)?;
             match self.unusable(*member, &work.record, &extent) {
@@ -159,6 +180,7 @@ impl Estimation<'_> {
             }
         }
         let forces = &self.group.forces;
+        work.sum(forces);
         if totals.hits.len() == forces.len() {
             work.sums.gff.clone_from(&self.group.power);
         } else {
@@ -241,9 +263,13 @@ impl Estimation<'_> {
         let onset = frame.pulse.onset.saturating_sub(frame.range.start);
         let variance = quiet.map(|quiet| quiet.variance);
         let energies = QuarterEnergies::of(&work.record, onset, weights, variance);
-        let (spectrum, scratch) = (&mut work.spectrum, &mut work.scratch);
+        let spectrum = &mut work.spectra[work.waiting.len()];
+        let scratch = &mut work.scratch;
         self.plan.run(&mut work.record, spectrum, scratch);
-        work.sums.add(&force.spectrum, &work.spectrum);
+        work.waiting.push(h);
+        if work.waiting.len() == ADDED_TOGETHER {
+            work.sum(&self.group.forces);
+        }
         totals.hits.push(h);
         totals.energies.push(energies);
         totals.force_noise.extend(force.noise);
@@ -264,7 +290,15 @@ impl Estimation<'_> {
         let values = values.map_err(|(line, error)| self.line_error(error, task, line))?;
         let n = totals.hits.len();
         let (h, r) = task.members[0];
-        let variances = variances(sums, &values, n, self.pooled_lines, powers);
+        let coherence = (n > 1).then(|| sums.each(coherence));
+        let averaged = Averaged {
+            sums,
+            values: &values,
+            is_h1: estimator == Estimator::H1,
+            coherence: coherence.as_deref().unwrap_or_default(),
+            averages: n,
+        };
+        let variances = variances(&averaged, self.pooled_lines, powers);
         let function = Function {
             response: task.response.clone(),
             reference: self.group.reference.clone(),
@@ -274,7 +308,7 @@ impl Estimation<'_> {
             variance_dof: variances.as_ref().map(|own| own.degrees_of_freedom),
         };
         let data = FunctionData {
-            coherence: (n > 1).then(|| sums.each(coherence)),
+            coherence,
             variance: variances.map(|own| own.values),
             values,
         };

@@ -28,6 +28,9 @@ pub(super) enum LineError {
     NotCorrelated,
 }
 
+/// Lines whose sums stay in the nearest cache while several hits are added to them.
+const LINES_AT_ONCE: usize = 128;
+
 /// Sums over hits at every line.
 #[derive(Default)]
 pub(super) struct Sums {
@@ -37,28 +40,36 @@ pub(super) struct Sums {
     pub gxx: Vec<f64>,
     /// `ΣF* X`.
     pub gfx: Vec<Complex64>,
+    /// Whether responses are in the sums; without any they hold what was there before.
+    begun: bool,
 }
 
 impl Sums {
     /// Starts again with no response; `Σ|F|²` is given when all of them are there.
     pub fn clear(&mut self, lines: usize) {
-        self.gxx.clear();
         self.gxx.resize(lines, 0.0);
-        self.gfx.clear();
         self.gfx.resize(lines, Complex64::ZERO);
+        self.begun = false;
     }
 
-    /// Adds the spectrum of a response, with that of its force.
-    pub fn add(&mut self, force: &[Complex64], response: &[Complex64]) {
+    /// Adds the spectra of the force and the response of each of these hits, in order.
+    pub fn add(&mut self, hits: &[(&[Complex64], &[Complex64])]) {
+        let gxx = self.gxx.chunks_mut(LINES_AT_ONCE);
+        let gfx = self.gfx.chunks_mut(LINES_AT_ONCE);
+        let begun = std::mem::replace(&mut self.begun, true);
         vectorised(
             #[inline(always)]
             || {
-                let sums = self.gxx.iter_mut().zip(&mut self.gfx);
-                let spectra = force.iter().zip(response);
-                for ((gxx, gfx), (f, x)) in sums.zip(spectra) {
-                    *gxx += x.re * x.re + x.im * x.im;
-                    gfx.re += f.re * x.re + f.im * x.im;
-                    gfx.im += f.re * x.im - f.im * x.re;
+                for (piece, (gxx, gfx)) in gxx.zip(gfx).enumerate() {
+                    if !begun {
+                        gxx.fill(0.0);
+                        gfx.fill(Complex64::ZERO);
+                    }
+                    let first = piece * LINES_AT_ONCE;
+                    let lines = first..first + gxx.len();
+                    for (force, response) in hits {
+                        add_lines(gxx, gfx, &force[lines.clone()], &response[lines.clone()]);
+                    }
                 }
             },
         );
@@ -118,6 +129,16 @@ impl Sums {
     }
 }
 
+#[inline(always)]
+fn add_lines(gxx: &mut [f64], gfx: &mut [Complex64], force: &[Complex64], response: &[Complex64]) {
+    let spectra = force.iter().zip(response);
+    for ((gxx, gfx), (f, x)) in gxx.iter_mut().zip(gfx).zip(spectra) {
+        *gxx += x.re * x.re + x.im * x.im;
+        gfx.re += f.re * x.re + f.im * x.im;
+        gfx.im += f.re * x.im - f.im * x.re;
+    }
+}
+
 #[cfg(test)]
 impl From<&[LineSums]> for Sums {
     fn from(lines: &[LineSums]) -> Self {
@@ -125,6 +146,7 @@ impl From<&[LineSums]> for Sums {
             gff: lines.iter().map(|line| line.gff).collect(),
             gxx: lines.iter().map(|line| line.gxx).collect(),
             gfx: lines.iter().map(|line| line.gfx).collect(),
+            begun: true,
         }
     }
 }
@@ -271,6 +293,32 @@ mod tests {
         lines[20].gff = 0.0;
         let without = Sums::from(lines.as_slice()).estimates(Estimator::H1, 0.7);
         assert_eq!(without, Err((20, LineError::NoForce)));
+    }
+
+    #[test]
+    fn hits_that_are_added_together_have_the_sums_of_each() {
+        for lines in [1, LINES_AT_ONCE, 3 * LINES_AT_ONCE + 5] {
+            let spectrum = |own: usize| -> Vec<Complex64> {
+                let value = |line: usize| Complex64::cis((own * line) as f64) * (own + line) as f64;
+                (0..lines).map(value).collect()
+            };
+            let spectra: Vec<_> = (1..4).map(|h| (spectrum(h), spectrum(h + 10))).collect();
+            let hits: Vec<_> = spectra.iter().map(|(f, x)| (&f[..], &x[..])).collect();
+            let mut sums = Sums::default();
+            sums.clear(lines);
+            sums.add(&hits);
+            sums.clear(lines);
+            sums.add(&hits[..2]);
+            sums.add(&hits[2..]);
+            for line in 0..lines {
+                let mut expected = LineSums::default();
+                hits.iter()
+                    .for_each(|(f, x)| expected.add(f[line], x[line]));
+                let (gxx, gfx) = (sums.gxx[line], sums.gfx[line]);
+                assert!((gxx / expected.gxx - 1.0).abs() < 1e-14, "{line}");
+                assert!((gfx - expected.gfx).norm() < 1e-14 * expected.gfx.norm() + 1e-11);
+            }
+        }
     }
 
     proptest! {

@@ -6,7 +6,6 @@ use num_complex::Complex64;
 
 use crate::signal::vectorised;
 
-use super::coherence::coherence;
 use super::sums::{LineSums, Sums};
 
 /// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with three hits a line has
@@ -37,6 +36,18 @@ pub(super) struct Variances {
     pub degrees_of_freedom: f64,
 }
 
+/// An averaged function whose variances are wanted.
+pub(super) struct Averaged<'a> {
+    pub sums: &'a Sums,
+    pub values: &'a [Complex64],
+    /// Whether the values are H1.
+    pub is_h1: bool,
+    /// γ² of each line; of one hit none is needed.
+    pub coherence: &'a [f64],
+    /// Number of hits.
+    pub averages: usize,
+}
+
 /// Variance of every line with its degrees of freedom; `pooled_lines` are the [`independent_lines`] of the window.
 ///
 /// - More than three hits: the scatter of each line ([`scatter`]), 2(n − 1) degrees of freedom.
@@ -44,15 +55,12 @@ pub(super) struct Variances {
 ///   `Gff (n − 1)`; degrees of freedom 2(n − 1) times the lines, fewer where a window makes neighbours alike.
 /// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is not known.
 pub(super) fn variances(
-    sums: &Sums,
-    values: &[Complex64],
-    averages: usize,
+    own: &Averaged,
     pooled_lines: f64,
     noise: &NoisePowers,
 ) -> Option<Variances> {
-    let freedom = averages as f64 - 1.0;
-    let lines = || sums.iter().zip(values);
-    match averages {
+    let freedom = own.averages as f64 - 1.0;
+    match own.averages {
         0 => None,
         1 => {
             let (response, force) = (noise.response?, noise.force?);
@@ -60,64 +68,83 @@ pub(super) fn variances(
                 (response + value.norm_sqr() * force) / sums.gff
             };
             Some(Variances {
-                values: lines().map(of).collect(),
+                values: own.sums.iter().zip(own.values).map(of).collect(),
                 degrees_of_freedom: noise.samples as f64 - 1.0,
             })
         }
-        _ if averages <= FEW_HITS && sums.gff.len() > POOLED + 2 => {
-            let powers = sums.each(residual_power);
-            let of = |((sums, value), power): ((LineSums, &Complex64), f64)| {
-                power / (sums.gff * freedom) * over_h1(sums, *value)
-            };
+        averages if averages <= FEW_HITS && own.values.len() > POOLED + 2 => {
+            let lines = own.sums.iter().zip(own.coherence);
+            let powers: Vec<f64> = lines
+                .map(|(sums, coherence)| residual_power(sums, *coherence))
+                .collect();
+            let lines = own.sums.iter().zip(pooled(&powers));
+            let mut values: Vec<f64> = lines
+                .map(|(sums, power)| power / (sums.gff * freedom))
+                .collect();
+            own.scale(&mut values);
             Some(Variances {
-                values: lines().zip(pooled(&powers)).map(of).collect(),
+                values,
                 degrees_of_freedom: 2.0 * freedom * pooled_lines,
             })
         }
         _ => Some(Variances {
-            values: scatters(sums, values, averages),
+            values: own.scatters(freedom),
             degrees_of_freedom: 2.0 * freedom,
         }),
     }
 }
 
-/// [`scatter`] of every line.
-fn scatters(sums: &Sums, values: &[Complex64], averages: usize) -> Vec<f64> {
-    let mut out = vec![0.0; values.len()];
-    vectorised(
-        #[inline(always)]
-        || {
-            let lines = out.iter_mut().zip(sums.iter().zip(values));
-            lines.for_each(|(place, (sums, value))| *place = scatter(sums, *value, averages));
-        },
-    );
-    out
+impl Averaged<'_> {
+    /// [`scatter`] of every line.
+    fn scatters(&self, freedom: f64) -> Vec<f64> {
+        let mut out = vec![0.0; self.values.len()];
+        vectorised(
+            #[inline(always)]
+            || {
+                let lines = self.sums.iter().zip(self.coherence);
+                for (place, (sums, coherence)) in out.iter_mut().zip(lines) {
+                    *place = scatter(sums, *coherence, freedom);
+                }
+            },
+        );
+        self.scale(&mut out);
+        out
+    }
+
+    /// Takes variances of H1 to those of the values.
+    fn scale(&self, variances: &mut [f64]) {
+        if !self.is_h1 {
+            let lines = self.sums.iter().zip(self.values);
+            for (variance, (sums, value)) in variances.iter_mut().zip(lines) {
+                *variance *= over_h1(sums, *value);
+            }
+        }
+    }
 }
 
-/// `E|H - E H|²` of the average over `n` hits, `|H|² (1 - γ²) / (γ² (n - 1))`.
+/// `E|H1 - E H1|²` of the average over `n` hits, `|H1|² (1 - γ²) / (γ² (n - 1))`, with `freedom` n − 1.
 ///
-/// For H1 this is the force-weighted scatter `Σ|X_i - H F_i|² / ((n - 1) Σ|F_i|²)`: a least-squares slope through
+/// This is the force-weighted scatter `Σ|X_i - H F_i|² / ((n - 1) Σ|F_i|²)`: a least-squares slope through
 /// the origin with `n - 1` complex degrees of freedom, so that it is unbiased for noise on the responses of equal
 /// power in every hit. Each of the real and imaginary part has half of it. Computed as `(1 - γ²) Gxx / (Gff (n - 1))`,
-/// which holds where γ² = 0 too, times `|H|² / |H1|²`: to first order the same relative variance belongs to H2 and
-/// Hv (regression of the force on the response has the same γ²).
+/// which holds where γ² = 0 too. For H2 and Hv it is taken times `|H|² / |H1|²`: to first order the same relative variance
+/// belongs to them (regression of the force on the response has the same γ²).
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., chapter 9 (gain factor estimates): the normalised random error
 /// `sqrt(1 - γ²) / (γ sqrt(2 n))` of the magnitude, whose square is half of this over `|H|²` for large `n`.
 #[inline]
-fn scatter(sums: LineSums, value: Complex64, averages: usize) -> f64 {
-    residual_power(sums) / (sums.gff * (averages as f64 - 1.0)) * over_h1(sums, value)
+fn scatter(sums: LineSums, coherence: f64, freedom: f64) -> f64 {
+    residual_power(sums, coherence) / (sums.gff * freedom)
 }
 
 /// `(1 − γ²) Gxx`: the power of the response that the force does not explain, times n.
 #[inline]
-fn residual_power(sums: LineSums) -> f64 {
-    (1.0 - coherence(sums)) * sums.gxx
+fn residual_power(sums: LineSums, coherence: f64) -> f64 {
+    (1.0 - coherence) * sums.gxx
 }
 
 /// `|H|² / |H1|²`; 1 where H1 is 0.
-#[inline]
 fn over_h1(sums: LineSums, value: Complex64) -> f64 {
     let h1 = sums.gfx.norm_sqr() / (sums.gff * sums.gff);
     if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 }
@@ -165,6 +192,7 @@ pub(super) fn independent_lines(weights: Option<&[f64]>) -> f64 {
 mod tests {
     use super::*;
     use crate::frf::Estimator;
+    use crate::frf::coherence::coherence;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -187,6 +215,32 @@ mod tests {
         sums
     }
 
+    /// Variances of lines with these sums.
+    fn of_lines(
+        lines: &[LineSums],
+        (estimator, averages): (Estimator, usize),
+        noise: &NoisePowers,
+    ) -> Option<Variances> {
+        let values = lines.iter().map(|own| own.estimate(estimator, 0.0));
+        let values: Vec<Complex64> = values.collect::<Result<_, _>>().unwrap();
+        let coherence: Vec<f64> = lines.iter().map(|own| coherence(*own)).collect();
+        let own = Averaged {
+            sums: &Sums::from(lines),
+            values: &values,
+            is_h1: estimator == Estimator::H1,
+            coherence: &coherence,
+            averages,
+        };
+        variances(&own, 5.0, noise)
+    }
+
+    /// Variance of one line of more than three hits.
+    fn of_line(sums: LineSums, estimator: Estimator, averages: usize) -> f64 {
+        of_lines(&[sums], (estimator, averages), &UNKNOWN)
+            .unwrap()
+            .values[0]
+    }
+
     #[test]
     fn it_is_the_force_weighted_scatter_over_n_minus_one() {
         let hits = hits();
@@ -197,7 +251,7 @@ mod tests {
             .map(|(f, x)| f.norm_sqr() * (x / f - h).norm_sqr())
             .sum();
         let expected = by_hit / (5.0 * sums.gff);
-        let got = scatter(sums, h, 6);
+        let got = of_line(sums, Estimator::H1, 6);
         assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
         let gamma_squared = coherence(sums);
         let textbook = h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * 5.0);
@@ -209,7 +263,7 @@ mod tests {
         let sums = sums(&hits());
         let (h1, h2) = (Estimator::H1, Estimator::H2);
         let value = |e| sums.estimate(e, 0.0).unwrap();
-        let of = |e| scatter(sums, value(e), 6) / value(e).norm_sqr();
+        let of = |e| of_line(sums, e, 6) / value(e).norm_sqr();
         assert!((of(h2) / of(h1) - 1.0).abs() < 1e-13);
     }
 
@@ -228,7 +282,7 @@ mod tests {
             }
             let estimate = sums.estimate(Estimator::H1, 0.0).unwrap();
             observed += (estimate - h).norm_sqr() / f64::from(draws);
-            stated += scatter(sums, estimate, 3) / f64::from(draws);
+            stated += scatter(sums, coherence(sums), 2.0) / f64::from(draws);
         }
         // Noise power 2 over Gff = 3.33. Relative deviations of the two means: 1 and 1/sqrt(2) over sqrt(draws).
         let expected = 2.0 / 3.33;
@@ -243,7 +297,7 @@ mod tests {
             gxx: 6.0,
             gfx: Complex64::ZERO,
         };
-        assert!((scatter(sums, Complex64::ZERO, 4) - 0.5).abs() < 1e-15);
+        assert!((of_line(sums, Estimator::H1, 4) - 0.5).abs() < 1e-15);
     }
 
     const UNKNOWN: NoisePowers = NoisePowers {
@@ -259,15 +313,14 @@ mod tests {
             gxx: 36.0,
             gfx: Complex64::new(12.0, 0.0),
         };
-        let sums = Sums::from([sums].as_slice());
-        let h = [Complex64::new(3.0, 0.0)];
-        assert_eq!(variances(&sums, &h, 1, 5.0, &UNKNOWN), None);
+        let one = |noise: &NoisePowers| of_lines(&[sums], (Estimator::H1, 1), noise);
+        assert_eq!(one(&UNKNOWN), None);
         let noise = NoisePowers {
             response: Some(0.02),
             force: Some(0.01),
             samples: 51,
         };
-        let own = variances(&sums, &h, 1, 5.0, &noise).unwrap();
+        let own = one(&noise).unwrap();
         assert!((own.values[0] - (0.02 + 9.0 * 0.01) / 4.0).abs() < 1e-15);
         assert!((own.degrees_of_freedom - 50.0).abs() < 1e-12);
     }
@@ -281,16 +334,15 @@ mod tests {
                 gfx: Complex64::ZERO,
             })
             .collect();
-        let sums = Sums::from(sums.as_slice());
-        let h = [Complex64::ZERO; 20];
-        let own = variances(&sums, &h, 3, 5.0, &UNKNOWN).unwrap();
+        let of = |averages| of_lines(&sums, (Estimator::H1, averages), &UNKNOWN).unwrap();
+        let own = of(3);
         // Residual powers 1 2 1 2 1 about an even line, 2 1 2 1 2 about an odd one.
         assert!((own.values[10] - 7.0 / 5.0 / 4.0).abs() < 1e-15);
         assert!((own.values[11] - 8.0 / 5.0 / 4.0).abs() < 1e-15);
         // The first line is in no mean: lines 1 to 5 stand for it.
         assert!((own.values[0] - own.values[3]).abs() < 1e-15);
         assert!((own.degrees_of_freedom - 20.0).abs() < 1e-12);
-        let many = variances(&sums, &h, 4, 5.0, &UNKNOWN).unwrap();
+        let many = of(4);
         assert!((many.values[11] - 2.0 / (2.0 * 3.0)).abs() < 1e-15);
         assert!((many.degrees_of_freedom - 6.0).abs() < 1e-12);
     }
