@@ -112,4 +112,18 @@ pub(in crate::io) trait ArrayStore: Send {
         let part = array.elements.part(range.clone());
         part.ok_or_else(|| outside(&array.name, &range))
     }
+
+    /// Reads elements `range` of array `index` in place of what `values` held, where the file keeps them one after the other as
+    /// numbers of single precision of this machine; else `false`, and [`ArrayStore::read_part`] has to be asked.
+    ///
+    /// # Errors
+    /// As [`ArrayStore::read`].
+    fn read_singles(
+        &mut self,
+        _index: usize,
+        _range: Range<usize>,
+        _values: &mut Vec<f32>,
+    ) -> Result<bool, IoError> {
+        Ok(false)
+    }
 }

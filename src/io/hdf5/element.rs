@@ -284,6 +284,12 @@ fn float(bits: u128, layout: FloatingPointLayout) -> f64 {
 }
 
 impl Content {
+    /// Whether elements of `stride` bytes are numbers of single precision as this machine has them.
+    pub fn is_native_single(&self, stride: usize) -> bool {
+        let big_endian = cfg!(target_endian = "big");
+        matches!(self, Content::Single(scalar) if stride == 4 && scalar.big_endian == big_endian)
+    }
+
     /// No elements yet, of the right kind; `None` for what is no number and no text.
     pub fn empty(&self, count: usize) -> Option<Elements> {
         Some(match self {

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use hdf5_pure::{Dataset, FormatError, Layout, VlenStringReadOptions};
+use bytemuck::cast_slice_mut;
+use hdf5_pure::{Dataset, FormatError, Layout, Source, VlenStringReadOptions};
 
 use super::super::array::bytes::{RecentArrays, Window};
 use super::super::array::{ArrayStore, Elements, NamedArray, outside};
@@ -178,6 +179,29 @@ impl Hdf5Store {
         Err(refused(&self.path, &self.listing.infos[index].name, got))
     }
 
+    /// Byte and number of the elements of an array that stands in the file as it is in memory: one block of numbers of single
+    /// precision.
+    fn singles_at(&self, index: usize) -> Result<Option<(u64, usize)>, IoError> {
+        let item = &self.listing.items[index];
+        let as_in_memory = item.content.is_native_single(item.stride)
+            && item.presentation == Presentation::AsStored
+            && item.refusal.is_none();
+        if !as_in_memory {
+            return Ok(None);
+        }
+        let layout = item.dataset.layout();
+        let count: usize = item.stored.iter().product();
+        Ok(
+            match layout.map_err(|error| self.reader_error(index, &error))? {
+                Layout::Contiguous {
+                    address: Some(address),
+                    size,
+                } if size == (count * size_of::<f32>()) as u64 => Some((address, count)),
+                _ => None,
+            },
+        )
+    }
+
     /// Reads what holds elements `range`, so that the next part is likely to be there.
     fn window(&mut self, index: usize, range: &Range<usize>) -> Result<Window, IoError> {
         let item = &self.listing.items[index];
@@ -295,6 +319,26 @@ impl ArrayStore for Hdf5Store {
             shape: info.shape.clone(),
             elements,
         })
+    }
+
+    fn read_singles(
+        &mut self,
+        index: usize,
+        range: Range<usize>,
+        values: &mut Vec<f32>,
+    ) -> Result<bool, IoError> {
+        let Some((address, count)) = self.singles_at(index)? else {
+            return Ok(false);
+        };
+        if range.start > range.end || range.end > count {
+            return Err(outside(&self.listing.infos[index].name, &range));
+        }
+        values.resize(range.len(), 0.0);
+        self.stream.allow(TIMES_READ);
+        let byte = address.saturating_add((range.start * size_of::<f32>()) as u64);
+        let read = self.stream.read_at(byte, cast_slice_mut(values));
+        read.map_err(|error| self.error(index, error.to_string()))?;
+        Ok(true)
     }
 
     fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {

@@ -204,6 +204,39 @@ fn compressed_chunks_are_read_whole_and_in_part() {
     assert!(store.read_part(0, 690..701).is_err());
 }
 
+#[test]
+fn blocks_of_single_precision_are_read_straight_and_nothing_else_is() {
+    let values: Vec<f32> = (0..600_u16).map(|i| f32::from(i).sqrt()).collect();
+    for user_block in [0, 512] {
+        let mut builder = FileBuilder::new();
+        if user_block > 0 {
+            builder.with_userblock(user_block);
+        }
+        let block = builder.create_dataset("block");
+        block.with_f32_data(&values).with_shape(&[60, 10]);
+        let chunked = builder.create_dataset("chunked");
+        chunked.with_f32_data(&values).with_shape(&[60, 10]);
+        chunked.with_chunks(&[9, 4]);
+        let double = builder.create_dataset("double");
+        double.with_f64_data(&[1.5; 600]).with_shape(&[600]);
+        let mut store = open(builder);
+        let place = |store: &Hdf5Store, name: &str| {
+            let index = store.list().iter().position(|info| info.name == name);
+            index.unwrap_or_else(|| panic!("{name}"))
+        };
+        let (block, mut read) = (place(&store, "block"), vec![7.0; 3]);
+        for range in [0..600, 5..6, 83..412, 599..600, 3..3] {
+            assert!(store.read_singles(block, range.clone(), &mut read).unwrap());
+            assert_eq!(read, values[range]);
+        }
+        assert!(store.read_singles(block, 590..601, &mut read).is_err());
+        for name in ["chunked", "double"] {
+            let other = place(&store, name);
+            assert!(!store.read_singles(other, 0..10, &mut read).unwrap());
+        }
+    }
+}
+
 /// A file of MATLAB with what is added to it.
 fn matlab() -> FileBuilder {
     let mut builder = FileBuilder::new();
