@@ -181,14 +181,7 @@ impl<'a> Sight<'a> {
     pub fn new(theory: &'a ModalModel, test: &ModalModel, frfs: &'a [FrfSet]) -> Self {
         let roots = elastic_roots(theory);
         let pairs = pairs(test, frfs);
-        let largest = |dof: &Dof| {
-            let all = theory.modes.iter();
-            all.filter_map(|mode| {
-                let mass = modal_mass_kg(mode).unwrap_or(1.0);
-                reading(&mode.shape, dof).map(|value| value.norm() / mass.sqrt())
-            })
-            .fold(0.0, f64::max)
-        };
+        let largest = |dof: &Dof| largest(theory, dof);
         let scales: BTreeMap<&Dof, f64> = pairs
             .iter()
             .flat_map(|(response, reference)| [response, reference])
@@ -204,6 +197,11 @@ impl<'a> Sight<'a> {
             roots,
             pairs,
         }
+    }
+
+    /// The most that any mode has at a point.
+    pub fn largest(&self, dof: &Dof) -> f64 {
+        largest(self.theory, dof)
     }
 
     /// The elastic roots, ascending.
@@ -387,6 +385,16 @@ fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
     let same = |own: &Dof| own.point() == dof.point() && own.axis() == dof.axis();
     let found = shape.iter().find(|(own, _)| same(own));
     found.map(|(own, value)| value * own.sign() * dof.sign())
+}
+
+/// The most that any mode has at a point over the square root of its modal mass, 1/√kg for a translation; where a mass is not known,
+/// it counts as 1.
+fn largest(theory: &ModalModel, dof: &Dof) -> f64 {
+    let of = |mode: &Mode| {
+        let mass = modal_mass_kg(mode).unwrap_or(1.0);
+        reading(&mode.shape, dof).map(|value| value.norm() / mass.sqrt())
+    };
+    theory.modes.iter().filter_map(of).fold(0.0, f64::max)
 }
 
 /// What a mode has at a point over the square root of its modal mass, 1/√kg for a translation; `None` without a shape there.

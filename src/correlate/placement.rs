@@ -307,12 +307,18 @@ impl<'a> Target<'a> {
         let set = frfs.first().ok_or(NotJudged::Variance)?;
         let peak = Peak::new(root.hz, ratio, set);
         let noise = |dof: &Dof| noise(&peak, frfs, dof).ok_or(NotJudged::Variance);
-        let row = |dof: &Dof| {
+        let row = |dof: &Dof| -> Result<Option<Vec<Complex64>>, NotJudged> {
             let value = |j: &usize| over_root_mass(&theory.modes[*j], dof);
-            root.modes
-                .iter()
-                .map(value)
-                .collect::<Result<Option<Vec<_>>, _>>()
+            let row = root.modes.iter().map(value);
+            let row: Option<Vec<Complex64>> = row.collect::<Result<_, _>>()?;
+            // What rounding leaves of a point that stands still is nothing.
+            let limit = STILL * sight.largest(dof);
+            Ok(row.map(|mut row| {
+                if squared(&row).sqrt() <= limit {
+                    row.fill(Complex64::ZERO);
+                }
+                row
+            }))
         };
         let (mut by_hit, mut by_response) = (Vec::new(), Vec::new());
         for dof in &all.hits {
@@ -401,14 +407,8 @@ impl<'a> Target<'a> {
     }
 
     fn still(&self, rows: &Rows, points: &[Dof]) -> bool {
-        let largest =
-            |rows: &[&[Complex64]]| rows.iter().map(|row| squared(row)).fold(0.0, f64::max);
-        let all: Vec<&[Complex64]> = rows.iter().map(|(_, row)| row.as_slice()).collect();
-        let own: Vec<&[Complex64]> = points
-            .iter()
-            .filter_map(|dof| self.row(rows, dof))
-            .collect();
-        largest(&own).sqrt() <= STILL * largest(&all).sqrt()
+        let mut own = points.iter().filter_map(|dof| self.row(rows, dof));
+        own.all(|row| squared(row) == 0.0)
     }
 }
 

@@ -222,7 +222,7 @@ fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
         let table = &printed[start..];
         let table = &table[..table.find("\n\n").unwrap_or(table.len())];
         for word in [
-            "25 printed",
+            "26 printed",
             "inferred: m_3",
             "assumed: trochoid_ratio",
             "synthetic recording",
