@@ -19,6 +19,7 @@ mod observability;
 mod options;
 mod pairing;
 mod placement;
+mod points;
 pub mod published;
 mod roots;
 mod share;

@@ -32,7 +32,12 @@ fn pairs(text: &[(&str, &str)]) -> Vec<(Dof, Dof)> {
 }
 
 /// FRFs on lines of `step_hz` up to 1000 Hz with one variance everywhere.
-fn frfs(text: &[(&str, &str)], kind: FrfKind, variance: Option<f64>, step_hz: f64) -> Vec<FrfSet> {
+pub(super) fn frfs(
+    text: &[(&str, &str)],
+    kind: FrfKind,
+    variance: Option<f64>,
+    step_hz: f64,
+) -> Vec<FrfSet> {
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz,

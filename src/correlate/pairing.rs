@@ -9,7 +9,7 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::roots::{Root, check_model, elastic_modes, elastic_roots};
-use super::share::shares;
+use super::share::share;
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions, assign};
 
@@ -287,16 +287,17 @@ struct CandidateTable {
 impl CandidateTable {
     fn new(test: &ModalModel, theory: &ModalModel, shapes: &Shapes, options: &PairOptions) -> Self {
         let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
-        let row = |&i: &usize| {
-            let shares = shares((test, theory), shapes, (i, &roots));
-            let candidate = |(root, share): (&Root, Option<f64>)| {
-                let hz = test.modes[i].frequency_hz;
-                let error = options.error_reference.error(hz, root.hz);
-                let (comparable, mac) = shapes.compare(i, &root.modes);
-                candidate(error, comparable.then_some((mac, share)), options)
-            };
-            roots.iter().zip(shares).map(candidate).collect()
+        let candidate = |i: usize, r: usize| {
+            let root = &roots[r];
+            let hz = test.modes[i].frequency_hz;
+            let error = options.error_reference.error(hz, root.hz);
+            let near = error.abs() <= options.max_frequency_error;
+            let (comparable, mac) = shapes.compare(i, &root.modes);
+            let share = || share((theory, shapes), i, (r, &roots));
+            let alike = comparable.then(|| (mac, near.then(share).flatten()));
+            candidate(error, alike, options)
         };
+        let row = |&i: &usize| (0..roots.len()).map(|r| candidate(i, r)).collect();
         Self {
             candidates: modes.iter().map(row).collect(),
             modes,

@@ -6,7 +6,9 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::modal::ModalModel;
 
-use super::observability_tests::{of_theory, receptances};
+use crate::quantity::FrfKind;
+
+use super::observability_tests::{frfs, of_theory, receptances};
 use super::pairing_tests::model;
 use super::*;
 
@@ -24,7 +26,12 @@ fn placed(theory: &ModalModel, test: &[(&str, &str)], points: &[&str]) -> Placem
     };
     let band = Band::new(10.0, 900.0).unwrap();
     let frfs = receptances(test, QUIET);
-    placement((theory, &ModalModel::default(), &frfs), band, &candidates).unwrap()
+    placement(
+        (theory, &ModalModel::default(), &frfs),
+        Some(band),
+        &candidates,
+    )
+    .unwrap()
 }
 
 /// Points of every step: hit, sensor.
@@ -121,12 +128,52 @@ fn what_no_point_can_see_is_said_with_its_reason() {
     assert_eq!(roots[0], (1, [false, false]));
     assert_eq!(roots[1], (0, [true, true]));
     // It moves, but a strength of 1e-18 does not rise over the noise.
-    assert_eq!(roots[2].0, 0);
-    assert!(
-        plan.roots[2]
-            .peak_over_noise_db
-            .is_none_or(|db| db < plan.roots[2].needed_db)
-    );
+    assert_eq!(roots[2], (0, [false, false]));
+    assert!(plan.roots[2].peak_over_noise_db.unwrap() < -200.0);
+}
+
+#[test]
+fn pairs_that_nobody_measured_are_not_seen() {
+    // Root 2 moves at 1 and at 3, but 1 was only hit for the sensor at 2, and 3 only carried one for the hit at 2.
+    let theory = model(vec![
+        of_theory(100.0, &[1.0, 1.0, 1.0]),
+        of_theory(200.0, &[1.0, 0.0, -0.5]),
+    ]);
+    let test = [("2:+Z", "1:+Z"), ("3:+Z", "2:+Z")];
+    let plan = placed(&theory, &test, &["1:+Z", "2:+Z", "3:+Z"]);
+    assert_eq!(plan.roots[1].seen, 0);
+    assert_eq!(plan.roots[1].planned, 1);
+    assert_eq!(plan.steps.len(), 1);
+}
+
+#[test]
+fn each_response_is_held_against_its_noise_in_its_own_kind() {
+    let theory = model(vec![of_theory(200.0, &[1.0, 1.0])]);
+    let db = |kind: FrfKind, variance: f64| {
+        let frfs = [
+            receptances(&[("1:+Z", "1:+Z")], 1.0),
+            frfs(&[("2:+Z", "1:+Z")], kind, Some(variance), 0.5),
+        ];
+        let candidates = Candidates {
+            hits: Vec::new(),
+            sensors: Vec::new(),
+        };
+        let known = (&theory, &ModalModel::default(), frfs.concat());
+        let plan = placement((known.0, known.1, &known.2), None, &candidates).unwrap();
+        plan.roots[0].peak_over_noise_db.unwrap()
+    };
+    let omega = std::f64::consts::TAU * 200.0;
+    let same = db(FrfKind::Receptance, QUIET);
+    assert!((db(FrfKind::Mobility, QUIET * omega * omega) - same).abs() < 1e-9);
+    assert!((db(FrfKind::Accelerance, QUIET * omega.powi(4)) - same).abs() < 1e-9);
+}
+
+#[test]
+fn signs_of_sensors_make_no_other_points() {
+    let theory = model(vec![of_theory(200.0, &[1.0, 0.5])]);
+    let plan = placed(&theory, &[("1:-Z", "1:-Z")], &["1:+Z"]);
+    assert_eq!((plan.steps.len(), plan.roots[0].seen), (0, 1));
+    assert_eq!(plan.ranking.len(), 1);
 }
 
 #[test]
@@ -143,7 +190,10 @@ fn independence_is_the_part_of_a_row_that_no_other_point_has() {
         } else {
             0.5
         };
-        assert!((own.independence - expected).abs() < 1e-12, "{own:?}");
+        assert!(
+            (own.independence.unwrap() - expected).abs() < 1e-12,
+            "{own:?}"
+        );
     }
 }
 
@@ -157,7 +207,11 @@ fn without_masses_damping_or_noise_nothing_is_planned() {
     let band = Band::new(10.0, 900.0).unwrap();
     let frfs = receptances(&[("1:+Z", "1:+Z")], QUIET);
     let planned = |theory: &ModalModel, frfs: &[crate::frf::FrfSet]| {
-        placement((theory, &ModalModel::default(), frfs), band, &candidates)
+        placement(
+            (theory, &ModalModel::default(), frfs),
+            Some(band),
+            &candidates,
+        )
     };
     assert_eq!(planned(&theory, &[]), Err(NotJudged::Variance));
     let mut other = theory.clone();

@@ -75,7 +75,7 @@ fn steps_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
                 placed.candidates.hits.len(),
                 placed.candidates.sensors.len()
             ),
-            "Seen: the peak stands over the noise of the test's functions as far as is needed, for each mode of a repeated root by itself.".to_owned(),
+            "Seen: the peak stands 10 dB over the noise of the test's functions, for each mode of a repeated root by itself, and all pairs together tell the frequency to a quarter of the distance to the next root. A new hit goes with every sensor; with a new sensor the points that were hit are hit again.".to_owned(),
         ],
     })
 }
@@ -88,7 +88,7 @@ fn remark(root: &PlannedRoot) -> &'static str {
         [true, _] => "every point that can be hit stands still",
         [_, true] => "every point that can carry a sensor stands still",
         _ if root.planned > 0 => "seen in part; no point shows the rest",
-        _ => "below what is needed at every point",
+        _ => "every point shows too little of it",
     }
 }
 
@@ -102,7 +102,6 @@ fn roots_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
             count(root.seen),
             count(root.planned),
             Cell::number(root.peak_over_noise_db, 1),
-            Cell::number(Some(root.needed_db), 1),
             Cell::text(remark(root)),
         ]
     };
@@ -115,7 +114,6 @@ fn roots_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
             Column::number("seen"),
             Column::number("planned"),
             Column::number("peak over noise (dB)"),
-            Column::number("needed (dB)"),
             Column::text("remark"),
         ],
         rows: own.roots.iter().map(row).collect(),
@@ -131,7 +129,7 @@ fn ranking_block(placed: &PlacedTest, own: &Placement) -> Block {
             Cell::text(hit.dof.to_string()),
             Cell::text(hit.shown.to_string()),
             Cell::number(Some(hit.driving_point_residue), 3),
-            Cell::number(Some(hit.independence), 3),
+            Cell::number(hit.independence, 3),
         ]
     };
     Block::Table(Table {
@@ -144,7 +142,7 @@ fn ranking_block(placed: &PlacedTest, own: &Placement) -> Block {
         ],
         rows: own.ranking.iter().map(row).collect(),
         footnotes: vec![
-            "Modes shown: by this hit alone, with the sensors there are. Driving-point residue: mean of φ²/(2ωm) over the roots, as a part of the largest (Ewins 2000). Independence: the part of its row of the mode matrix that no other point has (Kammer 1991).".to_owned(),
+            "Modes shown: by this hit alone, with the sensors there are. Driving-point residue: mean of φ²/(2ωm) over the roots, as a part of the largest (Ewins 2000). Independence: the part of its row of the mode matrix that no other point has (Kammer 1991); none where there are no more points than that takes.".to_owned(),
         ],
     })
 }

@@ -70,10 +70,9 @@ fn points(
     };
     let mut found = std::collections::BTreeSet::new();
     for pattern in patterns {
-        let before = found.len();
         let own = sensors.iter().map(|sensor| &sensor.dof);
         let own: Vec<Dof> = own.filter(|dof| fits(pattern, dof)).cloned().collect();
-        if own.is_empty() && before == found.len() {
+        if own.is_empty() {
             let got = format!("{pattern:?}");
             let expected = "the degree of freedom of a [[sensor]], or the beginning of some with a * behind it";
             return Err(value_error(path, key, &got, expected));
@@ -91,11 +90,8 @@ pub(super) fn placed_tests(
 ) -> Vec<PlacedTest> {
     let placed = plans.iter().filter_map(|plan| {
         let test = tests.iter().find(|test| test.name == plan.test)?;
-        let band = test.modes.band;
-        let placement = band.ok_or(NotJudged::Variance).and_then(|band| {
-            let known = (theory, &test.modes, test.frfs.as_slice());
-            placement(known, band, &plan.candidates)
-        });
+        let known = (theory, &test.modes, test.frfs.as_slice());
+        let placement = placement(known, test.modes.band, &plan.candidates);
         Some(PlacedTest {
             test: plan.test.clone(),
             candidates: plan.candidates.clone(),

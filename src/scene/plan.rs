@@ -163,6 +163,10 @@ impl Scene {
         }
         let tables = report_tables(typed.report.table, typed.report.caption, &tests, &name)?;
         let sensors = sensors(&typed.sensor, &name)?;
+        if typed.model.is_none() && !typed.placement.is_empty() {
+            let got = "a scene without [model]";
+            return Err(value_error(&name, "[[placement]]", got, "a [model]"));
+        }
         Ok(Self {
             placement: placement_plans(typed.placement, (&tests, &sensors), &name)?,
             tests,

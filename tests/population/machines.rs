@@ -21,6 +21,8 @@ pub const SENSORS: [usize; 5] = [8, 20, 30, 45, 60];
 const SAME_ROOT: f64 = 1e-9;
 /// Largest deviation of the logarithm of a stiffness; frequencies follow at half of it.
 const MOST_SPREAD: f64 = 0.25;
+/// Largest logarithm of what all stiffnesses have too much: frequencies follow at half of it.
+const MOST_COMMON: f64 = 0.18;
 /// Largest error of a frequency.
 const LARGEST_ERROR: f64 = 0.1;
 /// Deviation of a measured frequency over the frequency, per noise-to-signal ratio of the shapes.
@@ -77,7 +79,7 @@ impl Network {
     /// Factors of all stiffnesses: what all have in common, what a class has, and, where symmetry is lost, what is a spring's own.
     fn factors(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (common, spread) = (
-            random.random_range(-0.1..0.1),
+            random.random_range(-MOST_COMMON..MOST_COMMON),
             MOST_SPREAD * random.random::<f64>(),
         );
         let own = if random.random_bool(0.5) { spread } else { 0.0 };

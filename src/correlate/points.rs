@@ -1,0 +1,362 @@
+//! What pairs of points see of a root: strengths over the noise, and the independent looks among them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::dof::Dof;
+use crate::frf::FrfSet;
+use crate::modal::ModalModel;
+
+use super::observability::{
+    LARGEST_STD_OF_SPACING, NotJudged, PEAK_OVER_NOISE_DB, Peak, STILL, Sight, over_root_mass,
+};
+use super::placement::Candidates;
+use super::roots::Root;
+
+/// Points to be added together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NewPoints {
+    pub hit: Option<usize>,
+    pub sensor: Option<usize>,
+}
+
+/// Responses and hits of a test and those that it could have, on their positive axes, by number.
+#[derive(Clone, Debug)]
+pub(super) struct AllPoints {
+    pub responses: Vec<Dof>,
+    pub hits: Vec<Dof>,
+    /// Whether a pair was measured: responses, then hits.
+    measured: Vec<Vec<bool>>,
+    /// Numbers of the candidates that the test does not have.
+    pub new_hits: Vec<usize>,
+    pub new_sensors: Vec<usize>,
+    /// Numbers of all candidates that can be hit.
+    pub to_hit: Vec<usize>,
+}
+
+impl AllPoints {
+    pub fn new(frfs: &[FrfSet], candidates: &Candidates) -> Self {
+        let functions = || frfs.iter().flat_map(FrfSet::functions);
+        let pairs: BTreeSet<(Dof, Dof)> = functions()
+            .map(|own| (own.response.positive(), own.reference.positive()))
+            .collect();
+        let both = |own: BTreeSet<Dof>, candidates: &[Dof]| {
+            let own: Vec<Dof> = own.into_iter().collect();
+            let new: BTreeSet<Dof> = candidates.iter().map(Dof::positive).collect();
+            let new = new.into_iter().filter(|dof| !own.contains(dof));
+            let all: Vec<Dof> = own.iter().cloned().chain(new).collect();
+            ((own.len()..all.len()).collect::<Vec<usize>>(), all)
+        };
+        let own = |of: fn(&(Dof, Dof)) -> &Dof| pairs.iter().map(|pair| of(pair).clone()).collect();
+        let (new_sensors, responses) = both(own(|pair| &pair.0), &candidates.sensors);
+        let (new_hits, hits) = both(own(|pair| &pair.1), &candidates.hits);
+        let row = |response: &Dof| {
+            let measured = |hit: &Dof| pairs.contains(&(response.clone(), hit.clone()));
+            hits.iter().map(measured).collect()
+        };
+        let candidate: BTreeSet<Dof> = candidates.hits.iter().map(Dof::positive).collect();
+        Self {
+            measured: responses.iter().map(row).collect(),
+            to_hit: (0..hits.len())
+                .filter(|at| candidate.contains(&hits[*at]))
+                .collect(),
+            responses,
+            hits,
+            new_hits,
+            new_sensors,
+        }
+    }
+
+    /// How many responses and hits are the test's own; they come first.
+    fn own(&self) -> [usize; 2] {
+        [
+            self.responses.len() - self.new_sensors.len(),
+            self.hits.len() - self.new_hits.len(),
+        ]
+    }
+}
+
+/// Numbers of points that were added.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Added {
+    pub hits: Vec<usize>,
+    pub sensors: Vec<usize>,
+}
+
+impl Added {
+    pub fn add(&mut self, points: &NewPoints) {
+        self.hits.extend(points.hit);
+        self.sensors.extend(points.sensor);
+    }
+}
+
+pub(super) type Row = Option<Vec<Complex64>>;
+
+/// A root to be seen: its shapes over the square roots of modal masses, 1/√kg, at all points there are.
+pub(super) struct Target<'a> {
+    pub root: &'a Root,
+    /// Shape values, times what a unit of strength rises over the noise of that response.
+    pub by_response: Vec<Row>,
+    pub by_hit: Vec<Row>,
+    /// Sum of powers over noise that tells the root from the next.
+    told_apart: f64,
+    /// Strength over noise below which there is but rounding.
+    rounding: f64,
+}
+
+impl<'a> Target<'a> {
+    pub fn new(
+        (sight, r): (&'a Sight<'_>, usize),
+        (theory, frfs): (&ModalModel, &[FrfSet]),
+        all: &AllPoints,
+    ) -> Result<Self, NotJudged> {
+        let root = &sight.roots()[r];
+        let ratio = sight.damping(root).ok_or(NotJudged::DampingRatio)?.ratio;
+        let first = frfs.first().ok_or(NotJudged::Variance)?;
+        let heights = Heights::new((root.hz, ratio), frfs).ok_or(NotJudged::Variance)?;
+        let row = |dof: &Dof| -> Result<Row, NotJudged> {
+            let value = |j: &usize| over_root_mass(&theory.modes[*j], dof);
+            let row = root.modes.iter().map(value);
+            let row: Row = row.collect::<Result<_, _>>()?;
+            // What rounding leaves of a point that stands still is nothing.
+            let limit = STILL * sight.largest(dof);
+            Ok(row.map(|mut row| {
+                if squared(&row).sqrt() <= limit {
+                    row.fill(Complex64::ZERO);
+                }
+                row
+            }))
+        };
+        let by_hit = all.hits.iter().map(row).collect::<Result<Vec<Row>, _>>()?;
+        let scaled = |dof: &Dof| {
+            let height = heights.at(dof).sqrt();
+            let times = |own: Vec<Complex64>| own.iter().map(|value| value * height).collect();
+            row(dof).map(|own| own.map(times))
+        };
+        let by_response = all.responses.iter().map(scaled);
+        let by_response = by_response.collect::<Result<Vec<Row>, _>>()?;
+        let spacing = sight.spacing_hz(r).unwrap_or(f64::INFINITY);
+        let unit = Peak::new(root.hz, ratio, first).variance_of_unit_peak();
+        let largest = |rows: &[Row]| {
+            rows.iter()
+                .flatten()
+                .map(|row| squared(row))
+                .fold(0.0, f64::max)
+        };
+        Ok(Self {
+            told_apart: unit / (TAU * LARGEST_STD_OF_SPACING * spacing).powi(2),
+            rounding: STILL * (largest(&by_hit) * largest(&by_response)).sqrt(),
+            root,
+            by_response,
+            by_hit,
+        })
+    }
+
+    /// The pairs of some responses and hits, and whether each counts.
+    fn looks(
+        &self,
+        (responses, hits): (Vec<usize>, Vec<usize>),
+        counts: impl Fn(usize, usize) -> bool,
+    ) -> Looks {
+        let product = |(r, h): (usize, usize)| {
+            let (response, hit) = (self.by_response[r].as_ref()?, self.by_hit[h].as_ref()?);
+            Some(
+                response
+                    .iter()
+                    .zip(hit)
+                    .map(|(x, y)| x * y)
+                    .sum::<Complex64>(),
+            )
+        };
+        let row = |r: &usize| {
+            hits.iter()
+                .map(|h| product((*r, *h)).unwrap_or_default())
+                .collect()
+        };
+        let known = |r: usize, h: usize| self.by_response[r].is_some() && self.by_hit[h].is_some();
+        let counted = |r: &usize| {
+            hits.iter()
+                .map(|h| known(*r, *h) && counts(*r, *h))
+                .collect()
+        };
+        Looks {
+            strengths: responses.iter().map(row).collect(),
+            counted: responses.iter().map(counted).collect(),
+            responses,
+            hits,
+        }
+    }
+
+    /// The pairs of a test with what was added.
+    fn with(&self, all: &AllPoints, added: &Added) -> Looks {
+        let [responses, hits] = all.own();
+        let both = |own: usize, new: &[usize]| (0..own).chain(new.iter().copied()).collect();
+        let points = (both(responses, &added.sensors), both(hits, &added.hits));
+        self.looks(points, |r, h| {
+            r >= responses || h >= hits || all.measured[r][h]
+        })
+    }
+
+    /// Powers of the pivots over what is needed, as long as they reach it.
+    fn reached(&self, mut looks: Looks) -> Vec<f64> {
+        let ratios = self.root.modes.iter().map_while(|_| {
+            let all = looks.power();
+            let (_, pivot) = looks
+                .eliminate()
+                .filter(|(_, pivot)| *pivot > self.rounding)?;
+            let needed = 10f64.powf(PEAK_OVER_NOISE_DB / 10.0);
+            let ratio = (pivot * pivot / needed).min(all / self.told_apart);
+            (ratio >= 1.0).then_some(ratio)
+        });
+        ratios.collect()
+    }
+
+    pub fn ratios(&self, all: &AllPoints, added: &Added) -> Vec<f64> {
+        self.reached(self.with(all, added))
+    }
+
+    pub fn seen(&self, all: &AllPoints, added: &Added) -> usize {
+        self.ratios(all, added).len()
+    }
+
+    /// Modes that a hit shows by itself, with the test's sensors.
+    pub fn seen_alone(&self, all: &AllPoints, hit: usize) -> usize {
+        let [responses, _] = all.own();
+        let looks = self.looks(((0..responses).collect(), vec![hit]), |_, _| true);
+        self.reached(looks).len()
+    }
+
+    /// The response and the hit that show one mode more than some points do.
+    pub fn best_pair(&self, all: &AllPoints, added: &Added) -> Option<NewPoints> {
+        let seen = self.seen(all, added);
+        if seen == self.root.modes.len() {
+            return None;
+        }
+        let every = (
+            (0..all.responses.len()).collect(),
+            (0..all.hits.len()).collect(),
+        );
+        let own = self.with(all, added);
+        let mut looks = self.looks(every, |r, h| own.counts(r, h));
+        for _ in 0..seen {
+            looks.eliminate()?;
+        }
+        looks.count_all();
+        let ((response, hit), pivot) = looks.eliminate()?;
+        let [responses, hits] = all.own();
+        let new = |at: usize, own: usize, added: &[usize]| {
+            (at >= own && !added.contains(&at)).then_some(at)
+        };
+        (pivot > self.rounding).then(|| NewPoints {
+            hit: new(hit, hits, &added.hits),
+            sensor: new(response, responses, &added.sensors),
+        })
+    }
+
+    /// Peak over noise with every point there is: of the last mode when so many are seen, else of the next.
+    pub fn peak_db(&self, all: &AllPoints, everything: &Added, planned: usize) -> Option<f64> {
+        let mut looks = self.with(all, everything);
+        let wanted = (planned + 1).min(self.root.modes.len());
+        let pivots = (0..wanted).map_while(|_| looks.eliminate());
+        let last = pivots.map(|(_, pivot)| pivot).nth(wanted - 1)?;
+        (last > self.rounding).then(|| 20.0 * last.log10())
+    }
+}
+
+/// Strengths over noise of pairs of points.
+struct Looks {
+    responses: Vec<usize>,
+    hits: Vec<usize>,
+    strengths: Vec<Vec<Complex64>>,
+    counted: Vec<Vec<bool>>,
+}
+
+impl Looks {
+    fn counts(&self, response: usize, hit: usize) -> bool {
+        let row = self.responses.iter().position(|own| *own == response);
+        let column = self.hits.iter().position(|own| *own == hit);
+        row.zip(column).is_some_and(|(i, j)| self.counted[i][j])
+    }
+
+    fn count_all(&mut self) {
+        self.counted.iter_mut().for_each(|row| row.fill(true));
+    }
+
+    /// The pairs that count, with their strengths.
+    fn entries(&self) -> impl Iterator<Item = ((usize, usize), f64)> + '_ {
+        let row = |i: usize| {
+            let entries = self.strengths[i].iter().zip(&self.counted[i]).enumerate();
+            let entries = entries.filter(|(_, (_, counts))| **counts);
+            entries.map(move |(j, (value, _))| ((i, j), value.norm()))
+        };
+        (0..self.strengths.len()).flat_map(row)
+    }
+
+    /// Sum of the powers over noise.
+    fn power(&self) -> f64 {
+        self.entries()
+            .map(|(_, strength)| strength * strength)
+            .sum()
+    }
+
+    /// The largest strength that counts, with its response and hit; what its row and column tell of the others is taken out of them.
+    fn eliminate(&mut self) -> Option<((usize, usize), f64)> {
+        let largest = self.entries().max_by(|a, b| a.1.total_cmp(&b.1));
+        let ((i, j), largest) = largest.filter(|(_, strength)| *strength > 0.0)?;
+        let pivot_row = self.strengths[i].clone();
+        for row in &mut self.strengths {
+            let factor = row[j] / pivot_row[j];
+            row.iter_mut()
+                .zip(&pivot_row)
+                .for_each(|(value, own)| *value -= factor * own);
+        }
+        Some(((self.responses[i], self.hits[j]), largest))
+    }
+}
+
+/// Power of a peak of unit strength over the noise, by response.
+struct Heights {
+    of_response: BTreeMap<Dof, Vec<f64>>,
+    of_all: f64,
+}
+
+impl Heights {
+    /// `None` where no function has a variance at the root.
+    fn new((hz, damping_ratio): (f64, f64), frfs: &[FrfSet]) -> Option<Self> {
+        let mut of_response: BTreeMap<Dof, Vec<f64>> = BTreeMap::new();
+        for set in frfs {
+            let peak = Peak::new(hz, damping_ratio, set);
+            for (i, function) in set.functions().iter().enumerate() {
+                let noise = peak
+                    .noise_squared(set, i)
+                    .map(|level| level.max(f64::MIN_POSITIVE));
+                let height = noise.map(|noise| peak.height_squared(set, i, 1.0) / noise);
+                of_response
+                    .entry(function.response.positive())
+                    .or_default()
+                    .extend(height);
+            }
+        }
+        let of_all = of_response.values().flatten().copied().collect();
+        Some(Self {
+            of_all: middle(of_all)?,
+            of_response,
+        })
+    }
+
+    fn at(&self, response: &Dof) -> f64 {
+        let own = self.of_response.get(response).cloned();
+        own.and_then(middle).unwrap_or(self.of_all)
+    }
+}
+
+fn middle(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+pub(super) fn squared(row: &[Complex64]) -> f64 {
+    row.iter().map(Complex64::norm_sqr).sum()
+}
