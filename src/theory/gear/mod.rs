@@ -5,6 +5,8 @@ mod cycloid_ball_parameters;
 #[cfg(test)]
 mod cycloid_ball_printed_tests;
 #[cfg(test)]
+mod cycloid_ball_table_tests;
+#[cfg(test)]
 mod cycloid_ball_tests;
 mod cycloid_studies;
 #[cfg(test)]
@@ -31,6 +33,8 @@ mod torsional_planetary;
 mod torsional_planetary_tests;
 mod torsional_results;
 mod torsional_sensitivities;
+#[cfg(test)]
+mod torsional_variants_tests;
 
 use super::{TheoreticalModel, TheoryError};
 
