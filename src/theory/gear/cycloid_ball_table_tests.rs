@@ -149,7 +149,10 @@ fn the_roots_of_every_set_are_the_reference_beside_the_printed_ones() {
         assert_eq!(of_single.len(), 13);
         let squares: f64 = of_single.iter().map(|error| error * error).sum();
         printed((squares / 13.0).sqrt(), rms);
-        printed(of_single.iter().fold(0.0, |all, e| e.abs().max(all)), largest);
+        printed(
+            of_single.iter().fold(0.0, |all, e| e.abs().max(all)),
+            largest,
+        );
     }
 }
 
@@ -180,11 +183,13 @@ fn sums_over_the_normals_of_the_balls_are_the_reference() {
         let model = CycloidBall::new(set).unwrap();
         let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
         // Stiffness of the centre disc less that of its bearing and of the input: cos²β (k_c + k_d) S.
-        let contact = nominal(&model, "cos2_beta") * (nominal(&model, "k_c") + nominal(&model, "k_d"));
+        let contact =
+            nominal(&model, "cos2_beta") * (nominal(&model, "k_c") + nominal(&model, "k_d"));
         for (axis, text) in [("x", sines), ("y", cosines)] {
             let name = format!("{axis}1");
             let at = matrices.coordinates.iter().position(|c| c.name == name);
-            let held = nominal(&model, &format!("k_1{axis}")) + nominal(&model, &format!("k_01{axis}"));
+            let held =
+                nominal(&model, &format!("k_1{axis}")) + nominal(&model, &format!("k_01{axis}"));
             let at = at.unwrap();
             printed((matrices.stiffness[(at, at)] - held) / contact, text);
         }
@@ -209,7 +214,9 @@ fn contact_angles_and_the_torque_ball_that_45_degrees_would_need_are_the_referen
     let pins = heavier.iter().find(|root| root.modes.len() == 4).unwrap();
     printed(pins.omega_rad_s, "33679.000000");
     // The frequency of the reduction balls alone, which table 3 of the paper cuts off to 7826.
-    let balls = roots("D", &[]).into_iter().find(|root| root.modes.len() == 8);
+    let balls = roots("D", &[])
+        .into_iter()
+        .find(|root| root.modes.len() == 8);
     let hz = balls.unwrap().omega_rad_s / std::f64::consts::TAU;
     printed(hz, "7826.6035");
 }
@@ -219,7 +226,9 @@ fn sprung(matrices: &SystemMatrices) -> RealMatrix {
     let n = matrices.coordinates.len();
     real_matrix(n, n, |i, j| {
         let springs = matrices.springs.iter();
-        springs.map(|own| own.stiffness * own.row[i] * own.row[j]).sum()
+        springs
+            .map(|own| own.stiffness * own.row[i] * own.row[j])
+            .sum()
     })
 }
 

@@ -27,6 +27,8 @@ mod spider_reducer_parameters;
 mod spider_reducer_results;
 #[cfg(test)]
 mod spider_reducer_tests;
+#[cfg(test)]
+mod spider_reducer_variants_tests;
 mod torsional_closed_forms;
 mod torsional_planetary;
 #[cfg(test)]

@@ -21,7 +21,11 @@ fn roots(model: &TorsionalPlanetary, changes: &[(&str, f64)]) -> Vec<ModelRoot> 
 
 fn quantity(model: &TorsionalPlanetary, changes: &[(&str, f64)], name: &str) -> f64 {
     let all = model.quantities(&values(model, changes)).unwrap();
-    all.iter().find(|own| own.name == name).unwrap().value.unwrap()
+    all.iter()
+        .find(|own| own.name == name)
+        .unwrap()
+        .value
+        .unwrap()
 }
 
 fn carrier_fixed() -> TorsionalPlanetary {
