@@ -235,7 +235,7 @@ pub struct TheoryArgs {
     /// Modes in this band alone, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Print the share of every body and spring in the energy of each root.
+    /// Print the share of every body and spring, or group of matrices, in the energy of each root.
     #[arg(long)]
     pub energies: bool,
     /// Print the relative change of each root's frequency by that of every parameter.

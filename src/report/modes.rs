@@ -138,7 +138,7 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
     })
 }
 
-/// Where the energy of each root inside a band is, percent: every body and every name of springs in a column of its own; of
+/// Where the energy of each root inside a band is, percent: every body and every name of springs or groups in a column of its own; of
 /// more than forty bodies the twenty with the largest shares, and the others together. `None` without roots.
 pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
@@ -179,7 +179,7 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
         columns,
         rows: (1..).zip(roots).filter(|(_, root)| inside(root)).map(row).collect(),
         footnotes: vec![
-            "T: share of the kinetic energy by body; U: share of the strain energy by spring; of a repeated root the mean over its modes. For a spring of stiffness k: df/f = U/2 dk/k.".to_owned(),
+            "T: share of the kinetic energy by body; U: share of the strain energy by spring or group of matrices; of a repeated root the mean over its modes. For a spring of stiffness k, or a group that k scales: df/f = U/2 dk/k where k scales stiffness alone.".to_owned(),
         ],
     }))
 }

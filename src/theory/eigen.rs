@@ -15,7 +15,7 @@ use crate::linalg::{self, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearity};
 
 use super::basis::{canonicalise, fix_sign};
-use super::energy::{StrainShares, kinetic_shares, strain_shares};
+use super::energy::{StrainShares, kinetic_shares, part_shares, strain_shares};
 use super::sparse::modes_of_sparse;
 use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
 
@@ -51,7 +51,7 @@ pub struct TheoryModes {
     pub coordinates: Vec<Coordinate>,
     /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column adds up to 1.
     pub kinetic_shares: RealMatrix,
-    /// Where the strain energy is, by the names of the springs.
+    /// Where the strain energy is, by the names of the springs, or of the parts of the stiffness matrix.
     pub strain_shares: StrainShares,
 }
 
@@ -77,6 +77,10 @@ pub fn modes(
         Some(system) => modes_of_sparse(&system, options)?,
         None => modes_of_matrices(&model.assemble(values)?, options)?,
     };
+    let parts = model.stiffness_parts(values)?;
+    if !parts.is_empty() {
+        result.strain_shares = part_shares(&parts, &result.vectors);
+    }
     state_damping(model, options, &mut result);
     for (j, mode) in result.model.modes.iter_mut().enumerate() {
         mode.shape = observe(&result.vectors, j, sensors, &rows);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::linalg::RealMatrix;
 
-use super::{Spring, TheoreticalModel, TheoryModes};
+use super::{Spring, StiffnessPart, TheoreticalModel, TheoryModes};
 
 /// One root of a model with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +16,9 @@ pub struct ModelRoot {
     /// Share of the kinetic energy in each body, bodies in the order of the model; the shares add up to 1. For a repeated
     /// root the mean over its modes, which does not depend on the basis.
     pub kinetic_energy: Vec<(String, f64)>,
-    /// Share of the strain energy in the springs of each name, in the order of the model; the shares add up to 1. Of a
-    /// repeated root the mean over its modes. Empty for a root at 0 and for a model without springs.
+    /// Share of the strain energy in the springs, or the parts of the stiffness matrix, of each name, in the order of the
+    /// model; the shares add up to 1. Of a repeated root the mean over its modes. Empty for a root at 0 and for a model
+    /// without springs or named parts.
     pub strain_energy: Vec<(String, f64)>,
     /// What kind of motion it is, in the words of the model; `None` for a model that has no such words.
     pub class: Option<String>,
@@ -43,10 +44,10 @@ impl ModelRoot {
     }
 }
 
-/// Share of the strain energy of a mode (column) in the springs of one name (row).
+/// Share of the strain energy of a mode (column) in the springs, or the parts of the stiffness matrix, of one name (row).
 #[derive(Clone, Debug)]
 pub struct StrainShares {
-    /// The names, each once, in the order of the springs.
+    /// The names, each once, in the order of the springs or parts.
     pub names: Vec<String>,
     /// The shares; a column adds up to 1, or is 0 where nothing is strained.
     pub shares: RealMatrix,
@@ -55,19 +56,49 @@ pub struct StrainShares {
 /// `k (b^T phi)^2` of every spring in every mode over its sum. Rounding strains a rigid-body mode a little, by which its
 /// shares mean nothing.
 pub(super) fn strain_shares(springs: &[Spring], vectors: &RealMatrix) -> StrainShares {
+    shares(
+        springs,
+        vectors,
+        |spring| &spring.name,
+        |spring, phi| {
+            let parts = spring.row.iter().zip(phi);
+            let stretch: f64 = parts.map(|(part, moved)| part * moved).sum();
+            spring.stiffness * stretch * stretch
+        },
+    )
+}
+
+/// `theta_j phi^T K_j phi` of every part of the stiffness matrix in every mode over its sum, which is `phi^T K phi`.
+pub(super) fn part_shares(parts: &[StiffnessPart<'_>], vectors: &RealMatrix) -> StrainShares {
+    shares(
+        parts,
+        vectors,
+        |part| part.name,
+        |part, phi| part.factor * part.matrix.quadratic_form(phi).0,
+    )
+}
+
+/// The energy of everything of one name in every mode over the sum of all.
+fn shares<T>(
+    all: &[T],
+    vectors: &RealMatrix,
+    name: impl Fn(&T) -> &str,
+    energy: impl Fn(&T, &[f64]) -> f64,
+) -> StrainShares {
     let mut names: Vec<String> = Vec::new();
-    for spring in springs {
-        if !names.contains(&spring.name) {
-            names.push(spring.name.clone());
+    let mut rows = Vec::with_capacity(all.len());
+    for own in all {
+        let known = names.iter().position(|known| known == name(own));
+        rows.push(known.unwrap_or(names.len()));
+        if known.is_none() {
+            names.push(name(own).to_owned());
         }
     }
     let mut shares = crate::linalg::real_matrix(names.len(), vectors.ncols(), |_, _| 0.0);
     for j in 0..vectors.ncols() {
-        for spring in springs {
-            let parts = spring.row.iter().enumerate();
-            let stretch: f64 = parts.map(|(i, part)| part * vectors[(i, j)]).sum();
-            let row = names.iter().position(|name| *name == spring.name);
-            shares[(row.unwrap_or_default(), j)] += spring.stiffness * stretch * stretch;
+        let phi: Vec<f64> = vectors.col(j).iter().copied().collect();
+        for (own, &row) in all.iter().zip(&rows) {
+            shares[(row, j)] += energy(own, &phi);
         }
         let total: f64 = (0..names.len()).map(|i| shares[(i, j)]).sum();
         if total > 0.0 {

@@ -15,7 +15,7 @@ use super::expected::nearest_name;
 use super::parameter::{check_values, index_of, nominal_values};
 use super::sparse::{SparseDerivative, SparseSystem, check_symmetric};
 use super::{
-    Assumption, Coordinate, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
+    Assumption, Coordinate, Motion, ParameterSpec, StiffnessPart, SystemDerivative, SystemMatrices,
     TheoreticalModel, TheoryError,
 };
 
@@ -25,6 +25,8 @@ pub(super) const DENSE_COORDINATES: usize = 1000;
 const SPARSE_FILL: f64 = 0.1;
 /// Full matrices of more coordinates are not made: 200 MB each.
 const MOST_DENSE: usize = 5000;
+/// What the part of a stiffness matrix is called that no group holds.
+const REST: &str = "rest";
 
 /// The matrices of one group, or of the fixed part; what is not there is zero.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -242,6 +244,28 @@ impl TheoreticalModel for ExternalModel {
             mass: sum.mass,
             stiffness: sum.stiffness,
         }))
+    }
+
+    /// The groups by their parameters, and what no group holds as `rest`.
+    fn stiffness_parts(&self, values: &[f64]) -> Result<Vec<StiffnessPart<'_>>, TheoryError> {
+        check_values(self.name(), self.parameters(), values)?;
+        let groups = self.scaled_by.iter().zip(&self.matrices.groups);
+        let mut parts: Vec<StiffnessPart<'_>> = groups
+            .filter_map(|(&j, (name, set))| {
+                Some(StiffnessPart {
+                    name,
+                    factor: values[j],
+                    matrix: STIFFNESS(set)?,
+                })
+            })
+            .collect();
+        let rest = STIFFNESS(&self.matrices.fixed).filter(|_| !parts.is_empty());
+        parts.extend(rest.map(|matrix| StiffnessPart {
+            name: REST,
+            factor: 1.0,
+            matrix,
+        }));
+        Ok(parts)
     }
 
     /// A coordinate alone can be read: matrices do not say where a point is.

@@ -374,3 +374,62 @@ fn sparse_matrices_of_other_sizes_or_without_symmetry_are_refused_at_the_door() 
         }
     }
 }
+
+#[test]
+fn groups_and_the_rest_share_the_strain_energy() {
+    let model = ExternalModel::new(two_masses("2:+X")).unwrap();
+    let solved = modes(&model, &[3.0, 2.0], &[], &ModeOptions::default()).unwrap();
+    let roots = model_roots(&model, &solved);
+    assert_eq!(roots.len(), 2);
+    for (j, root) in roots.iter().enumerate() {
+        // Of the springs themselves: 150 N/m between the masses, 100 N/m to the ground.
+        let phi = [0, 1].map(|i| solved.vectors[(i, j)]);
+        let springs = [150.0 * (phi[0] - phi[1]).powi(2), 100.0 * phi[0] * phi[0]];
+        let all = springs[0] + springs[1];
+        let names: Vec<&str> = root
+            .strain_energy
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .collect();
+        assert_eq!(names, ["coupling", "rest"], "`added` has no stiffness");
+        for ((_, share), spring) in root.strain_energy.iter().zip(springs) {
+            assert!((share - spring / all).abs() < 1e-14, "{share}");
+        }
+    }
+    // Without groups nothing is told apart.
+    let mut plain = two_masses("2:+X");
+    plain.groups.clear();
+    plain.fixed.stiffness = matrix(2, &[(0, 0, 100.0), (1, 1, 40.0)]);
+    let plain = ExternalModel::new(plain).unwrap();
+    let solved = modes(&plain, &[1.0, 0.5], &[], &ModeOptions::default()).unwrap();
+    assert!(model_roots(&plain, &solved)[0].strain_energy.is_empty());
+}
+
+#[test]
+fn groups_of_a_sparse_model_share_the_strain_energy() {
+    let (model, mu) = membrane(StatedDamping::default());
+    let theta = 2.3;
+    let options = ModeOptions {
+        count: Some(6),
+        ..ModeOptions::default()
+    };
+    let solved = modes(&model, &[theta], &[], &options).unwrap();
+    // lambda and the part along y of every pair of half-waves.
+    let pairs = mu
+        .iter()
+        .flat_map(|x| mu.iter().map(move |y| (x + theta * y, theta * y)));
+    let mut expected: Vec<(f64, f64)> = pairs.collect();
+    expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let roots = model_roots(&model, &solved);
+    assert_eq!(roots.len(), 6);
+    for (root, (lambda, along_y)) in roots.iter().zip(expected) {
+        assert!((root.omega_rad_s.powi(2) / lambda - 1.0).abs() < 1e-9);
+        let [(name, share), (rest, other)] = &root.strain_energy[..] else {
+            panic!("{root:?}");
+        };
+        assert_eq!((name.as_str(), rest.as_str()), ("along y", "rest"));
+        // Vectors are good to the root of the eigenvalues' rounding at worst.
+        assert!((share - along_y / lambda).abs() < 1e-6, "{share} {along_y}");
+        assert!((share + other - 1.0).abs() < 1e-12);
+    }
+}

@@ -55,7 +55,7 @@ mod sensitivity_tests;
 mod sweep_tests;
 
 use crate::geometry::Target;
-use crate::linalg::RealMatrix;
+use crate::linalg::{RealMatrix, SparseMatrix};
 
 pub use beam::BeamModel;
 pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
@@ -126,6 +126,17 @@ pub struct Spring {
     pub row: Vec<f64>,
     /// Stiffness, N/m; N m/rad against rotation.
     pub stiffness: f64,
+}
+
+/// A term `theta K_j` of a stiffness matrix.
+#[derive(Clone, Debug)]
+pub struct StiffnessPart<'a> {
+    /// The name that its share of the strain energy goes by; parts of one name are counted together.
+    pub name: &'a str,
+    /// `theta`, in the unit of its parameter.
+    pub factor: f64,
+    /// `K_j`, N/m per unit of the factor.
+    pub matrix: &'a SparseMatrix,
 }
 
 /// Matrices of `M x'' + C x' + K x = f` over the model's coordinates, all `n` by `n` and symmetric.
@@ -214,6 +225,14 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         _j: usize,
     ) -> Result<Option<SparseDerivative>, TheoryError> {
         Ok(None)
+    }
+
+    /// The stiffness matrix as a sum of named parts, for a model whose elasticity is not springs; none for any other.
+    ///
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble).
+    fn stiffness_parts(&self, _values: &[f64]) -> Result<Vec<StiffnessPart<'_>>, TheoryError> {
+        Ok(Vec::new())
     }
 
     /// Damping ratio that the model states for an elastic mode, by its number from 0, in place of what its matrices say.

@@ -132,6 +132,11 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
         assert_eq!(shares.len(), size);
         let sum: f64 = shares.values().map(|share| share.as_f64().unwrap()).sum();
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        // df/f = U/2 dtheta/theta of a parameter that scales stiffness alone.
+        let strain = &energy["strain"];
+        assert_eq!(strain.as_object().unwrap().len(), 2, "{strain}");
+        let [wall, rest] = ["wall", "rest"].map(|name| strain[name].as_f64().unwrap());
+        assert!((wall + rest - 1.0).abs() < 1e-12, "{strain}");
         // Of a chain between walls: phi_1 is sqrt(2/(n + 1)/m) sin(j pi/(n + 1)), and dlambda = 2 k phi_1^2.
         let angle = std::f64::consts::PI * number as f64 / (size + 1) as f64;
         let phi2 = 2.0 / (size + 1) as f64 / MASS * angle.sin().powi(2);
@@ -142,6 +147,7 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
             (own.as_f64().unwrap() - expected).abs() < 1e-12,
             "{own} {expected}"
         );
+        assert!((0.5 * wall - expected).abs() < 1e-12, "{wall} {expected}");
         let locus = &found["sweeps"][0]["loci"][number - 1]["frequency_hz"];
         let rises = locus[0].as_f64() < locus[1].as_f64() && locus[1].as_f64() < locus[2].as_f64();
         assert!(rises, "{locus}");

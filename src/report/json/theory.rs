@@ -61,7 +61,7 @@ struct EnergyFile<'a> {
     class: Option<&'a str>,
     /// Share by body.
     kinetic: BTreeMap<&'a str, f64>,
-    /// Share by spring.
+    /// Share by spring, or by group of matrices.
     strain: BTreeMap<&'a str, f64>,
 }
 
