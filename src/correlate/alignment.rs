@@ -70,7 +70,7 @@ pub struct Alignment {
     /// Whether the partner of each point was known, and not found as its nearest one.
     pub known: bool,
     /// Fits with other frames that are as good, of which this one turns least: more than 0 for points that a rotation
-    /// brings onto one another, or that lie on one line, about which they tell no rotation.
+    /// brings onto one another, or that lie on one line, about which they tell no rotation (counted as one).
     pub as_good: usize,
     #[serde(skip)]
     similarity: Similarity,
@@ -125,7 +125,7 @@ fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
 
 /// The similarity that brings points `x` nearest to their partners `y` in the sense of least squares.
 ///
-/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x²`, `t = ȳ − s R x̄`, where
+/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x² = tr(R^T Σ)/σ_x²`, `t = ȳ − s R x̄`, where
 /// `S = diag(1, 1, det U det V)` keeps `R` from being a reflection. Of points on one line it is the rotation that turns
 /// least. `None` for fewer than two points, or points that are one.
 ///
@@ -133,6 +133,11 @@ fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
 /// Umeyama (1991), Least-squares estimation of transformation parameters between two point patterns, IEEE PAMI 13(4), eq. 39
 /// to 43; Kabsch (1976), Acta Crystallographica A32, 922.
 pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
+    fit_of_line(pairs, ON_A_LINE)
+}
+
+/// The fit with the rotation that turns least where the second extent is at most this part of the first.
+fn fit_of_line(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarity> {
     let count = pairs.len() as f64;
     let mean = |of: fn(&(Vector3, Vector3)) -> Vector3| {
         pairs.iter().map(of).sum::<Vector3>() / count.max(1.0)
@@ -148,12 +153,12 @@ pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
         return None;
     }
     let sign = (u.determinant() * v_t.determinant()).signum();
-    let rotation = if values[1] <= ON_A_LINE * values[0] {
+    let rotation = if values[1] <= on_a_line * values[0] {
         least_rotation(v_t.row(0).transpose(), u.column(0).into_owned())
     } else {
         u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t
     };
-    let scale = (values[0] + values[1] + sign * values[2]) / spread;
+    let scale = (rotation.transpose() * covariance).trace() / spread;
     Some(Similarity {
         scale,
         rotation,
@@ -178,6 +183,9 @@ fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
 
 /// The frame fitted to points whose partners are known.
 ///
+/// Points that lie on one line within the tolerance, on either side, tell no turn about it: the one that turns least is taken,
+/// where it fits, and [`Alignment::as_good`] is 1.
+///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three, [`CorrelateError::NotAligned`] beyond the tolerance.
 pub fn align_known(
@@ -191,7 +199,28 @@ pub fn align_known(
     let fit = fit_similarity(pairs)
         .filter(|_| pairs.len() >= 3)
         .ok_or_else(few)?;
-    Alignment::new(fit, pairs, true).within(tolerance_m)
+    let fitted = Alignment::new(fit, pairs, true).within(tolerance_m)?;
+    if !on_one_line(&fit, pairs, tolerance_m) {
+        return Ok(fitted);
+    }
+    let least = fit_of_line(pairs, 1.0).map(|fit| Alignment::new(fit, pairs, true));
+    let least = least.and_then(|own| own.within(tolerance_m).ok());
+    Ok(Alignment {
+        as_good: 1,
+        ..least.unwrap_or(fitted)
+    })
+}
+
+/// Whether the points of one side lie as near to one line, in the theory's frame, as points may lie to their partners.
+fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64) -> bool {
+    let test: Vec<Vector3> = pairs.iter().map(|(x, _)| fit.position(x)).collect();
+    let theory: Vec<Vector3> = pairs.iter().map(|(_, y)| *y).collect();
+    [test, theory].iter().any(|points| {
+        let (centre, axes) = principal(points);
+        let axis = axes.column(0).into_owned();
+        let off = |p: &Vector3| (p - centre).cross(&axis).norm();
+        points.iter().map(off).fold(0.0, f64::max) <= tolerance_m
+    })
 }
 
 /// The frame fitted to points whose partners are not known: each point's nearest one, fitted again until nothing changes,

@@ -135,6 +135,45 @@ fn points_on_a_line_turn_least() {
     assert!((fit.rotation.determinant() - 1.0).abs() < 1e-9);
 }
 
+/// A beam of 2 m along x with sensors 3 mm off its axis in turn, in both directions across.
+fn beam(off_m: f64) -> Vec<Vector3> {
+    let point = |i: i32| {
+        let (turn, x) = (f64::from(i) * 2.4, 0.2 * f64::from(i));
+        Vector3::new(x, off_m * turn.cos(), off_m * turn.sin())
+    };
+    (0..11).map(point).collect()
+}
+
+#[test]
+fn partners_on_a_line_within_the_tolerance_tell_no_turn_about_it() {
+    let theory = beam(0.003);
+    // The test's points were written down within 1 mm of the axis, turned about it by 110 degrees.
+    let round = turn([1.0, 0.0, 0.0], 1.92);
+    let test: Vec<Vector3> = beam(1e-3).iter().map(|x| round * x).collect();
+    let pairs: Vec<_> = test.iter().copied().zip(theory).collect();
+    let free = fit_similarity(&pairs).unwrap();
+    assert!(free.angle() > 1.5, "{free:?}");
+    let own = align_known(&pairs, 0.01).unwrap();
+    assert_eq!(own.as_good, 1);
+    assert!(own.similarity().angle() < 0.01, "{own:?}");
+    assert!(own.largest_m < 0.01);
+    // To a tenth of a millimetre they tell it.
+    let exact: Vec<_> = beam(0.003).into_iter().map(|x| (x, round * x)).collect();
+    let own = align_known(&exact, 1e-4).unwrap();
+    assert_eq!(own.as_good, 0);
+    assert!((own.similarity().rotation - round).norm() < 1e-9);
+}
+
+#[test]
+fn a_turn_about_a_line_that_no_longer_fits_is_not_taken() {
+    // Off the line by less than the tolerance, but turned the other way by more.
+    let round = turn([1.0, 0.0, 0.0], 3.0);
+    let pairs: Vec<_> = beam(0.003).into_iter().map(|x| (x, round * x)).collect();
+    let own = align_known(&pairs, 0.004).unwrap();
+    assert_eq!(own.as_good, 1);
+    assert!((own.similarity().rotation - round).norm() < 1e-9);
+}
+
 #[test]
 fn too_few_points_are_refused() {
     let two = [(Vector3::x(), Vector3::x()), (Vector3::y(), Vector3::y())];

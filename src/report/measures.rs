@@ -67,10 +67,12 @@ pub fn alignment_block(own: &Alignment) -> Block {
             own.rms_m, own.largest_m
         ),
     ];
-    if own.as_good > 0 {
+    if own.known && own.as_good > 0 {
+        footnotes.push("Points on one line within the tolerance tell no turn about it.".to_owned());
+    } else if own.as_good > 0 {
+        let others = own.as_good;
         footnotes.push(format!(
-            "{} other frames fit as well; this one turns least.",
-            own.as_good
+            "{others} other frames fit as well; this one turns least."
         ));
     }
     Block::Table(Table {
