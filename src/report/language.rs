@@ -123,6 +123,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("from (Hz)", "起始 (Hz)"),
     ("to (Hz)", "终止 (Hz)"),
     ("angles (deg)", "主角 (°)"),
+    ("at random", "随机值"),
     ("response", "响应"),
     ("reference", "参考"),
     ("level (dB)", "幅值比 (dB)"),

@@ -2,9 +2,9 @@
 
 use crate::correlate::Alignment;
 use crate::correlate::measures::{
-    AutoMac, CLUSTER_WIDTH, ClusterMac, CoordinateMac, DofRange, FrequencyMac, FrfCorrelation,
-    FunctionCorrelation, LineCorrelation, MacMatrix, Measures, ModeName, Orthogonality, Reduction,
-    ReversedSensor, ScaleFactor,
+    AutoMac, CLUSTER_SPAN, CLUSTER_WIDTH, ClusterMac, CoordinateMac, DofRange, FrequencyMac,
+    FrfCorrelation, FunctionCorrelation, LineCorrelation, MacMatrix, Measures, ModeName,
+    Orthogonality, Reduction, ReversedSensor, ScaleFactor,
 };
 
 use super::{Block, Cell, Column, Table};
@@ -424,6 +424,7 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
             },
             Cell::number(own.space_mac, 4),
             Cell::number(own.mean_mac, 4),
+            Cell::number(own.random_mac, 4),
             Cell::text(own.dofs.to_string()),
         ]
     };
@@ -434,6 +435,7 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
         "angles (deg)",
         "spaceMAC",
         "mean cos²",
+        "at random",
         "DOFs",
     ];
     Table {
@@ -441,8 +443,9 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
         columns: heads.map(Column::number).to_vec(),
         rows: clusters.iter().map(row).collect(),
         footnotes: vec![format!(
-            "Modes within {} % in frequency and repeated roots; principal angles (Björck and Golub 1973); spaceMAC = 1 − sin of the largest angle (Vinze, Allemang and Phillips, there of the smallest). Without more degrees of freedom than modes, none.",
-            100.0 * CLUSTER_WIDTH
+            "Modes one after the other within {} % in frequency, all within {} %, and repeated roots; principal angles (Björck and Golub 1973); spaceMAC = 1 − sin of the largest angle (Vinze, Allemang and Phillips, there of the smallest); at random: mean cos² of directions drawn at random, modes/DOFs. Where the modes are more than half of the DOFs, none.",
+            100.0 * CLUSTER_WIDTH,
+            100.0 * CLUSTER_SPAN
         )],
     }
 }

@@ -13,6 +13,9 @@ use super::ModeName;
 /// Neighbouring modes nearer than this part of the higher frequency are one cluster.
 pub const CLUSTER_WIDTH: f64 = 0.02;
 
+/// All modes of a cluster lie within this part of the higher frequency, however many stand between.
+pub const CLUSTER_SPAN: f64 = 0.05;
+
 /// Close or repeated modes of a theory against the test modes that met them, as subspaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClusterMac {
@@ -20,8 +23,8 @@ pub struct ClusterMac {
     pub theory: Vec<ModeName>,
     /// The test's modes that are paired with them.
     pub test: Vec<ModeName>,
-    /// Principal angles between both subspaces, ascending, degrees; `None` where the degrees of freedom are no more than
-    /// the modes of one side, whose subspace is then the whole space.
+    /// Principal angles between both subspaces, ascending, degrees; `None` where one side's modes are more than half as many
+    /// as the degrees of freedom: most of any space is then in that subspace.
     pub angles_deg: Option<Vec<f64>>,
     /// `1 − sin θ` of the largest principal angle `θ`, 0 to 1: the criterion of Vinze, Allemang and Phillips (Developing a
     /// correlation criterion (SpaceMAC) for repeated and pseudo-repeated modes, IMAC), who take the smallest angle. That
@@ -29,12 +32,14 @@ pub struct ClusterMac {
     pub space_mac: Option<f64>,
     /// Mean of `cos² θ`: the mean MAC of the test's modes with the subspace, were their shapes at right angles.
     pub mean_mac: Option<f64>,
+    /// What `mean_mac` is on average for directions drawn at random: modes of the larger subspace over degrees of freedom.
+    pub random_mac: Option<f64>,
     /// Degrees of freedom used.
     pub dofs: usize,
 }
 
 /// The clusters of a theory that a test met, in ascending frequency: roots one after the other that lie within
-/// [`CLUSTER_WIDTH`], or whose test modes do, and repeated roots.
+/// [`CLUSTER_WIDTH`], and all of them within [`CLUSTER_SPAN`], or whose test modes do, and repeated roots.
 ///
 /// # Errors
 /// [`CorrelateError::Linalg`].
@@ -54,9 +59,7 @@ pub(super) fn clusters(
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for j in modes {
         match groups.last_mut() {
-            Some(group) if joined((test, theory), pairing, (group[group.len() - 1], j)) => {
-                group.push(j);
-            }
+            Some(group) if joined((test, theory), pairing, (group, j)) => group.push(j),
             _ => groups.push(vec![j]),
         }
     }
@@ -66,13 +69,31 @@ pub(super) fn clusters(
     Ok(found?.into_iter().flatten().collect())
 }
 
-/// Whether two neighbouring theory modes belong to one cluster.
+/// Whether the next theory mode belongs to a cluster.
 fn joined(
+    models: (&ModalModel, &ModalModel),
+    pairing: &Pairing,
+    (group, next): (&[usize], usize),
+) -> bool {
+    let (first, last) = (group[0], group[group.len() - 1]);
+    let near = |other: usize, part: f64| within(models, pairing, (other, next), part);
+    same_root(models.1, last, next) || near(last, CLUSTER_WIDTH) && near(first, CLUSTER_SPAN)
+}
+
+/// Whether two theory modes are of one repeated root.
+fn same_root(theory: &ModalModel, a: usize, b: usize) -> bool {
+    let group = theory.modes[a].group;
+    group.is_some() && group == theory.modes[b].group
+}
+
+/// Whether two theory modes, or test modes that are paired with them, lie within a part of the higher frequency.
+fn within(
     (test, theory): (&ModalModel, &ModalModel),
     pairing: &Pairing,
     (a, b): (usize, usize),
+    part: f64,
 ) -> bool {
-    let near = |x: f64, y: f64| (x - y).abs() <= CLUSTER_WIDTH * x.max(y);
+    let near = |x: f64, y: f64| (x - y).abs() <= part * x.max(y);
     if near(theory.modes[a].frequency_hz, theory.modes[b].frequency_hz) {
         return true;
     }
@@ -103,7 +124,8 @@ fn cluster(
     }
     let [of_test, of_theory] = shapes.common(&tests, group);
     let dofs = of_test[0].len();
-    let angles = if dofs > tests.len().max(group.len()) {
+    let modes = tests.len().max(group.len());
+    let angles = if 2 * modes <= dofs {
         principal_angles_deg(&of_test, &of_theory)?
     } else {
         Vec::new()
@@ -120,6 +142,7 @@ fn cluster(
         test: names(test, &tests),
         space_mac: largest.map(|sine| 1.0 - sine),
         mean_mac: largest.map(|_| mean),
+        random_mac: largest.map(|_| modes as f64 / dofs as f64),
         angles_deg: largest.map(|_| angles),
         dofs,
     }))

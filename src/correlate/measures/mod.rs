@@ -30,7 +30,7 @@ use super::pairing::Shapes;
 use super::{CorrelateError, PairOptions, Pairing};
 
 pub use auto_mac::{AutoMac, Duplicate, DuplicateLimits, auto_mac};
-pub use cluster::{CLUSTER_WIDTH, ClusterMac};
+pub use cluster::{CLUSTER_SPAN, CLUSTER_WIDTH, ClusterMac};
 pub use coordinate::CoordinateMac;
 pub use frf::{
     BandCorrelation, FrfCorrelation, FunctionCorrelation, LineCorrelation, frf_correlation,

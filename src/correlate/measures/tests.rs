@@ -141,18 +141,69 @@ fn close_modes_in_any_mixture_are_one_subspace() {
 #[test]
 fn a_subspace_that_leans_by_an_angle_has_its_criterion() {
     let angle = 25f64.to_radians();
-    let theory = model(&[(100.0, &[1.0, 0.0, 0.0]), (101.0, &[0.0, 1.0, 0.0])]);
+    let theory = model(&[
+        (100.0, &[1.0, 0.0, 0.0, 0.0]),
+        (101.0, &[0.0, 1.0, 0.0, 0.0]),
+    ]);
     let test = model(&[
-        (100.0, &[1.0, 0.0, 0.0]),
-        (101.0, &[0.0, angle.cos(), angle.sin()]),
+        (100.0, &[1.0, 0.0, 0.0, 0.0]),
+        (101.0, &[0.0, angle.cos(), angle.sin(), 0.0]),
     ]);
     let cluster = &paired(&test, &theory).clusters[0];
     assert!((cluster.space_mac.unwrap() - (1.0 - angle.sin())).abs() < 1e-7);
     near(cluster.mean_mac, (1.0 + angle.cos().powi(2)) / 2.0);
-    // In the plane of both there is no other plane.
-    let flat = model(&[(100.0, &[1.0, 0.1]), (101.0, &[0.1, 1.0])]);
+    near(cluster.random_mac, 0.5);
+    // Two planes in three dimensions share a line whatever they are.
+    let flat = model(&[(100.0, &[1.0, 0.1, 0.0]), (101.0, &[0.1, 1.0, 0.0])]);
     let cluster = &paired(&flat, &flat).clusters[0];
-    assert_eq!((cluster.dofs, cluster.space_mac), (2, None));
+    assert_eq!((cluster.dofs, cluster.space_mac), (3, None));
+    assert_eq!((cluster.mean_mac, cluster.random_mac), (None, None));
+}
+
+#[test]
+fn a_chain_of_close_modes_ends_where_it_grows_wide() {
+    let unit = |n: usize| (0..20).map(|i| if i == n { 1.0 } else { 0.0 }).collect();
+    // Ten modes, each 1.5 % above the one before: 14 % from end to end.
+    let shapes: Vec<Vec<f64>> = (0..10).map(unit).collect();
+    let modes: Vec<(f64, &[f64])> = (0..)
+        .zip(&shapes)
+        .map(|(n, shape)| (100.0 * 1.015f64.powi(n), shape.as_slice()))
+        .collect();
+    let mut set = model(&modes);
+    let sizes = |set: &ModalModel| -> Vec<usize> {
+        let own = paired(set, set).clusters;
+        own.iter().map(|cluster| cluster.theory.len()).collect()
+    };
+    // 1.015^3 is within 5 %, 1.015^4 is not.
+    assert_eq!(sizes(&set), [4, 4, 2]);
+    // A repeated root stays whole: 105.2 Hz is within 5 % of 100 Hz, 105.3 Hz is not.
+    for (n, hz) in [(2, 103.5), (3, 105.2), (4, 105.3)] {
+        set.modes[n].frequency_hz = hz;
+    }
+    assert_eq!(sizes(&set)[0], 4);
+    set.modes[3].group = Some(1);
+    set.modes[4].group = Some(1);
+    assert_eq!(sizes(&set)[0], 5);
+}
+
+#[test]
+fn over_all_planes_of_coordinates_the_mean_is_that_at_random() {
+    let unit = |n: usize| -> Vec<f64> { (0..5).map(|i| f64::from(u8::from(i == n))).collect() };
+    let plane = |a: usize, b: usize| model(&[(100.0, &unit(a)), (101.0, &unit(b))]);
+    let options = PairOptions {
+        min_mac: 0.0,
+        ..PairOptions::default()
+    };
+    let (theory, mut means) = (plane(0, 1), Vec::new());
+    for (a, b) in (0..5).flat_map(|a| (a + 1..5).map(move |b| (a, b))) {
+        let test = plane(a, b);
+        let pairing = pair(&test, &theory, &options).unwrap();
+        let own = measures(&test, &theory, &pairing, &options).unwrap();
+        near(own.clusters[0].random_mac, 2.0 / 5.0);
+        means.push(own.clusters[0].mean_mac.unwrap());
+    }
+    let mean = means.iter().sum::<f64>() / means.len() as f64;
+    near(Some(mean), 2.0 / 5.0);
 }
 
 #[test]
