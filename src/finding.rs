@@ -286,6 +286,9 @@ codes! {
     /// A sensor that points the other way.
     ReversedSensor: "this sensor reads against the theory in the pairs; turned, it raises their mean MAC",
         "Its values disagree in sign with the theory's in most pairs of modes. The value is what the mean MAC gains when it is turned. Look at how the sensor was mounted, or at the sign of its channel; it is left as it is unless --turn-reversed is given.";
+    /// A test shape that the modes of a reduction cannot hold.
+    OutsideReduction: "part of this test shape lies outside the modes that the SEREP reduction keeps, and its orthogonality does not see it",
+        "SEREP takes a test shape for the nearest sum of the modes that it keeps: as many of the model's lowest as the sensors tell apart. What is left, as a part of the squared length, is the value. Where it is large, the orthogonality looks better than the shape is. Look at the MAC, use --orthogonality guyan, or measure at more points.";
     /// A test's frame that was fitted to the theory's.
     NodesAligned: "the test's points were turned, shifted and scaled onto the theory's",
         "The value is the scale, near 0.001 for millimetres that count as metres. Where several frames fit as well, because points on a line or of a symmetric machine do not tell them apart, it is a warning, and the one that turns least was taken. Look at the distances, and at the MAC.";

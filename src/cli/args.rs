@@ -273,11 +273,11 @@ pub struct CorrelateArgs {
     #[arg(long, requires = "theory")]
     pub measures: bool,
     /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by guyan or serep (through the
-    /// paired modes).
+    /// paired modes and the lowest others, as many as the sensors tell apart).
     #[arg(long, value_name = "guyan|serep", requires = "theory")]
     pub orthogonality: Option<String>,
     /// Write the test's shapes at all coordinates of the model here (.json, or .uff for universal dataset 55), expanded as
-    /// --orthogonality says, else by serep.
+    /// --orthogonality says, else by serep; by serep as a sum of the paired modes.
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub expand: Option<PathBuf>,
     /// FRFs: compare these lines alone, LO:HI in Hz.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::correlate::measures::{
-    DuplicateLimits, Measures, ReducedMass, Reduction, ReversedSensor, auto_mac, measures,
-    orthogonality, orthogonality_dofs, reversed_sensors, turned,
+    DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor, auto_mac,
+    measures, orthogonality, orthogonality_dofs, reversed_sensors, serep_modes, turned,
 };
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
@@ -132,6 +132,13 @@ fn compared(
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
     }
+    for (name, own) in &all {
+        let orthogonality = own.orthogonality.as_ref();
+        output.findings_of(
+            name,
+            &orthogonality.map_or_else(Vec::new, Orthogonality::findings),
+        );
+    }
     for (test, findings) in &comparison.findings {
         output.findings_of(test, findings);
     }
@@ -244,29 +251,37 @@ impl Wanted<'_> {
         pairing: &Pairing,
         output: &mut Output,
     ) -> Result<Option<Measures>, Error> {
-        let (args, reduction) = (self.args, self.reduction);
-        let wanted = reduction.is_some() || args.expand.is_some();
-        let mass = wanted.then(|| self.mass(test, pairing)).transpose()?;
-        if let (Some(path), Some(model), Some(mass)) = (&args.expand, self.model, &mass) {
-            output.findings(&expand(path, model, (test, pairing), mass)?);
+        let (args, paired) = (self.args, paired_theory(pairing));
+        if let Some(path) = &args.expand {
+            let reduction = self.reduction.unwrap_or(Reduction::Serep);
+            let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
+            let (model, mass) = self.mass(dofs, reduction, &paired)?;
+            output.findings(&expand(path, model, (test, pairing), &mass)?);
         }
-        if !args.measures && reduction.is_none() {
+        if !args.measures && self.reduction.is_none() {
             return Ok(None);
         }
         let mut own = measures(test, self.theory, pairing, self.options)?;
-        let through = mass.as_ref().filter(|_| reduction.is_some());
-        let sides = (test, self.theory);
-        let columns = match reduction {
-            Some(Reduction::Serep) => paired_theory(pairing),
-            _ => (0..self.theory.modes.len()).collect(),
-        };
-        let through = through.map(|mass| orthogonality(sides, &pairing.map, mass, &columns));
-        own.orthogonality = through.transpose()?;
+        if let Some(reduction) = self.reduction {
+            let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
+            let columns = match reduction {
+                Reduction::Serep => serep_modes(self.theory, &dofs, &paired),
+                Reduction::Guyan => (0..self.theory.modes.len()).collect(),
+            };
+            let (_, mass) = self.mass(dofs, reduction, &columns)?;
+            let sides = (test, self.theory);
+            own.orthogonality = Some(orthogonality(sides, &pairing.map, &mass, &columns)?);
+        }
         Ok(Some(own))
     }
 
-    /// The theory's mass matrix reduced to the sensors of both.
-    fn mass(&self, test: &ModalModel, pairing: &Pairing) -> Result<ReducedMass, Error> {
+    /// The model, and its mass matrix reduced to the sensors of both.
+    fn mass(
+        &self,
+        dofs: Vec<Dof>,
+        reduction: Reduction,
+        kept: &[usize],
+    ) -> Result<(&SolvedModel, ReducedMass), Error> {
         let model = self.model.ok_or_else(|| Error::Argument {
             argument: "--orthogonality, --expand",
             got: "finished modes, which have no mass matrix".to_owned(),
@@ -277,12 +292,10 @@ impl Wanted<'_> {
             let reading = named.unwrap_or_else(|| vec![(dof.positive(), dof.sign())]);
             (dof, reading)
         };
-        let common = orthogonality_dofs(test, self.theory, &pairing.map).into_iter();
-        let readings: Vec<(Dof, Reading)> = common.map(reading).collect();
-        let kept = paired_theory(pairing);
-        let reduction = self.reduction.unwrap_or(Reduction::Serep);
-        let (model, sensors) = (&model.model, &model.sensors);
-        Ok(model.reduced_mass(sensors, &readings, reduction, &kept)?)
+        let readings: Vec<(Dof, Reading)> = dofs.into_iter().map(reading).collect();
+        let (solved, sensors) = (&model.model, &model.sensors);
+        let mass = solved.reduced_mass(sensors, &readings, reduction, kept)?;
+        Ok((model, mass))
     }
 }
 

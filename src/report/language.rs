@@ -124,6 +124,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("to (Hz)", "终止 (Hz)"),
     ("angles (deg)", "主角 (°)"),
     ("at random", "随机值"),
+    ("outside (%)", "降阶模态外 (%)"),
     ("response", "响应"),
     ("reference", "参考"),
     ("level (dB)", "幅值比 (dB)"),

@@ -453,7 +453,7 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
 fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
     let how = match (own.reduction, own.reduction_modes) {
         (Reduction::Serep, Some(modes)) => format!(
-            "by SEREP through {modes} paired modes of the theory (O'Callahan, Avitabile and Riemer 1989)"
+            "by SEREP through {modes} modes of the theory, the paired ones and the lowest others (O'Callahan, Avitabile and Riemer 1989)"
         ),
         _ => "statically (Guyan 1965)".to_owned(),
     };
@@ -466,16 +466,18 @@ fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
         table.footnotes.insert(0, note.clone());
         table
     };
-    [
-        table(
-            format!("Cross-orthogonality of {test} and theory"),
-            &own.theory,
-            &own.cross,
-        ),
-        table(
-            format!("Self-orthogonality of {test}"),
-            &own.test,
-            &own.self_test,
-        ),
-    ]
+    let mut cross = table(
+        format!("Cross-orthogonality of {test} and theory"),
+        &own.theory,
+        &own.cross,
+    );
+    if own.reduction == Reduction::Serep {
+        cross.columns.push(Column::number("outside (%)"));
+        for (row, part) in cross.rows.iter_mut().zip(&own.outside) {
+            row.push(Cell::number(part.map(|part| 100.0 * part), 2));
+        }
+        cross.footnotes.push("Outside: |ψ − Φ Φ⁺ ψ|²/|ψ|² of the test shape ψ, Φ the modes of the reduction at the sensors; M does not see it.".to_owned());
+    }
+    let caption = format!("Self-orthogonality of {test}");
+    [cross, table(caption, &own.test, &own.self_test)]
 }

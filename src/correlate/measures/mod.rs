@@ -20,6 +20,7 @@ mod frf;
 mod orthogonality;
 mod pair_shapes;
 mod reversed;
+mod serep_modes;
 
 use num_complex::Complex64;
 use serde::Serialize;
@@ -41,6 +42,7 @@ pub use orthogonality::{
 };
 
 pub use reversed::{ReversedSensor, reversed_sensors, turned};
+pub use serep_modes::serep_modes;
 
 use auto_mac::at_sensors;
 use cluster::clusters;
@@ -230,5 +232,7 @@ fn scale_factors(matrix: &MacMatrix, shapes: &Shapes, pairing: &Pairing) -> Vec<
 
 #[cfg(test)]
 pub(super) mod models;
+#[cfg(test)]
+mod orthogonality_tests;
 #[cfg(test)]
 mod tests;
