@@ -275,7 +275,7 @@ codes! {
     Ambiguous: "two partners are as good as each other; the pairing cannot be decided",
         "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
     /// A test shape that several roots hold together.
-    MixedShape: "the test shape is mixed: its root holds less of it than the stated MAC",
+    MixedShape: "the root holds less of the test shape than the stated MAC: shapes are mixed, or these sensors do not tell roots apart",
         "All roots of the model explain the shape together. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",

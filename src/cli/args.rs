@@ -308,7 +308,7 @@ pub struct CorrelateArgs {
     /// Gate on the frequency error, a fraction.
     #[arg(long, value_name = "FRACTION")]
     pub max_frequency_error: Option<f64>,
-    /// Gate on MAC.
+    /// Gate on MAC; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
     #[arg(long, value_name = "MAC")]
     pub min_mac: Option<f64>,
     /// theory: (test − theory)/theory; test: (theory − test)/test.

@@ -45,10 +45,10 @@ impl ErrorReference {
 pub struct PairOptions {
     /// Largest frequency error (its magnitude, a fraction) of a pair.
     pub max_frequency_error: f64,
-    /// Smallest MAC of a pair, from 0 to below 1.
+    /// Smallest MAC of a pair, from 0 to below 1; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
     pub min_mac: f64,
-    /// A second partner whose cost is within this of the first makes a pair ambiguous. At equal frequencies and the
-    /// default gates it is a difference in MAC; with frequencies alone, a part of `max_frequency_error`.
+    /// A second partner whose cost is within this of the first makes a pair ambiguous. At the default gates 0.05 is 0.04 of a
+    /// shape, or half of `max_frequency_error`; with frequencies alone, a part of `max_frequency_error`.
     pub ambiguous_margin: f64,
     /// Fewer common degrees of freedom than this are a finding.
     pub min_dofs: usize,

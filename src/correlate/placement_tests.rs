@@ -116,7 +116,7 @@ fn what_no_point_can_see_is_said_with_its_reason() {
     let theory = model(vec![
         of_theory(100.0, &[1.0, 1.0, 0.0]),
         of_theory(200.0, &[0.0, 0.0, 1.0]),
-        of_theory(400.0, &[1.0, 1e-9, 0.0]),
+        of_theory(400.0, &[1.0, 1e-8, 0.0]),
     ]);
     let plan = placed(&theory, &[("2:+Z", "2:+Z")], &["2:+Z"]);
     assert!(plan.steps.is_empty());
@@ -127,9 +127,9 @@ fn what_no_point_can_see_is_said_with_its_reason() {
         .collect();
     assert_eq!(roots[0], (1, [false, false]));
     assert_eq!(roots[1], (0, [true, true]));
-    // It moves, but a strength of 1e-18 does not rise over the noise.
+    // It moves, but a strength of 1e-16 does not rise over the noise.
     assert_eq!(roots[2], (0, [false, false]));
-    assert!(plan.roots[2].peak_over_noise_db.unwrap() < -200.0);
+    assert!(plan.roots[2].peak_over_noise_db.unwrap() < -150.0);
 }
 
 #[test]

@@ -4,6 +4,9 @@ use crate::modal::ModalModel;
 
 use super::CorrelateError;
 
+/// Frequencies of one root agree to this part, where no group numbers say so: files hold seven digits.
+const SAME_ROOT: f64 = 1e-6;
+
 /// One elastic root of a theory with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Root {
@@ -13,7 +16,8 @@ pub(super) struct Root {
     pub hz: f64,
 }
 
-/// The elastic roots in ascending frequency; modes of one group number are one root, modes at 0 Hz are left out.
+/// The elastic roots in ascending frequency; modes of one group number or one frequency are one root, modes at 0 Hz are
+/// left out.
 pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
     let root = |modes: Vec<usize>| {
         let sum: f64 = modes.iter().map(|&j| theory.modes[j].frequency_hz).sum();
@@ -30,6 +34,14 @@ pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
         .map(root)
         .collect();
     roots.sort_by(|a, b| a.hz.total_cmp(&b.hz).then_with(|| a.modes.cmp(&b.modes)));
+    roots.dedup_by(|next, own| {
+        let same = next.hz - own.hz <= SAME_ROOT * own.hz;
+        if same {
+            own.modes.append(&mut next.modes);
+            own.modes.sort_unstable();
+        }
+        same
+    });
     roots
 }
 

@@ -10,7 +10,7 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{complex_matrix, least_squares};
+use crate::linalg::{complex_matrix, least_squares, solve_lower, solve_lower_adjoint, thin_qr};
 use crate::modal::{ModalModel, Scaling};
 
 use super::pairing::Shapes;
@@ -98,18 +98,52 @@ fn coordinates(shape: &[Complex64], columns: &[Vec<Complex64>], reach: &[f64]) -
     let (points, modes) = (shape.len(), columns.len());
     let scale = squared(shape).sqrt();
     let deviation = DEVIATION * scale / (points as f64).sqrt();
+    let reach: Vec<f64> = reach
+        .iter()
+        .map(|own| own.max(LEAST_REACH) * scale)
+        .collect();
+    if points < modes {
+        return of_few_points(shape, (columns, &reach), deviation);
+    }
     let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
         None => columns[c][k] / deviation,
-        Some(own) if own == c => (reach[c].max(LEAST_REACH) * scale).recip().into(),
+        Some(own) if own == c => reach[c].recip().into(),
         Some(_) => Complex64::ZERO,
     });
     let right = complex_matrix(points + modes, 1, |k, _| {
-        shape
-            .get(k)
-            .map_or(Complex64::ZERO, |value| value / deviation)
+        let value = shape.get(k);
+        value.map_or(Complex64::ZERO, |value| value / deviation)
     });
     let solution = least_squares(&matrix, &right);
     (0..modes).map(|c| solution[(c, 0)]).collect()
+}
+
+/// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
+fn of_few_points(
+    shape: &[Complex64],
+    (columns, reach): (&[Vec<Complex64>], &[f64]),
+    deviation: f64,
+) -> Vec<Complex64> {
+    let (points, modes) = (shape.len(), columns.len());
+    let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
+        None => columns[k][p].conj() * reach[k],
+        Some(own) if own == p => deviation.into(),
+        Some(_) => Complex64::ZERO,
+    });
+    let lower = complex_matrix(points, points, {
+        let upper = thin_qr(&stacked).r;
+        move |i, j| upper[(j, i)].conj()
+    });
+    let right = complex_matrix(points, 1, |k, _| shape[k]);
+    let weights = solve_lower_adjoint(&lower, &solve_lower(&lower, &right));
+    let of = |(column, reach): (&Vec<Complex64>, &f64)| {
+        let products = column.iter().enumerate();
+        let sum: Complex64 = products
+            .map(|(k, value)| value.conj() * weights[(k, 0)])
+            .sum();
+        reach * reach * sum
+    };
+    columns.iter().zip(reach).map(of).collect()
 }
 
 /// The part of a shape that a sum of columns is.
@@ -183,6 +217,32 @@ mod tests {
             found[0].unwrap() < 1e-4 && found[1].unwrap() > 0.99,
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn unknowns_for_points_give_what_unknowns_for_modes_do() {
+        let columns: Vec<Vec<Complex64>> = (0..9)
+            .map(|c| (0..6).map(|k| Complex64::cis((c * k + c) as f64)).collect())
+            .collect();
+        let test: Vec<Complex64> = (0..6).map(|k| Complex64::cis((k * k) as f64)).collect();
+        let reach: Vec<f64> = (1..10).map(|c| 1.0 / f64::from(c)).collect();
+        let found = coordinates(&test, &columns, &reach);
+        // What is left over of the normal equations.
+        let (d, scale) = (DEVIATION, 6f64.sqrt());
+        for (c, column) in columns.iter().enumerate() {
+            let fitted = |k: usize| {
+                columns
+                    .iter()
+                    .zip(&found)
+                    .map(|(own, q)| own[k] * q)
+                    .sum::<Complex64>()
+            };
+            let rest: Complex64 = (0..6)
+                .map(|k| column[k].conj() * (test[k] - fitted(k)))
+                .sum();
+            let penalty = found[c] * d * d / (reach[c] * scale).powi(2);
+            assert!((rest - penalty).norm() < 1e-10, "{c}");
+        }
     }
 
     #[test]
