@@ -42,6 +42,7 @@ pub const READERS: &[Reader] = &[
     Reader { name: "hdf5", seeds: seeds::hdf5_of_h5py, spec: chunks },
     Reader { name: "hdf5", seeds: seeds::hdf5_of_matlab, spec: matlab_arrays },
     Reader { name: "modes", seeds: seeds::modes, spec: TableSpec::default },
+    Reader { name: "modes-csv", seeds: seeds::modes_csv, spec: TableSpec::default },
     Reader { name: "npy", seeds: seeds::npy, spec: first_column },
     Reader { name: "npz", seeds: seeds::npz, spec: TableSpec::default },
     Reader { name: "matlab5", seeds: seeds::matlab5, spec: TableSpec::default },

@@ -144,6 +144,11 @@ pub fn modes() -> Vec<Vec<u8>> {
     written("modes", Encoding::Text).into_iter().collect()
 }
 
+/// Modes as a table.
+pub fn modes_csv() -> Vec<Vec<u8>> {
+    written("modes-csv", Encoding::Text).into_iter().collect()
+}
+
 /// A matrix of doubles, row by row and column by column, as NumPy writes it.
 pub fn npy() -> Vec<Vec<u8>> {
     let values: Vec<u8> = (0..120_u8)
