@@ -333,6 +333,7 @@ impl ArrayStore for Hdf5Store {
         if range.start > range.end || range.end > count {
             return Err(outside(&self.listing.infos[index].name, &range));
         }
+        self.check_size(index)?;
         values.resize(range.len(), 0.0);
         self.stream.allow(TIMES_READ);
         let byte = address.saturating_add((range.start * size_of::<f32>()) as u64);
