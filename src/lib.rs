@@ -31,6 +31,7 @@
 //! | [`correlate::Alignment`] | a test's frame fitted to that of the theory | `correlate` |
 //! | [`correlate::measures::Measures`] | MAC, COMAC, scale factors, subspaces, orthogonality of the pairs | `correlate` |
 //! | [`correlate::measures::FrfCorrelation`] | FRFs against FRFs, by function and by line | `correlate` |
+//! | [`correlate::Placement`] | where to hit or put a sensor next | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
 //! | [`update::UpdateProblem`] | a model to be brought to measured modes | `update` |
