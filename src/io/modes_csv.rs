@@ -6,21 +6,24 @@
 //! 31.5,,1,0.3,-0.8
 //! ```
 //!
-//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators part the cells, `#` begins a
-//! line of remarks. An empty cell is a value that is not known: a degree of freedom without one is not in that shape.
+//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators part the cells, `#` (blanks may
+//! stand before it) begins a line of remarks, a line whose cells are all empty is skipped. An empty cell is a value that is not
+//! known: a degree of freedom without one is not in that shape.
 //!
 //! | column | meaning |
 //! |---|---|
 //! | `frequency_hz` | natural frequency, Hz, 0 or more |
 //! | `damping_ratio` | a fraction |
-//! | `frequency_std_hz`, `damping_std` | their standard deviations |
+//! | `frequency_std_hz`, `damping_std` | their standard deviations, 0 or more |
 //! | `group` | a whole number; modes of one repeated root have the same |
-//! | `modal_mass_kg` | modal mass |
+//! | `modal_mass_kg` | modal mass, above 0 |
 //! | `scaling` | `unit-modal-mass`, `unit-max` or `unknown` (also without the column) |
 //! | `1:+Z` | the shape at this degree of freedom, real |
 //! | `1:+Z re`, `1:+Z im` | its real and imaginary part, both or none |
+//!
+//! A degree of freedom stands there with one sign: `1:+Z` and `1:-Z` are one.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 use num_complex::Complex64;
@@ -29,11 +32,14 @@ use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::modal::{Mode, ModeShape, Scaling};
 
-use super::not_carried::NotCarried;
 use super::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
     WriteOptions, WriteSeek,
 };
+
+mod write;
+
+use write::{not_carried, text, unwritable};
 
 /// A table of modes.
 pub struct ModesCsv;
@@ -58,7 +64,7 @@ impl Format for ModesCsv {
 
     /// Certain for a heading that begins as this format's.
     fn detect(&self, head: &[u8]) -> Confidence {
-        if delimiter(head).is_some() {
+        if heading(head).1.is_some() {
             Confidence::Certain
         } else {
             Confidence::No
@@ -107,7 +113,10 @@ impl Format for ModesCsv {
                 expected: "modes; identify them first".to_owned(),
             });
         }
-        out.write_all(text(&modes).as_bytes())
+        let text = text(&modes);
+        // What this reader refuses is not written.
+        read(text.as_bytes(), &options.path).map_err(|error| unwritable(error, &options.path))?;
+        out.write_all(text.as_bytes())
             .map_err(|source| IoError::System {
                 path: options.path.clone(),
                 action: "write",
@@ -117,24 +126,35 @@ impl Format for ModesCsv {
     }
 }
 
-/// The first line that is no remark.
-fn heading(bytes: &[u8]) -> Option<&[u8]> {
+/// The lines that hold something, each with its number from 1: no remarks and none whose cells are all empty.
+fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let lines = bytes.split(|byte| *byte == b'\n');
-    let mut lines = lines.map(<[u8]>::trim_ascii);
-    lines.find(|line| !line.is_empty() && !line.starts_with(b"#"))
+    // A text without line feeds may end its lines with carriage returns.
+    let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+    let empty =
+        |byte: &u8| byte.is_ascii_whitespace() || *byte == b'"' || DELIMITERS.contains(byte);
+    let lines = (1..).zip(bytes.split(move |byte| *byte == end));
+    lines.filter(move |(_, line)| {
+        !line.iter().all(empty) && !line.trim_ascii_start().starts_with(b"#")
+    })
 }
 
-/// What parts the cells of a table of modes.
-fn delimiter(bytes: &[u8]) -> Option<u8> {
-    let line = heading(bytes)?;
-    DELIMITERS.into_iter().find(|delimiter| {
-        let cells = line.split(|byte| byte == delimiter);
-        let mut cells = cells.map(|cell| cell.trim_ascii());
-        FIRST
-            .iter()
-            .all(|name| cells.next() == Some(name.as_bytes()))
-    })
+/// The cells of a line without the blanks and quotation marks around them.
+fn cells(line: &str, delimiter: char) -> Vec<&str> {
+    let cells = line.split(delimiter).map(str::trim).map(|cell| {
+        let quoted = cell.strip_prefix('"').and_then(|own| own.strip_suffix('"'));
+        quoted.map_or(cell, str::trim)
+    });
+    cells.collect()
+}
+
+/// The number of the first line and what parts its cells, if it is the heading of a table of modes.
+fn heading(bytes: &[u8]) -> (u64, Option<char>) {
+    let (number, line) = lines(bytes).next().unwrap_or((1, b""));
+    let line = String::from_utf8_lossy(line);
+    let delimiters = DELIMITERS.map(char::from).into_iter();
+    let mut delimiters = delimiters.filter(|own| cells(&line, *own).starts_with(&FIRST));
+    (number, delimiters.next())
 }
 
 /// What a column holds.
@@ -169,6 +189,14 @@ const NAMED: [(&str, Column); 7] = [
     ("scaling", Column::Scaling),
 ];
 
+/// Which numbers a column takes, and how an error says it.
+type Range = (fn(f64) -> bool, &'static str);
+
+const FINITE: Range = (|_| true, "a finite number or nothing");
+const NOT_NEGATIVE: Range = (|value| value >= 0.0, "a number of 0 or more, or nothing");
+const POSITIVE: Range = (|value| value > 0.0, "a number above 0, or nothing");
+const FREQUENCY: Range = (|value| value >= 0.0, "a frequency of 0 Hz or more");
+
 /// Where a text is wrong.
 struct Reader<'a> {
     path: &'a str,
@@ -184,6 +212,11 @@ impl Reader<'_> {
             got: got.to_owned(),
             expected: expected.to_owned(),
         }
+    }
+
+    fn text<'b>(&self, line: &'b [u8]) -> Result<&'b str, IoError> {
+        let text = std::str::from_utf8(line);
+        text.map_err(|_| self.error("row", &String::from_utf8_lossy(line), "UTF-8 text"))
     }
 
     fn column(&self, name: &str) -> Result<Column, IoError> {
@@ -205,19 +238,20 @@ impl Reader<'_> {
         Ok(Column::Shape(dof, part))
     }
 
-    /// The columns, each once, a real part with its imaginary one.
-    fn columns(&self, names: &csv::StringRecord) -> Result<Vec<Column>, IoError> {
+    /// The columns, each once, a real part with its imaginary one, a degree of freedom with one sign.
+    fn columns(&self, names: &[&str]) -> Result<Vec<Column>, IoError> {
         let columns = names.iter().map(|name| self.column(name));
         let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
-        for (i, column) in columns.iter().enumerate() {
-            let name = &names[i];
-            if columns[..i].contains(column) {
+        let all: BTreeSet<&Column> = columns.iter().collect();
+        let mut seen = BTreeSet::new();
+        for (column, name) in columns.iter().zip(names) {
+            if !seen.insert(column) {
                 return Err(self.error("column", name, "each column once"));
             }
             let Column::Shape(dof, part) = column else {
                 continue;
             };
-            let has = |part: Part| columns.contains(&Column::Shape(dof.clone(), part));
+            let has = |part: Part| all.contains(&Column::Shape(dof.clone(), part));
             let alone = match part {
                 Part::Whole => !has(Part::Real) && !has(Part::Imaginary),
                 Part::Real => has(Part::Imaginary),
@@ -228,36 +262,58 @@ impl Reader<'_> {
                 return Err(self.error("column", name, &expected));
             }
         }
+        self.one_sign(&columns)?;
         Ok(columns)
     }
 
-    fn number(&self, what: &'static str, text: &str) -> Result<Option<f64>, IoError> {
+    /// The values of `1:-Z` are those of `1:+Z` turned: with both there would be two for one degree of freedom.
+    fn one_sign(&self, columns: &[Column]) -> Result<(), IoError> {
+        let mut signed: BTreeMap<Dof, &Dof> = BTreeMap::new();
+        for column in columns {
+            let Column::Shape(dof, _) = column else {
+                continue;
+            };
+            let first = *signed.entry(dof.positive()).or_insert(dof);
+            if first != dof {
+                let expected = format!("one sign for a degree of freedom; {first} is there");
+                return Err(self.error("column", &dof.to_string(), &expected));
+            }
+        }
+        Ok(())
+    }
+
+    fn number(
+        &self,
+        what: &'static str,
+        text: &str,
+        (holds, expected): Range,
+    ) -> Result<Option<f64>, IoError> {
         if text.is_empty() {
             return Ok(None);
         }
-        let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-        let value = value.ok_or_else(|| self.error(what, text, "a finite number or nothing"))?;
+        let value = text.parse::<f64>().ok();
+        let value = value.filter(|value| value.is_finite() && holds(*value));
+        let value = value.ok_or_else(|| self.error(what, text, expected))?;
         Ok(Some(value))
     }
 
-    fn mode(&self, columns: &[Column], row: &csv::StringRecord) -> Result<Mode, IoError> {
-        let mut mode = Mode::new(f64::NAN, None, ModeShape::default(), Scaling::Unknown);
-        let mut shape: BTreeMap<Dof, Complex64> = BTreeMap::new();
+    fn mode(&self, columns: &[Column], row: &[&str]) -> Result<Mode, IoError> {
+        let shape = self.shape(columns, row)?;
+        let mut mode = Mode::new(f64::NAN, None, shape, Scaling::Unknown);
         for (column, cell) in columns.iter().zip(row) {
+            let number = |what, range| self.number(what, cell, range);
             match column {
                 Column::Frequency => {
-                    let own = self.number("frequency_hz", cell)?;
-                    let own = own.filter(|hz| *hz >= 0.0);
-                    let expected = "a frequency of 0 Hz or more";
+                    let own = number("frequency_hz", FREQUENCY)?;
                     mode.frequency_hz =
-                        own.ok_or_else(|| self.error("frequency_hz", cell, expected))?;
+                        own.ok_or_else(|| self.error("frequency_hz", cell, FREQUENCY.1))?;
                 }
-                Column::Damping => mode.damping_ratio = self.number("damping_ratio", cell)?,
+                Column::Damping => mode.damping_ratio = number("damping_ratio", FINITE)?,
                 Column::FrequencyStd => {
-                    mode.frequency_std_hz = self.number("frequency_std_hz", cell)?;
+                    mode.frequency_std_hz = number("frequency_std_hz", NOT_NEGATIVE)?;
                 }
-                Column::DampingStd => mode.damping_std = self.number("damping_std", cell)?,
-                Column::ModalMass => mode.modal_mass_kg = self.number("modal_mass_kg", cell)?,
+                Column::DampingStd => mode.damping_std = number("damping_std", NOT_NEGATIVE)?,
+                Column::ModalMass => mode.modal_mass_kg = number("modal_mass_kg", POSITIVE)?,
                 Column::Group if cell.is_empty() => {}
                 Column::Group => {
                     let own = cell.parse().ok();
@@ -270,144 +326,74 @@ impl Reader<'_> {
                     let own = Scaling::from_name(cell);
                     mode.scaling = own.ok_or_else(|| self.error("scaling", cell, expected))?;
                 }
-                Column::Shape(dof, part) => {
-                    let Some(value) = self.number("shape", cell)? else {
-                        continue;
-                    };
-                    let own = shape.entry(dof.clone()).or_default();
-                    match part {
-                        Part::Whole | Part::Real => own.re = value,
-                        Part::Imaginary => own.im = value,
-                    }
+                Column::Shape(..) => {}
+            }
+        }
+        Ok(mode)
+    }
+
+    /// The shape, of the degrees of freedom whose values are known.
+    fn shape(&self, columns: &[Column], row: &[&str]) -> Result<ModeShape, IoError> {
+        let mut parts: BTreeMap<&Dof, (Option<f64>, Option<f64>)> = BTreeMap::new();
+        for (column, cell) in columns.iter().zip(row) {
+            let Column::Shape(dof, part) = column else {
+                continue;
+            };
+            let value = self.number("shape", cell, FINITE)?;
+            let own = parts.entry(dof).or_default();
+            match part {
+                Part::Whole => *own = (value, value.map(|_| 0.0)),
+                Part::Real => own.0 = value,
+                Part::Imaginary => own.1 = value,
+            }
+        }
+        let mut shape = Vec::new();
+        for (dof, own) in parts {
+            match own {
+                (Some(re), Some(im)) => shape.push((dof.clone(), Complex64::new(re, im))),
+                (None, None) => {}
+                (re, _) => {
+                    let alone = if re.is_some() { "re" } else { "im" };
+                    let got = format!("{dof} {alone} alone");
+                    let expected = format!("{dof} re and {dof} im, both or none");
+                    return Err(self.error("shape", &got, &expected));
                 }
             }
         }
-        mode.shape = ModeShape::new(shape);
-        Ok(mode)
+        Ok(ModeShape::new(shape))
     }
 }
 
 fn read(bytes: &[u8], path: &str) -> Result<Vec<ModeEntry>, IoError> {
-    let mut reader = Reader { path, line: 1 };
-    let Some(delimiter) = delimiter(bytes) else {
-        let line = heading(bytes).unwrap_or_default();
-        let got = String::from_utf8_lossy(line).into_owned();
-        return Err(reader.error("heading", &got, "frequency_hz,damping_ratio,... first"));
+    let (line, delimiter) = heading(bytes);
+    let mut reader = Reader { path, line };
+    let mut lines = lines(bytes);
+    let first = lines.next().map_or(&b""[..], |(_, text)| text);
+    let Some(delimiter) = delimiter else {
+        let got = String::from_utf8_lossy(first);
+        return Err(reader.error(
+            "heading",
+            got.trim(),
+            "frequency_hz,damping_ratio,... first",
+        ));
     };
-    let mut rows = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    let mut columns: Option<Vec<Column>> = None;
+    let columns = reader.columns(&cells(reader.text(first)?, delimiter))?;
     let mut modes = Vec::new();
-    for row in rows.records() {
-        let row = row.map_err(|error| {
-            reader.line = error.position().map_or(reader.line, csv::Position::line);
-            let expected = "UTF-8 text with as many cells as the heading";
-            reader.error("row", &error.to_string(), expected)
-        })?;
-        reader.line = row.position().map_or(reader.line, csv::Position::line);
-        let Some(columns) = &columns else {
-            columns = Some(reader.columns(&row)?);
-            continue;
-        };
+    for (line, text) in lines {
+        reader.line = line;
+        let row = cells(reader.text(text)?, delimiter);
+        if row.len() != columns.len() {
+            let got = format!("{} cells", row.len());
+            let expected = format!("{} as in the heading", columns.len());
+            return Err(reader.error("row", &got, &expected));
+        }
         modes.push(ModeEntry {
-            line: Some(reader.line),
-            ..ModeEntry::new(reader.mode(columns, &row)?)
+            line: Some(line),
+            ..ModeEntry::new(reader.mode(&columns, &row)?)
         });
     }
+    if modes.is_empty() {
+        return Err(reader.error("modes", "a heading alone", "a line for each mode"));
+    }
     Ok(modes)
-}
-
-/// A column with its cells.
-type Cells<'a> = (String, Box<dyn Fn(&Mode) -> Option<String> + 'a>);
-
-/// The table of these modes: columns that no mode has a value of are left out.
-fn text(modes: &[&Mode]) -> String {
-    let mut columns: Vec<Cells<'_>> = NAMED
-        .iter()
-        .map(|(name, column)| -> Cells<'_> {
-            (
-                (*name).to_owned(),
-                Box::new(|mode| named_cell(mode, column)),
-            )
-        })
-        .filter(|(name, cell)| {
-            FIRST.contains(&name.as_str()) || modes.iter().any(|mode| cell(mode).is_some())
-        })
-        .collect();
-    let shapes = || modes.iter().flat_map(|mode| mode.shape.iter());
-    let complex = shapes().any(|(_, value)| value.im.abs() > 0.0);
-    let dofs: std::collections::BTreeSet<Dof> = shapes().map(|(dof, _)| dof.clone()).collect();
-    for dof in dofs {
-        let own = dof.clone();
-        let real: Cells<'_> = (
-            if complex {
-                format!("{dof} re")
-            } else {
-                dof.to_string()
-            },
-            Box::new(move |mode| mode.shape.get(&own).map(|value| value.re.to_string())),
-        );
-        columns.push(real);
-        if complex {
-            let name = format!("{dof} im");
-            let imaginary = move |mode: &Mode| mode.shape.get(&dof).map(|v| v.im.to_string());
-            columns.push((name, Box::new(imaginary)));
-        }
-    }
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = names.join(",") + "\n";
-    for mode in modes {
-        let cells = columns
-            .iter()
-            .map(|(_, cell)| cell(mode).unwrap_or_default());
-        text += &cells.collect::<Vec<_>>().join(",");
-        text.push('\n');
-    }
-    text
-}
-
-fn named_cell(mode: &Mode, column: &Column) -> Option<String> {
-    let number = |value: Option<f64>| value.map(|value| value.to_string());
-    match column {
-        Column::Frequency => number(Some(mode.frequency_hz)),
-        Column::Damping => number(mode.damping_ratio),
-        Column::FrequencyStd => number(mode.frequency_std_hz),
-        Column::DampingStd => number(mode.damping_std),
-        Column::ModalMass => number(mode.modal_mass_kg),
-        Column::Group => mode.group.map(|group| group.to_string()),
-        Column::Scaling => {
-            let known = mode.scaling != Scaling::Unknown;
-            known.then(|| mode.scaling.name().to_owned())
-        }
-        Column::Shape(..) => None,
-    }
-}
-
-fn not_carried(catalog: &Catalog) -> Vec<Finding> {
-    let mut lost = NotCarried::default();
-    lost.add("records and functions", catalog.entries.len());
-    lost.add("geometry", catalog.geometry.len());
-    lost.add("arrays without a meaning", catalog.arrays.len());
-    let modal = |own: &&ModeEntry| own.modal_a.or(own.modal_b).is_some();
-    lost.add("modal A or B", catalog.modes.iter().filter(modal).count());
-    let titled = |own: &&ModeEntry| !own.title.is_empty();
-    lost.add(
-        "titles of modes",
-        catalog.modes.iter().filter(titled).count(),
-    );
-    let count = |has: fn(&Mode) -> bool| catalog.modes.iter().filter(|m| has(&m.mode)).count();
-    lost.add("residues", count(|mode| !mode.residues.is_empty()));
-    lost.add(
-        "deviations of shapes",
-        count(|mode| mode.shape_std.is_some()),
-    );
-    let told = count(|mode| {
-        mode.order.is_some() || mode.method.as_ref().is_some_and(|own| own != "theory")
-    });
-    lost.add("methods and orders of modes", told);
-    lost.findings()
 }

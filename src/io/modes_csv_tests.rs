@@ -126,7 +126,157 @@ fn what_is_wrong_is_named_with_its_line() {
         let error = read(&text).unwrap_err().to_string();
         assert!(error.contains(expected), "{expected}: {error}");
     }
-    assert!(read(head).unwrap().is_empty());
+}
+
+/// What the reader says of a text that it refuses.
+fn refusal(text: &str) -> String {
+    read(text).unwrap_err().to_string()
+}
+
+#[test]
+fn half_a_complex_value_is_refused_and_an_empty_one_is_not_known() {
+    let head = "frequency_hz,damping_ratio,1:+Z re,1:+Z im,2:+Z\n";
+    for (row, alone) in [("10,0.01,1,,2", "re"), ("10,0.01,,1,2", "im")] {
+        let error = refusal(&format!("{head}9,0.01,1,0,2\n{row}\n"));
+        let expected = format!("m.csv:3: shape: got \"1:+Z {alone} alone\"");
+        assert!(error.contains(&expected), "{error}");
+    }
+    let mode = &read(&format!("{head}10,0.01,,,2\n")).unwrap()[0];
+    assert_eq!(
+        mode.shape,
+        ModeShape::new([(dof("2:+Z"), Complex64::new(2.0, 0.0))])
+    );
+}
+
+#[test]
+fn remarks_blank_lines_and_rows_of_empty_cells_are_skipped_and_counted() {
+    let skipped = "# r\n \t# r, s\n\n  \n,,,\n\"\", ,,\n";
+    for end in ["\n", "\r\n", "\r"] {
+        let text = |last: &str| {
+            let head = "frequency_hz,damping_ratio,1:+Z,2:+Z";
+            let text = format!("{skipped}{head}\n{skipped}10,,1,2\n{skipped}{last}\n{skipped}   ");
+            text.replace('\n', end)
+        };
+        let good = text("20,,2,1");
+        let hints = Hints {
+            path: "m.csv".to_owned(),
+            table: None,
+        };
+        assert_eq!(ModesCsv.detect(good.as_bytes()), Confidence::Certain);
+        let input = Box::new(Cursor::new(good.into_bytes()));
+        let source = ModesCsv.open(input, &hints).unwrap();
+        let modes = source.catalog().modes.iter();
+        let lines: Vec<_> = modes.map(|own| (own.line, own.mode.frequency_hz)).collect();
+        // Six lines are skipped before the heading and before each of the two rows.
+        assert_eq!(lines, [(Some(14), 10.0), (Some(21), 20.0)]);
+        for (last, what) in [
+            ("20,,x,1", "shape"),
+            ("20,,1", "row"),
+            ("x,,1,1", "frequency_hz"),
+        ] {
+            let error = refusal(&text(last));
+            assert!(
+                error.starts_with(&format!("m.csv:21: {what}: got")),
+                "{error}"
+            );
+        }
+    }
+    let error = refusal("frequency_hz,damping_ratio,1,2\n# r\n# r\n\n10,x,1,2\n");
+    assert!(error.starts_with("m.csv:1: column: got \"1\""), "{error}");
+    let error = refusal("frequency_hz,damping_ratio,1:+Z,2:+Z\n# r\n# r\n\n10,x,1,2\n");
+    assert!(
+        error.starts_with("m.csv:5: damping_ratio: got \"x\""),
+        "{error}"
+    );
+}
+
+#[test]
+fn cells_may_stand_in_quotation_marks() {
+    let text = "\"frequency_hz\";\"damping_ratio\";\"1:+Z\"\n\"10\";\"\";\" 2\"\n";
+    assert_eq!(ModesCsv.detect(text.as_bytes()), Confidence::Certain);
+    let mode = &read(text).unwrap()[0];
+    assert_eq!((mode.frequency_hz, mode.damping_ratio), (10.0, None));
+    assert_eq!(mode.shape.get(&dof("1:+Z")), Some(Complex64::new(2.0, 0.0)));
+}
+
+#[test]
+fn deviations_masses_and_signs_that_cannot_be_are_refused_read_or_written() {
+    let head = "frequency_hz,damping_ratio,frequency_std_hz,damping_std,modal_mass_kg\n";
+    for (row, expected) in [
+        (
+            "1,,-0.1,,",
+            "frequency_std_hz: got \"-0.1\", expected a number of 0 or more",
+        ),
+        (
+            "1,,,-1e-9,",
+            "damping_std: got \"-1e-9\", expected a number of 0 or more",
+        ),
+        (
+            "1,,,,-2",
+            "modal_mass_kg: got \"-2\", expected a number above 0",
+        ),
+        (
+            "1,,,,0",
+            "modal_mass_kg: got \"0\", expected a number above 0",
+        ),
+    ] {
+        let error = refusal(&format!("{head}1,,0,0,1e-9\n{row}\n"));
+        assert!(
+            error.starts_with(&format!("m.csv:3: {expected}")),
+            "{error}"
+        );
+    }
+    for names in ["1:+Z,1:-Z", "1:+Z re,1:+Z im,1:-Z"] {
+        let error = refusal(&format!("\nfrequency_hz,damping_ratio,{names}\n"));
+        let expected = "m.csv:2: column: got \"1:-Z\", expected one sign";
+        assert!(error.starts_with(expected), "{error}");
+    }
+    // Another measurement there is another degree of freedom.
+    assert!(read("frequency_hz,damping_ratio,1:+Z,1:-Z#2\n1,,1,2\n").is_ok());
+
+    let shape = |name: &str| ModeShape::new([(dof(name), Complex64::new(1.0, 0.0))]);
+    let mode = |name: &str| Mode::new(1.0, None, shape(name), Scaling::Unknown);
+    let light = Mode {
+        modal_mass_kg: Some(-1.0),
+        ..mode("1:+Z")
+    };
+    for (modes, what) in [
+        (vec![light], "modal_mass_kg"),
+        (vec![mode("1:+Z"), mode("1:-Z")], "column"),
+    ] {
+        let model = ModalModel {
+            modes,
+            ..ModalModel::default()
+        };
+        let mut source = modes_source(&model, "");
+        let mut bytes = Cursor::new(Vec::new());
+        let error = ModesCsv.write(&mut bytes, &mut source, &WriteOptions::default());
+        let error = error.unwrap_err();
+        assert!(
+            matches!(&error, IoError::Unwritable { what: own, .. } if *own == what),
+            "{error}"
+        );
+        assert!(bytes.into_inner().is_empty(), "{what}");
+    }
+}
+
+#[test]
+fn a_heading_alone_holds_no_modes_and_is_named_with_its_line() {
+    let error = refusal("# r\n\nfrequency_hz,damping_ratio,1:+X\n,,\n# r\n");
+    assert!(
+        error.starts_with("m.csv:3: modes: got \"a heading alone\""),
+        "{error}"
+    );
+    let error = refusal("# r\n\nfrequency,damping_ratio\n1,2\n");
+    assert!(
+        error.starts_with("m.csv:3: heading: got \"frequency,"),
+        "{error}"
+    );
+    let error = refusal("# r\n\nfrequency_hz,damping_ratio,grup\n1,2,3\n");
+    assert!(
+        error.starts_with("m.csv:3: column: got \"grup\""),
+        "{error}"
+    );
 }
 
 #[test]
