@@ -253,10 +253,10 @@ pub fn frf_lines_block(first: &str, second: &str, own: &FrfCorrelation) -> Block
 }
 
 fn dofs_text(dofs: DofRange) -> String {
-    if dofs.fewest == dofs.most {
-        format!("{} degrees of freedom", dofs.most)
-    } else {
-        format!("{} to {} degrees of freedom", dofs.fewest, dofs.most)
+    match (dofs.fewest, dofs.most) {
+        (1, 1) => "1 degree of freedom".to_owned(),
+        (fewest, most) if fewest == most => format!("{most} degrees of freedom"),
+        (fewest, most) => format!("{fewest} to {most} degrees of freedom"),
     }
 }
 
@@ -458,8 +458,11 @@ fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
         _ => "statically (Guyan 1965)".to_owned(),
     };
     let note = format!(
-        "|a^H M b|/√(a^H M a · b^H M b), M the theory's mass matrix reduced {how} to {} degrees of freedom.",
-        own.dofs
+        "|a^H M b|/√(a^H M a · b^H M b), M the theory's mass matrix reduced {how} to {}.",
+        dofs_text(DofRange {
+            fewest: own.dofs,
+            most: own.dofs
+        })
     );
     let table = |caption: String, columns: &[ModeName], values: &[Vec<Option<f64>>]| {
         let mut table = matrix_table(caption, (&own.test, columns), (values, 4));
@@ -480,4 +483,17 @@ fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
     }
     let caption = format!("Self-orthogonality of {test}");
     [cross, table(caption, &own.test, &own.self_test)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_degree_of_freedom_is_not_several() {
+        let text = |fewest, most| dofs_text(DofRange { fewest, most });
+        assert_eq!(text(1, 1), "1 degree of freedom");
+        assert_eq!(text(3, 3), "3 degrees of freedom");
+        assert_eq!(text(1, 3), "1 to 3 degrees of freedom");
+    }
 }
