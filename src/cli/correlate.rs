@@ -199,7 +199,7 @@ pub(super) fn print(
     (blocks, json): (Vec<Block>, String),
     output: &mut Output,
 ) -> Result<(), Error> {
-    let blocks = &args.lang.translated(formatted(args, blocks));
+    let blocks = &formatted(args, args.lang.translated(blocks));
     if let Some(path) = &args.output {
         write_whole(path, rendered(path, blocks, &json))?;
     }

@@ -51,9 +51,6 @@ const PHRASES: &[(&str, &str)] = &[
     ("{}\nerror (Hz)", "{}\n误差 (Hz)"),
     ("{}\nerror (%)", "{}\n误差 (%)"),
     ("{}\nverdict", "{}\n结论"),
-    ("max |error|", "最大 |误差|"),
-    ("mean |error|", "平均 |误差|"),
-    ("rms error", "均方根误差"),
     ("test", "试验"),
     ("paired", "已配对"),
     ("missed", "漏检"),
@@ -65,17 +62,10 @@ const PHRASES: &[(&str, &str)] = &[
     ("rms error (%)", "均方根误差 (%)"),
     ("min MAC", "最小 MAC"),
     ("DOFs used", "自由度数"),
-    ("missed-expected", "漏检(预期)"),
-    ("missed-unexpected", "漏检(非预期)"),
-    ("not-observable", "不可观测"),
-    ("outside-band", "频带外"),
     ("name", "名称"),
     ("value", "数值"),
     ("unit", "单位"),
     ("status", "来源"),
-    ("printed", "原文给出"),
-    ("inferred", "推断"),
-    ("assumed", "假定"),
     ("MAC of {} and theory", "{} 与理论的 MAC"),
     ("AutoMAC of {}", "{} 的自 MAC"),
     (
@@ -140,6 +130,38 @@ const PHRASES: &[(&str, &str)] = &[
     ),
 ];
 
+/// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the columns that hold them.
+const LABELS: &[(&str, &[(&str, &str)])] = &[
+    (
+        "verdict",
+        &[
+            ("paired", "已配对"),
+            ("ambiguous", "不明确"),
+            ("missed-expected", "漏检(预期)"),
+            ("missed-unexpected", "漏检(非预期)"),
+            ("not-observable", "不可观测"),
+            ("outside-band", "频带外"),
+            ("extra", "多余"),
+        ],
+    ),
+    (
+        "status",
+        &[
+            ("printed", "原文给出"),
+            ("inferred", "推断"),
+            ("assumed", "假定"),
+        ],
+    ),
+    (
+        "mode",
+        &[
+            ("max |error|", "最大 |误差|"),
+            ("mean |error|", "平均 |误差|"),
+            ("rms error", "均方根误差"),
+        ],
+    ),
+];
+
 fn block(block: Block) -> Block {
     match block {
         Block::Heading(text) => Block::Heading(phrase(&text)),
@@ -149,16 +171,30 @@ fn block(block: Block) -> Block {
 }
 
 fn translated_table(mut table: Table) -> Table {
+    for row in &mut table.rows {
+        for (cell, column) in row.iter_mut().zip(&table.columns) {
+            if let Cell::Text(text) = cell {
+                *text = label(&column.head, text);
+            }
+        }
+    }
     table.caption = phrase(&table.caption);
     for column in &mut table.columns {
         column.head = phrase(&column.head);
     }
-    for cell in table.rows.iter_mut().flatten() {
-        if let Cell::Text(text) = cell {
-            *text = phrase(text);
-        }
-    }
     table
+}
+
+/// The translation of a label in a column with this head, the last line of which names what the column holds; other text, such
+/// as the name of a test, stays as it is.
+fn label(head: &str, text: &str) -> String {
+    let kind = head.lines().last().unwrap_or_default();
+    let mut labels = LABELS
+        .iter()
+        .filter(|(own, _)| *own == kind)
+        .flat_map(|(_, labels)| labels.iter());
+    let found = labels.find(|(from, _)| *from == text);
+    found.map_or(text, |(_, translated)| translated).to_owned()
 }
 
 /// The translation of a heading: that of the phrase with the most letters of its own that fits.
@@ -227,7 +263,7 @@ mod tests {
         }
         let table = Table {
             caption: "Summary".to_owned(),
-            columns: vec![Column::text("mode"), Column::number("MAC")],
+            columns: vec![Column::text("a\nverdict"), Column::number("MAC")],
             rows: vec![vec![Cell::text("paired"), Cell::number(Some(0.5), 2)]],
             footnotes: vec!["Summary".to_owned()],
         };
@@ -237,13 +273,32 @@ mod tests {
         let Block::Table(table) = &chinese[0] else {
             panic!("a table stays one")
         };
-        assert_eq!(table.columns[0].head, "阶次");
+        assert_eq!(table.columns[0].head, "a\n结论");
         assert_eq!(
             table.rows[0],
             [Cell::text("已配对"), Cell::number(Some(0.5), 2)]
         );
         assert_eq!(table.footnotes, ["Summary"]);
         assert_eq!(chinese[1], Block::Text("Summary".to_owned()));
+    }
+
+    #[test]
+    fn names_in_cells_stay_as_they_are() {
+        let names = ["test", "paired", "Summary", "rms error", "verdict"];
+        let table = Table {
+            columns: ["test", "name", "unit", "DOF"].map(Column::text).to_vec(),
+            rows: names.map(|name| vec![Cell::text(name); 4]).to_vec(),
+            ..Table::default()
+        };
+        let rows = table.rows.clone();
+        let chinese = Language::Chinese.translated(vec![Block::Table(table)]);
+        let Block::Table(table) = &chinese[0] else {
+            panic!("a table stays one")
+        };
+        assert_eq!(table.columns[0].head, "试验");
+        assert_eq!(table.rows, rows);
+        let closing = label("mode", "rms error");
+        assert_eq!(closing, "均方根误差");
     }
 
     #[test]
