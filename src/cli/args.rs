@@ -281,16 +281,21 @@ pub struct CorrelateArgs {
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub expand: Option<PathBuf>,
     /// FRFs: compare these lines alone, LO:HI in Hz.
-    #[arg(long, value_name = "LO:HI", value_parser = band)]
+    #[arg(long, value_name = "LO:HI", value_parser = band, requires = "theory")]
     pub band: Option<Band>,
     /// FRFs: write shape and amplitude criterion at every line here (.csv).
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "theory")]
     pub lines: Option<PathBuf>,
     /// A list of lines TEST,THEORY, where the degrees of freedom of both have other names.
-    #[arg(long, value_name = "FILE", conflicts_with = "nearest_node")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "nearest_node",
+        requires = "theory"
+    )]
     pub dof_map: Option<PathBuf>,
     /// Tie degrees of freedom by the nearest node within this distance, m, instead of by name.
-    #[arg(long, value_name = "METRES", value_parser = positive)]
+    #[arg(long, value_name = "METRES", value_parser = positive, requires = "theory")]
     pub nearest_node: Option<f64>,
     /// With --nearest-node: turn, shift and scale the test's points onto the theory's first; with a list of lines TEST,THEORY
     /// by these points, else by the nearest ones from several starts. Refused where a point stays farther off than METRES.
@@ -306,13 +311,13 @@ pub struct CorrelateArgs {
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
     /// Gate on the frequency error, a fraction.
-    #[arg(long, value_name = "FRACTION")]
+    #[arg(long, value_name = "FRACTION", requires = "theory")]
     pub max_frequency_error: Option<f64>,
     /// Gate on MAC; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
-    #[arg(long, value_name = "MAC")]
+    #[arg(long, value_name = "MAC", requires = "theory")]
     pub min_mac: Option<f64>,
     /// theory: (test − theory)/theory; test: (theory − test)/test.
-    #[arg(long, value_name = "theory|test")]
+    #[arg(long, value_name = "theory|test", requires = "theory")]
     pub error_reference: Option<String>,
     /// Caption of the first table.
     #[arg(long, value_name = "TEXT")]

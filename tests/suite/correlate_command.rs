@@ -163,6 +163,23 @@ fn frfs_are_compared_by_function_and_by_line() {
     assert!(error.contains("modes on both sides"), "{error}");
 }
 
+#[test]
+fn options_that_need_a_theory_are_refused_without_one() {
+    for given in [
+        &["--band", "20:400"][..],
+        &["--lines", "lines.csv"],
+        &["--dof-map", "map.csv"],
+        &["--nearest-node", "0.01"],
+        &["--nearest-node", "0.01", "--align"],
+        &["--max-frequency-error", "0.1"],
+        &["--min-mac", "0.5"],
+        &["--error-reference", "test"],
+    ] {
+        let error = fail(["correlate", "--test", "modes.json"].iter().chain(given));
+        assert!(error.contains("--theory"), "{given:?}: {error}");
+    }
+}
+
 const LMS: &str = "lms-testlab-modes/OOP_inb_new_attach_0_30Hz_no euler.unv";
 
 #[test]
@@ -412,6 +429,8 @@ fn caption_digits_and_language_are_chosen() {
         printed.contains(" +2.0 ") && printed.contains(" 1.0 "),
         "{printed}"
     );
+    let own = run(&["--caption", "Summary", "--lang", "zh"]);
+    assert!(own.starts_with("Summary\n"), "{own}");
     let english = run(&[]);
     assert!(
         english.starts_with("Theory and test compared\n"),
