@@ -1,10 +1,14 @@
 //! The frame of a test fitted to that of a theory: rotation, shift and scale between their points.
 
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::linalg::{Matrix3, Vector3};
 
 use super::CorrelateError;
+use super::nearest::PointTree;
 
 /// Rounds of nearest points after which a fit that still changes is left.
 const ROUNDS: usize = 60;
@@ -14,6 +18,15 @@ const AS_GOOD: f64 = 1e-3;
 
 /// Frames whose rotations differ by less than this (Frobenius norm), and points by less than this part of their extent, are one.
 const SAME_FRAME: f64 = 0.02;
+
+/// Points of the test from which the fits of all starts begin; where it has more, the best go on with all of them.
+const SAMPLE: usize = 200;
+
+/// Fits that go on with all points: as many as the rotations of principal axes, so that none of the fits of a symmetric set is lost.
+const REFINED: usize = 24;
+
+/// Points nearer to one another than about this part of their extent are one.
+const ONE_PLACE: f64 = 1e-6;
 
 /// Second extent of points, as a part of the first, below which they lie on one line.
 const ON_A_LINE: f64 = 1e-6;
@@ -65,7 +78,7 @@ pub struct Alignment {
     pub rms_m: f64,
     /// Largest distance, m.
     pub largest_m: f64,
-    /// Points of the test.
+    /// Points of the test, those at one place counted once where the partners were not known.
     pub points: usize,
     /// Whether the partner of each point was known, and not found as its nearest one.
     pub known: bool,
@@ -227,13 +240,14 @@ fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64)
 /// from several starts (the frames as they are, and the principal axes of both in every order and direction; at the scale as
 /// it is, and at that of both extents).
 ///
-/// A fit counts when every point has a partner of its own. The least root mean square distance wins; of fits that are as good
+/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that lie far apart, and the best 24
+/// frames go on with all points. A fit counts when every point has a partner of its own. The least root mean square distance wins; of fits that are as good
 /// the one that turns least, and their number is told. A start from which no fit reaches the right partners finds none:
 /// points that cover another part than the theory's may need a list of partners.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than points;
-/// [`CorrelateError::NotAligned`] where no fit is within the tolerance.
+/// [`CorrelateError::NoOwnPartners`] where no fit counts; [`CorrelateError::NotAligned`] where none is within the tolerance.
 ///
 /// # Reference
 /// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2).
@@ -242,28 +256,23 @@ pub fn align_nearest(
     theory: &[Vector3],
     tolerance_m: f64,
 ) -> Result<Alignment, CorrelateError> {
+    let (test, theory) = (&places(test), &places(theory));
     let needed = test.len().max(3);
     if test.len() < 3 || theory.len() < needed {
         let got = test.len().min(theory.len());
         let expected = needed;
         return Err(CorrelateError::FewPoints { got, expected });
     }
-    let runs = starts(test, theory).into_iter();
-    let mut fits: Vec<Alignment> = runs
-        .filter_map(|start| iterated(start, test, theory))
-        .collect();
-    fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
+    let fits = best_fits(test, theory);
     let Some(best) = fits.first() else {
-        return Err(CorrelateError::NotAligned {
-            rms_m: f64::INFINITY,
-            largest_m: f64::INFINITY,
-            scale: f64::NAN,
-            tolerance_m,
+        return Err(CorrelateError::NoOwnPartners {
+            points: test.len(),
+            partners: theory.len(),
         });
     };
     let limit = best.rms_m + AS_GOOD * extent(theory);
-    fits.retain(|fit| fit.rms_m <= limit);
-    let mut different = distinct(fits, test, extent(theory));
+    let as_good = fits.into_iter().filter(|fit| fit.rms_m <= limit);
+    let mut different = distinct(as_good, test, extent(theory));
     let angle = |fit: &Alignment| fit.similarity.angle();
     different.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
     let as_good = different.len() - 1;
@@ -271,8 +280,74 @@ pub fn align_nearest(
     Alignment { as_good, ..chosen }.within(tolerance_m)
 }
 
+/// The points, of those at one place the first.
+fn places(points: &[Vector3]) -> Vec<Vector3> {
+    let width = ONE_PLACE * extent(points).max(f64::MIN_POSITIVE);
+    let mut known = BTreeSet::new();
+    let cell = |p: &Vector3| [0, 1, 2].map(|i| ((p[i] - points[0][i]) / width).round() as i64);
+    let new = points.iter().filter(|p| known.insert(cell(p)));
+    new.copied().collect()
+}
+
+/// Fits in which every point has a partner of its own, the one with the least distance first.
+fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
+    let tree = PointTree::new(theory.iter().map(|&p| p.into()).collect());
+    let from = |starts: Vec<Similarity>, points: &[Vector3]| {
+        let runs = starts.into_par_iter();
+        let fits: Vec<Option<Alignment>> = runs
+            .map(|start| iterated(start, points, (theory, &tree)))
+            .collect();
+        let mut fits: Vec<Alignment> = fits.into_iter().flatten().collect();
+        fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
+        fits
+    };
+    let sample = far_apart(test, SAMPLE);
+    let fits = from(starts(test, theory), &sample);
+    if sample.len() == test.len() {
+        return fits;
+    }
+    let different = distinct(fits, &sample, extent(theory)).into_iter();
+    let frames = different.map(|fit| fit.similarity).take(REFINED);
+    from(frames.collect(), test)
+}
+
+/// Points of which each is the farthest from those before it, the first from the centre; all where they are no more than `count`.
+///
+/// # Reference
+/// Gonzalez (1985), Clustering to minimize the maximum intercluster distance, Theoretical Computer Science 38, 293.
+fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
+    if points.len() <= count {
+        return points.to_vec();
+    }
+    let mut last = points.iter().sum::<Vector3>() / points.len() as f64;
+    let mut apart = vec![f64::INFINITY; points.len()];
+    let mut chosen = Vec::with_capacity(count);
+    while chosen.len() < count {
+        let mut farthest = 0;
+        for (i, p) in points.iter().enumerate() {
+            let own = (p - last).norm_squared();
+            // The centre is no point of the set: it only says which one is first.
+            apart[i] = if chosen.len() == 1 {
+                own
+            } else {
+                apart[i].min(own)
+            };
+            if apart[i] > apart[farthest] {
+                farthest = i;
+            }
+        }
+        last = points[farthest];
+        chosen.push(last);
+    }
+    chosen
+}
+
 /// Fits of which no two bring the points to the same places, the first of such.
-fn distinct(fits: Vec<Alignment>, test: &[Vector3], extent_m: f64) -> Vec<Alignment> {
+fn distinct(
+    fits: impl IntoIterator<Item = Alignment>,
+    test: &[Vector3],
+    extent_m: f64,
+) -> Vec<Alignment> {
     let same = |a: &Similarity, b: &Similarity| {
         let apart = |x: &Vector3| (a.position(x) - b.position(x)).norm();
         let farthest = test.iter().map(apart).fold(0.0, f64::max);
@@ -352,35 +427,28 @@ fn starts(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
 }
 
 /// Nearest partners and fit in turn, from a start; `None` where two points end at one partner.
-fn iterated(start: Similarity, test: &[Vector3], theory: &[Vector3]) -> Option<Alignment> {
+fn iterated(
+    start: Similarity,
+    test: &[Vector3],
+    (theory, tree): (&[Vector3], &PointTree),
+) -> Option<Alignment> {
     let mut fit = start;
     let mut partners: Vec<usize> = Vec::new();
     for _ in 0..ROUNDS {
-        let nearest: Vec<usize> = test
-            .iter()
-            .map(|x| nearest(&fit.position(x), theory))
-            .collect();
+        let at = test.iter().map(|x| fit.position(x).into());
+        let nearest: Vec<usize> = at.map(|at| tree.nearest(at)).collect();
         if nearest == partners {
             break;
         }
         partners = nearest;
         fit = fit_similarity(&pairs(test, theory, &partners))?;
     }
-    let mut distinct = partners.clone();
-    distinct.sort_unstable();
-    distinct.dedup();
+    let own: BTreeSet<usize> = partners.iter().copied().collect();
     let pairs = pairs(test, theory, &partners);
-    (distinct.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
+    (own.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
 }
 
 fn pairs(test: &[Vector3], theory: &[Vector3], partners: &[usize]) -> Vec<(Vector3, Vector3)> {
     let both = test.iter().zip(partners);
     both.map(|(x, &j)| (*x, theory[j])).collect()
-}
-
-fn nearest(at: &Vector3, points: &[Vector3]) -> usize {
-    let distance = |j: &usize| (points[*j] - at).norm_squared();
-    let all = 0..points.len();
-    all.min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0)
 }

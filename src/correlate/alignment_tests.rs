@@ -107,6 +107,61 @@ fn points_in_millimetres_turned_and_shifted_find_their_partners() {
 }
 
 #[test]
+fn points_at_one_place_count_once() {
+    let theory = bracket();
+    // Two nodes for the two directions of one place, the second as a unit conversion rounds it.
+    let mut test = theory.clone();
+    test.push(theory[3] + Vector3::x() * 1e-15);
+    let own = align_nearest(&test, &theory, 1e-6).unwrap();
+    assert_eq!((own.points, own.as_good), (10, 0));
+    assert!(own.largest_m < 1e-12, "{own:?}");
+    let same = vec![Vector3::x(); 5];
+    let error = align_nearest(&same, &theory, 1e-6).unwrap_err();
+    let (got, expected) = (1, 3);
+    assert_eq!(error, CorrelateError::FewPoints { got, expected });
+}
+
+#[test]
+fn points_that_share_partners_from_every_start_are_told_so() {
+    // Four points in two pairs close together, a theory of four far apart: at no scale do the pairs part.
+    let at = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+    let test = [at(0.0, 0.0), at(0.01, 0.0), at(0.0, 1.0), at(0.01, 1.0)];
+    let theory = [at(0.0, 0.0), at(3.0, 0.0), at(0.0, 3.5), at(40.0, 0.0)];
+    let error = align_nearest(&test, &theory, 0.1).unwrap_err();
+    let (points, partners) = (4, 4);
+    assert_eq!(error, CorrelateError::NoOwnPartners { points, partners });
+}
+
+/// A plate of 24 by 16 points with a rib of 10 along one edge, 394 points.
+fn plate() -> Vec<Vector3> {
+    let at = |i: i32, j: i32, z: f64| Vector3::new(0.05 * f64::from(i), 0.04 * f64::from(j), z);
+    let flat = (0..24).flat_map(|i| (0..16).map(move |j| at(i, j, 0.0)));
+    flat.chain((0..10).map(|i| at(i, 0, 0.06))).collect()
+}
+
+#[test]
+fn more_points_than_a_sample_are_all_fitted_for_any_number_of_threads() {
+    let theory = plate();
+    let truth = Similarity {
+        scale: 1e-3,
+        rotation: turn([0.3, -1.0, 0.4], 1.7),
+        shift_m: Vector3::new(-0.2, 0.6, 0.1),
+    };
+    let back = |y: &Vector3| truth.rotation.transpose() * (y - truth.shift_m) / truth.scale;
+    let test: Vec<Vector3> = theory.iter().rev().map(back).collect();
+    let in_pool = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        pool.install(|| align_nearest(&test, &theory, 0.01).unwrap())
+    };
+    let own = in_pool(1);
+    assert!(same(&own.similarity(), &truth, 1e-9), "{own:?} {truth:?}");
+    assert_eq!((own.points, own.as_good), (394, 0));
+    assert!(own.largest_m < 1e-12, "{own:?}");
+    assert_eq!(in_pool(3), own);
+}
+
+#[test]
 fn a_rectangle_fits_in_four_ways_and_turns_least() {
     let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
     let theory: Vec<Vector3> = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]

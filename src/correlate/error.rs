@@ -81,7 +81,9 @@ pub enum CorrelateError {
         expected_theory: usize,
     },
     /// Fewer points than a frame needs.
-    #[error("got {got} points with a position, expected {expected} or more to fit a frame to them")]
+    #[error(
+        "got {got} points at places of their own, expected {expected} or more to fit a frame to them"
+    )]
     FewPoints {
         /// Points, or partners for them.
         got: usize,
@@ -93,7 +95,7 @@ pub enum CorrelateError {
         "the best fit of turn, shift and scale ({scale:.4}) leaves the test's points {largest_m:.3e} m off at most ({rms_m:.3e} m rms), expected {tolerance_m:.3e} m or less; give a list of partners"
     )]
     NotAligned {
-        /// Root mean square distance, m; infinite where no fit gave every point a partner of its own.
+        /// Root mean square distance, m.
         rms_m: f64,
         /// Largest distance, m.
         largest_m: f64,
@@ -101,6 +103,16 @@ pub enum CorrelateError {
         scale: f64,
         /// Stated.
         tolerance_m: f64,
+    },
+    /// Points of which several end at one partner, from every start.
+    #[error(
+        "no fit of turn, shift and scale gave each of the test's {points} points a partner of its own among the theory's {partners}; give a list of partners"
+    )]
+    NoOwnPartners {
+        /// Points of the test at places of their own.
+        points: usize,
+        /// Those of the theory.
+        partners: usize,
     },
     /// A sensor at which a mass matrix cannot be reduced by statics.
     #[error(

@@ -15,6 +15,7 @@ mod error;
 mod expansion;
 mod footnote;
 pub mod measures;
+mod nearest;
 mod observability;
 mod options;
 mod pairing;

@@ -1,0 +1,158 @@
+//! The nearest of many points, by boxes of points halved along their longest side.
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+/// Points in a box that are not halved further.
+const LEAF: usize = 8;
+
+/// Points, found by place.
+pub struct PointTree {
+    points: Vec<[f64; 3]>,
+    /// Indices of the points; those of a box are one range.
+    order: Vec<usize>,
+    boxes: Vec<PointBox>,
+}
+
+/// The points of one range, between their lowest and highest coordinates.
+struct PointBox {
+    range: Range<usize>,
+    lowest: [f64; 3],
+    highest: [f64; 3],
+    /// Both halves; `None` for a leaf.
+    halves: Option<[usize; 2]>,
+}
+
+/// A point that is the nearest one so far.
+#[derive(Clone, Copy)]
+struct Found {
+    squared: f64,
+    index: usize,
+}
+
+impl PointTree {
+    pub fn new(points: Vec<[f64; 3]>) -> Self {
+        let mut tree = Self {
+            order: (0..points.len()).collect(),
+            points,
+            boxes: Vec::new(),
+        };
+        tree.divide(0..tree.points.len());
+        tree
+    }
+
+    /// Index of the point that is nearest to a place; the first of several as near. 0 where there is none.
+    pub fn nearest(&self, at: [f64; 3]) -> usize {
+        let mut best = Found {
+            squared: f64::INFINITY,
+            index: 0,
+        };
+        self.search(0, at, &mut best);
+        best.index
+    }
+
+    /// Adds the box of a range and those of its halves; the index of its own.
+    fn divide(&mut self, range: Range<usize>) -> usize {
+        let mut lowest = [f64::INFINITY; 3];
+        let mut highest = [f64::NEG_INFINITY; 3];
+        for &index in &self.order[range.clone()] {
+            for (axis, &value) in self.points[index].iter().enumerate() {
+                lowest[axis] = lowest[axis].min(value);
+                highest[axis] = highest[axis].max(value);
+            }
+        }
+        let own = self.boxes.len();
+        self.boxes.push(PointBox {
+            range: range.clone(),
+            lowest,
+            highest,
+            halves: None,
+        });
+        if range.len() > LEAF {
+            let side = |axis: &usize| highest[*axis] - lowest[*axis];
+            let longest = (0..3).max_by(|a, b| side(a).total_cmp(&side(b)));
+            let middle = self.halve(&range, longest.unwrap_or(0));
+            let first = self.divide(range.start..middle);
+            let second = self.divide(middle..range.end);
+            self.boxes[own].halves = Some([first, second]);
+        }
+        own
+    }
+
+    /// Orders a range so that the points before its middle are not above those after it along an axis; the middle.
+    fn halve(&mut self, range: &Range<usize>, axis: usize) -> usize {
+        let points = &self.points;
+        let by_place = |a: &usize, b: &usize| -> Ordering {
+            let along = points[*a][axis].total_cmp(&points[*b][axis]);
+            along.then(a.cmp(b))
+        };
+        let half = range.len() / 2;
+        self.order[range.clone()].select_nth_unstable_by(half, by_place);
+        range.start + half
+    }
+
+    fn search(&self, number: usize, at: [f64; 3], best: &mut Found) {
+        let own = &self.boxes[number];
+        let Some([first, second]) = own.halves else {
+            for &index in &self.order[own.range.clone()] {
+                let squared = squared_distance(self.points[index], at);
+                if squared < best.squared || (squared <= best.squared && index < best.index) {
+                    *best = Found { squared, index };
+                }
+            }
+            return;
+        };
+        let (to_first, to_second) = (
+            self.boxes[first].squared(at),
+            self.boxes[second].squared(at),
+        );
+        let sorted = if to_second < to_first {
+            [(second, to_second), (first, to_first)]
+        } else {
+            [(first, to_first), (second, to_second)]
+        };
+        for (half, squared) in sorted {
+            // A box as near as the best may hold a point of a lower index.
+            if squared <= best.squared {
+                self.search(half, at, best);
+            }
+        }
+    }
+}
+
+impl PointBox {
+    /// Squared distance of a place from the box, 0 inside it; not above that from any of its points.
+    fn squared(&self, at: [f64; 3]) -> f64 {
+        let nearest = [0, 1, 2].map(|i| at[i].max(self.lowest[i]).min(self.highest[i]));
+        squared_distance(nearest, at)
+    }
+}
+
+fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let apart = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_a_search_of_all_points_finds(
+            // A coarse lattice: many points as near as each other, and several at one place.
+            lattice in proptest::collection::vec((0..5i32, 0..4i32, 0..2i32), 1..120),
+            at in (-12..24i32, -12..24i32, -12..24i32),
+        ) {
+            let point = |(x, y, z): (i32, i32, i32), step: f64| [x, y, z].map(|n| f64::from(n) * step);
+            let points: Vec<[f64; 3]> = lattice.into_iter().map(|own| point(own, 1.0)).collect();
+            let at = point(at, 0.5);
+            let all = 0..points.len();
+            let apart = |i: &usize| squared_distance(points[*i], at);
+            let expected = all.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            prop_assert_eq!(PointTree::new(points.clone()).nearest(at), expected.unwrap());
+        }
+    }
+}
