@@ -25,6 +25,9 @@ const SAMPLE: usize = 200;
 /// Fits that go on with all points: as many as the rotations of principal axes, so that none of the fits of a symmetric set is lost.
 const REFINED: usize = 24;
 
+/// A fit of the sample that leaves more than this many times the least distance does not go on.
+const WORTH_REFINING: f64 = 2.0;
+
 /// Points nearer to one another than about this part of their extent are one.
 const ONE_PLACE: f64 = 1e-6;
 
@@ -240,10 +243,10 @@ fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64)
 /// from several starts (the frames as they are, and the principal axes of both in every order and direction; at the scale as
 /// it is, and at that of both extents).
 ///
-/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that lie far apart, and the best 24
-/// frames go on with all points. A fit counts when every point has a partner of its own. The least root mean square distance wins; of fits that are as good
-/// the one that turns least, and their number is told. A start from which no fit reaches the right partners finds none:
-/// points that cover another part than the theory's may need a list of partners.
+/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that lie far apart, and of the
+/// best frames up to 24 go on with all points. A fit counts when every point has a partner of its own. The least root mean
+/// square distance wins; of fits that are as good the one that turns least, and their number is told. A start from which no
+/// fit reaches the right partners finds none: points that cover another part than the theory's may need a list of partners.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than points;
@@ -303,10 +306,12 @@ fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
     };
     let sample = far_apart(test, SAMPLE);
     let fits = from(starts(test, theory), &sample);
-    if sample.len() == test.len() {
+    let Some(best) = fits.first().filter(|_| sample.len() < test.len()) else {
         return fits;
-    }
-    let different = distinct(fits, &sample, extent(theory)).into_iter();
+    };
+    let limit = WORTH_REFINING * best.rms_m + AS_GOOD * extent(theory);
+    let near = fits.into_iter().filter(|fit| fit.rms_m <= limit);
+    let different = distinct(near, &sample, extent(theory)).into_iter();
     let frames = different.map(|fit| fit.similarity).take(REFINED);
     from(frames.collect(), test)
 }
