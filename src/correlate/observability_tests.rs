@@ -25,10 +25,8 @@ pub(super) fn of_theory(frequency_hz: f64, shape: &[f64]) -> Mode {
 }
 
 fn pairs(text: &[(&str, &str)]) -> Vec<(Dof, Dof)> {
-    let pair = |(response, reference): &(&str, &str)| {
-        (response.parse().unwrap(), reference.parse().unwrap())
-    };
-    text.iter().map(pair).collect()
+    let dof = |text: &str| text.parse().unwrap();
+    text.iter().map(|own| (dof(own.0), dof(own.1))).collect()
 }
 
 /// FRFs on lines of `step_hz` up to 1000 Hz with one variance everywhere.
