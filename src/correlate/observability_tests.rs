@@ -112,11 +112,8 @@ fn sensors_on_the_node_of_a_mode_cannot_see_it() {
     let quiet = 1e-9 * peak_squared_at_200();
     let mut theory = three();
     theory.modes[1].shape = mode(0.0, &[1.0, 1e-15, -1.0]).shape;
-    let table = compared(
-        &theory,
-        &two_found(),
-        &receptances(&[("2:-Z", "2:+Z")], quiet),
-    );
+    let frfs = receptances(&[("2:-Z", "2:+Z")], quiet);
+    let table = compared(&theory, &two_found(), &frfs);
     use Status::{NotObservable, Paired};
     assert_eq!(statuses(&table), [Paired, NotObservable, Paired]);
     assert_eq!(
