@@ -84,14 +84,18 @@ impl Format for ModesCsv {
                 action: "read",
                 source,
             })?;
-        let modes = read(&bytes, &hints.path)?;
+        let (modes, damage) = read(&bytes, &hints.path)?;
+        let mut catalog = Catalog {
+            format: "modes-csv",
+            path: hints.path.clone(),
+            modes,
+            ..Catalog::default()
+        };
+        for error in damage {
+            catalog.note_damage(error);
+        }
         Ok(Box::new(MemorySource {
-            catalog: Catalog {
-                format: "modes-csv",
-                path: hints.path.clone(),
-                modes,
-                ..Catalog::default()
-            },
+            catalog,
             ..MemorySource::default()
         }))
     }
@@ -115,7 +119,13 @@ impl Format for ModesCsv {
         }
         let text = text(&modes);
         // What this reader refuses is not written.
-        read(text.as_bytes(), &options.path).map_err(|error| unwritable(error, &options.path))?;
+        let refused = match read(text.as_bytes(), &options.path) {
+            Ok((_, damage)) => damage.into_iter().next(),
+            Err(error) => Some(error),
+        };
+        if let Some(error) = refused {
+            return Err(unwritable(error, &options.path));
+        }
         out.write_all(text.as_bytes())
             .map_err(|source| IoError::System {
                 path: options.path.clone(),
@@ -297,6 +307,16 @@ impl Reader<'_> {
         Ok(Some(value))
     }
 
+    fn row(&self, columns: &[Column], text: &[u8], delimiter: char) -> Result<Mode, IoError> {
+        let row = cells(self.text(text)?, delimiter);
+        if row.len() != columns.len() {
+            let got = format!("{} cells", row.len());
+            let expected = format!("{} as in the heading", columns.len());
+            return Err(self.error("row", &got, &expected));
+        }
+        self.mode(columns, &row)
+    }
+
     fn mode(&self, columns: &[Column], row: &[&str]) -> Result<Mode, IoError> {
         let shape = self.shape(columns, row)?;
         let mut mode = Mode::new(f64::NAN, None, shape, Scaling::Unknown);
@@ -364,7 +384,8 @@ impl Reader<'_> {
     }
 }
 
-fn read(bytes: &[u8], path: &str) -> Result<Vec<ModeEntry>, IoError> {
+/// The modes of all rows that are right, and what is wrong with the others.
+fn read(bytes: &[u8], path: &str) -> Result<(Vec<ModeEntry>, Vec<IoError>), IoError> {
     let (line, delimiter) = heading(bytes);
     let mut reader = Reader { path, line };
     let mut lines = lines(bytes);
@@ -378,22 +399,20 @@ fn read(bytes: &[u8], path: &str) -> Result<Vec<ModeEntry>, IoError> {
         ));
     };
     let columns = reader.columns(&cells(reader.text(first)?, delimiter))?;
-    let mut modes = Vec::new();
+    let (mut modes, mut damage) = (Vec::new(), Vec::new());
     for (line, text) in lines {
         reader.line = line;
-        let row = cells(reader.text(text)?, delimiter);
-        if row.len() != columns.len() {
-            let got = format!("{} cells", row.len());
-            let expected = format!("{} as in the heading", columns.len());
-            return Err(reader.error("row", &got, &expected));
+        match reader.row(&columns, text, delimiter) {
+            Ok(mode) => modes.push(ModeEntry {
+                line: Some(line),
+                ..ModeEntry::new(mode)
+            }),
+            Err(error) => damage.push(error),
         }
-        modes.push(ModeEntry {
-            line: Some(line),
-            ..ModeEntry::new(reader.mode(&columns, &row)?)
-        });
     }
     if modes.is_empty() {
-        return Err(reader.error("modes", "a heading alone", "a line for each mode"));
+        let none = || reader.error("modes", "a heading alone", "a line for each mode");
+        return Err(damage.into_iter().next().unwrap_or_else(none));
     }
-    Ok(modes)
+    Ok((modes, damage))
 }

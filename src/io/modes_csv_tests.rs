@@ -7,19 +7,43 @@ use proptest::prelude::*;
 
 use super::modes_csv::ModesCsv;
 use super::{
-    Confidence, Format, Hints, IoError, Table, WriteOptions, detect, modes_of, modes_source,
+    Confidence, Format, Hints, IoError, Source, Table, WriteOptions, detect, modes_of, modes_source,
 };
 use crate::dof::Dof;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
-fn read(text: &str) -> Result<Vec<Mode>, IoError> {
+/// The modes, or the first that is wrong.
+fn read(text: &str) -> Result<Vec<Mode>, String> {
+    let source = source(text).map_err(|error| error.to_string())?;
+    match source.catalog().damage.first() {
+        Some(error) => Err(error.to_string()),
+        None => Ok(modes_of(source.catalog(), Vec::new()).modes),
+    }
+}
+
+fn source(text: &str) -> Result<Box<dyn Source>, IoError> {
     let hints = Hints {
         path: "m.csv".to_owned(),
         table: None,
     };
     let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let source = ModesCsv.open(input, &hints)?;
-    Ok(modes_of(source.catalog(), Vec::new()).modes)
+    ModesCsv.open(input, &hints)
+}
+
+#[test]
+fn rows_that_are_right_are_read_beside_one_that_is_not() {
+    let text = "frequency_hz,damping_ratio,1:+Z\n10,0.01,1\n11,x,1\n12,0.01,-1\n";
+    let found = source(text).unwrap();
+    let modes = modes_of(found.catalog(), Vec::new()).modes;
+    let hz: Vec<f64> = modes.iter().map(|mode| mode.frequency_hz).collect();
+    assert_eq!(hz, [10.0, 12.0]);
+    assert_eq!(found.catalog().findings.len(), 1);
+    let error = found.catalog().damage[0].to_string();
+    assert!(
+        error.starts_with("m.csv:3: damping_ratio: got \"x\""),
+        "{error}"
+    );
+    assert!(source("frequency_hz,damping_ratio,1:+Z\n11,x,1\n").is_err());
 }
 
 fn written(modes: &[Mode]) -> (String, Vec<crate::Finding>) {
@@ -130,7 +154,7 @@ fn what_is_wrong_is_named_with_its_line() {
 
 /// What the reader says of a text that it refuses.
 fn refusal(text: &str) -> String {
-    read(text).unwrap_err().to_string()
+    read(text).unwrap_err()
 }
 
 #[test]
