@@ -5,7 +5,23 @@ use std::ops::Range;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 
-use super::{Block, Catalog, Domain, EntryAxis, IoError, Source};
+use super::{Block, Catalog, Domain, EntryAxis, IoError, ReadSeek, Source};
+
+/// All bytes of an input.
+///
+/// # Errors
+/// [`IoError::System`].
+pub(super) fn whole(input: &mut dyn ReadSeek, path: &str) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::new();
+    match input.read_to_end(&mut bytes) {
+        Ok(_) => Ok(bytes),
+        Err(source) => Err(IoError::System {
+            path: path.to_owned(),
+            action: "read",
+            source,
+        }),
+    }
+}
 
 /// A source whose samples are in memory.
 #[derive(Debug, Default)]

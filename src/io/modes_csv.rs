@@ -24,7 +24,6 @@
 //! A degree of freedom stands there with one sign: `1:+Z` and `1:-Z` are one.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
 
 use num_complex::Complex64;
 
@@ -32,6 +31,7 @@ use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::modal::{Mode, ModeShape, Scaling};
 
+use super::memory::whole;
 use super::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
     WriteOptions, WriteSeek,
@@ -76,14 +76,7 @@ impl Format for ModesCsv {
         mut input: Box<dyn ReadSeek>,
         hints: &Hints,
     ) -> Result<Box<dyn Source>, IoError> {
-        let mut bytes = Vec::new();
-        input
-            .read_to_end(&mut bytes)
-            .map_err(|source| IoError::System {
-                path: hints.path.clone(),
-                action: "read",
-                source,
-            })?;
+        let bytes = whole(&mut *input, &hints.path)?;
         let (modes, damage) = read(&bytes, &hints.path)?;
         let mut catalog = Catalog {
             format: "modes-csv",

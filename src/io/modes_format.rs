@@ -1,10 +1,9 @@
 //! `modes.json` among the formats, and the modes of any file as a modal model.
 
-use std::io::Read;
-
 use crate::finding::Finding;
 use crate::modal::{InputFile, ModalModel};
 
+use super::memory::whole;
 use super::not_carried::NotCarried;
 use super::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
@@ -41,14 +40,7 @@ impl Format for ModesJson {
         mut input: Box<dyn ReadSeek>,
         hints: &Hints,
     ) -> Result<Box<dyn Source>, IoError> {
-        let mut bytes = Vec::new();
-        input
-            .read_to_end(&mut bytes)
-            .map_err(|source| IoError::System {
-                path: hints.path.clone(),
-                action: "read",
-                source,
-            })?;
+        let bytes = whole(&mut *input, &hints.path)?;
         let text = String::from_utf8(bytes).map_err(|error| IoError::Binary {
             path: hints.path.clone(),
             byte: error.utf8_error().valid_up_to() as u64,
