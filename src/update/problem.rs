@@ -1,5 +1,6 @@
 //! The problem: model, free parameters, targets; residuals and their derivatives at any point.
 
+use crate::axis::Band;
 use crate::correlate::PairOptions;
 use crate::geometry::Sensor;
 use crate::linalg::{RealMatrix, real_matrix};
@@ -138,8 +139,16 @@ impl<'a> UpdateProblem<'a> {
         values
     }
 
-    fn links(&self, values: &[f64], pair: &PairOptions) -> Result<Vec<Link>, UpdateError> {
-        let theory = modes(self.model, values, self.sensors, &ModeOptions::default())?;
+    pub(super) fn links(
+        &self,
+        values: &[f64],
+        pair: &PairOptions,
+    ) -> Result<Vec<Link>, UpdateError> {
+        let options = ModeOptions {
+            band: self.reach(),
+            ..ModeOptions::default()
+        };
+        let theory = modes(self.model, values, self.sensors, &options)?;
         let mut links = Vec::new();
         for test in &self.tests {
             links.extend(test.links(&theory.model, &self.targets, pair)?);
@@ -157,6 +166,13 @@ impl<'a> UpdateProblem<'a> {
         }
         links.retain(|link| !link.targets.is_empty());
         Ok(links)
+    }
+
+    /// From 0 to the highest frequency that a partner can have: of a sparse model so many modes are computed. `None` without
+    /// a target, or for one at a frequency without bounds.
+    fn reach(&self) -> Option<Band> {
+        let highest = self.targets.iter().map(|target| target.hz).reduce(f64::max);
+        highest.and_then(|hz| Band::new(0.0, hz * (1.0 + self.start_gate())).ok())
     }
 
     fn start_gate(&self) -> f64 {
