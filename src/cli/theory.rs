@@ -208,7 +208,7 @@ fn special(
     }
     let mut sweeps = Vec::new();
     for (parameter, range) in &args.sweep {
-        let swept = model.sweep(parameter, *range)?;
+        let swept = model.sweep(parameter, *range, args.band)?;
         blocks.extend(sweep_blocks(name, &swept, args.band));
         sweeps.push(swept);
     }

@@ -256,12 +256,18 @@ impl LoadedModel {
         Ok(nonlinear.response(&self.values, ResponseSpan::default())?)
     }
 
-    /// The roots followed over a range of a parameter, by its name.
+    /// The roots followed over a range of a parameter, by its name; of a sparse model those up to a band's end, or the lowest.
     ///
     /// # Errors
     /// The model's own reasons.
-    pub fn sweep(&self, parameter: &str, range: SweepRange) -> Result<Sweep, SceneError> {
-        Ok(sweep(self.model.as_ref(), &self.values, parameter, range)?)
+    pub fn sweep(
+        &self,
+        parameter: &str,
+        range: SweepRange,
+        band: Option<Band>,
+    ) -> Result<Sweep, SceneError> {
+        let model = self.model.as_ref();
+        Ok(sweep(model, &self.values, parameter, range, band)?)
     }
 
     /// Whether the lowest modes alone can be computed.

@@ -16,7 +16,7 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearit
 
 use super::basis::{canonicalise, fix_sign};
 use super::energy::{StrainShares, kinetic_shares, part_shares, strain_shares};
-use super::sparse::modes_of_sparse;
+use super::system::System;
 use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
 
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
@@ -73,10 +73,7 @@ pub fn modes(
         .iter()
         .map(|sensor| Ok(nonzeros(&model.observation_row(values, &sensor.target)?)))
         .collect::<Result<Vec<_>, TheoryError>>()?;
-    let mut result = match model.sparse(values)? {
-        Some(system) => modes_of_sparse(&system, options)?,
-        None => modes_of_matrices(&model.assemble(values)?, options)?,
-    };
+    let mut result = System::of(model, values)?.modes(options)?;
     let parts = model.stiffness_parts(values)?;
     if !parts.is_empty() {
         result.strain_shares = part_shares(&parts, &result.vectors);
@@ -364,7 +361,19 @@ fn check_matrix(
     matrix: &RealMatrix,
     expected: usize,
 ) -> Result<(), TheoryError> {
-    let (got_rows, got_columns) = (matrix.nrows(), matrix.ncols());
+    let places = (0..expected).flat_map(|row| (0..=row).map(move |column| (row, column)));
+    let size = (matrix.nrows(), matrix.ncols());
+    check_entries((name, expected), size, places, |i, j| matrix[(i, j)])
+}
+
+/// Rows and columns as expected, at least one; the entries of these places finite, each equal to its mirror image up to the
+/// rounding of a sum.
+pub(super) fn check_entries(
+    (name, expected): (&'static str, usize),
+    (got_rows, got_columns): (usize, usize),
+    places: impl Iterator<Item = (usize, usize)>,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Result<(), TheoryError> {
     if expected == 0 || got_rows != expected || got_columns != expected {
         return Err(TheoryError::MatrixSize {
             matrix: name,
@@ -373,11 +382,12 @@ fn check_matrix(
             expected,
         });
     }
-    for (row, column) in (0..expected).flat_map(|r| (0..=r).map(move |c| (r, c))) {
-        let (got, mirror) = (matrix[(row, column)], matrix[(column, row)]);
+    let diagonal: Vec<f64> = (0..expected).map(|i| entry(i, i).abs().sqrt()).collect();
+    for (row, column) in places {
+        let (got, mirror) = (entry(row, column), entry(column, row));
         // Sums of the same terms in another order differ by a few units in the last place of the largest term.
-        let scale = (matrix[(row, row)] * matrix[(column, column)]).abs().sqrt();
-        let symmetric = (got - mirror).abs() <= 1e-12 * scale.max(got.abs());
+        let scale = (diagonal[row] * diagonal[column]).max(got.abs());
+        let symmetric = (got - mirror).abs() <= 1e-12 * scale;
         if !(got.is_finite() && mirror.is_finite() && symmetric) {
             return Err(TheoryError::MatrixEntry {
                 matrix: name,

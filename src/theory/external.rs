@@ -20,7 +20,7 @@ use super::{
 };
 
 /// Up to so many coordinates all modes are computed with full matrices: less than a second.
-pub(super) const DENSE_COORDINATES: usize = 1000;
+const DENSE_COORDINATES: usize = 1000;
 /// Matrices with more than this part of their entries are not sparse.
 const SPARSE_FILL: f64 = 0.1;
 /// Full matrices of more coordinates are not made: 200 MB each.

@@ -38,6 +38,7 @@ mod sparse;
 mod sweep;
 mod sweep_events;
 mod sweep_track;
+mod system;
 
 #[cfg(test)]
 mod beam_modes_tests;
@@ -51,6 +52,8 @@ mod eigen_tests;
 mod lumped_tests;
 #[cfg(test)]
 mod sensitivity_tests;
+#[cfg(test)]
+mod sweep_sparse_tests;
 #[cfg(test)]
 mod sweep_tests;
 

@@ -11,7 +11,7 @@
 
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
-use super::sparse::SparseDerivative;
+use super::system::SystemSlope;
 use super::{
     ModelRoot, ParameterSpec, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes,
 };
@@ -78,8 +78,7 @@ pub fn sensitivities(
             stiffness, mass, ..
         } = by.as_ref()?;
         Some(move |phi: &RealMatrix, lambda: f64| {
-            let product = mass * phi;
-            stiffness * phi - real_matrix(phi.nrows(), phi.ncols(), |i, j| lambda * product[(i, j)])
+            shifted(&(stiffness * phi), &(mass * phi), lambda)
         })
     });
     of_roots(modes, roots, &applied.collect::<Vec<_>>())
@@ -95,20 +94,20 @@ pub fn model_sensitivities(
     modes: &TheoryModes,
     roots: &[ModelRoot],
 ) -> Result<Vec<RootSensitivity>, TheoryError> {
-    if model.sparse(values)?.is_none() {
-        return sensitivities(modes, roots, &system_derivatives(model, values)?);
-    }
-    let sparse = by_each(model, |j| model.sparse_derivative(values, j))?;
-    let applied = sparse.iter().map(|by| {
-        let SparseDerivative { stiffness, mass } = by.as_ref()?.as_ref()?;
+    let slopes = by_each(model, |j| SystemSlope::of(model, values, j))?;
+    let applied = slopes.iter().map(|by| {
+        let by = by.as_ref()?;
         Some(move |phi: &RealMatrix, lambda: f64| {
-            let (k, m) = (stiffness.multiply(phi), mass.multiply(phi));
-            real_matrix(phi.nrows(), phi.ncols(), |i, j| {
-                k[(i, j)] - lambda * m[(i, j)]
-            })
+            let [mass, stiffness] = by.products(phi);
+            shifted(&stiffness, &mass, lambda)
         })
     });
     of_roots(modes, roots, &applied.collect::<Vec<_>>())
+}
+
+/// `A - lambda B`.
+fn shifted(a: &RealMatrix, b: &RealMatrix, lambda: f64) -> RealMatrix {
+    real_matrix(a.nrows(), a.ncols(), |i, j| a[(i, j)] - lambda * b[(i, j)])
 }
 
 /// `applied` gives `(dK - lambda dM) Phi` for each parameter that has a derivative.

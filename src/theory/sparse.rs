@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
 
-use super::eigen::{Solution, check_damping_ratio};
+use super::eigen::{Solution, check_damping_ratio, check_entries};
 use super::{Coordinate, ModeOptions, TheoryError, TheoryModes};
 
 /// Modes that are computed when neither a band nor a number is asked for.
-const MODES: usize = 30;
+pub(super) const MODES: usize = 30;
 /// Most modes that are computed: beyond them full matrices cost less.
 const MOST_MODES: usize = 2000;
 /// A band's end is put up by this part, so that a mode at the end itself is counted for sure.
@@ -120,26 +120,7 @@ pub(super) fn check_symmetric(
     matrix: &SparseMatrix,
     expected: usize,
 ) -> Result<(), TheoryError> {
-    if expected == 0 || matrix.size() != expected {
-        return Err(TheoryError::MatrixSize {
-            matrix: name,
-            got_rows: matrix.size(),
-            got_columns: matrix.size(),
-            expected,
-        });
-    }
-    let diagonal: Vec<f64> = (0..expected).map(|i| matrix.get(i, i).abs()).collect();
-    for (row, column, got) in matrix.entries() {
-        let scale = (diagonal[row] * diagonal[column]).sqrt().max(got.abs());
-        let mirror = matrix.get(column, row);
-        if !(got.is_finite() && (got - mirror).abs() <= 1e-12 * scale) {
-            return Err(TheoryError::MatrixEntry {
-                matrix: name,
-                row,
-                column,
-                got,
-            });
-        }
-    }
-    Ok(())
+    let size = (matrix.size(), matrix.size());
+    let places = matrix.entries().map(|(row, column, _)| (row, column));
+    check_entries((name, expected), size, places, |i, j| matrix.get(i, j))
 }

@@ -8,10 +8,14 @@
 //! Bois, Adhikari and Lieven (2011), On the quantification of eigenvalue curve veering: a veering index, Journal of
 //! Applied Mechanics 78, 041007.
 
-use super::external::DENSE_COORDINATES;
+use std::f64::consts::TAU;
+
+use crate::axis::Band;
+
 use super::parameter::{check_values, index_of};
+use super::sparse::MODES;
 use super::sweep_events::events;
-use super::sweep_track::{Follower, Trail};
+use super::sweep_track::{Follower, Sample, Trail};
 use super::{
     ModeOptions, ModelRoot, ParameterSpec, TheoreticalModel, TheoryError, model_roots, modes,
 };
@@ -160,9 +164,11 @@ pub struct Sweep {
 /// frequency count as one there, so that a veering narrower than this is called a crossing. Over a number of parts
 /// ([`ParameterSpec::whole`]) the roots are numbered instead.
 ///
+/// All modes are followed; of a model that is solved sparse as many as it takes for those up to the end of the band, or for
+/// the lowest thirty without a band, to be among them at every value. Such modes as come from above make it more.
+///
 /// # Errors
 /// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::SweepNotWhole`];
-/// [`TheoryError::TooLarge`] for a model that is solved sparse;
 /// [`TheoryError::NotFollowed`] where shapes do not go over
 /// into each other however near the values; those of the model.
 pub fn sweep(
@@ -170,13 +176,13 @@ pub fn sweep(
     values: &[f64],
     parameter: &str,
     range: SweepRange,
+    band: Option<Band>,
 ) -> Result<Sweep, TheoryError> {
     let specs = model.parameters();
     check_values(model.name(), specs, values)?;
     let j = index_of("sweep", specs, parameter)?;
     let parameter = &specs[j];
     range.check(&parameter.name)?;
-    check_dense(model, values)?;
     for end in [range.lower, range.upper] {
         let mut values = values.to_vec();
         values[j] = end;
@@ -187,7 +193,7 @@ pub fn sweep(
     }
     let grid = range.values();
     let follower = Follower::new(model, values, j);
-    let trail = follower.trail(&grid)?;
+    let trail = whole_trail(&follower, &grid, band)?;
     let families = trail.families();
     Ok(Sweep {
         events: events(&follower, &trail, &families)?,
@@ -199,15 +205,35 @@ pub fn sweep(
     })
 }
 
-/// All modes are followed, which of a model that is solved sparse are not known.
-fn check_dense(model: &dyn TheoreticalModel, values: &[f64]) -> Result<(), TheoryError> {
-    let Some(system) = model.sparse(values)? else {
-        return Ok(());
+/// The modes that lie in the band at the first value, or the lowest, with so many above them that none comes in unseen.
+fn whole_trail(
+    follower: &Follower<'_>,
+    grid: &[f64],
+    band: Option<Band>,
+) -> Result<Trail, TheoryError> {
+    let lowest = band.and_then(|band| Band::new(0.0, band.hi_hz).ok());
+    let unseen = |sample: &Sample| {
+        let stranger = sample.strangers_rad_s.first();
+        stranger.is_some_and(|&own| match lowest {
+            Some(band) => band.contains(own / TAU),
+            None => sample.omega_rad_s.iter().filter(|w| **w <= own).count() < MODES,
+        })
     };
-    Err(TheoryError::TooLarge {
-        got: system.coordinates.len(),
-        most: DENSE_COORDINATES,
-    })
+    let mut options = ModeOptions {
+        band: lowest,
+        ..ModeOptions::default()
+    };
+    loop {
+        let trail = follower.trail(grid, &options)?;
+        if !trail.samples.iter().any(unseen) {
+            return Ok(trail);
+        }
+        let count = trail.samples[0].omega_rad_s.len();
+        options = ModeOptions {
+            count: Some(count + count / 2 + 1),
+            ..ModeOptions::default()
+        };
+    }
 }
 
 /// The distinct roots at each value of a number of parts, by their number.

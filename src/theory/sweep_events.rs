@@ -19,10 +19,12 @@ pub(super) fn events(
     trail: &Trail,
     families: &[Vec<usize>],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
+    let couplings = trail.samples.iter().map(|own| follower.couplings(own));
+    let couplings: Vec<RealMatrix> = couplings.collect::<Result<_, _>>()?;
     let mut found = Vec::new();
     for (a, b) in pairs(families.len()) {
         found.extend(crossings(follower, trail, families, [a, b])?);
-        found.extend(veerings(follower, trail, families, [a, b])?);
+        found.extend(veerings(follower, (trail, &couplings), families, [a, b])?);
     }
     found.sort_by(|x, y| x.place.total_cmp(&y.place).then(x.loci.cmp(&y.loci)));
     Ok(found)
@@ -75,21 +77,18 @@ fn before(trail: &Trail, value: f64) -> &Sample {
 
 fn veerings(
     follower: &Follower<'_>,
-    trail: &Trail,
+    (trail, couplings): (&Trail, &[RealMatrix]),
     families: &[Vec<usize>],
     [a, b]: [usize; 2],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
     let firsts = [families[a][0], families[b][0]];
     let mut found = Vec::new();
-    let at = |sample: &Sample| -> Result<Option<f64>, TheoryError> {
-        Ok(approach(sample, &follower.couplings(sample)?, firsts))
-    };
-    let mut left = at(&trail.samples[0])?;
+    let pairs = trail.samples.iter().zip(couplings);
+    let rates: Vec<Option<f64>> = pairs
+        .map(|(sample, couplings)| approach(sample, couplings, firsts))
+        .collect();
     for (i, ends) in trail.samples.windows(2).enumerate() {
-        let right = at(&ends[1])?;
-        let (from, to) = (left, right);
-        left = right;
-        let (Some(from), Some(to)) = (from, to) else {
+        let (Some(from), Some(to)) = (rates[i], rates[i + 1]) else {
             continue;
         };
         let met = trail.meetings.iter().any(|own| {
@@ -101,10 +100,11 @@ fn veerings(
         }
         let brackets = [(ends[0].value, from), (ends[1].value, to)];
         let place = zero_between(brackets, |value| {
-            match follower.follow(&ends[0], value)? {
-                Some(sample) => at(&sample),
-                None => Ok(None),
-            }
+            let Some(sample) = follower.follow(&ends[0], value)? else {
+                return Ok(None);
+            };
+            let couplings = follower.couplings(&sample)?;
+            Ok::<_, TheoryError>(approach(&sample, &couplings, firsts))
         })?;
         let (Ok(place) | Err(place)) = place;
         let Some(sample) = follower.follow(&ends[0], place)? else {

@@ -24,6 +24,7 @@ fn swept(
             upper,
             count,
         },
+        None,
     )
     .unwrap()
 }
@@ -308,7 +309,7 @@ fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_told() {
             upper,
             count,
         };
-        let error = sweep(model.as_ref(), &values, "ball_count", range).unwrap_err();
+        let error = sweep(model.as_ref(), &values, "ball_count", range, None).unwrap_err();
         let whole = matches!(
             error,
             TheoryError::SweepNotWhole { .. } | TheoryError::NotWhole { .. }
@@ -359,6 +360,7 @@ fn a_range_that_is_none_is_named() {
                 upper,
                 count,
             },
+            None,
         );
         assert!(
             matches!(got, Err(TheoryError::SweepRange { .. })),
@@ -371,11 +373,11 @@ fn a_range_that_is_none_is_named() {
         count: 3,
     };
     assert!(matches!(
-        sweep(&model, &values, "left", outside),
+        sweep(&model, &values, "left", outside, None),
         Err(TheoryError::OutOfBounds { .. })
     ));
     assert!(matches!(
-        sweep(&model, &values, "loft", outside),
+        sweep(&model, &values, "loft", outside, None),
         Err(TheoryError::UnknownParameter { .. })
     ));
     let range = SweepRange {

@@ -1,10 +1,13 @@
 //! Modes followed by shape from one value of a parameter to the next.
 
 use std::cell::Cell;
+use std::f64::consts::TAU;
 
+use crate::axis::Band;
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
-use super::{ModeOptions, TheoreticalModel, TheoryError, modes_of_matrices};
+use super::system::{System, SystemSlope};
+use super::{ModeOptions, TheoreticalModel, TheoryError};
 
 /// The least share of a shape in the root that it goes over into: a rotation by 18 degrees from one value to the next.
 const SAME_SHAPE: f64 = 0.9;
@@ -12,6 +15,11 @@ const SAME_SHAPE: f64 = 0.9;
 const NEAREST_VALUES: f64 = 1e-13;
 /// Steps to a zero between two values; bisection alone would need 52.
 const ZERO_STEPS: usize = 80;
+/// Of a sparse model the modes up to this multiple of the highest followed frequency are computed at the next value, among
+/// which the followed ones are sought; one that goes beyond is met again at a value nearer by.
+const HEADROOM: f64 = 1.25;
+/// As many modes where all that are followed are at 0.
+const BESIDE_RIGID: usize = 8;
 
 /// The modes at one value of the parameter, each in its place in the order of the first value.
 #[derive(Clone, Debug)]
@@ -22,8 +30,11 @@ pub(super) struct Sample {
     pub vectors: RealMatrix,
     /// Which root of this value a mode belongs to.
     pub root: Vec<usize>,
-    mass: RealMatrix,
-    stiffness: RealMatrix,
+    /// Frequencies of modes that were computed and are not followed, ascending.
+    pub strangers_rad_s: Vec<f64>,
+    /// `M Phi` and `K Phi`.
+    moved: RealMatrix,
+    forces: RealMatrix,
 }
 
 impl Sample {
@@ -38,26 +49,22 @@ impl Sample {
     /// Distance of the Rayleigh quotients of two shapes, (rad/s)²: tells modes of one root apart, whose frequency is the mean
     /// of the root, by shapes that were followed from where they were apart.
     fn quotient_distance(&self, a: usize, b: usize) -> f64 {
-        let n = self.vectors.nrows();
         let quotient = |mode: usize| -> f64 {
-            let force = |i: usize| -> f64 {
-                (0..n)
-                    .map(|k| self.stiffness[(i, k)] * self.vectors[(k, mode)])
-                    .sum()
-            };
-            (0..n).map(|i| self.vectors[(i, mode)] * force(i)).sum()
+            let parts = (0..self.vectors.nrows()).map(|i| (i, mode));
+            parts.map(|at| self.vectors[at] * self.forces[at]).sum()
         };
         quotient(b) - quotient(a)
     }
 
     /// Share of every coordinate in the kinetic energy, mean over some modes.
     pub fn kinetic_shares(&self, modes: &[usize]) -> Vec<f64> {
-        let moved = &self.mass * &self.vectors;
         let share = |i: usize| {
-            let parts = modes.iter().map(|&k| self.vectors[(i, k)] * moved[(i, k)]);
+            let parts = modes
+                .iter()
+                .map(|&k| self.vectors[(i, k)] * self.moved[(i, k)]);
             parts.sum::<f64>() / modes.len() as f64
         };
-        (0..moved.nrows()).map(share).collect()
+        (0..self.moved.nrows()).map(share).collect()
     }
 }
 
@@ -132,10 +139,16 @@ impl<'a> Follower<'a> {
         values
     }
 
-    fn solve(&self, value: f64) -> Result<Sample, TheoryError> {
+    /// All modes at a value; of a sparse system those that the options ask for.
+    fn solve(
+        &self,
+        system: &System,
+        value: f64,
+        options: &ModeOptions,
+    ) -> Result<Sample, TheoryError> {
         self.solved.set(self.solved.get() + 1);
-        let matrices = self.model.assemble(&self.values_at(value))?;
-        let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
+        let all = ModeOptions::default();
+        let modes = system.modes(if system.is_sparse() { options } else { &all })?;
         let mut root = vec![0; modes.omega_rad_s.len()];
         for (number, own) in modes.model.roots().into_iter().enumerate() {
             own.into_iter().for_each(|mode| root[mode] = number);
@@ -143,21 +156,19 @@ impl<'a> Follower<'a> {
         Ok(Sample {
             value,
             omega_rad_s: modes.omega_rad_s,
-            vectors: modes.vectors,
             root,
-            mass: matrices.mass,
-            stiffness: matrices.stiffness,
+            strangers_rad_s: Vec::new(),
+            moved: system.mass(&modes.vectors),
+            forces: system.stiffness(&modes.vectors),
+            vectors: modes.vectors,
         })
     }
 
     /// `phi_a^T (dK/dp - lambda dM/dp) phi_b` of all modes of a sample, lambda the mean of both.
     pub fn couplings(&self, sample: &Sample) -> Result<RealMatrix, TheoryError> {
-        let by = self
-            .model
-            .derivative(&self.values_at(sample.value), self.j)?;
+        let by = SystemSlope::of(self.model, &self.values_at(sample.value), self.j)?;
         let phi = &sample.vectors;
-        let stiffness = phi.transpose() * (&by.stiffness * phi);
-        let mass = phi.transpose() * (&by.mass * phi);
+        let [mass, stiffness] = by.products(phi).map(|own| phi.transpose() * own);
         let lambda = |a: usize| sample.omega_rad_s[a].powi(2);
         let n = phi.ncols();
         Ok(real_matrix(n, n, |a, b| {
@@ -167,42 +178,63 @@ impl<'a> Follower<'a> {
 
     /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell it.
     pub fn follow(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
-        let found = self.solve(value)?;
-        let overlap = from.vectors.transpose() * (&found.mass * &found.vectors);
-        let Some(own) = roots_of_modes(&overlap, &found.root) else {
+        let system = System::of(self.model, &self.values_at(value))?;
+        let found = self.solve(&system, value, &near(from))?;
+        let seen = system.mass(&from.vectors);
+        let overlap = seen.transpose() * &found.vectors;
+        let square = |mode: usize| -> f64 {
+            let parts = (0..seen.nrows()).map(|i| (i, mode));
+            parts.map(|at| from.vectors[at] * seen[at]).sum()
+        };
+        let squares: Vec<f64> = (0..seen.ncols()).map(square).collect();
+        let Some(own) = roots_of_modes(&overlap, &squares, &found.root) else {
             return Ok(None);
         };
-        let n = own.len();
-        let mut sample = found.clone();
-        for (mode, &root) in own.iter().enumerate() {
-            let first = found.root.iter().position(|other| *other == root);
-            sample.omega_rad_s[mode] = found.omega_rad_s[first.unwrap_or_default()];
-        }
-        let roots = found.root.iter().max().map_or(0, |last| last + 1);
-        for root in 0..roots {
-            let modes: Vec<usize> = (0..n).filter(|&mode| own[mode] == root).collect();
-            let columns: Vec<usize> = (0..n)
+        let mut parts: Vec<Vec<(usize, f64)>> = vec![Vec::new(); own.len()];
+        let mut strangers_rad_s = Vec::new();
+        for root in 0..found.root.iter().max().map_or(0, |last| last + 1) {
+            let modes: Vec<usize> = (0..own.len()).filter(|&mode| own[mode] == root).collect();
+            let columns: Vec<usize> = (0..found.root.len())
                 .filter(|&column| found.root[column] == root)
                 .collect();
-            let rotation = nearest_rotation(&real_matrix(modes.len(), modes.len(), |t, c| {
+            let strangers = &columns[modes.len()..];
+            strangers_rad_s.extend(strangers.iter().map(|&column| found.omega_rad_s[column]));
+            let rotation = nearest_rotation(&real_matrix(modes.len(), columns.len(), |t, c| {
                 overlap[(modes[t], columns[c])]
             }))?;
             for (t, &mode) in modes.iter().enumerate() {
-                for i in 0..found.vectors.nrows() {
-                    let parts = columns.iter().enumerate();
-                    let parts = parts.map(|(c, &own)| found.vectors[(i, own)] * rotation[(t, c)]);
-                    sample.vectors[(i, mode)] = parts.sum();
-                }
+                let factors = columns.iter().enumerate();
+                parts[mode].extend(factors.map(|(c, &column)| (column, rotation[(t, c)])));
             }
         }
-        sample.root = own;
-        Ok(Some(sample))
+        let turned = |all: &RealMatrix| {
+            real_matrix(all.nrows(), own.len(), |i, mode| {
+                let parts = parts[mode].iter();
+                parts
+                    .map(|&(column, factor)| all[(i, column)] * factor)
+                    .sum()
+            })
+        };
+        Ok(Some(Sample {
+            value,
+            omega_rad_s: parts
+                .iter()
+                .map(|own| found.omega_rad_s[own[0].0])
+                .collect(),
+            strangers_rad_s,
+            vectors: turned(&found.vectors),
+            moved: turned(&found.moved),
+            forces: turned(&found.forces),
+            root: own,
+        }))
     }
 
-    /// The modes through all values of a grid.
-    pub fn trail(&self, grid: &[f64]) -> Result<Trail, TheoryError> {
+    /// The modes through all values of a grid; of a sparse model those that the options ask for at the first value.
+    pub fn trail(&self, grid: &[f64], options: &ModeOptions) -> Result<Trail, TheoryError> {
+        let system = System::of(self.model, &self.values_at(grid[0]))?;
+        let first = self.solve(&system, grid[0], options)?;
         let mut trail = Trail {
-            samples: vec![self.solve(grid[0])?],
+            samples: vec![first],
             meetings: Vec::new(),
         };
         let mut targets: Vec<f64> = grid[1..].iter().rev().copied().collect();
@@ -293,6 +325,18 @@ impl<'a> Follower<'a> {
     }
 }
 
+/// The modes among which those of a sample nearby are to be found, where not all are computed.
+fn near(from: &Sample) -> ModeOptions {
+    let highest = from.omega_rad_s.iter().copied().fold(0.0, f64::max);
+    let band = Band::new(0.0, HEADROOM * highest / TAU).ok();
+    let count = from.omega_rad_s.len() + BESIDE_RIGID;
+    ModeOptions {
+        count: band.is_none().then_some(count),
+        band,
+        damping_ratio: None,
+    }
+}
+
 /// What came of a step.
 enum Step {
     Taken(Box<Sample>, Vec<Meeting>),
@@ -343,33 +387,32 @@ pub(super) fn zero_between<E>(
     Ok(Ok(place))
 }
 
-/// The root that each mode (row) goes over into: the one with the largest share of it, which must be most of it. `None`
-/// unless every root gets as many modes as it has.
-fn roots_of_modes(overlap: &RealMatrix, root: &[usize]) -> Option<Vec<usize>> {
+/// The root that each mode (row) goes over into: the one that has most of it, of its square `phi^T M phi`. `None`
+/// where there is none, or a root would get more modes than it has.
+fn roots_of_modes(overlap: &RealMatrix, squares: &[f64], root: &[usize]) -> Option<Vec<usize>> {
     let n = root.len();
     let mut left = vec![0usize; n];
     root.iter().for_each(|&own| left[own] += 1);
-    let mut own = Vec::with_capacity(n);
-    for mode in 0..n {
+    let mut own = Vec::with_capacity(squares.len());
+    for (mode, square) in squares.iter().enumerate() {
         let mut shares = vec![0.0; n];
         (0..n).for_each(|column| shares[root[column]] += overlap[(mode, column)].powi(2));
-        let total: f64 = shares.iter().sum();
         let found = shares
             .iter()
-            .position(|share| *share >= SAME_SHAPE * total)?;
+            .position(|share| *share >= SAME_SHAPE * square)?;
         left[found] = left[found].checked_sub(1)?;
         own.push(found);
     }
     Some(own)
 }
 
-/// The rotation nearest to a square matrix that nearly is one, `(A A^T)^(-1/2) A`.
+/// The matrix of orthonormal rows nearest to one whose rows nearly are so, `(A A^T)^(-1/2) A`; a rotation for a square one.
 ///
 /// # Reference
 /// Higham (1986), Computing the polar decomposition, SIAM Journal on Scientific and Statistical Computing 7, 1160.
 fn nearest_rotation(a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
     let m = a.nrows();
-    if m == 1 {
+    if m == 1 && a.ncols() == 1 {
         return Ok(real_matrix(1, 1, |_, _| a[(0, 0)].signum()));
     }
     let identity = real_matrix(m, m, |i, k| if i == k { 1.0 } else { 0.0 });

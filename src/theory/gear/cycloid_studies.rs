@@ -41,12 +41,12 @@ impl Studies<'_> {
         index_of(self.model.name(), self.model.parameters(), name)
     }
 
-    fn value(&self, name: &str) -> Result<f64, TheoryError> {
+    pub fn value(&self, name: &str) -> Result<f64, TheoryError> {
         Ok(self.values[self.index(name)?])
     }
 
     /// The four roots with values changed; not numbers where a value is out of its bounds or a root is not there.
-    fn roots(&self, changes: &[(&str, f64)]) -> Result<[f64; 4], TheoryError> {
+    pub fn roots(&self, changes: &[(&str, f64)]) -> Result<[f64; 4], TheoryError> {
         let mut values = self.values.to_vec();
         for (name, value) in changes {
             values[self.index(name)?] = *value;
@@ -106,7 +106,7 @@ impl Studies<'_> {
             upper: balls + more,
             count: (more - less) as usize + 1,
         };
-        let swept = sweep(self.model, self.values, "ball_count", range).map(Some);
+        let swept = sweep(self.model, self.values, "ball_count", range, None).map(Some);
         let Some(swept) = allowed_or(None, swept)? else {
             return Ok(f64::NAN);
         };
@@ -136,7 +136,7 @@ impl Studies<'_> {
             upper: to,
             count: STIFFNESSES.len(),
         };
-        let swept = sweep(self.model, self.values, parameter, range).map(Some);
+        let swept = sweep(self.model, self.values, parameter, range, None).map(Some);
         let Some(swept) = allowed_or(None, swept)? else {
             return Ok([f64::NAN; 2]);
         };

@@ -422,7 +422,7 @@ fn with_a_free_carrier_one_crossing_with_the_planet_modes_is_left() {
         upper: 3e11,
         count: 40,
     };
-    let own = sweep(&model, &values, "k_r", range).unwrap();
+    let own = sweep(&model, &values, "k_r", range, None).unwrap();
     let planet = own
         .loci
         .iter()

@@ -135,7 +135,7 @@ fn swept(
         upper: upper.min(spec.upper.unwrap_or(upper)),
         count: SWEEP_VALUES,
     };
-    let swept = allowed_or(None, sweep(model, values, parameter, range).map(Some))?;
+    let swept = allowed_or(None, sweep(model, values, parameter, range, None).map(Some))?;
     let events = swept.as_ref().map_or(&[][..], |swept| &swept.events);
     let of = |kind: EventKind| {
         let all = events.iter();

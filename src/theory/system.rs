@@ -1,0 +1,75 @@
+//! The matrices of a model in the form in which it is solved: full, or without their zeros.
+
+use crate::linalg::RealMatrix;
+
+use super::sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
+use super::{
+    ModeOptions, SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError, TheoryModes,
+    modes_of_matrices,
+};
+
+/// Matrices of a model with some values.
+pub(super) enum System {
+    Full(SystemMatrices),
+    Sparse(SparseSystem),
+}
+
+impl System {
+    pub fn of(model: &dyn TheoreticalModel, values: &[f64]) -> Result<Self, TheoryError> {
+        Ok(match model.sparse(values)? {
+            Some(system) => System::Sparse(system),
+            None => System::Full(model.assemble(values)?),
+        })
+    }
+
+    pub fn is_sparse(&self) -> bool {
+        matches!(self, System::Sparse(_))
+    }
+
+    /// The modes that the options ask for; of a sparse system the lowest without any.
+    pub fn modes(&self, options: &ModeOptions) -> Result<TheoryModes, TheoryError> {
+        match self {
+            System::Full(own) => modes_of_matrices(own, options),
+            System::Sparse(own) => modes_of_sparse(own, options),
+        }
+    }
+
+    /// `M X`.
+    pub fn mass(&self, x: &RealMatrix) -> RealMatrix {
+        match self {
+            System::Full(own) => &own.mass * x,
+            System::Sparse(own) => own.mass.multiply(x),
+        }
+    }
+
+    /// `K X`.
+    pub fn stiffness(&self, x: &RealMatrix) -> RealMatrix {
+        match self {
+            System::Full(own) => &own.stiffness * x,
+            System::Sparse(own) => own.stiffness.multiply(x),
+        }
+    }
+}
+
+/// Derivatives of the matrices of a model by one parameter.
+pub(super) enum SystemSlope {
+    Full(SystemDerivative),
+    Sparse(SparseDerivative),
+}
+
+impl SystemSlope {
+    pub fn of(model: &dyn TheoreticalModel, values: &[f64], j: usize) -> Result<Self, TheoryError> {
+        Ok(match model.sparse_derivative(values, j)? {
+            Some(by) => SystemSlope::Sparse(by),
+            None => SystemSlope::Full(model.derivative(values, j)?),
+        })
+    }
+
+    /// `dM X` and `dK X`.
+    pub fn products(&self, x: &RealMatrix) -> [RealMatrix; 2] {
+        match self {
+            SystemSlope::Full(by) => [&by.mass * x, &by.stiffness * x],
+            SystemSlope::Sparse(by) => [by.mass.multiply(x), by.stiffness.multiply(x)],
+        }
+    }
+}
