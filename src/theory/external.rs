@@ -294,18 +294,15 @@ impl TheoreticalModel for ExternalModel {
     }
 
     fn assumptions(&self) -> Vec<Assumption> {
-        let assumption = |statement| Assumption {
-            about: "matrices".to_owned(),
-            statement,
+        let solved = if self.sparse {
+            "more than 1000 coordinates and at most 10 % of the entries: the lowest modes alone are computed, from sparse matrices, and counted"
+        } else {
+            "1000 coordinates or fewer, or more than 10 % of the entries: all modes are computed, from full matrices"
         };
-        vec![
-            assumption("the matrices are in SI units, and symmetric"),
-            assumption(if self.sparse {
-                "more than 1000 coordinates and at most 10 % of the entries: the lowest modes alone are computed, from sparse matrices, and counted"
-            } else {
-                "1000 coordinates or fewer, or more than 10 % of the entries: all modes are computed, from full matrices"
-            }),
-        ]
+        Assumption::all(
+            "matrices",
+            ["the matrices are in SI units, and symmetric", solved],
+        )
     }
 }
 

@@ -147,20 +147,13 @@ impl TheoreticalModel for LumpedModel {
     }
 
     fn assumptions(&self) -> Vec<Assumption> {
-        let assumption = |statement| Assumption {
-            about: "lumped model".to_owned(),
-            statement,
-        };
-        vec![
-            assumption(
-                "bodies are rigid, springs have no mass, and motions are small about the position drawn",
-            ),
-            assumption("the axes of the model are the principal axes of inertia of every body"),
-            assumption(
-                "a spring acts along its stated direction: where that is not the line between its ends, it holds the pair against turning as a guide would",
-            ),
-            assumption("nothing damps; damping is given by mode"),
-        ]
+        let statements = [
+            "bodies are rigid, springs have no mass, and motions are small about the position drawn",
+            "the axes of the model are the principal axes of inertia of every body",
+            "a spring acts along its stated direction: where that is not the line between its ends, it holds the pair against turning as a guide would",
+            "nothing damps; damping is given by mode",
+        ];
+        Assumption::all("lumped model", statements)
     }
 }
 

@@ -177,6 +177,17 @@ pub struct Assumption {
     pub statement: &'static str,
 }
 
+impl Assumption {
+    /// Several about one part.
+    fn all<const N: usize>(about: &str, statements: [&'static str; N]) -> Vec<Self> {
+        let assumption = |statement| Self {
+            about: about.to_owned(),
+            statement,
+        };
+        statements.map(assumption).into()
+    }
+}
+
 /// A parameterised linear model of a machine.
 ///
 /// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation of a sensor depends on

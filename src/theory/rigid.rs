@@ -29,6 +29,24 @@ pub(super) struct Attachment<'a> {
 }
 
 impl RigidBodies {
+    /// Adds a body with its freedoms: the name of each coordinate, its motion, its axis.
+    pub fn add(
+        &mut self,
+        body: String,
+        at_m: [f64; 3],
+        free: impl IntoIterator<Item = (String, Motion, [f64; 3])>,
+    ) {
+        let coordinate = |(name, motion, axis)| Coordinate {
+            name,
+            body: body.clone(),
+            motion,
+            axis,
+            at_m,
+        };
+        self.coordinates.extend(free.into_iter().map(coordinate));
+        self.names.push(body);
+    }
+
     /// Displacement of a point of a body along a direction, per unit of each coordinate.
     pub fn point_row(
         &self,

@@ -90,30 +90,29 @@ impl CycloidBall {
         let values = &self.values(&values, None);
         let e = values.get("half_eccentricity").value;
         let radius = balls * e / values.get("trochoid_ratio").value;
-        let mut all = Builder::default();
-        all.body("input", [0.0; 3], &[("x0", X), ("y0", Y), ("u0", Z)]);
-        all.body("centre-disc", [0.0; 3], &[("x1", X), ("y1", Y), ("u1", Z)]);
+        let mut all = RigidBodies::default();
+        let [input, disc, planet, output] =
+            ["input", "centre-disc", "planet-disc", "output"].map(str::to_owned);
+        all.add(input, [0.0; 3], free([("x0", X), ("y0", Y), ("u0", Z)]));
+        all.add(disc, [0.0; 3], free([("x1", X), ("y1", Y), ("u1", Z)]));
         for i in 0..balls as usize {
             let theta = self.ball(values, i).0.value;
             let at_m = [-radius * theta.sin(), e + radius * theta.cos(), 0.0];
             let n = i + 1;
             let names = [format!("x2_{n}"), format!("y2_{n}")];
-            all.body(
-                &format!("ball-{n}"),
-                at_m,
-                &[(&names[0], X), (&names[1], Y)],
-            );
+            let moves = free([(&names[0], X), (&names[1], Y)]);
+            all.add(format!("ball-{n}"), at_m, moves);
         }
-        let planet = [0.0, 2.0 * e, 0.0];
-        all.body("planet-disc", planet, &[("x3", X), ("y3", Y), ("u3", Z)]);
+        let at_m = [0.0, 2.0 * e, 0.0];
+        all.add(planet, at_m, free([("x3", X), ("y3", Y), ("u3", Z)]));
         for j in 0..PIN_BALLS {
             let [x, y] = self.pin(values, j).map(|part| part.value);
             // Half way between its grooves in the planet disc and in the output.
             let (at_m, name) = ([x, y + e, 0.0], format!("y4_{}", j + 1));
-            all.body(&format!("pin-ball-{}", j + 1), at_m, &[(&name, Y)]);
+            all.add(format!("pin-ball-{}", j + 1), at_m, free([(&name, Y)]));
         }
-        all.body("output", [0.0; 3], &[("y5", Y), ("u5", Z)]);
-        all.bodies
+        all.add(output, [0.0; 3], free([("y5", Y), ("u5", Z)]));
+        all
     }
 
     /// Position of pin ball j (from 0) on its circle: the angle φ counts from y.
@@ -281,36 +280,18 @@ impl TheoreticalModel for CycloidBall {
             "geometry inferred from the pitch point, ball circle of radius Z2 e/K; the paper does not print it",
             "the contact force's arm on the centre disc is that of the planet disc, as in the paper ((Z2 - 1) e would be right)",
         ];
-        let assumption = |statement| Assumption {
-            about: self.name.clone(),
-            statement,
-        };
-        statements.into_iter().map(assumption).collect()
+        Assumption::all(&self.name, statements)
     }
 }
 
-/// Bodies as they are added, in the order of the paper's vector of coordinates.
-#[derive(Default)]
-struct Builder {
-    bodies: RigidBodies,
-}
-
-impl Builder {
-    /// Freedoms along x and y are displacements, about z a rotation.
-    fn body(&mut self, name: &str, at_m: [f64; 3], free: &[(&str, [f64; 3])]) {
-        self.bodies.names.push(name.to_owned());
-        let coordinate = |(coordinate, axis): &(&str, [f64; 3])| Coordinate {
-            name: (*coordinate).to_owned(),
-            body: name.to_owned(),
-            motion: if *axis == Z {
-                Motion::Rotation
-            } else {
-                Motion::Translation
-            },
-            axis: *axis,
-            at_m,
+/// Freedoms along x and y are displacements, about z a rotation.
+fn free<const N: usize>(all: [(&str, [f64; 3]); N]) -> [(String, Motion, [f64; 3]); N] {
+    all.map(|(name, axis)| {
+        let motion = if axis == Z {
+            Motion::Rotation
+        } else {
+            Motion::Translation
         };
-        let coordinates = free.iter().map(coordinate);
-        self.bodies.coordinates.extend(coordinates);
-    }
+        (name.to_owned(), motion, axis)
+    })
 }

@@ -186,24 +186,9 @@ fn bodies(parameters: &[ParameterSpec], torsional: bool) -> RigidBodies {
     let pins = radius_of_pins(&values).value;
     let mut all = RigidBodies::default();
     let mut add = |body: String, at_m: [f64; 3], moves: [(String, [f64; 3]); 2], turns: String| {
-        all.names.push(body.clone());
-        let translations = moves
-            .into_iter()
-            .map(|(name, axis)| (name, axis, Motion::Translation));
-        let rotation = (turns, Z, Motion::Rotation);
-        for (name, axis, motion) in translations.chain([rotation]) {
-            if torsional && motion == Motion::Translation {
-                continue;
-            }
-            let body = body.clone();
-            all.coordinates.push(Coordinate {
-                name,
-                body,
-                motion,
-                axis,
-                at_m,
-            });
-        }
+        let moves = moves.into_iter().filter(|_| !torsional);
+        let moves = moves.map(|(name, axis)| (name, Motion::Translation, axis));
+        all.add(body, at_m, moves.chain([(turns, Motion::Rotation, Z)]));
     };
     for (body, letter) in [("carrier", "c"), ("sun", "s")] {
         let moves = [(format!("x{letter}"), X), (format!("y{letter}"), Y)];
@@ -280,10 +265,6 @@ impl TheoreticalModel for HelicalPlanetary {
             "ring of 83 teeth for the printed 82, which neither is coaxial nor lets four planets be assembled; input torque 40/4.952 N m for the printed 9.65, which would accelerate the carrier by 71 rad/s2",
             "face width, bores, the carrier's disc, the wave of the mesh stiffness and the damping are not printed",
         ];
-        let assumption = |statement| Assumption {
-            about: self.name.clone(),
-            statement,
-        };
-        statements.into_iter().map(assumption).collect()
+        Assumption::all(&self.name, statements)
     }
 }

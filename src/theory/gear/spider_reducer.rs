@@ -72,17 +72,6 @@ impl SpiderReducer {
         let values = self.values(&values, None);
         let get = |name: &str| values.get(name).value;
         let mut all = RigidBodies::default();
-        let mut body = |name: String, at_m: [f64; 3], free: &[(String, Motion, [f64; 3])]| {
-            let coordinate = |(own, motion, axis): &(String, Motion, [f64; 3])| Coordinate {
-                name: own.clone(),
-                body: name.clone(),
-                motion: *motion,
-                axis: *axis,
-                at_m,
-            };
-            all.coordinates.extend(free.iter().map(coordinate));
-            all.names.push(name);
-        };
         let shaft = |name: &str, j: &str| {
             let free = |start: String, motion, axis| (start, motion, axis);
             [
@@ -93,14 +82,15 @@ impl SpiderReducer {
                 free(format!("b{name}z{j}"), Motion::Rotation, Z),
             ]
         };
-        body("output".to_owned(), [0.0; 3], &shaft("o", ""));
+        all.add("output".to_owned(), [0.0; 3], shaft("o", ""));
         let input = [0.0, 0.0, get("z_o3") - get("a_2")];
-        body("input".to_owned(), input, &shaft("i", "")[..4]);
+        let held = shaft("i", "").into_iter().take(4);
+        all.add("input".to_owned(), input, held);
         for j in 0..self.shafts {
             let [x, y] = self.hole(&values, j).map(|part| part.value);
             let at_m = [x, y, get("z_o4") - get("b_3")];
             let number = (j + 1).to_string();
-            body(format!("shaft-{number}"), at_m, &shaft("s", &number));
+            all.add(format!("shaft-{number}"), at_m, shaft("s", &number));
         }
         for (i, station) in [(1, "z_o4"), (2, "z_o5")] {
             let [x, y] = self.crank(&values, i).map(|part| part.value);
@@ -109,7 +99,7 @@ impl SpiderReducer {
                 (format!("yp{i}"), Motion::Translation, Y),
                 (format!("theta{i}"), Motion::Rotation, Z),
             ];
-            body(format!("gear-{i}"), [x, y, get(station)], &free);
+            all.add(format!("gear-{i}"), [x, y, get(station)], free);
         }
         all
     }
@@ -282,10 +272,6 @@ impl TheoreticalModel for SpiderReducer {
             "rigid bodies on massless springs, bearings alike along x and y, mean mesh stiffness; no gyroscopic, centrifugal or preload terms, no damping",
             "the rotation of the input shaft is held, as in the paper",
         ];
-        let assumption = |statement| Assumption {
-            about: self.name().to_owned(),
-            statement,
-        };
-        statements.into_iter().map(assumption).collect()
+        Assumption::all(self.name(), statements)
     }
 }

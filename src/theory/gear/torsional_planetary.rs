@@ -66,14 +66,7 @@ impl TorsionalPlanetary {
         let members = members.map(|member| (member.body().to_owned(), member.coordinate()));
         let all_planets = (1..=planets).map(|n| (format!("planet-{n}"), format!("u{n}")));
         for (body, name) in members.chain(all_planets) {
-            bodies.names.push(body.clone());
-            bodies.coordinates.push(Coordinate {
-                name,
-                body,
-                motion: Motion::Arc,
-                axis: [0.0, 0.0, 1.0],
-                at_m: [0.0; 3],
-            });
+            bodies.add(body, [0.0; 3], [(name, Motion::Arc, [0.0, 0.0, 1.0])]);
         }
         Some(Self {
             name: format!("torsional planetary gear, {planets} planets, {set}"),
@@ -193,11 +186,7 @@ impl TheoreticalModel for TorsionalPlanetary {
             "torsion alone: no body is displaced; rigid bodies on massless springs, no gyroscopic terms, no damping",
             "the three printed rotational frequencies of table 2 need a carrier of 7.54 kg with the support of 1e9 N/m on it, and 4 planets; the printed 4.90 kg without the planets it carries (4 times 0.66 kg, not printed) misses by up to 18 %",
         ];
-        let assumption = |statement| Assumption {
-            about: self.name.clone(),
-            statement,
-        };
-        statements.into_iter().map(assumption).collect()
+        Assumption::all(&self.name, statements)
     }
 }
 
