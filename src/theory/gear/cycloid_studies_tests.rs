@@ -61,6 +61,61 @@ fn roots_over_the_geometry_are_the_reference() {
     );
 }
 
+/// The fitted set, whose balls need not sit as the geometry of its numbers has them.
+#[test]
+fn roots_over_the_geometry_of_the_fitted_set_are_the_reference() {
+    let model = CycloidBall::new("D").unwrap();
+    let values = nominal_values(model.parameters());
+    let studies = Studies {
+        model: &model,
+        values: &values,
+    };
+    // The rolling circle kept; 0.6 to 1.15 of the set's own K, to three digits.
+    let circle =
+        studies.value("half_eccentricity").unwrap() / studies.value("trochoid_ratio").unwrap();
+    let over_ratio = [0.519, 0.692, 0.866, 0.952, 0.995].map(|k| {
+        let changes = [("trochoid_ratio", k), ("half_eccentricity", k * circle)];
+        studies.roots(&changes).unwrap()
+    });
+    check(
+        "K",
+        &over_ratio.into(),
+        &[
+            [13718.985, 14505.851, 58753.719, 65998.501],
+            [13757.235, 14489.172, 59019.553, 65674.563],
+            [13846.404, 14437.158, 59441.538, 65467.795],
+            [13915.550, 14396.543, 59703.501, 65411.361],
+            [13956.166, 14373.618, 59845.308, 65397.131],
+        ],
+    );
+    check(
+        "r0",
+        &studies.over_radius().unwrap(),
+        &[
+            [13781.411, 14437.368, 58669.452, 66054.362],
+            [13806.461, 14437.368, 58933.500, 65645.257],
+            [13828.038, 14437.368, 59206.138, 65513.520],
+            [13846.052, 14437.368, 59440.110, 65468.221],
+            [13867.939, 14437.368, 59714.927, 65456.711],
+            [13911.518, 14437.368, 60195.575, 65507.526],
+            [14048.431, 14437.368, 61113.239, 65822.507],
+            [14437.368, 14479.316, 61999.084, 66570.245],
+        ],
+    );
+    check(
+        "Z2",
+        &studies.over_balls().unwrap(),
+        &[
+            [14018.439, 14561.246, 59195.208, 65468.031],
+            [13792.958, 14621.200, 59344.375, 65667.668],
+            [13846.052, 14437.368, 59440.110, 65468.221],
+            [13641.939, 14482.689, 59576.154, 65499.827],
+            [13679.544, 14311.574, 59667.425, 65350.257],
+            [13519.823, 14184.767, 59872.337, 65205.130],
+        ],
+    );
+}
+
 #[test]
 fn roots_over_the_stiffnesses_are_the_reference() {
     for (set, over_x, over_y) in [

@@ -5,7 +5,8 @@ use crate::theory::integrate::{ExtrapolatedMidpoint, Integrator, RungeKutta4};
 use crate::theory::{ModelQuantity, TheoryError};
 
 use super::HelicalPlanetary;
-use super::helical_motion::{COORDINATES, Detail, Motion};
+use super::helical_mesh::Detail;
+use super::helical_motion::{COORDINATES, Motion};
 
 /// Steps per mesh period of the coarse run without losses; the fine one has twice as many.
 const COARSE: usize = 2000;

@@ -25,132 +25,12 @@ use crate::theory::integrate::Equations;
 use crate::theory::{TheoreticalModel, TheoryError};
 
 use super::HelicalPlanetary;
+use super::helical_mesh::{Approach, Detail, MeshGeometry, MeshState, Wave};
 use super::helical_parameters::{PLANETS, RING_TEETH, SUN_TEETH};
 use super::helical_planetary::planet_angle;
 
 /// Coordinates; the state has twice as many entries.
 pub(super) const COORDINATES: usize = 6 + 3 * PLANETS;
-
-/// How much of the motion a model has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Detail {
-    /// Rotations alone, as with rigid bearings (equation 28).
-    Torsional,
-    /// Bearings, pressure angles as at rest.
-    ConstantAngle,
-    /// Bearings, pressure angles as the paper prints them.
-    PrintedAngle,
-    /// Bearings, compressions of involutes at their actual centres.
-    ExactAngle,
-}
-
-impl Detail {
-    /// All, in the order of their detail.
-    pub const ALL: [Detail; 4] = [
-        Detail::Torsional,
-        Detail::ConstantAngle,
-        Detail::PrintedAngle,
-        Detail::ExactAngle,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Detail::Torsional => "torsional",
-            Detail::ConstantAngle => "constant angle",
-            Detail::PrintedAngle => "varying angle as printed",
-            Detail::ExactAngle => "varying angle, exact",
-        }
-    }
-}
-
-/// Compression of a mesh by the centres of its gears, its gradient, and the pressure angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Approach {
-    pub compression: f64,
-    pub by_u: f64,
-    pub by_v: f64,
-    pub angle: f64,
-}
-
-/// One kind of mesh.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MeshGeometry {
-    /// 1 for the sun, -1 for the ring.
-    pub side: f64,
-    /// Sum or difference of the base radii: the same for both, as both have one centre distance.
-    pub base: f64,
-    pub rest_angle: f64,
-    pub pins: f64,
-}
-
-impl MeshGeometry {
-    pub fn approach(&self, detail: Detail, u: f64, v: f64) -> Approach {
-        let Self {
-            side,
-            base,
-            rest_angle,
-            pins,
-        } = *self;
-        if matches!(detail, Detail::Torsional | Detail::ConstantAngle) {
-            let (sin, cos) = rest_angle.sin_cos();
-            return Approach {
-                compression: -side * (u - pins) * sin - v * cos,
-                by_u: -side * sin,
-                by_v: -cos,
-                angle: rest_angle,
-            };
-        }
-        let square = u * u + v * v;
-        let distance = square.sqrt();
-        let angle = (base / distance).acos();
-        let tan = angle.tan();
-        let turn = v.atan2(u);
-        if detail == Detail::ExactAngle {
-            let involute = |angle: f64| angle.tan() - angle;
-            return Approach {
-                compression: -base * (turn + side * (involute(angle) - involute(rest_angle))),
-                by_u: -base * (side * tan * u - v) / square,
-                by_v: -base * (side * tan * v + u) / square,
-                angle,
-            };
-        }
-        let (sin, cos) = (angle - side * turn).sin_cos();
-        let by_angle = v * sin - side * (u - pins) * cos;
-        Approach {
-            compression: -side * (u - pins) * sin - v * cos,
-            by_u: -side * sin + by_angle * (u / tan + side * v) / square,
-            by_v: -cos + by_angle * (v / tan - side * u) / square,
-            angle,
-        }
-    }
-}
-
-/// Trapezoid over the mesh period: the stiffness of a mesh.
-#[derive(Clone, Copy, Debug)]
-struct Wave {
-    least: f64,
-    most: f64,
-    edge: f64,
-    /// Part of the period with more pairs in contact, mean of the flanks.
-    share: f64,
-}
-
-impl Wave {
-    fn at(&self, periods: f64) -> f64 {
-        let place = periods - periods.floor();
-        let up = (place / self.edge).min(1.0);
-        let down = ((self.share + self.edge - place) / self.edge).clamp(0.0, 1.0);
-        self.least + (self.most - self.least) * up.min(down)
-    }
-}
-
-/// Compression, rate and stiffness of one mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct MeshState {
-    pub compression_m: f64,
-    pub stiffness_n_per_m: f64,
-    pub angle_rad: f64,
-}
 
 /// The machine as its equations of motion need it.
 #[derive(Clone, Debug)]
@@ -161,9 +41,10 @@ pub(super) struct Motion {
     /// Bearings of carrier, sun and planets, N/m.
     bearing: [f64; 3],
     /// Bearings and meshes have a damper of this times their stiffness, s.
-    damping_s: f64,
+    pub damping_s: f64,
     /// A mesh's damper, N s/m.
     mesh_damper: f64,
+    ring_teeth: f64,
     radius_s: f64,
     radius_p: f64,
     radius_r: f64,
@@ -172,7 +53,6 @@ pub(super) struct Motion {
     waves: [Wave; 2],
     lead: f64,
     mesh_mean: f64,
-    drive_nm: f64,
     load_nm: f64,
     /// Angular speed of the carrier, rad/s.
     pub speed_rad_s: f64,
@@ -218,6 +98,7 @@ impl Motion {
             bearing: ["k_c", "k_s", "k_p"].map(|name| if torsional { 0.0 } else { get(name) }),
             damping_s: get("stiffness_damping"),
             mesh_damper: get("stiffness_damping") * mesh_mean,
+            ring_teeth: RING_TEETH,
             radius_s,
             radius_p,
             radius_r: radius_s * RING_TEETH / SUN_TEETH,
@@ -226,50 +107,82 @@ impl Motion {
             waves: [wave("mesh_share_sp"), wave("mesh_share_rp")],
             lead: get("mesh_lead_rp"),
             mesh_mean,
-            drive_nm: get("load") / (1.0 + RING_TEETH / SUN_TEETH),
             load_nm: get("load"),
             speed_rad_s,
             places: std::array::from_fn(|planet| planet_angle(planet).sin_cos()),
         })
     }
 
-    /// The same without damping, with mesh stiffnesses that stay at the mean, and without torques: what conserves energy.
-    pub fn conservative(mut self) -> Self {
-        for wave in &mut self.waves {
-            (wave.least, wave.most) = (self.mesh_mean, self.mesh_mean);
+    /// The same with another number of teeth in the ring on the same pins. Where angles vary, its mesh starts from that at
+    /// which base circles at this distance are in mesh; where not, it keeps that of the sun's.
+    pub fn with_ring_teeth(mut self, teeth: f64) -> Self {
+        self.ring_teeth = teeth;
+        self.radius_r = self.radius_s * teeth / SUN_TEETH;
+        let ring = &mut self.meshes[1];
+        ring.base = self.radius_r - self.radius_p;
+        if matches!(self.detail, Detail::PrintedAngle | Detail::ExactAngle) {
+            ring.rest_angle = (ring.base / ring.pins).acos();
         }
-        (self.drive_nm, self.load_nm) = (0.0, 0.0);
+        self
+    }
+
+    /// The same without damping.
+    pub fn undamped(mut self) -> Self {
         (self.damping_s, self.mesh_damper) = (0.0, 0.0);
         self
     }
 
-    /// Pressure angle at rest, rad.
-    pub fn rest_angle(&self) -> f64 {
-        self.meshes[0].rest_angle
+    /// The same with mesh stiffnesses that stay at the mean.
+    pub fn with_steady_meshes(mut self) -> Self {
+        for wave in &mut self.waves {
+            (wave.least, wave.most) = (self.mesh_mean, self.mesh_mean);
+        }
+        self
+    }
+
+    /// The same without damping, with steady mesh stiffnesses, and without torques: what conserves energy.
+    pub fn conservative(mut self) -> Self {
+        self.load_nm = 0.0;
+        self.with_steady_meshes().undamped()
+    }
+
+    /// Pressure angles at rest of the meshes of sun and ring, rad.
+    pub fn rest_angles(&self) -> [f64; 2] {
+        self.meshes.map(|mesh| mesh.rest_angle)
+    }
+
+    /// Rotations of the sun in one of the carrier.
+    fn ratio(&self) -> f64 {
+        1.0 + self.ring_teeth / SUN_TEETH
+    }
+
+    /// The torque that balances the load.
+    fn drive_nm(&self) -> f64 {
+        self.load_nm / self.ratio()
     }
 
     /// The period of the meshes, s: ring teeth that pass in one turn of the carrier.
     pub fn mesh_period_s(&self) -> f64 {
-        std::f64::consts::TAU / (RING_TEETH * self.speed_rad_s)
+        std::f64::consts::TAU / (self.ring_teeth * self.speed_rad_s)
     }
 
     /// The state of steady rotation under the mean mesh stiffness, by the constant angle.
     pub fn equilibrium(&self) -> Vec<f64> {
-        let force = self.drive_nm / (PLANETS as f64 * self.radius_s);
-        let (sin, cos) = self.meshes[0].rest_angle.sin_cos();
+        let force = self.drive_nm() / (PLANETS as f64 * self.radius_s);
+        let [(sin_s, cos_s), (sin_r, cos_r)] = self.rest_angles().map(f64::sin_cos);
         // The centrifugal force grows with the radius that it stretches.
         let turning = self.speed_rad_s * self.speed_rad_s * self.mass[2];
         let [xi, eta] = match self.detail {
             Detail::Torsional => [0.0, 0.0],
             _ => [
-                turning * self.pins / (self.bearing[2] - turning),
-                2.0 * force * cos / (self.bearing[2] - turning),
+                (turning * self.pins + force * (sin_s - sin_r)) / (self.bearing[2] - turning),
+                force * (cos_s + cos_r) / (self.bearing[2] - turning),
             ],
         };
         let deflection = force / self.mesh_mean;
-        let psi = (deflection - xi * sin + eta * cos) / self.radius_p;
+        let psi = (deflection - xi * sin_r + eta * cos_r) / self.radius_p;
         let mut state = vec![0.0; 2 * COORDINATES];
-        state[5] = (deflection + xi * sin + eta * cos + self.radius_p * psi) / self.radius_s;
+        state[5] = (deflection + xi * sin_s + eta * cos_s + self.radius_p * psi) / self.radius_s;
         for planet in 0..PLANETS {
             state[6 + 3 * planet..][..3].copy_from_slice(&[xi, eta, psi]);
         }
@@ -292,7 +205,7 @@ impl Motion {
         let passed = planet as f64 / PLANETS as f64;
         self.waves[kind].at(match kind {
             0 => periods - SUN_TEETH * passed,
-            _ => periods + RING_TEETH * passed + self.lead,
+            _ => periods + self.ring_teeth * passed + self.lead,
         })
     }
 
@@ -347,9 +260,8 @@ impl Motion {
     /// Kinetic energy of the motion and energy in bearings and meshes, J, with the mesh stiffness of this time.
     pub fn energy(&self, time_s: f64, state: &[f64]) -> [f64; 2] {
         let rate = &state[COORDINATES..];
-        let ratio = RING_TEETH / SUN_TEETH;
         let turning = self.speed_rad_s + rate[2];
-        let sun = (1.0 + ratio) * self.speed_rad_s + rate[5];
+        let sun = self.ratio() * self.speed_rad_s + rate[5];
         let squares = |x: f64, y: f64| x * x + y * y;
         let mut kinetic = self.mass[0] * squares(rate[0], rate[1])
             + self.inertia[0] * turning * turning
@@ -405,7 +317,7 @@ impl Equations for Motion {
             -self.load_nm,
             central(3, 1),
             central(4, 1),
-            self.drive_nm,
+            self.drive_nm(),
         ];
         let mut carried_inertia = 0.0;
         for planet in 0..PLANETS {

@@ -1,8 +1,9 @@
 //! The equations of motion of the helical planetary gear: gradients, energy, orders, and the reference's snapshots.
 
 use super::helical_checks::{energy_drift, run};
-use super::helical_motion::{Detail, MeshGeometry, Motion};
-use crate::theory::integrate::{Equations, ExtrapolatedMidpoint, RungeKutta4};
+use super::helical_mesh::{Detail, MeshGeometry};
+use super::helical_motion::Motion;
+use crate::theory::integrate::{Equations, ExtrapolatedMidpoint, Integrator, RungeKutta4};
 use crate::theory::parameter::{index_of, nominal_values};
 use crate::theory::{HelicalPlanetary, TheoreticalModel};
 
@@ -249,4 +250,37 @@ fn with_stiff_bearings_the_motion_becomes_the_torsional_one() {
     };
     let (soft, hard) = (distance(1e10), distance(4e10));
     assert!(soft < 0.2 && hard < 0.35 * soft, "{soft} {hard}");
+}
+
+#[test]
+fn errors_of_the_runge_kutta_method_over_twenty_periods_are_the_reference() {
+    const TOLD: usize = 200;
+    let motion = motion("kb-1.5e8", Detail::ConstantAngle, &[]);
+    let deflection = |steps: usize| -> Vec<f64> {
+        let (mut rule, mut state) = (RungeKutta4::default(), motion.equilibrium());
+        let step_s = motion.mesh_period_s() / steps as f64;
+        let mut told = Vec::new();
+        for step in 0..20 * steps {
+            let time_s = step as f64 * step_s;
+            if step.is_multiple_of(steps / TOLD) {
+                told.push(motion.meshes(time_s, &state, 0)[0].compression_m);
+            }
+            rule.step(&motion, time_s, step_s, &mut state);
+        }
+        told
+    };
+    let fine = deflection(8000);
+    let largest = fine.iter().copied().fold(0.0, f64::max);
+    for (steps, expected) in [
+        (200, 1.024e-1),
+        (400, 6.041e-3),
+        (1000, 1.282e-4),
+        (2000, 7.597e-6),
+        (4000, 4.292e-7),
+    ] {
+        let own = deflection(steps);
+        let pairs = own.iter().zip(&fine);
+        let error = pairs.fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / largest;
+        assert!((error / expected - 1.0).abs() < 6e-4, "{steps}: {error:e}");
+    }
 }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::helical_motion::{Detail, MeshGeometry, Motion};
+use super::helical_mesh::{Detail, MeshGeometry};
+use super::helical_motion::Motion;
 use crate::theory::parameter::override_values;
 use crate::theory::{
     HelicalPlanetary, ModeOptions, ModelRoot, TheoreticalModel, model_roots, modes,
@@ -257,4 +258,37 @@ fn at_the_equilibrium_every_mesh_carries_the_drive_in_four_parts() {
             assert_eq!(format!("{:.9e}", mesh.compression_m), "1.654205631e-7");
         }
     }
+}
+
+#[test]
+fn contact_ratios_and_shares_of_the_wave_are_the_reference() {
+    // Teeth with an addendum of the normal module, 3 mm; face width 30 mm, helix of 15 degrees.
+    let angle = nominal("pressure_angle");
+    let base = |teeth: f64| nominal("base_radius_s") * teeth / 21.0;
+    let pitch = |teeth: f64| base(teeth) / angle.cos();
+    let from_base = |teeth: f64, addendum: f64| {
+        ((pitch(teeth) + addendum).powi(2) - base(teeth).powi(2)).sqrt()
+    };
+    let between = (pitch(21.0) + pitch(31.0)) * angle.sin();
+    let step = TAU * base(21.0) / 21.0;
+    let sun = (from_base(21.0, 3e-3) + from_base(31.0, 3e-3) - between) / step;
+    let ring = (from_base(31.0, 3e-3) - from_base(83.0, -3e-3) + between) / step;
+    let overlap = 30.0 * 15f64.to_radians().sin() / (3.0 * std::f64::consts::PI);
+    for (value, text) in [
+        (sun, "1.5430"),
+        (ring, "1.8190"),
+        (overlap, "0.8238"),
+        (sun + overlap, "2.367"),
+        (ring + overlap, "2.643"),
+        (sun + overlap - 2.0, "0.3668"),
+        (ring + overlap - 2.0, "0.6429"),
+        ((21.0 + 82.0) / 4.0, "25.75"),
+        (1.0 + 82.0 / 21.0, "4.904762"),
+        (40.0 / (1.0 + 82.0 / 21.0), "8.155340"),
+    ] {
+        printed(value, text);
+    }
+    // Three pairs for these parts of the period, which the sets take to two digits.
+    printed(nominal("mesh_share_sp"), "0.37");
+    printed(nominal("mesh_share_rp"), "0.64");
 }

@@ -11,7 +11,8 @@ use crate::theory::{ModeOptions, ModelQuantity, TheoreticalModel, TheoryError, m
 
 use super::HelicalPlanetary;
 use super::helical_checks::check_quantities;
-use super::helical_motion::{COORDINATES, Detail, MeshState, Motion};
+use super::helical_mesh::{Detail, MeshState};
+use super::helical_motion::{COORDINATES, Motion};
 use super::helical_parameters::{PLANETS, RING_TEETH, SUN_TEETH};
 
 /// Harmonics of the mesh frequency that are told: up to 22 kHz at 80 rpm, above every natural frequency.
@@ -57,17 +58,25 @@ impl HelicalPlanetary {
     ) -> Result<TimeResponse, TheoryError> {
         span.check()?;
         let steps = self.steps_per_period(values, span)?;
-        let each = details.par_iter().map(|detail| {
-            let motion = Motion::new(self, values, *detail)?;
-            Ok(run(&motion, span, steps))
+        let motions = details.iter().map(|own| Motion::new(self, values, *own));
+        let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
+        Ok(side_by_side(&motions?, (span, steps)))
+    }
+
+    /// The responses by constant and printed varying angle with the teeth that the ring has in print.
+    fn printed_teeth(
+        &self,
+        values: &[f64],
+        span: ResponseSpan,
+    ) -> Result<TimeResponse, TheoryError> {
+        let steps = self.steps_per_period(values, span)?;
+        let details = [Detail::ConstantAngle, Detail::PrintedAngle].into_iter();
+        let motions = details.map(|own| {
+            let motion = Motion::new(self, values, own)?;
+            Ok(motion.with_ring_teeth(PRINTED_RING_TEETH))
         });
-        let each: Result<Vec<DetailResponse>, TheoryError> = each.collect();
-        let period_s = Motion::new(self, values, Detail::ConstantAngle)?.mesh_period_s();
-        Ok(TimeResponse {
-            excitation_hz: 1.0 / period_s,
-            span,
-            details: each?,
-        })
+        let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
+        Ok(side_by_side(&motions?, (span, steps)))
     }
 
     /// Steps per mesh period, with every corner of the stiffness on one.
@@ -77,6 +86,16 @@ impl HelicalPlanetary {
         let period_s = Motion::new(self, values, Detail::ConstantAngle)?.mesh_period_s();
         let needed = highest * period_s / span.step_radians / (2 * CORNERS) as f64;
         Ok(2 * CORNERS * needed.ceil().max(1.0) as usize)
+    }
+}
+
+/// Responses of one machine from the equilibrium, with so many steps per period.
+fn side_by_side(motions: &[Motion], (span, steps): (ResponseSpan, usize)) -> TimeResponse {
+    let own = |motion: &Motion| run(motion, motion.equilibrium(), (span, steps));
+    TimeResponse {
+        excitation_hz: 1.0 / motions[0].mesh_period_s(),
+        span,
+        details: motions.par_iter().map(own).collect(),
     }
 }
 
@@ -93,14 +112,15 @@ fn readings(motion: &Motion, time_s: f64, state: &[f64]) -> [f64; 8] {
         PLANETS as f64 * force(0, kind) / total
     };
     let [sun, ring] = &all[0];
-    let turned = |mesh: &MeshState| (mesh.angle_rad - motion.rest_angle()).to_degrees();
+    let rest = motion.rest_angles();
+    let turned = |kind: usize| (all[0][kind].angle_rad - rest[kind]).to_degrees();
     [
         sun.compression_m,
         ring.compression_m,
         shared(0),
         shared(1),
-        turned(sun),
-        turned(ring),
+        turned(0),
+        turned(1),
         state[3],
         state[4],
     ]
@@ -137,9 +157,13 @@ const SIGNALS: [(&str, &str, &str); 8] = [
     ("y_s", "m", "displacement of the sun along y"),
 ];
 
-fn run(motion: &Motion, span: ResponseSpan, steps: usize) -> DetailResponse {
+/// The response from a start, with so many steps per period.
+pub(super) fn run(
+    motion: &Motion,
+    mut state: Vec<f64>,
+    (span, steps): (ResponseSpan, usize),
+) -> DetailResponse {
     let step_s = motion.mesh_period_s() / steps as f64;
-    let mut state = motion.equilibrium();
     let mut integrator = RungeKutta4::default();
     let settled = span.settling_periods * steps;
     let mut samples: Vec<Vec<f64>> = vec![Vec::new(); SIGNALS.len()];
@@ -245,6 +269,21 @@ pub(super) fn response_quantities(
     let stiff = model.responses(&stiff, span, &details)?;
     all.extend(check_quantities(model, values)?);
     all.extend(figures_3_to_8(&soft, &stiff));
+    let teeth = model.printed_teeth(values, span)?;
+    all.extend([
+        ModelQuantity::new(
+            "load_range_change_82",
+            change(&teeth, "load_sp1", range),
+            "%",
+            "range of the load sharing factor with 82 teeth in the ring, printed varying angle against constant",
+        ),
+        ModelQuantity::new(
+            "sun_orbit_change_82",
+            change(&teeth, "x_s", ResponseSignal::deviation),
+            "%",
+            "standard deviation of the sun's displacement with 82 teeth, printed varying angle against constant",
+        ),
+    ]);
     let points = bearing_points(model, values)?;
     let largest = points.iter().map(|own| own.constant).fold(0.0, f64::max);
     let least = points
@@ -302,63 +341,70 @@ fn printed_data(model: &HelicalPlanetary, values: &[f64]) -> Vec<ModelQuantity> 
     ]
 }
 
+/// A figure of a signal with a detail; not a number where there is none.
+fn figure_of(
+    response: &TimeResponse,
+    detail: Detail,
+    name: &str,
+    figure: fn(&ResponseSignal) -> f64,
+) -> f64 {
+    let own = response.detail(detail.name());
+    own.and_then(|own| own.signal(name))
+        .map_or(f64::NAN, figure)
+}
+
+/// Change of a figure by the printed varying angle, percent of that with the constant one.
+fn change(response: &TimeResponse, name: &str, figure: fn(&ResponseSignal) -> f64) -> f64 {
+    let of = |detail| figure_of(response, detail, name, figure);
+    100.0 * (of(Detail::PrintedAngle) / of(Detail::ConstantAngle) - 1.0)
+}
+
+fn range(signal: &ResponseSignal) -> f64 {
+    signal.largest() - signal.least()
+}
+
 fn figures_3_to_8(soft: &TimeResponse, stiff: &TimeResponse) -> Vec<ModelQuantity> {
     let (constant, printed, exact) = (
         Detail::ConstantAngle.name(),
         Detail::PrintedAngle.name(),
         Detail::ExactAngle.name(),
     );
-    let of =
-        |response: &TimeResponse, detail: &str, name: &str, figure: fn(&ResponseSignal) -> f64| {
-            let own = response.detail(detail).and_then(|own| own.signal(name));
-            own.map_or(f64::NAN, figure)
-        };
-    let change = |name: &str, figure: fn(&ResponseSignal) -> f64| {
-        100.0 * (of(soft, printed, name, figure) / of(soft, constant, name, figure) - 1.0)
-    };
     let distance = |response: &TimeResponse, own: &str, from: &str| {
         100.0
             * response
                 .difference("delta_sp1", own, from)
                 .unwrap_or(f64::NAN)
     };
-    let lines = |detail: &str| {
-        of(soft, detail, "delta_sp1", |own| {
+    let lines = |detail| {
+        figure_of(soft, detail, "delta_sp1", |own| {
             own.lines_above(LINE) as f64
         })
     };
-    let angle =
-        |response: &TimeResponse| of(response, exact, "angle_sp1", ResponseSignal::magnitude);
-    let range: fn(&ResponseSignal) -> f64 = |own| own.largest() - own.least();
-    let figures_differ = {
-        let figure_5 = stiff
-            .detail(printed)
-            .and_then(|own| own.signal("delta_sp1"));
-        let figure_3 = soft
-            .detail(constant)
-            .and_then(|own| own.signal("delta_sp1"));
-        let both = figure_5.zip(figure_3);
-        both.map_or(f64::NAN, |(five, three)| {
-            100.0 * (five.deviation() / three.deviation() - 1.0)
-        })
+    let angle = |response| {
+        let magnitude = ResponseSignal::magnitude;
+        figure_of(response, Detail::ExactAngle, "angle_sp1", magnitude)
     };
+    let spread =
+        |response, detail| figure_of(response, detail, "delta_sp1", ResponseSignal::deviation);
+    let figure_5 = spread(stiff, Detail::PrintedAngle);
+    let figures_differ = 100.0 * (figure_5 / spread(soft, Detail::ConstantAngle) - 1.0);
     let told = |name, value, unit, what: &str| ModelQuantity::new(name, value, unit, what);
     vec![
         told(
             "peak_change",
-            change("delta_sp1", ResponseSignal::largest),
+            change(soft, "delta_sp1", ResponseSignal::largest),
             "%",
             "largest deflection of the sun mesh, printed varying angle against constant",
         ),
         told(
             "deviation_change",
-            change("delta_sp1", ResponseSignal::deviation),
+            change(soft, "delta_sp1", ResponseSignal::deviation),
             "%",
             "the same of its standard deviation",
         ),
         told(
             "further_lines",
-            lines(printed) - lines(constant),
+            lines(Detail::PrintedAngle) - lines(Detail::ConstantAngle),
             "",
             "harmonics above 1 % of the largest that the printed varying angle adds to the sun mesh's deflection",
         ),
@@ -406,13 +452,13 @@ fn figures_3_to_8(soft: &TimeResponse, stiff: &TimeResponse) -> Vec<ModelQuantit
         ),
         told(
             "load_range_change",
-            change("load_sp1", range),
+            change(soft, "load_sp1", range),
             "%",
             "range of the load sharing factor, printed varying angle against constant",
         ),
         told(
             "sun_orbit_change",
-            change("x_s", ResponseSignal::deviation),
+            change(soft, "x_s", ResponseSignal::deviation),
             "%",
             "standard deviation of the sun's displacement, printed varying angle against constant",
         ),

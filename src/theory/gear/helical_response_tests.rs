@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-use super::helical_motion::Detail;
-use super::helical_response::{RATIOS, bearing_points};
-use crate::theory::parameter::{nominal_values, override_values};
+use super::helical_mesh::Detail;
+use super::helical_motion::Motion;
+use crate::theory::parameter::nominal_values;
 use crate::theory::response::{Nonlinear, ResponseSignal, ResponseSpan};
 use crate::theory::{HelicalPlanetary, TheoreticalModel, TheoryError, TimeResponse};
 
@@ -17,6 +17,27 @@ fn response(set: &str) -> &'static TimeResponse {
         let values = nominal_values(model.parameters());
         model.response(&values, ResponseSpan::default()).unwrap()
     })
+}
+
+/// The details with bearings that give.
+pub(super) const ANGLES: [Detail; 3] = [
+    Detail::ConstantAngle,
+    Detail::PrintedAngle,
+    Detail::ExactAngle,
+];
+
+/// The motion with the nominal values.
+pub(super) fn nominal_motion(model: &HelicalPlanetary, detail: Detail) -> Motion {
+    Motion::new(model, &nominal_values(model.parameters()), detail).unwrap()
+}
+
+/// A signal that a detail has.
+pub(super) fn signal<'a>(
+    found: &'a TimeResponse,
+    detail: Detail,
+    name: &str,
+) -> &'a ResponseSignal {
+    found.detail(detail.name()).unwrap().signal(name).unwrap()
 }
 
 /// rms, std, max, min of the sun mesh; rms, std, max of the ring mesh; largest changes of both angles, deg; load sharing
@@ -218,7 +239,6 @@ fn the_steady_state_with_stiff_bearings_is_the_reference() {
 #[test]
 fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_angle() {
     let found = response("kb-1.5e8");
-    let constant = found.detail(Detail::ConstantAngle.name()).unwrap();
     for (name, expected) in [
         (
             "delta_sp1",
@@ -233,19 +253,12 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
             ],
         ),
     ] {
-        let own = &constant.signal(name).unwrap().harmonics;
+        let own = &signal(found, Detail::ConstantAngle, name).harmonics;
         for (got, wanted) in own.iter().zip(expected) {
             assert!((got / wanted - 1.0).abs() < 5e-5, "{name}: {got} {wanted}");
         }
     }
-    let lines = |detail: Detail| {
-        found
-            .detail(detail.name())
-            .unwrap()
-            .signal("delta_sp1")
-            .unwrap()
-            .lines_above(0.01)
-    };
+    let lines = |detail| signal(found, detail, "delta_sp1").lines_above(0.01);
     assert_eq!(
         [lines(Detail::ConstantAngle), lines(Detail::PrintedAngle)],
         [17, 17]
@@ -270,12 +283,9 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
 fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
     use Detail::{ConstantAngle, ExactAngle, PrintedAngle, Torsional};
     let [soft, stiff] = ["kb-1.5e8", "kb-1e10"].map(response);
-    let of = |from: &'static TimeResponse, detail: Detail, name: &str| {
-        from.detail(detail.name()).unwrap().signal(name).unwrap()
-    };
     let change =
         |from, name: &str, [own, reference]: [Detail; 2], figure: fn(&ResponseSignal) -> f64| {
-            figure(of(from, own, name)) / figure(of(from, reference, name)) - 1.0
+            figure(signal(from, own, name)) / figure(signal(from, reference, name)) - 1.0
         };
     let (peak, std) = (ResponseSignal::largest, ResponseSignal::deviation);
     let (printed, exact) = ([PrintedAngle, ConstantAngle], [ExactAngle, ConstantAngle]);
@@ -307,7 +317,7 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
     let range = |own: &ResponseSignal| own.largest() - own.least();
     let shared = change(soft, "load_sp1", printed, range);
     assert!((shared + 2.4e-4).abs() < 1.5e-5, "{shared}");
-    let mesh = |from, detail| of(from, detail, "delta_sp1");
+    let mesh = |from, detail| signal(from, detail, "delta_sp1");
     for (own, from, expected) in [
         (PrintedAngle, ConstantAngle, 2.133e-8),
         (ExactAngle, ConstantAngle, 1.066e-8),
@@ -316,7 +326,7 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
         let found = mesh(stiff, own).difference(mesh(stiff, from)).unwrap();
         near(found, expected, &(own, from));
     }
-    let angle = |from| of(from, ExactAngle, "angle_sp1").magnitude();
+    let angle = |from| signal(from, ExactAngle, "angle_sp1").magnitude();
     assert_eq!(format!("{:.0}", angle(soft) / angle(stiff)), "13");
     // Figure 5 against figure 3, at the instants that both have: steps of 1/400 of the period.
     let (five, three) = (mesh(stiff, PrintedAngle), mesh(soft, ConstantAngle));
@@ -335,105 +345,11 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
 }
 
 /// The four digits that the reference tells, and as much for the different steps.
-fn near(own: f64, expected: f64, about: &dyn std::fmt::Debug) {
+pub(super) fn near(own: f64, expected: f64, about: &dyn std::fmt::Debug) {
     assert!(
         (own / expected - 1.0).abs() < 1e-3,
         "{about:?}: {own} {expected}"
     );
-}
-
-fn with(changes: &[(&str, f64)], span: ResponseSpan, details: &[Detail]) -> TimeResponse {
-    let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
-    let changes = changes.iter().map(|(name, v)| ((*name).to_owned(), *v));
-    let values = override_values("gear", model.parameters(), &changes.collect()).unwrap();
-    model.responses(&values, span, details).unwrap()
-}
-
-#[test]
-fn where_the_constant_angle_is_worst_it_is_so_by_what_the_reference_has_at_every_load() {
-    use Detail::{ConstantAngle, ExactAngle};
-    // A natural frequency at the mesh frequency, hardly damped: the reference's 100 periods before 20 that are told.
-    let span = ResponseSpan {
-        settling_periods: 100,
-        told_periods: 20,
-        step_radians: 0.6,
-    };
-    let bearing = 7.5e-3 * 4e8;
-    for (load, distance, deviation) in [
-        (40.0, 5.858e-4, 1.017e-3),
-        (400.0, 3.740e-3, 3.785e-3),
-        (4000.0, 4.722e-3, -1.670e-2),
-    ] {
-        let changes = [
-            ("k_c", bearing),
-            ("k_s", bearing),
-            ("k_p", bearing),
-            ("load", load),
-        ];
-        let found = with(&changes, span, &[ConstantAngle, ExactAngle]);
-        let of = |detail: Detail| {
-            found
-                .detail(detail.name())
-                .unwrap()
-                .signal("delta_sp1")
-                .unwrap()
-        };
-        let (constant, exact) = (of(ConstantAngle), of(ExactAngle));
-        let own = exact.difference(constant).unwrap();
-        near(own, distance, &load);
-        let own = exact.deviation() / constant.deviation() - 1.0;
-        near(own, deviation, &load);
-    }
-}
-
-#[test]
-fn the_torsional_model_is_one_percent_off_with_bearings_a_hundred_times_as_stiff_as_the_meshes() {
-    use Detail::{ConstantAngle, Torsional};
-    // Bearings so stiff leave vibrations that die within a period.
-    let span = ResponseSpan {
-        settling_periods: 10,
-        told_periods: 2,
-        step_radians: 0.6,
-    };
-    for (ratio, distance) in [(100.0, 1.115e-2), (250.0, 4.619e-3)] {
-        let bearing = ratio * 4e8;
-        let changes = [("k_c", bearing), ("k_s", bearing), ("k_p", bearing)];
-        let found = with(&changes, span, &[Torsional, ConstantAngle]);
-        let of = |detail: Detail| {
-            found
-                .detail(detail.name())
-                .unwrap()
-                .signal("delta_sp1")
-                .unwrap()
-        };
-        let (torsional, constant) = (of(Torsional), of(ConstantAngle));
-        near(constant.difference(torsional).unwrap(), distance, &ratio);
-    }
-}
-
-#[test]
-fn the_constant_angle_suffices_at_every_bearing_stiffness_and_the_torsional_model_at_none() {
-    let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
-    let values = nominal_values(model.parameters());
-    let points = bearing_points(&model, &values).unwrap();
-    // Constant angle from the exact one. Below 0.1 the reference's longer runs are nearer to the steady state.
-    let reference = [
-        None,
-        None,
-        None,
-        Some(2.993e-7),
-        Some(1.163e-5),
-        Some(6.955e-7),
-        Some(1.060e-7),
-        Some(1.066e-8),
-    ];
-    for ((ratio, point), expected) in RATIOS.iter().zip(points).zip(reference) {
-        if let Some(expected) = expected {
-            near(point.constant, expected, ratio);
-        }
-        assert!(point.constant < 0.01, "{ratio}: {point:?}");
-        assert!(point.torsional > 0.01, "{ratio}: {point:?}");
-    }
 }
 
 #[test]

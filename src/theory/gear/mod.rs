@@ -12,6 +12,9 @@ mod cycloid_studies;
 #[cfg(test)]
 mod cycloid_studies_tests;
 mod helical_checks;
+#[cfg(test)]
+mod helical_limits_tests;
+mod helical_mesh;
 mod helical_motion;
 #[cfg(test)]
 mod helical_motion_tests;
@@ -22,6 +25,10 @@ mod helical_planetary_tests;
 mod helical_response;
 #[cfg(test)]
 mod helical_response_tests;
+#[cfg(test)]
+mod helical_starts_tests;
+#[cfg(test)]
+mod helical_teeth_tests;
 mod spider_reducer;
 mod spider_reducer_parameters;
 mod spider_reducer_results;
