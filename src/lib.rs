@@ -23,6 +23,7 @@
 //! | [`theory::ExternalModel`] | a machine of given matrices, dense or sparse | `theory` |
 //! | [`theory::ModelRoot`] | a distinct root with its modes, kinetic energy and class | `theory` |
 //! | [`theory::ModelQuantity`] | a number that a model's theory gives beside its matrices | `theory` |
+//! | [`theory::direct_receptance`] | FRFs straight from matrices | `theory` |
 //! | [`theory::Sweep`] | roots followed over a parameter, with their crossings and veerings | `theory` |
 //! | [`theory::DetailComparison`] | a model against simpler ones of the same machine | `theory` |
 //! | [`theory::TimeResponse`] | a response over time in growing detail of its model | `theory` |

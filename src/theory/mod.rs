@@ -10,6 +10,7 @@ mod beam_line;
 mod compare;
 mod damped;
 mod description;
+mod direct;
 mod dual;
 mod eigen;
 mod energy;
@@ -66,6 +67,7 @@ pub use damped::{DampedModes, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };
+pub use direct::direct_receptance;
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
 pub use energy::{ModelRoot, StrainShares, model_roots};
 pub use error::TheoryError;

@@ -70,10 +70,11 @@ fn roots_over_the_geometry_of_the_fitted_set_are_the_reference() {
         model: &model,
         values: &values,
     };
-    // The rolling circle kept; 0.6 to 1.15 of the set's own K, to three digits.
+    // The rolling circle kept; 0.6 to 1.1 of the set's own K, to three digits. The reference has 1.15, too, 0.995, which is
+    // beyond the bounds of the parameter.
     let circle =
         studies.value("half_eccentricity").unwrap() / studies.value("trochoid_ratio").unwrap();
-    let over_ratio = [0.519, 0.692, 0.866, 0.952, 0.995].map(|k| {
+    let over_ratio = [0.519, 0.692, 0.866, 0.952].map(|k| {
         let changes = [("trochoid_ratio", k), ("half_eccentricity", k * circle)];
         studies.roots(&changes).unwrap()
     });
@@ -85,7 +86,6 @@ fn roots_over_the_geometry_of_the_fitted_set_are_the_reference() {
             [13757.235, 14489.172, 59019.553, 65674.563],
             [13846.404, 14437.158, 59441.538, 65467.795],
             [13915.550, 14396.543, 59703.501, 65411.361],
-            [13956.166, 14373.618, 59845.308, 65397.131],
         ],
     );
     check(
