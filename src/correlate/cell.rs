@@ -98,18 +98,39 @@ impl<'a> TestSight<'a> {
     fn doubt(&self, verdict: &Verdict) -> Option<String> {
         let (rival, cost_difference) = match verdict {
             Verdict::Paired => return None,
-            Verdict::Mixed { share } => {
+            Verdict::Mixed { share, std } => {
                 return Some(format!(
-                    "the root holds {:.0} % of the test shape when all roots explain it together",
-                    100.0 * share
+                    "the root holds {:.0} ± {:.0} % of the test shape when all roots explain it together",
+                    100.0 * share,
+                    100.0 * std
                 ));
+            }
+            Verdict::Claimed { rival, share } => {
+                let (who, percent) = (self.name_of(rival)?, 100.0 * share);
+                return Some(match rival {
+                    Rival::Theory(_) => {
+                        format!("{who} could hold {percent:.0} % of the test shape as well")
+                    }
+                    Rival::Test(_) => {
+                        format!("the root could hold {percent:.0} % of {who} as well")
+                    }
+                });
             }
             Verdict::Ambiguous {
                 rival,
                 cost_difference,
             } => (rival, cost_difference),
         };
-        let who = match rival {
+        let who = self.name_of(rival)?;
+        Some(if *cost_difference < 0.0 {
+            format!("{who} would fit better by itself (cost {cost_difference:+.3})")
+        } else {
+            format!("{who} fits as well (cost {cost_difference:+.3})")
+        })
+    }
+
+    fn name_of(&self, rival: &Rival) -> Option<String> {
+        Some(match rival {
             Rival::Theory(modes) => {
                 let root = self.roots.iter().find(|root| root.modes == *modes)?;
                 format!("the theory's root at {:.2} Hz", root.hz)
@@ -118,11 +139,6 @@ impl<'a> TestSight<'a> {
                 let hz = self.test.model.modes[*i].frequency_hz;
                 format!("test mode {} at {hz:.2} Hz", i + 1)
             }
-        };
-        Some(if *cost_difference < 0.0 {
-            format!("{who} would fit better by itself (cost {cost_difference:+.3})")
-        } else {
-            format!("{who} fits as well (cost {cost_difference:+.3})")
         })
     }
 
@@ -148,8 +164,8 @@ impl<'a> TestSight<'a> {
     /// What the missing of a root inside the band means, and why.
     fn judged(&self, r: usize) -> (Status, String) {
         let Some(known) = &self.observability[r] else {
-            let judged = "observability was not judged".to_owned();
-            return (Status::MissedUnexpected, judged);
+            let why = "not judged: the test has no pairs of response and hit at which the model has shapes";
+            return (Status::MissedUnexpected, why.to_owned());
         };
         if known.observable() == Some(false) {
             return (Status::NotObservable, known.reason());

@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::finding::Code;
 
+use super::ErrorReference;
 use super::table::{PairedTest, Row, Status, TestCell};
-use super::{ErrorReference, Observability};
 
 /// A sentence under the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,11 +16,16 @@ pub enum Footnote {
     ComplexShapesAsTheyAre,
     /// MAC with the subspace of a repeated root.
     RepeatedRoots,
-    /// Number of theory modes at 0 Hz, which have no row.
-    RigidBodyModesLeftOut(usize),
+    /// Rigid-body modes of the theory, which have no row.
+    RigidBodyModesLeftOut {
+        /// How many.
+        count: usize,
+        /// The highest frequency of one, Hz.
+        highest_hz: f64,
+    },
     /// A test, by name, whose modes were paired by frequency alone.
     FrequencyAlone(String),
-    /// Missed roots were not judged for being observable.
+    /// Missed roots were not judged for being observable: their verdict says no more than that they are missed.
     ObservabilityNotJudged,
     /// A damping ratio of a test, by name, that stands for the one that the theory does not have.
     DampingOfTest {
@@ -58,7 +63,11 @@ impl fmt::Display for Footnote {
             Footnote::RepeatedRoots => f.write_str(
                 "A row of several theory modes is a repeated root; its MAC is that with their subspace.",
             ),
-            Footnote::RigidBodyModesLeftOut(count) => {
+            Footnote::RigidBodyModesLeftOut { count, highest_hz } if *highest_hz > 0.0 => write!(
+                f,
+                "Rigid-body modes of the theory have no row: {count}, at {highest_hz:.2e} Hz or less, below a thousandth of the next root."
+            ),
+            Footnote::RigidBodyModesLeftOut { count, .. } => {
                 write!(f, "Rigid-body modes of the theory at 0 Hz have no row: {count}.")
             }
             Footnote::FrequencyAlone(test) => write!(
@@ -70,7 +79,7 @@ impl fmt::Display for Footnote {
                 "{test}: a synthetic recording, computed from a stated truth; nobody measured it."
             ),
             Footnote::ObservabilityNotJudged => {
-                f.write_str("Whether a missed mode could have been observed was not judged.")
+                f.write_str("Whether a missed mode could have been observed was not judged where its reason says so; its verdict says no more than that it is missed.")
             }
             Footnote::DampingOfTest { test, ratio } => write!(
                 f,
@@ -101,10 +110,13 @@ pub(super) fn footnotes(
     {
         notes.push(Footnote::RepeatedRoots);
     }
-    let rigid = tests.first().map_or(0, |test| test.pairing.rigid_theory);
-    if rigid > 0 {
-        notes.push(Footnote::RigidBodyModesLeftOut(rigid));
-    }
+    let first = tests.first().map(|test| test.pairing);
+    notes.extend(first.filter(|own| own.rigid_theory > 0).map(|own| {
+        Footnote::RigidBodyModesLeftOut {
+            count: own.rigid_theory,
+            highest_hz: own.highest_rigid_hz,
+        }
+    }));
     for test in tests {
         let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
         if partners.into_iter().any(|partner| partner.mac.is_none()) {
@@ -115,7 +127,7 @@ pub(super) fn footnotes(
             notes.push(Footnote::Synthetic(test.name.to_owned()));
         }
     }
-    if cells().any(not_judged) {
+    if cells().any(|cell| !cell.judged()) {
         notes.push(Footnote::ObservabilityNotJudged);
     }
     for test in tests {
@@ -127,12 +139,6 @@ pub(super) fn footnotes(
         }));
     }
     notes
-}
-
-/// A missed root that nothing excuses, because what could be seen of it is not known.
-fn not_judged(cell: &TestCell) -> bool {
-    let known = cell.observability.as_ref();
-    cell.status == Status::MissedUnexpected && known.and_then(Observability::observable).is_none()
 }
 
 /// The test's damping ratio, where a missed root was judged with it.

@@ -8,6 +8,7 @@
 
 mod alignment;
 mod assignment;
+mod candidates;
 mod cell;
 mod dof_map;
 mod dof_names;

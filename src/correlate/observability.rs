@@ -114,7 +114,7 @@ impl Observability {
         let noise = match &self.noise {
             Ok(noise) => noise,
             Err(why) => {
-                return format!("observability was not judged against noise: {why}");
+                return format!("not judged against noise: {why}");
             }
         };
         let (response, reference) = &noise.best_pair;
@@ -403,7 +403,8 @@ pub(super) fn over_root_mass(mode: &Mode, dof: &Dof) -> Result<Option<Complex64>
     Ok(reading(&mode.shape, dof).map(|value| value / mass.sqrt()))
 }
 
-fn modal_mass_kg(mode: &Mode) -> Option<f64> {
+/// Modal mass, kg for a translation; `None` where it is not known.
+pub(super) fn modal_mass_kg(mode: &Mode) -> Option<f64> {
     let unit = (mode.scaling == Scaling::UnitModalMass).then_some(1.0);
     let mass = mode.modal_mass_kg.or(unit);
     mass.filter(|mass| mass.is_finite() && *mass > 0.0)

@@ -426,7 +426,7 @@ fn what_is_not_known_at_every_pair_excuses_nothing() {
     );
     let (status, why) = judged(&[("9:+X", "2:+Z")]);
     assert_eq!(status, Status::MissedUnexpected);
-    assert!(why.ends_with("observability was not judged"), "{why}");
+    assert!(why.contains("not judged: the test has no pairs"), "{why}");
 }
 
 #[test]
@@ -481,10 +481,8 @@ fn without_modal_masses_only_standing_still_is_judged() {
 }
 
 #[test]
-fn a_pair_at_one_point_that_the_model_leaves_still_contradicts_the_model() {
-    let shape = ModeShape::new([("2:+Z".parse().unwrap(), Complex64::ONE)]);
-    let found = Mode::new(201.0, None, shape, Scaling::Unknown);
-    let test = model(vec![found, mode(100.0, &[1.0, 1.0, 1.0])]);
+fn a_pair_without_a_shape_where_the_model_leaves_the_frfs_still_contradicts_the_model() {
+    let test = model(vec![mode(201.0, &[]), mode(100.0, &[1.0, 1.0, 1.0])]);
     let table = compared(&three(), &test, &receptances(&[("2:+Z", "2:+Z")], 1e-30));
     let cell = &table.rows[1].tests[0];
     assert_eq!((cell.status, cell.mac), (Status::Paired, None));

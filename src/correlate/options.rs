@@ -43,7 +43,7 @@ impl ErrorReference {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairOptions {
-    /// Largest frequency error (its magnitude, a fraction) of a pair.
+    /// Largest difference of the frequencies of a pair, a fraction of the theory's.
     pub max_frequency_error: f64,
     /// Smallest MAC of a pair, from 0 to below 1; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
     pub min_mac: f64,

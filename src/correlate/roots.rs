@@ -7,6 +7,10 @@ use super::CorrelateError;
 /// Frequencies of one root agree to this part, where no group numbers say so: files hold seven digits.
 const SAME_ROOT: f64 = 1e-6;
 
+/// A rigid-body mode of finished modes over the root above it. Rounding leaves an eigenvalue of 0 at some 1e-16 of the highest of the whole
+/// model, which is 1e8 to 1e10 times the lowest elastic one: 1e-3 to 1e-4 of its frequency or less.
+const RIGID: f64 = 1e-3;
+
 /// One elastic root of a theory with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Root {
@@ -16,8 +20,21 @@ pub(super) struct Root {
     pub hz: f64,
 }
 
-/// The elastic roots in ascending frequency; modes of one group number or one frequency are one root, modes at 0 Hz are
-/// left out.
+/// The highest frequency of a rigid-body mode, Hz; 0 where none has another.
+///
+/// A model that was solved here has its rigid-body modes at exactly 0. Where no mode is there, frequencies that come before the last rise
+/// by a factor of a thousand are what rounding left of 0.
+pub(super) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
+    let mut all: Vec<f64> = theory.modes.iter().map(|own| own.frequency_hz).collect();
+    all.sort_by(f64::total_cmp);
+    if all.first().is_none_or(|lowest| *lowest <= 0.0) {
+        return 0.0;
+    }
+    let rise = all.windows(2).rfind(|next| next[0] < RIGID * next[1]);
+    rise.map_or(0.0, |next| next[0])
+}
+
+/// The elastic roots in ascending frequency; modes of one group number or one frequency are one root, rigid-body modes are left out.
 pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
     let root = |modes: Vec<usize>| {
         let sum: f64 = modes.iter().map(|&j| theory.modes[j].frequency_hz).sum();
@@ -26,7 +43,8 @@ pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
             modes,
         }
     };
-    let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > 0.0;
+    let rigid_hz = highest_rigid_hz(theory);
+    let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > rigid_hz;
     let mut roots: Vec<Root> = theory
         .roots()
         .into_iter()
@@ -68,4 +86,26 @@ pub(super) fn check_model(name: &'static str, model: &ModalModel) -> Result<(), 
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlate::pairing_tests::{mode, model};
+
+    fn elastic_hz(all: &[f64]) -> Vec<f64> {
+        let modes = all.iter().map(|hz| mode(*hz, &[])).collect();
+        let roots = elastic_roots(&model(modes));
+        roots.iter().map(|root| root.hz).collect()
+    }
+
+    #[test]
+    fn what_rounding_left_of_rigid_body_modes_is_no_root() {
+        let free = [1e-4, 2e-4, 3.1e-3, 12.0, 30.0];
+        assert_eq!(elastic_hz(&free), [12.0, 30.0]);
+        // Soft slings are an elastic root, and so is whatever a solver told from 0 itself.
+        assert_eq!(elastic_hz(&[0.1, 12.0, 30.0]), [0.1, 12.0, 30.0]);
+        assert_eq!(elastic_hz(&[0.0, 1e-3, 12.0]), [1e-3, 12.0]);
+        assert_eq!(elastic_hz(&[]), [0.0; 0]);
+    }
 }

@@ -3,16 +3,19 @@
 //! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look alike, so that the MAC with each mode by
 //! itself counts what they have in common several times. If the test mode is root r, its shape is `ψ = Σ q_j φ_j`, and by perturbation of
 //! first order q_j is no more than in proportion to `1/|f_j/f_r − f_r/f_j|` beside q_r: an error that all roots share mixes nothing.
-//! `|q_r|²/Σ|q_j|²`, shapes of unit length at the sensors, is then what is root r's own.
-//!
-//! Among roots that look alike, one that hardly moves the sensors is not what the test found. Where modal masses are known, a root that
-//! stands 30 dB below the strongest near it is allowed as much less of the shape.
+//! `|q_r|²/Σ|q_j|²` is then what is root r's own. With shapes of unit modal mass that is the part of the modal mass, the mass-weighted
+//! MAC of the whole machine: where the sensors stand does not change it, and a root that hardly moves them needs so much of itself to look
+//! like the test shape that one beside it, which moves them, takes the shape. Where masses are not known, shapes have unit length at
+//! the sensors.
 
 use num_complex::Complex64;
 
-use crate::linalg::{complex_matrix, least_squares, solve_lower, solve_lower_adjoint, thin_qr};
-use crate::modal::{ModalModel, Scaling};
+use crate::linalg::{
+    ComplexMatrix, adjoint_product, complex_matrix, solve_lower, solve_lower_adjoint, thin_qr,
+};
+use crate::modal::ModalModel;
 
+use super::observability::modal_mass_kg;
 use super::pairing::Shapes;
 use super::roots::Root;
 
@@ -22,18 +25,26 @@ const DEVIATION: f64 = 0.15;
 const NEAR: f64 = 0.1;
 /// The same beyond which nothing is held: what is left of a shape there is a hundredth.
 const FAR: f64 = 1.0;
-/// Length at the sensors, with unit modal mass, over that of the strongest near it, from which on a root is seen as well as that.
-const VISIBLE: f64 = 0.03;
 
-/// Least part of a shape that a mode is allowed, so that what it costs stays finite.
-const LEAST_REACH: f64 = 1e-6;
+/// The part of a test shape that a root holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Share {
+    /// From 0 to 1.
+    pub part: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
 
 /// The share of a root in a test mode; `None` where they have no two degrees of freedom in common.
 ///
-/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²` over the roots near r, shapes of unit length, with
-/// `g_j = v_j min(1, 0.1/|f_j/f_r − f_r/f_j|)` and the visibility `v_j = min(1, |φ_j|/(0.03 |φ|_max))` of mass-normalised shapes, 1 where
-/// masses are not known. The share of root r is `|q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds
-/// at all.
+/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²` over the roots near r, with `g_j = min(1, 0.1/|f_j/f_r − f_r/f_j|)`
+/// and shapes of unit modal mass over the length of r's at the sensors, or of unit length each where a mass is not known. The share
+/// of root r is `s = |q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds at all; 0 of a root that leaves
+/// the sensors still.
+///
+/// Its deviation is that of first order, `2 √(γᴴ C γ)` with `γ_j = (δ_j − s) q_j/|q|²`, δ_j = 1 for the root's own modes and 0 for others,
+/// and C the covariance of q, the inverse of half the second derivative of that sum: few sensors, or shapes that look alike there, make
+/// it large.
 ///
 /// # Reference
 /// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7 (coordinates of a measured shape);
@@ -42,7 +53,7 @@ pub(super) fn share(
     (theory, shapes): (&ModalModel, &Shapes),
     mode: usize,
     (r, roots): (usize, &[Root]),
-) -> Option<f64> {
+) -> Option<Share> {
     let apart = |j: &usize| {
         let ratio = theory.modes[*j].frequency_hz / roots[r].hz;
         (ratio - ratio.recip()).abs()
@@ -57,29 +68,47 @@ pub(super) fn share(
     if shape.len() < 2 || squared(shape) <= 0.0 {
         return None;
     }
-    let visible = visible(theory, &near, &columns);
-    columns.iter_mut().for_each(|own| to_unit_length(own));
-    let reach = near.iter().zip(visible);
-    let reach: Vec<f64> = reach.map(|(j, v)| v * (NEAR / apart(j)).min(1.0)).collect();
-    let coordinates = coordinates(shape, &columns, &reach);
-    let (own, whole) = (
-        squared(&coordinates[..roots[r].modes.len()]),
-        squared(&coordinates),
-    );
-    let part = if whole > 0.0 { own / whole } else { 0.0 };
-    Some(part * held(shape, &columns, &coordinates))
+    let own = roots[r].modes.len();
+    if squared(&columns[..own].concat()) <= 0.0 {
+        return Some(Share {
+            part: 0.0,
+            std: 0.0,
+        });
+    }
+    scale(theory, (&near, own), &mut columns);
+    let reach: Vec<f64> = near.iter().map(|j| (NEAR / apart(j)).min(1.0)).collect();
+    let fit = Fit::new(shape, &columns, &reach);
+    let whole = squared(&fit.coordinates);
+    let part = if whole > 0.0 {
+        squared(&fit.coordinates[..own]) / whole
+    } else {
+        0.0
+    };
+    let gradient = fit.coordinates.iter().enumerate().map(|(j, q)| {
+        let own = if j < own { 1.0 } else { 0.0 };
+        q * (own - part) / whole.max(f64::MIN_POSITIVE)
+    });
+    let std = 2.0 * fit.deviation_along(&gradient.collect::<Vec<_>>());
+    let held = held(shape, &columns, &fit.coordinates);
+    Some(Share {
+        part: part * held,
+        std: std * held,
+    })
 }
 
-/// How well each mode is seen beside the strongest.
-fn visible(theory: &ModalModel, modes: &[usize], columns: &[Vec<Complex64>]) -> Vec<f64> {
-    let normalised = |j: &usize| theory.modes[*j].scaling == Scaling::UnitModalMass;
-    let lengths: Vec<f64> = columns.iter().map(|own| squared(own).sqrt()).collect();
-    let strongest = lengths.iter().copied().fold(0.0, f64::max);
-    if !modes.iter().all(normalised) || strongest <= 0.0 {
-        return vec![1.0; modes.len()];
+/// Shapes of unit modal mass, over the length of the first `own` of them, where all masses are known; else of unit length each.
+fn scale(theory: &ModalModel, (modes, own): (&[usize], usize), columns: &mut [Vec<Complex64>]) {
+    let mass = |j: &usize| modal_mass_kg(&theory.modes[*j]);
+    let Some(masses) = modes.iter().map(mass).collect::<Option<Vec<f64>>>() else {
+        columns.iter_mut().for_each(|own| to_unit_length(own));
+        return;
+    };
+    for (column, mass) in columns.iter_mut().zip(masses) {
+        column.iter_mut().for_each(|value| *value /= mass.sqrt());
     }
-    let of = |length: &f64| (length / (VISIBLE * strongest)).min(1.0);
-    lengths.iter().map(of).collect()
+    let length = (squared(&columns[..own].concat()) / own as f64).sqrt();
+    let values = columns.iter_mut().flatten();
+    values.for_each(|value| *value /= length);
 }
 
 fn squared(values: &[Complex64]) -> f64 {
@@ -93,57 +122,96 @@ fn to_unit_length(column: &mut [Complex64]) {
     }
 }
 
-/// q of a shape, with the least deviations that each is allowed.
-fn coordinates(shape: &[Complex64], columns: &[Vec<Complex64>], reach: &[f64]) -> Vec<Complex64> {
-    let (points, modes) = (shape.len(), columns.len());
-    let scale = squared(shape).sqrt();
-    let deviation = DEVIATION * scale / (points as f64).sqrt();
-    let reach: Vec<f64> = reach
-        .iter()
-        .map(|own| own.max(LEAST_REACH) * scale)
-        .collect();
-    if points < modes {
-        return of_few_points(shape, (columns, &reach), deviation);
-    }
-    let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
-        None => columns[c][k] / deviation,
-        Some(own) if own == c => reach[c].recip().into(),
-        Some(_) => Complex64::ZERO,
-    });
-    let right = complex_matrix(points + modes, 1, |k, _| {
-        let value = shape.get(k);
-        value.map_or(Complex64::ZERO, |value| value / deviation)
-    });
-    let solution = least_squares(&matrix, &right);
-    (0..modes).map(|c| solution[(c, 0)]).collect()
+/// q of a shape with the deviations that each is allowed, and what it takes to say how well q is known.
+struct Fit {
+    coordinates: Vec<Complex64>,
+    /// Triangle of the stacked equations: with as many points as modes or more its product is the inverse of the covariance of q; with
+    /// fewer, the covariance of the shape.
+    lower: ComplexMatrix,
+    /// Allowed deviations, and the columns times their squares; with fewer points than modes.
+    few: Option<(Vec<f64>, ComplexMatrix)>,
 }
 
-/// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
-fn of_few_points(
-    shape: &[Complex64],
-    (columns, reach): (&[Vec<Complex64>], &[f64]),
-    deviation: f64,
-) -> Vec<Complex64> {
-    let (points, modes) = (shape.len(), columns.len());
-    let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
-        None => columns[k][p].conj() * reach[k],
-        Some(own) if own == p => deviation.into(),
-        Some(_) => Complex64::ZERO,
-    });
-    let lower = complex_matrix(points, points, {
-        let upper = thin_qr(&stacked).r;
-        move |i, j| upper[(j, i)].conj()
-    });
-    let right = complex_matrix(points, 1, |k, _| shape[k]);
-    let weights = solve_lower_adjoint(&lower, &solve_lower(&lower, &right));
-    let of = |(column, reach): (&Vec<Complex64>, &f64)| {
-        let products = column.iter().enumerate();
-        let sum: Complex64 = products
-            .map(|(k, value)| value.conj() * weights[(k, 0)])
-            .sum();
-        reach * reach * sum
-    };
-    columns.iter().zip(reach).map(of).collect()
+impl Fit {
+    fn new(shape: &[Complex64], columns: &[Vec<Complex64>], reach: &[f64]) -> Self {
+        let scale = squared(shape).sqrt();
+        let deviation = DEVIATION * scale / (shape.len() as f64).sqrt();
+        let reach: Vec<f64> = reach.iter().map(|own| own * scale).collect();
+        if shape.len() < columns.len() {
+            Self::of_few_points(shape, (columns, reach), deviation)
+        } else {
+            Self::of_many_points(shape, (columns, &reach), deviation)
+        }
+    }
+
+    fn of_many_points(
+        shape: &[Complex64],
+        (columns, reach): (&[Vec<Complex64>], &[f64]),
+        deviation: f64,
+    ) -> Self {
+        let (points, modes) = (shape.len(), columns.len());
+        let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
+            None => columns[c][k] / deviation,
+            Some(own) if own == c => reach[c].recip().into(),
+            Some(_) => Complex64::ZERO,
+        });
+        let qr = thin_qr(&matrix);
+        let right = complex_matrix(points + modes, 1, |k, _| {
+            let value = shape.get(k);
+            value.map_or(Complex64::ZERO, |value| value / deviation)
+        });
+        let lower = complex_matrix(modes, modes, |i, j| qr.r[(j, i)].conj());
+        let solution = solve_lower_adjoint(&lower, &adjoint_product(&qr.q, &right));
+        Self {
+            coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
+            lower,
+            few: None,
+        }
+    }
+
+    /// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
+    fn of_few_points(
+        shape: &[Complex64],
+        (columns, reach): (&[Vec<Complex64>], Vec<f64>),
+        deviation: f64,
+    ) -> Self {
+        let (points, modes) = (shape.len(), columns.len());
+        let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
+            None => columns[k][p].conj() * reach[k],
+            Some(own) if own == p => deviation.into(),
+            Some(_) => Complex64::ZERO,
+        });
+        let lower = complex_matrix(points, points, {
+            let upper = thin_qr(&stacked).r;
+            move |i, j| upper[(j, i)].conj()
+        });
+        let right = complex_matrix(points, 1, |k, _| shape[k]);
+        let weights = solve_lower_adjoint(&lower, &solve_lower(&lower, &right));
+        let weighted = complex_matrix(points, modes, |p, c| columns[c][p] * reach[c].powi(2));
+        let solution = adjoint_product(&weighted, &weights);
+        Self {
+            coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
+            lower,
+            few: Some((reach, weighted)),
+        }
+    }
+
+    /// `√(γᴴ C γ)` with the covariance C of q.
+    fn deviation_along(&self, gradient: &[Complex64]) -> f64 {
+        let along = complex_matrix(gradient.len(), 1, |j, _| gradient[j]);
+        let solved = |right: &ComplexMatrix| {
+            let solution = solve_lower(&self.lower, right);
+            let square = |k: usize| solution[(k, 0)].norm_sqr();
+            (0..solution.nrows()).map(square).sum::<f64>()
+        };
+        let Some((reach, weighted)) = &self.few else {
+            return solved(&along).sqrt();
+        };
+        // C = G² − G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ΦG².
+        let allowed = gradient.iter().zip(reach);
+        let allowed: f64 = allowed.map(|(own, reach)| (own * reach).norm_sqr()).sum();
+        (allowed - solved(&(weighted * &along))).max(0.0).sqrt()
+    }
 }
 
 /// The part of a shape that a sum of columns is.
@@ -162,6 +230,7 @@ mod tests {
     use crate::correlate::pairing_tests::{mode, model, shape};
     use crate::correlate::roots::elastic_roots;
     use crate::correlate::{DofMap, PairOptions};
+    use crate::modal::{ModeShape, Scaling};
 
     use super::*;
 
@@ -171,7 +240,7 @@ mod tests {
         let map = DofMap::of_models(&test, theory);
         let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
         let roots = elastic_roots(theory);
-        let of = |r| share((theory, &shapes), 0, (r, &roots));
+        let of = |r| share((theory, &shapes), 0, (r, &roots)).map(|own| own.part);
         (0..roots.len()).map(of).collect()
     }
 
@@ -212,11 +281,104 @@ mod tests {
         let masses = theory.modes.iter_mut();
         masses.for_each(|mode| mode.scaling = Scaling::UnitModalMass);
         let found = shares_of(&shape(1), &theory);
-        // v = 1/30: shares with its fourth power.
+        // To look like the test shape by itself it would need a thousand times as much as the other.
         assert!(
             found[0].unwrap() < 1e-4 && found[1].unwrap() > 0.99,
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn the_share_is_that_of_modal_mass_wherever_the_sensors_are() {
+        // The second root moves the sensors a third as much as the first: 0.8 and 0.6 of the masses look like 0.8 and 0.2.
+        let third: Vec<f64> = shape(2).iter().map(|v| v / 3.0).collect();
+        let test = sum(0.8, 0.2);
+        let mut theory = model(vec![mode(100.0, &shape(1)), mode(104.0, &third)]);
+        for own in &mut theory.modes {
+            own.scaling = Scaling::Unknown;
+            own.modal_mass_kg = Some(4.0);
+            own.shape = own.shape.scaled(2.0.into());
+        }
+        let found = shares_of(&test, &theory);
+        assert!((found[0].unwrap() - 0.64).abs() < 0.02, "{found:?}");
+        assert!((found[1].unwrap() - 0.36).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn a_share_is_less_sure_where_few_sensors_tell_shapes_apart() {
+        let full = model(vec![mode(100.0, &shape(1)), mode(104.0, &shape(2))]);
+        let few = |model: &ModalModel| {
+            let mut model = model.clone();
+            for mode in &mut model.modes {
+                mode.shape = ModeShape::new(mode.shape.iter().take(2).map(|(d, v)| (d.clone(), v)));
+            }
+            model
+        };
+        let std = |theory: &ModalModel| {
+            let test = model(vec![mode(100.0, &sum(0.8, 0.6))]);
+            let map = DofMap::of_models(&test, theory);
+            let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
+            let roots = elastic_roots(theory);
+            share((theory, &shapes), 0, (0, &roots)).unwrap().std
+        };
+        // Both coordinates are known to d = 0.15/sqrt(6) of the shape, and 2|gamma| = 2 * 0.8 * 0.6.
+        let expected = 0.96 * 0.15 / 6f64.sqrt();
+        assert!(
+            (std(&full) - expected).abs() < 0.01 * expected,
+            "{}",
+            std(&full)
+        );
+        assert!(std(&few(&full)) > 2.0 * expected);
+    }
+
+    #[test]
+    fn the_deviation_is_that_of_the_inverse_for_few_points_and_for_many() {
+        // One point and two modes, as unknowns for points; the same with a second point that says nothing, as unknowns for modes.
+        let columns = |points: usize| -> Vec<Vec<Complex64>> {
+            let column = |c: usize| {
+                (0..points).map(move |p| {
+                    if p == 0 {
+                        (c as f64 + 1.0).into()
+                    } else {
+                        Complex64::ZERO
+                    }
+                })
+            };
+            (0..2).map(|c| column(c).collect()).collect()
+        };
+        let gradient = [Complex64::new(0.3, 0.1), Complex64::new(-0.2, 0.4)];
+        let of = |points: usize| {
+            let mut shape = vec![Complex64::ZERO; points];
+            shape[0] = Complex64::ONE;
+            Fit::new(&shape, &columns(points), &[0.5, 0.8])
+                .deviation_along(&gradient)
+                .powi(2)
+        };
+        // C = (ΦᵀΦ/d² + G⁻²)⁻¹ by hand.
+        let by_hand = |d: f64| {
+            let (a, b, c) = (
+                1.0 / (d * d) + 4.0,
+                2.0 / (d * d),
+                4.0 / (d * d) + 1.0 / 0.64,
+            );
+            let [x, y] = gradient;
+            let cross = (x.conj() * y).re;
+            (c * x.norm_sqr() - 2.0 * b * cross + a * y.norm_sqr()) / (a * c - b * b)
+        };
+        assert!(
+            (of(1) - by_hand(0.15)).abs() < 1e-12,
+            "{} {}",
+            of(1),
+            by_hand(0.15)
+        );
+        let many = by_hand(0.15 / 2f64.sqrt());
+        assert!((of(2) - many).abs() < 1e-12, "{} {many}", of(2));
+    }
+
+    #[test]
+    fn a_root_that_leaves_the_sensors_still_has_no_share() {
+        let theory = model(vec![mode(100.0, &[0.0; 6]), mode(104.0, &shape(2))]);
+        assert_eq!(shares_of(&shape(2), &theory)[0], Some(0.0));
     }
 
     #[test]
@@ -226,7 +388,7 @@ mod tests {
             .collect();
         let test: Vec<Complex64> = (0..6).map(|k| Complex64::cis((k * k) as f64)).collect();
         let reach: Vec<f64> = (1..10).map(|c| 1.0 / f64::from(c)).collect();
-        let found = coordinates(&test, &columns, &reach);
+        let found = Fit::new(&test, &columns, &reach).coordinates;
         // What is left over of the normal equations.
         let (d, scale) = (DEVIATION, 6f64.sqrt());
         for (c, column) in columns.iter().enumerate() {

@@ -96,6 +96,15 @@ pub struct TestCell {
     pub observability: Option<Observability>,
 }
 
+impl TestCell {
+    /// Whether the status was judged: a missed root that nothing excuses may be one of which nobody knows what could be seen.
+    pub fn judged(&self) -> bool {
+        let known = self.observability.as_ref();
+        self.status != Status::MissedUnexpected
+            || known.and_then(Observability::observable).is_some()
+    }
+}
+
 /// What became of a theory root in a test, or of a test mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -127,6 +136,9 @@ pub struct TestSummary {
     pub ambiguous: usize,
     /// Roots without a partner inside the band, those apart that were not observable.
     pub missed: usize,
+    /// Those of them of which it is not known whether the test could have seen them.
+    #[serde(default)]
+    pub not_judged: usize,
     /// Roots without a partner inside the band that the test could not have seen.
     #[serde(default)]
     pub not_observable: usize,
@@ -160,7 +172,7 @@ pub struct TestSummary {
 /// - `not-observable` when [`super::observability`] says that the test could not have seen it;
 /// - `missed-expected` when a paired root lies within one half-power bandwidth `2 zeta f` of it, whose peak covers both
 ///   (also when noise could not be judged: the root is then either unseen or covered);
-/// - `missed-unexpected` else, also where nothing is known.
+/// - `missed-unexpected` else; where it is not known what the test could have seen, [`TestCell::judged`] says so.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
@@ -271,6 +283,7 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
         paired: count(Status::Paired) + count(Status::Ambiguous),
         ambiguous: count(Status::Ambiguous),
         missed: count(Status::MissedExpected) + count(Status::MissedUnexpected),
+        not_judged: cells().filter(|cell| !cell.judged()).count(),
         not_observable: count(Status::NotObservable),
         outside_band: count(Status::OutsideBand),
         extra: count(Status::Extra),

@@ -257,7 +257,7 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
         Cell::number(cell.mac, 4),
-        Cell::text(status_text(cell.status)),
+        Cell::text(status_text(cell)),
     ]
 }
 
@@ -272,13 +272,14 @@ fn short_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::number(cell.hz, 2),
         Cell::signed(cell.error_hz, 2),
         Cell::signed(cell.error_percent, 3),
-        Cell::text(status_text(cell.status)),
+        Cell::text(status_text(cell)),
     ]
 }
 
-/// The verdict as printed; the same words as in `comparison.json`.
-fn status_text(status: Status) -> &'static str {
-    match status {
+/// The verdict as printed; the words of `comparison.json`, but for a missed mode that could not be judged, which has a key of its own there.
+fn status_text(cell: &TestCell) -> &'static str {
+    match cell.status {
+        _ if !cell.judged() => "missed, not judged",
         Status::Paired => "paired",
         Status::Ambiguous => "ambiguous",
         Status::MissedExpected => "missed-expected",

@@ -139,6 +139,7 @@ const LABELS: &[(&str, &[(&str, &str)])] = &[
             ("ambiguous", "不明确"),
             ("missed-expected", "漏检(预期)"),
             ("missed-unexpected", "漏检(非预期)"),
+            ("missed, not judged", "漏检(未判定)"),
             ("not-observable", "不可观测"),
             ("outside-band", "频带外"),
             ("extra", "多余"),

@@ -3,6 +3,9 @@
 //! Three kinds of machine: a square membrane of point masses (double roots by symmetry), a ring of bodies that move along and across it
 //! (double roots by rotation), and a frame of point masses in space (none). The springs of the tested machine are other than the model's;
 //! half of the membranes and rings keep their symmetry, so that their repeated roots stay and are measured in a basis turned at random.
+//!
+//! [`Family::Equal`] has equal masses: the thresholds of pairing were set on it. [`Family::HeldOut`] has masses up to five times as heavy
+//! as others, and in half of its machines up to three small oscillators, of which the sensors may know nothing.
 
 use std::f64::consts::TAU;
 
@@ -23,6 +26,10 @@ const SAME_ROOT: f64 = 1e-9;
 const MOST_SPREAD: f64 = 0.25;
 /// Largest logarithm of what all stiffnesses have too much: frequencies follow at half of it.
 const MOST_COMMON: f64 = 0.18;
+/// Mass of the heaviest body over that of the lightest.
+const MASS_RATIO: f64 = 5.0;
+/// Mass of a small oscillator over that of its body.
+const OSCILLATOR: std::ops::Range<f64> = 0.005..0.05;
 /// Largest error of a frequency.
 const LARGEST_ERROR: f64 = 0.1;
 /// Deviation of a measured frequency over the frequency, per noise-to-signal ratio of the shapes.
@@ -47,10 +54,28 @@ pub struct Machine {
     pub truth: Vec<Truth>,
 }
 
+/// Which machines are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    Equal,
+    HeldOut,
+}
+
+impl Family {
+    fn seed(self) -> u64 {
+        match self {
+            Family::Equal => 0x9a12,
+            Family::HeldOut => 0x71c4_0000,
+        }
+    }
+}
+
 /// Springs between degrees of freedom, or to the ground.
 struct Network {
-    size: usize,
+    masses: Vec<f64>,
     springs: Vec<Spring>,
+    /// Bodies of one kind are equal by the machine's symmetry.
+    kinds: Vec<usize>,
 }
 
 struct Spring {
@@ -63,8 +88,8 @@ struct Spring {
 
 impl Network {
     fn modes(&self, factors: &[f64]) -> SymmetricModes {
-        let zeros = |_, _| 0.0;
-        let mut stiffness = real_matrix(self.size, self.size, zeros);
+        let size = self.masses.len();
+        let mut stiffness = real_matrix(size, size, |_, _| 0.0);
         for (spring, factor) in self.springs.iter().zip(factors) {
             for (i, a) in &spring.row {
                 for (j, b) in &spring.row {
@@ -72,8 +97,32 @@ impl Network {
                 }
             }
         }
-        let unit = |i, j| if i == j { 1.0 } else { 0.0 };
-        symmetric_modes(&stiffness, &real_matrix(self.size, self.size, unit)).unwrap()
+        let mass = |i: usize, j| if i == j { self.masses[i] } else { 0.0 };
+        symmetric_modes(&stiffness, &real_matrix(size, size, mass)).unwrap()
+    }
+
+    /// Masses of their own for bodies of each kind.
+    fn draw_masses(&mut self, random: &mut ChaCha8Rng) {
+        let kinds = self.kinds.iter().max().unwrap() + 1;
+        let exponent = || MASS_RATIO.powf(random.random_range(-0.5..0.5));
+        let of_kind: Vec<f64> = std::iter::repeat_with(exponent).take(kinds).collect();
+        self.masses = self.kinds.iter().map(|kind| of_kind[*kind]).collect();
+    }
+
+    /// Hangs a small mass on a degree of freedom, with a frequency of its own among the lowest of the machine.
+    fn hang_oscillator(&mut self, random: &mut ChaCha8Rng) {
+        let modes = self.modes(&vec![1.0; self.springs.len()]);
+        let omega_squared = modes.omega_squared[random.random_range(1..12)];
+        let at = random.random_range(0..self.kinds.len());
+        let mass = random.random_range(OSCILLATOR) * self.masses[at];
+        let own = self.masses.len();
+        self.masses.push(mass);
+        let classes = self.springs.iter().map(|spring| spring.class).max();
+        self.springs.push(Spring {
+            row: vec![(own, 1.0), (at, -1.0)],
+            stiffness: mass * omega_squared,
+            class: classes.unwrap() + 1,
+        });
     }
 
     /// Factors of all stiffnesses: what all have in common, what a class has, and, where symmetry is lost, what is a spring's own.
@@ -122,9 +171,16 @@ fn membrane() -> Network {
             }
         }
     }
+    // The symmetry of a square.
+    let kind = |body: usize| {
+        let from_edge = |at: usize| at.min(SIDE - 1 - at);
+        let (a, b) = (from_edge(body / SIDE), from_edge(body % SIDE));
+        SIDE * a.min(b) + a.max(b)
+    };
     Network {
-        size: SIDE * SIDE,
+        masses: vec![1.0; SIDE * SIDE],
         springs,
+        kinds: (0..SIDE * SIDE).map(kind).collect(),
     }
 }
 
@@ -158,9 +214,11 @@ fn ring() -> Network {
             });
         }
     }
+    // Every fourth body is of one kind.
     Network {
-        size: 2 * BODIES,
+        masses: vec![1.0; 2 * BODIES],
         springs,
+        kinds: (0..2 * BODIES).map(|own| own / 2 % 4).collect(),
     }
 }
 
@@ -201,21 +259,27 @@ fn frame(random: &mut ChaCha8Rng) -> Network {
         }
     }
     Network {
-        size: 3 * POINTS,
+        masses: vec![1.0; 3 * POINTS],
         springs,
+        kinds: (0..3 * POINTS).map(|own| own / 3).collect(),
     }
 }
 
 impl Machine {
     /// The machine of a number: the kind and the sensors go round, all else is drawn.
-    pub fn draw(number: u64) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(0x9a12 + number);
-        let network = match number % 3 {
+    pub fn draw(family: Family, number: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(family.seed() + number);
+        let mut network = match number % 3 {
             0 => membrane(),
             1 => ring(),
             _ => frame(&mut random),
         };
-        let size = network.size;
+        if family == Family::HeldOut {
+            network.draw_masses(&mut random);
+            let count = random.random_range(-2i32..=3).max(0);
+            (0..count).for_each(|_| network.hang_oscillator(&mut random));
+        }
+        let size = network.masses.len();
         let theory = network.modes(&vec![1.0; network.springs.len()]);
         let wanted = random.random_range(8..=25);
         let truth = loop {
@@ -236,7 +300,7 @@ impl Machine {
         // A test lists what it found by frequency.
         let mut found: Vec<_> = modes
             .into_iter()
-            .zip(measured.belongings(&theory))
+            .zip(measured.belongings(&theory, &network.masses))
             .collect();
         found.sort_by(|a, b| a.0.frequency_hz.total_cmp(&b.0.frequency_hz));
         let (modes, truth) = found.into_iter().unzip();
@@ -332,14 +396,14 @@ impl Measured {
         }
     }
 
-    /// The root that holds most of each mode; masses are 1 everywhere.
-    fn belongings(&self, theory: &SymmetricModes) -> Vec<Truth> {
+    /// The root that holds most of each mode.
+    fn belongings(&self, theory: &SymmetricModes, masses: &[f64]) -> Vec<Truth> {
         let roots = roots(theory, theory.omega_squared.len());
         let part = |own: &[f64], j: usize| {
             let sum: f64 = own
                 .iter()
                 .enumerate()
-                .map(|(i, v)| v * theory.vectors[(i, j)])
+                .map(|(i, v)| v * masses[i] * theory.vectors[(i, j)])
                 .sum();
             sum * sum
         };

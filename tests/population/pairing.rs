@@ -3,7 +3,7 @@
 use modalign::correlate::{PairOptions, Verdict, assign, pair};
 use rayon::prelude::*;
 
-use super::machines::{Machine, SENSORS};
+use super::machines::{Family, Machine, SENSORS};
 
 const MACHINES: u64 = 500;
 /// Part of a shape from which on a root is its partner without question.
@@ -32,6 +32,11 @@ impl Counts {
     /// The part that is with its root.
     fn found(&self) -> f64 {
         (self.right + self.right_ambiguous) as f64 / self.all() as f64
+    }
+
+    /// The part that is labelled.
+    fn labelled(&self) -> f64 {
+        (self.right_ambiguous + self.wrong_ambiguous) as f64 / self.all() as f64
     }
 
     fn line(&self) -> String {
@@ -127,8 +132,8 @@ const RULES: [(&str, Rule); 4] = [
     ("index", by_index),
 ];
 
-fn judged(number: u64) -> Judged {
-    let machine = Machine::draw(number);
+fn judged(family: Family, number: u64) -> Judged {
+    let machine = Machine::draw(family, number);
     let counts = RULES.iter().map(|(_, rule)| {
         let mut counts = [Counts::default(); 2];
         for ((root, sure), truth) in rule(&machine).into_iter().zip(&machine.truth) {
@@ -144,35 +149,64 @@ fn judged(number: u64) -> Judged {
 
 // The machines and their seeds are fixed, so that the counts are too, but for a few on the edge.
 
-/// Least part of clear modes that find their root, with 20 sensors or more and with 8. Measured: 5879 of 5883, and 1545 of 1564.
-const LEAST_FOUND: f64 = 0.995;
-const LEAST_FOUND_BY_FEW: f64 = 0.98;
-/// Most modes that are said to belong where they do not, clear and others, with 20 sensors or more. Measured: 1 of 5883 and 2 of 54.
-const MOST_WRONG: [usize; 2] = [3, 4];
+/// What a family is held to.
+struct Limits {
+    /// Least part of clear modes that find their root, with 20 sensors or more and with 8.
+    found: [f64; 2],
+    /// Most modes that are said to belong where they do not, clear and others, with any number of sensors.
+    wrong: [usize; 2],
+    /// Largest part of clear modes with 20 sensors or more that are labelled ambiguous.
+    labelled: f64,
+}
+
+/// Measured: 5879 of 5883 and 1545 of 1564 find their root; none of 7447 and none of 63 is wrong without a word; 1.3 % labelled.
+const EQUAL: Limits = Limits {
+    found: [0.995, 0.98],
+    wrong: [0, 0],
+    labelled: 0.02,
+};
+/// Measured: 5708 of 5743 and 1438 of 1472; 1 of 7215 and 1 of 319, shapes shared with an oscillator that carries no sensor; 6.8 %.
+const HELD_OUT: Limits = Limits {
+    found: [0.99, 0.97],
+    wrong: [2, 2],
+    labelled: 0.08,
+};
 
 #[test]
 fn modes_find_their_roots_in_models_whose_stiffnesses_are_wrong() {
-    let all: Vec<Judged> = (0..MACHINES).into_par_iter().map(judged).collect();
+    for (family, limits) in [(Family::Equal, EQUAL), (Family::HeldOut, HELD_OUT)] {
+        let all = (0..MACHINES).into_par_iter();
+        let all: Vec<Judged> = all.map(|number| judged(family, number)).collect();
+        print(family, &all);
+        check(&all, &limits);
+    }
+}
+
+fn print(family: Family, all: &[Judged]) {
+    println!("{family:?}");
     println!("sensors  rule               part   modes  found  ambiguous  wrong so  wrong  none");
     for &sensors in &SENSORS {
         for (r, (rule, _)) in RULES.iter().enumerate() {
-            for (part, own) in ["clear", "mixed"]
-                .iter()
-                .zip(sums(&all, r, |s| s == sensors))
-            {
+            let own = sums(all, r, |s| s == sensors);
+            for (part, own) in ["clear", "mixed"].iter().zip(own) {
                 println!("{sensors:>7}  {rule:17}  {part}  {}", own.line());
             }
         }
     }
-    let [clear, mixed] = sums(&all, 0, |sensors| sensors >= 20);
-    assert!(clear.found() >= LEAST_FOUND, "{clear:?}");
-    assert!(clear.wrong <= MOST_WRONG[0], "{clear:?}");
-    assert!(mixed.wrong <= MOST_WRONG[1], "{mixed:?}");
-    let [few, _] = sums(&all, 0, |sensors| sensors < 20);
-    assert!(few.found() >= LEAST_FOUND_BY_FEW, "{few:?}");
+}
+
+fn check(all: &[Judged], limits: &Limits) {
+    let [clear, _] = sums(all, 0, |sensors| sensors >= 20);
+    let [few, _] = sums(all, 0, |sensors| sensors < 20);
+    assert!(clear.found() >= limits.found[0], "{clear:?}");
+    assert!(few.found() >= limits.found[1], "{few:?}");
+    assert!(clear.labelled() <= limits.labelled, "{clear:?}");
+    let [every_clear, every_mixed] = sums(all, 0, |_| true);
+    assert!(every_clear.wrong <= limits.wrong[0], "{every_clear:?}");
+    assert!(every_mixed.wrong <= limits.wrong[1], "{every_mixed:?}");
     // What all of it is for.
     for rule in 1..RULES.len() {
-        let [thumb, _] = sums(&all, rule, |_| true);
+        let [thumb, _] = sums(all, rule, |_| true);
         assert!(thumb.wrong > 50 * clear.wrong.max(1), "{thumb:?}");
     }
 }

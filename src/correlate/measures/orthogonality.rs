@@ -10,7 +10,7 @@ use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{SystemMatrices, guyan, serep_expansion};
 
 use super::super::pairing::without_rounding;
-use super::super::roots::elastic_modes;
+use super::super::roots::{elastic_modes, highest_rigid_hz};
 use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
 use super::ModeName;
@@ -213,7 +213,8 @@ pub fn orthogonality(
         |shape: &ModeShape| pairs.iter().map(|pair| shape.get(&pair.theory)).collect();
     let rows = elastic_modes(test);
     let mut columns: Vec<usize> = columns.to_vec();
-    columns.retain(|&j| theory.modes[j].frequency_hz > 0.0);
+    let rigid_hz = highest_rigid_hz(theory);
+    columns.retain(|&j| theory.modes[j].frequency_hz > rigid_hz);
     columns.sort_unstable();
     let of_test = Scaled::all((test, &rows), &reduced.mass, test_value);
     let of_theory = Scaled::all((theory, &columns), &reduced.mass, theory_value);

@@ -103,6 +103,9 @@ pub struct TestFile {
     pub angles_deg: Option<Vec<f64>>,
     /// What became of the mode.
     pub status: Status,
+    /// `false` for a missed root of which it is not known whether the test could have seen it; absent else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judged: Option<bool>,
     /// Why.
     pub reason: Option<String>,
 }
@@ -190,6 +193,7 @@ fn test_file(cell: &TestCell) -> TestFile {
         mac: cell.mac,
         angles_deg: cell.angles_deg.clone(),
         status: cell.status,
+        judged: (!cell.judged()).then_some(false),
         reason: (!cell.reasons.is_empty()).then(|| cell.reasons.join("; ")),
     }
 }

@@ -1,0 +1,322 @@
+//! Every test mode against every root: what each pair would cost, which are chosen, and how sure that is.
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::ModalModel;
+
+use super::pairing::{FEWEST_DOFS, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
+use super::roots::{Root, elastic_modes, elastic_roots};
+use super::share::{Share, share};
+use super::{CorrelateError, Observability, PairOptions, assign, observability};
+
+/// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
+const ALONE: f64 = 1.0;
+
+/// Least share of a test shape, over `min_mac`, that makes a root a partner at all.
+const LEAST_SHARE: f64 = 0.6;
+
+/// Part of a shape that no two roots can hold.
+const HALF: f64 = 0.5;
+
+/// Weight of the frequency beside the shape.
+const OF_FREQUENCY: f64 = 0.1;
+
+/// What a test mode and a root are to each other.
+#[derive(Clone, Copy)]
+struct Candidate {
+    frequency_error: f64,
+    /// `|f_test − f_theory|/f_theory`, whatever the reference of the error is.
+    off: f64,
+    mac: Option<f64>,
+    /// The part of the test shape that the root holds.
+    share: Option<Share>,
+    /// `None` when a gate forbids the pair.
+    cost: Option<f64>,
+    /// Inside the frequency gate, with a MAC under its gate and no other claim.
+    low_mac: bool,
+}
+
+/// Every elastic test mode against every elastic root.
+pub(super) struct CandidateTable {
+    modes: Vec<usize>,
+    pub roots: Vec<Root>,
+    candidates: Vec<Vec<Candidate>>,
+}
+
+impl CandidateTable {
+    pub fn new(
+        test: &ModalModel,
+        theory: &ModalModel,
+        shapes: &Shapes,
+        options: &PairOptions,
+    ) -> Self {
+        let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
+        let still = still_at_residues(test, theory, shapes, &roots);
+        let candidate = |i: usize, r: usize| {
+            let root = &roots[r];
+            let hz = test.modes[i].frequency_hz;
+            let off = (hz - root.hz).abs() / root.hz;
+            let (comparable, mac) = shapes.compare(i, &root.modes);
+            let share = || share((theory, shapes), i, (r, &roots));
+            let near = off <= options.max_frequency_error;
+            let likeness = match comparable {
+                true => Likeness::Of(mac, near.then(share).flatten()),
+                false if still[r] || shapes.stands_still(i, &root.modes) => Likeness::Still,
+                false => Likeness::Unknown,
+            };
+            let frequency_error = options.error_reference.error(hz, root.hz);
+            candidate((frequency_error, off), likeness, options)
+        };
+        let row = |&i: &usize| (0..roots.len()).map(|r| candidate(i, r)).collect();
+        Self {
+            candidates: modes.iter().map(row).collect(),
+            modes,
+            roots,
+        }
+    }
+
+    /// The root of every row; a repeated root stands in as many columns as it has modes.
+    pub fn assign(&self) -> Vec<Option<usize>> {
+        let repeated = |r: usize| std::iter::repeat_n(r, self.roots[r].modes.len());
+        let columns: Vec<usize> = (0..self.roots.len()).flat_map(repeated).collect();
+        let row =
+            |candidates: &Vec<Candidate>| columns.iter().map(|&r| candidates[r].cost).collect();
+        let costs: Vec<Vec<Option<f64>>> = self.candidates.iter().map(row).collect();
+        let chosen = assign(&costs, ALONE);
+        chosen
+            .into_iter()
+            .map(|column| column.map(|c| columns[c]))
+            .collect()
+    }
+
+    pub fn pairs(
+        &self,
+        root_of: &[Option<usize>],
+        shapes: &Shapes,
+        options: &PairOptions,
+    ) -> Result<Vec<Pair>, CorrelateError> {
+        let mut pairs = Vec::new();
+        for (r, root) in self.roots.iter().enumerate() {
+            let rows: Vec<usize> = (0..root_of.len())
+                .filter(|&i| root_of[i] == Some(r))
+                .collect();
+            if rows.is_empty() {
+                continue;
+            }
+            let modes: Vec<usize> = rows.iter().map(|&i| self.modes[i]).collect();
+            let angles = match root.modes.len() {
+                1 => Vec::new(),
+                _ => shapes.angles_deg(&modes, &root.modes)?,
+            };
+            let partner = |&i: &usize| self.partner(i, r, root_of, options);
+            pairs.push(Pair {
+                theory: root.modes.clone(),
+                partners: rows.iter().map(partner).collect(),
+                angles_deg: (!angles.is_empty()).then_some(angles),
+            });
+        }
+        Ok(pairs)
+    }
+
+    fn partner(
+        &self,
+        i: usize,
+        r: usize,
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Partner {
+        let chosen = self.candidates[i][r];
+        let cost = chosen.cost.expect("only allowed pairs are assigned");
+        let verdict = match self.rival(i, r, root_of) {
+            Some((rival_cost, rival)) if rival_cost - cost < options.ambiguous_margin => {
+                Verdict::Ambiguous {
+                    rival,
+                    cost_difference: rival_cost - cost,
+                }
+            }
+            _ => self.by_share((i, r), root_of, options),
+        };
+        Partner {
+            test: self.modes[i],
+            frequency_error: chosen.frequency_error,
+            mac: chosen.mac,
+            cost,
+            verdict,
+        }
+    }
+
+    /// Whether row `i` and root `r` are partners without doubt: the root holds enough of the shape, and nothing else of either side could
+    /// hold half.
+    fn by_share(
+        &self,
+        (i, r): (usize, usize),
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Verdict {
+        let Some(share) = self.candidates[i][r].share else {
+            return Verdict::Paired;
+        };
+        let claim = self.others(i, r, root_of).filter_map(|(other, rival)| {
+            let share = other.share.filter(|own| own.part >= HALF)?;
+            Some((share.part, rival))
+        });
+        match claim.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((share, rival)) => Verdict::Claimed { rival, share },
+            None if share.part - share.std < options.min_mac => Verdict::Mixed {
+                share: share.part,
+                std: share.std,
+            },
+            None => Verdict::Paired,
+        }
+    }
+
+    /// The cheapest other partner of either side of the pair of row `i` and root `r`.
+    fn rival(&self, i: usize, r: usize, root_of: &[Option<usize>]) -> Option<(f64, Rival)> {
+        let others = self.others(i, r, root_of);
+        let allowed = others.filter_map(|(other, rival)| Some((other.cost?, rival)));
+        allowed.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// All other partners of either side of the pair of row `i` and root `r`.
+    fn others(
+        &self,
+        i: usize,
+        r: usize,
+        root_of: &[Option<usize>],
+    ) -> impl Iterator<Item = (Candidate, Rival)> {
+        let roots = (0..self.roots.len()).filter(move |&other| other != r);
+        let of_test = roots.map(move |other| {
+            let rival = Rival::Theory(self.roots[other].modes.clone());
+            (self.candidates[i][other], rival)
+        });
+        let rows = (0..self.modes.len()).filter(move |&other| root_of[other] != Some(r));
+        let of_theory = rows.map(move |other| {
+            let rival = Rival::Test(self.modes[other]);
+            (self.candidates[other][r], rival)
+        });
+        of_test.chain(of_theory)
+    }
+
+    pub fn unpaired_theory(&self, root_of: &[Option<usize>]) -> Vec<UnpairedRoot> {
+        let alone = (0..self.roots.len()).filter(|&r| !root_of.contains(&Some(r)));
+        alone
+            .map(|r| {
+                let rows = (0..self.modes.len()).map(|i| (i, self.candidates[i][r]));
+                let nearest = nearest_in_frequency(rows).filter(|(_, c)| c.low_mac);
+                UnpairedRoot {
+                    theory: self.roots[r].modes.clone(),
+                    near_miss: nearest.and_then(|(i, c)| {
+                        let test = self.modes[i];
+                        c.mac.map(|mac| NearMiss { test, mac })
+                    }),
+                }
+            })
+            .collect()
+    }
+
+    pub fn unpaired_test(&self, root_of: &[Option<usize>]) -> Vec<usize> {
+        let rows = self.modes.iter().zip(root_of);
+        rows.filter(|(_, root)| root.is_none())
+            .map(|(&i, _)| i)
+            .collect()
+    }
+
+    /// Ambiguous pairs, and test modes left over whose nearest root in frequency was refused for its MAC.
+    pub fn findings(
+        &self,
+        test: &ModalModel,
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for (i, root) in root_of.iter().enumerate() {
+            let place = Place::Mode(test.modes[self.modes[i]].frequency_hz);
+            let warn = |code| Finding::new(Severity::Warning, code, place);
+            if let Some(r) = root {
+                let finding = match self.partner(i, *r, root_of, options).verdict {
+                    Verdict::Paired => None,
+                    Verdict::Ambiguous {
+                        cost_difference, ..
+                    } => Some((Code::Ambiguous, cost_difference, options.ambiguous_margin)),
+                    Verdict::Claimed { share, .. } => Some((Code::Ambiguous, share, HALF)),
+                    Verdict::Mixed { share, .. } => {
+                        Some((Code::MixedShape, share, options.min_mac))
+                    }
+                };
+                let finding =
+                    finding.map(|(code, value, limit)| warn(code).value(value, "").limit(limit));
+                findings.extend(finding);
+                continue;
+            }
+            let candidates = self.candidates[i].iter().copied().enumerate();
+            let nearest = nearest_in_frequency(candidates).filter(|(_, c)| c.low_mac);
+            if let Some(mac) = nearest.and_then(|(_, c)| c.mac) {
+                findings.push(warn(Code::LowMac).value(mac, "").limit(options.min_mac));
+            }
+        }
+        findings
+    }
+}
+
+/// What shapes say of a test mode and a root.
+enum Likeness {
+    /// MAC and share at the degrees of freedom that both have.
+    Of(Option<f64>, Option<Share>),
+    /// Both have too few, and the root moves none of what the test measured.
+    Still,
+    /// Both have too few.
+    Unknown,
+}
+
+fn candidate(
+    (frequency_error, off): (f64, f64),
+    likeness: Likeness,
+    options: &PairOptions,
+) -> Candidate {
+    let u = off / options.max_frequency_error;
+    let (near, least) = (u <= 1.0, LEAST_SHARE * options.min_mac);
+    let (mac, share) = match likeness {
+        Likeness::Of(mac, share) => (mac, share),
+        _ => (None, None),
+    };
+    let alike =
+        share.is_some_and(|own| own.part >= least) || mac.is_some_and(|mac| mac >= options.min_mac);
+    let of_share = |own: Share| {
+        let v = ((1.0 - own.part) / (1.0 - least)).min(1.0);
+        alike.then_some(OF_FREQUENCY * u + (1.0 - OF_FREQUENCY) * v)
+    };
+    let cost = match likeness {
+        Likeness::Of(..) => share.and_then(of_share),
+        Likeness::Still => None,
+        Likeness::Unknown => Some(u),
+    };
+    Candidate {
+        frequency_error,
+        off,
+        mac,
+        share,
+        cost: cost.filter(|_| near),
+        low_mac: near && mac.is_some() && !alike,
+    }
+}
+
+/// Which roots move none of the test's residues; asked only where shapes have too little in common to say more.
+fn still_at_residues(
+    test: &ModalModel,
+    theory: &ModalModel,
+    shapes: &Shapes,
+    roots: &[Root],
+) -> Vec<bool> {
+    let known = |values: &Vec<Option<_>>| values.iter().flatten().count() >= FEWEST_DOFS;
+    if shapes.test.iter().chain(&shapes.theory).all(known) {
+        return vec![false; roots.len()];
+    }
+    let judged = observability(theory, test, &[]).into_iter();
+    let still = |known: Option<Observability>| known.is_some_and(|known| known.still);
+    judged.map(still).collect()
+}
+
+fn nearest_in_frequency(
+    candidates: impl Iterator<Item = (usize, Candidate)>,
+) -> Option<(usize, Candidate)> {
+    candidates.min_by(|a, b| a.1.off.total_cmp(&b.1.off))
+}
