@@ -18,7 +18,7 @@ const AXIS_NEEDED: f64 = 1e-3;
 /// Degrees of freedom that read the same: the test's sensor, with its sign, and what of the theory gives its reading.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofNames {
-    pairs: Vec<(Dof, Reading)>,
+    pairs: BTreeMap<Dof, Reading>,
 }
 
 /// A sum of a theory's degrees of freedom along their positive axes: one of them, or several where the test's axis lies
@@ -64,7 +64,7 @@ impl DofNames {
                 return Err(error("each degree of freedom of the test once"));
             }
             let reading = vec![(theory.positive(), theory.sign())];
-            names.pairs.push((test, reading));
+            names.pairs.insert(test, reading);
         }
         if names.is_empty() {
             return Err(CorrelateError::DofList {
@@ -127,10 +127,9 @@ impl DofNames {
                 let reading = needed
                     .iter()
                     .filter_map(|&(axis, part)| Some((Dof::new(point, axis, false).ok()?, part)));
-                names.pairs.push((own.positive(), reading.collect()));
+                names.pairs.insert(own.positive(), reading.collect());
             }
         }
-        names.pairs.dedup();
         let finding = Finding::new(Severity::Info, Code::DofsByNode, Place::Whole)
             .value(largest, "m")
             .limit(tolerance_m);
@@ -149,8 +148,7 @@ impl DofNames {
 
     /// What of the theory gives the reading of a degree of freedom of the test.
     pub fn in_theory(&self, test: &Dof) -> Option<&Reading> {
-        let mut pairs = self.pairs.iter();
-        pairs.find(|(own, _)| own == test).map(|(_, own)| own)
+        self.pairs.get(test)
     }
 
     /// The theory under the names of the test: each shape at the test's degrees of freedom, as far as a pair names them
@@ -158,7 +156,7 @@ impl DofNames {
     pub fn rename(&self, theory: &ModalModel) -> ModalModel {
         let mut renamed = theory.clone();
         for mode in &mut renamed.modes {
-            let value = |(test, reading): &(Dof, Reading)| {
+            let value = |(test, reading): (&Dof, &Reading)| {
                 let parts = reading.iter();
                 let parts = parts.map(|(dof, part)| Some(mode.shape.along_positive(dof)? * *part));
                 let sum: Option<Complex64> = parts.sum();
