@@ -38,6 +38,8 @@ mod pairing_tests;
 mod placement_tests;
 #[cfg(test)]
 mod table_tests;
+#[cfg(test)]
+mod verdict_tests;
 
 pub use alignment::{Alignment, Similarity, align_known, align_nearest, fit_similarity};
 pub use assignment::assign;

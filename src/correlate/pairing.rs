@@ -6,6 +6,7 @@
 use num_complex::Complex64;
 
 use crate::finding::Finding;
+use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix};
 use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
@@ -247,7 +248,11 @@ impl Shapes {
         both.filter(|(a, b)| a.is_some() && b.is_some()).count()
     }
 
+    /// MAC of every test mode with every theory mode; one product of matrices where all modes have all values.
     pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
+        if let (Some(test), Some(theory)) = (whole(&self.test), whole(&self.theory)) {
+            return mac_of_product(&test, &theory);
+        }
         let row = |i| {
             (0..self.theory.len())
                 .map(|j| self.compare(i, &[j]).1)
@@ -255,6 +260,31 @@ impl Shapes {
         };
         (0..self.test.len()).map(row).collect()
     }
+}
+
+/// Shapes as columns, where none misses a value and there are enough for a MAC.
+fn whole(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
+    let points = shapes.first()?.len();
+    let full = |own: &Vec<Option<Complex64>>| own.iter().all(Option::is_some);
+    let value = |p: usize, c: usize| shapes[c][p].unwrap_or_default();
+    (points >= FEWEST_DOFS && shapes.iter().all(full))
+        .then(|| complex_matrix(points, shapes.len(), value))
+}
+
+/// `|a^H b|²/(a^H a · b^H b)` of all columns, a of the rows.
+fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Option<f64>>> {
+    let squares = |of: &ComplexMatrix| -> Vec<f64> {
+        let column = |c: usize| (0..of.nrows()).map(|p| of[(p, c)].norm_sqr()).sum();
+        (0..of.ncols()).map(column).collect()
+    };
+    let (a, b) = (squares(rows), squares(columns));
+    let products = adjoint_product(rows, columns);
+    let mac = |i: usize, j: usize| {
+        let known = a[i] > 0.0 && b[j] > 0.0;
+        known.then(|| (products[(i, j)].norm_sqr() / a[i] / b[j]).min(1.0))
+    };
+    let row = |i: usize| (0..b.len()).map(|j| mac(i, j)).collect();
+    (0..a.len()).map(row).collect()
 }
 
 /// A theory's values with exact zeros where a mode stands still: below a part of the largest value that any mode has there,

@@ -258,7 +258,8 @@ fn the_four_storey_frame_starts_with_its_published_errors_and_shapes() {
             "{cell}"
         );
         let own = &table["measures"][0]["mac"]["mac"][i][i];
-        assert_eq!(own, &cell["mac"]);
+        // One is of a product of all shapes, the other of the pair by itself.
+        assert!((number(own) - number(&cell["mac"])).abs() < 1e-14);
     }
 }
 
