@@ -43,6 +43,9 @@ pub struct Global {
     /// signalcalc, table).
     #[arg(long, global = true, value_name = "NAME")]
     pub format: Option<String>,
+    /// Captions and headings of tables in English or Chinese; definitions below them stay English.
+    #[arg(long, global = true, value_name = "en|zh", default_value = "en", value_parser = language)]
+    pub lang: Language,
     /// What a finding's code means.
     #[arg(long, global = true, value_name = "CODE", value_parser = code)]
     pub explain: Option<Code>,
@@ -307,7 +310,7 @@ pub struct CorrelateArgs {
     /// Length by which rotations are multiplied where they meet translations in one MAC, m.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub rotation_length: Option<f64>,
-    /// Write the table here (.md, .csv, .tex, .txt or .json).
+    /// Write the table here (.md, .csv, .tex, .txt or .json); as CSV those of several tests without --theory, or of FRFs, go to a file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
     /// Gate on the frequency error, a fraction.
@@ -325,9 +328,6 @@ pub struct CorrelateArgs {
     /// Digits after the point of every number in the tables, 0 to 15; CSV and JSON keep them all.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     pub digits: Option<u8>,
-    /// Captions and headings in English or Chinese; definitions below the tables stay English.
-    #[arg(long, value_name = "en|zh", default_value = "en", value_parser = language)]
-    pub lang: Language,
 }
 
 /// `update`.

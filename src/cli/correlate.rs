@@ -1,10 +1,10 @@
 //! `modalign correlate`: two sets of modes to the comparison table.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::correlate::measures::{
-    DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor, auto_mac,
-    measures, orthogonality, orthogonality_dofs, reversed_sensors, serep_modes, turned,
+    AutoMac, DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor,
+    auto_mac, measures, orthogonality, orthogonality_dofs, reversed_sensors, serep_modes, turned,
 };
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
@@ -125,9 +125,10 @@ fn compared(
             measures: &all,
             reversed: &reversed,
             alignment: alignment.as_ref(),
+            ..json::Additions::default()
         },
     );
-    print(args, (blocks, json), output)?;
+    print(args, Printed::one(blocks, json), output)?;
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
@@ -185,26 +186,63 @@ fn itself(
         output.findings_of(&name, &own.findings());
         all.push((name, own));
     }
-    let blocks = all
-        .iter()
-        .flat_map(|(name, own)| auto_mac_blocks(name, own));
-    let blocks: Vec<Block> = blocks.collect();
-    print(args, (blocks, json::auto_macs_to_json(&all)), output)?;
+    let of_test = |(name, own): &(String, AutoMac)| auto_mac_blocks(name, own);
+    let printed = Printed::of_tests(
+        all.iter().map(of_test).collect(),
+        json::auto_macs_to_json(&all),
+    );
+    print(args, printed, output)?;
     Ok(Outcome::Done)
 }
 
-/// Prints a result, and writes it with `-o`.
+/// A result in all its forms.
+pub(super) struct Printed {
+    blocks: Vec<Block>,
+    /// Numbers of the blocks that are a CSV file each: its reader expects one table.
+    tables: Vec<usize>,
+    json: String,
+}
+
+impl Printed {
+    /// Blocks of which the first is the table.
+    fn one(blocks: Vec<Block>, json: String) -> Self {
+        let tables = vec![0];
+        Self {
+            blocks,
+            tables,
+            json,
+        }
+    }
+
+    /// Blocks of several tests, of each of which the first is the table.
+    pub(super) fn of_tests(tests: Vec<Vec<Block>>, json: String) -> Self {
+        let (mut blocks, mut tables) = (Vec::new(), Vec::new());
+        for own in tests {
+            tables.push(blocks.len());
+            blocks.extend(own);
+        }
+        Self {
+            blocks,
+            tables,
+            json,
+        }
+    }
+}
+
+/// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each, `x-1.csv`, `x-2.csv`.
 pub(super) fn print(
     args: &CorrelateArgs,
-    (blocks, json): (Vec<Block>, String),
+    printed: Printed,
     output: &mut Output,
 ) -> Result<(), Error> {
-    let blocks = &formatted(args, args.lang.translated(blocks));
+    let blocks = &formatted(args, output.language().translated(printed.blocks));
     if let Some(path) = &args.output {
-        write_whole(path, rendered(path, blocks, &json))?;
+        for (path, bytes) in files(path, (blocks, &printed.tables), &printed.json) {
+            write_whole(&path, bytes)?;
+        }
     }
-    output.blocks(blocks);
-    output.json(|| json);
+    output.translated(blocks);
+    output.json(|| printed.json);
     Ok(())
 }
 
@@ -252,11 +290,14 @@ impl Wanted<'_> {
         output: &mut Output,
     ) -> Result<Option<Measures>, Error> {
         let (args, paired) = (self.args, paired_theory(pairing));
+        // By statics no modes are kept: what expands shapes is then what orthogonality takes.
+        let mut expanding = None;
         if let Some(path) = &args.expand {
             let reduction = self.reduction.unwrap_or(Reduction::Serep);
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
             let (model, mass) = self.mass(dofs, reduction, &paired)?;
             output.findings(&expand(path, model, (test, pairing), &mass)?);
+            expanding = Some(mass);
         }
         if !args.measures && self.reduction.is_none() {
             return Ok(None);
@@ -268,7 +309,11 @@ impl Wanted<'_> {
                 Reduction::Serep => serep_modes(self.theory, &dofs, &paired),
                 Reduction::Guyan => (0..self.theory.modes.len()).collect(),
             };
-            let (_, mass) = self.mass(dofs, reduction, &columns)?;
+            let kept = reduction == Reduction::Guyan || columns == paired;
+            let mass = match expanding.filter(|_| kept) {
+                Some(mass) => mass,
+                None => self.mass(dofs, reduction, &columns)?.1,
+            };
             let sides = (test, self.theory);
             own.orthogonality = Some(orthogonality(sides, &pairing.map, &mass, &columns)?);
         }
@@ -383,16 +428,31 @@ fn load(path: &Path, format: Option<&str>) -> Result<Loaded, SceneError> {
     })
 }
 
-fn rendered(path: &Path, blocks: &[Block], json: &str) -> String {
+/// What goes into which file.
+fn files(
+    path: &Path,
+    (blocks, tables): (&[Block], &[usize]),
+    json: &str,
+) -> Vec<(PathBuf, String)> {
     let extension = path
         .extension()
         .and_then(|extension| extension.to_str())
         .unwrap_or("")
         .to_lowercase();
-    match renderer_for_extension(&extension) {
-        // A reader of CSV expects one table.
-        Some(renderer) if renderer.name() == "csv" => renderer.render(&blocks[..1]),
-        Some(renderer) => renderer.render(blocks),
-        None => json.to_owned(),
+    let Some(renderer) = renderer_for_extension(&extension) else {
+        return vec![(path.to_owned(), json.to_owned())];
+    };
+    if renderer.name() != "csv" {
+        return vec![(path.to_owned(), renderer.render(blocks))];
     }
+    let table = |at: usize| renderer.render(&blocks[at..=at]);
+    if let [only] = tables {
+        return vec![(path.to_owned(), table(*only))];
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let numbered = (1..).zip(tables).map(|(number, at)| {
+        let name = format!("{stem}-{number}.{extension}");
+        (path.with_file_name(name), table(*at))
+    });
+    numbered.collect()
 }

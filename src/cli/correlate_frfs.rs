@@ -11,7 +11,7 @@ use crate::scene::{FilePlan, IngestOptions, ingest_files};
 
 use super::Outcome;
 use super::args::CorrelateArgs;
-use super::correlate::print;
+use super::correlate::{Printed, print};
 use super::output::{Output, check_extension};
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
@@ -24,18 +24,19 @@ pub fn correlate_frfs(
     check_arguments(args)?;
     let other = functions(theory, format, output)?;
     let second = theory.display().to_string();
-    let (mut blocks, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for path in &args.test {
         let name = path.display().to_string();
         let own = frf_correlation(&functions(path, format, output)?, &other, args.band)?;
-        blocks.extend(frf_correlation_blocks(&name, &second, &own));
+        tests.push(frf_correlation_blocks(&name, &second, &own));
         lines.push(frf_lines_block(&name, &second, &own));
         all.push((name, own));
     }
     if let Some(path) = &args.lines {
         write_whole(path, CsvText.render(&lines))?;
     }
-    print(args, (blocks, json::frf_correlations_to_json(&all)), output)?;
+    let json = json::frf_correlations_to_json(&all);
+    print(args, Printed::of_tests(tests, json), output)?;
     Ok(Outcome::Done)
 }
 

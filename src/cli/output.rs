@@ -9,7 +9,7 @@ use crate::finding::{Code, Finding};
 use crate::geometry::Geometry;
 use crate::io::{IoError, WriteOptions, modes_source, write_path, write_whole};
 use crate::modal::ModalModel;
-use crate::report::{Block, Renderer, Terminal};
+use crate::report::{Block, Language, Renderer, Terminal};
 
 use super::args::Global;
 
@@ -67,6 +67,7 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
 pub struct Output {
     quiet: bool,
     json: bool,
+    language: Language,
     result: String,
     findings: Vec<(String, Finding)>,
 }
@@ -77,13 +78,24 @@ impl Output {
         Self {
             quiet: global.quiet,
             json: global.json,
+            language: global.lang,
             result: String::new(),
             findings: Vec::new(),
         }
     }
 
-    /// Adds blocks to the result, unless JSON is wanted.
+    /// The language of tables.
+    pub fn language(&self) -> Language {
+        self.language
+    }
+
+    /// Adds blocks to the result in the wanted language, unless JSON is wanted.
     pub fn blocks(&mut self, blocks: &[Block]) {
+        self.translated(&self.language.translated(blocks.to_vec()));
+    }
+
+    /// Adds blocks that are in the wanted language already.
+    pub fn translated(&mut self, blocks: &[Block]) {
         if !self.json {
             self.text(&Terminal.render(blocks));
         }

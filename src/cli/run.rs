@@ -1,10 +1,11 @@
 //! `modalign run`: a scene to its tables, and with `-o` to files.
 
+use crate::correlate::ComparisonTable;
 use crate::error::Error;
 use crate::finding::Finding;
 use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs, write_whole};
 use crate::report::{
-    Block, CsvText, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
+    Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
     published_comparison_block, published_roots_block, quantities_block, whole_comparison,
 };
@@ -22,15 +23,15 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         test.partial |= args.partial;
     }
     let result = run_scene(&scene)?;
-    let blocks = blocks(&scene, &result);
+    let blocks = output.language().translated(blocks(&scene, &result));
     if let Some(folder) = &args.output {
-        for (name, bytes) in files(&result, &blocks)? {
+        for (name, bytes) in files(&result, &blocks, output.language())? {
             write_whole(&folder.join(name), bytes)?;
         }
     }
-    output.blocks(&blocks);
+    output.translated(&blocks);
     match &result.table {
-        Some(table) => output.json(|| json::comparison_to_json(table)),
+        Some(table) => output.json(|| comparison_json(table, &result)),
         None if result.tests.is_empty() => {
             output.json(|| modes_to_json(&result.theory.modes, None));
         }
@@ -41,6 +42,16 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     }
     let missed = result.limits.iter().any(|check| !check.met());
     Ok(Outcome::missed_if(missed || result.partly_bad()))
+}
+
+/// `comparison.json` with what the scene asked for beside the rows.
+fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
+    let more = json::Additions {
+        placements: &result.placements,
+        limits: &result.limits,
+        ..json::Additions::default()
+    };
+    json::comparison_with(table, &more)
 }
 
 /// The modes of one test as they are, those of several as an array.
@@ -126,7 +137,11 @@ fn file_stem(name: &str) -> String {
 }
 
 /// Everything that goes into the folder, made before the first file is written.
-fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)>, Error> {
+fn files(
+    result: &SceneResult,
+    blocks: &[Block],
+    language: Language,
+) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for (index, test) in result.tests.iter().enumerate() {
         let stem = file_stem(&test.name);
@@ -174,7 +189,7 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
     };
     files.push((
         "comparison.json".to_owned(),
-        json::comparison_to_json(table).into_bytes(),
+        comparison_json(table, result).into_bytes(),
     ));
     let told: Vec<Block> = blocks
         .iter()
@@ -183,7 +198,7 @@ fn files(result: &SceneResult, blocks: &[Block]) -> Result<Vec<(String, Vec<u8>)
         .collect();
     for renderer in RENDERERS {
         // A reader of CSV expects one table.
-        let comparison = whole_comparison(table, &result.theory);
+        let comparison = language.translated(whole_comparison(table, &result.theory));
         let part = if renderer.name() == "csv" {
             &comparison[..1]
         } else {

@@ -21,7 +21,9 @@ pub fn update(
         test.partial |= args.partial;
     }
     let own = update_scene(&scene)?;
-    let blocks = update_blocks(&scene.title, &own);
+    let blocks = output
+        .language()
+        .translated(update_blocks(&scene.title, &own));
     if let Some(folder) = &args.output {
         write_whole(&folder.join("update.json"), json::update_to_json(&own))?;
         write_whole(&folder.join("model.toml"), &own.model_toml)?;
@@ -35,7 +37,7 @@ pub fn update(
             write_whole(&folder.join(name), renderer.render(&blocks))?;
         }
     }
-    output.blocks(&blocks);
+    output.translated(&blocks);
     output.json(|| json::update_to_json(&own));
     output.findings(&own.findings);
     let partly_bad = own.tests.iter().any(|test| test.partly_bad);

@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod command;
 mod correlate_command;
+mod correlate_tables;
 mod cycloid_ball;
 mod exchange;
 mod free_free_beam;

@@ -7,8 +7,10 @@ use crate::correlate::measures::{Measures, ReversedSensor};
 use crate::correlate::{
     Alignment, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
 };
+use crate::scene::{LimitCheck, PlacedTest};
 
 use super::measures::{measures_value, reversed_value};
+use super::placement::{limits_value, placements_value};
 
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
@@ -54,6 +56,12 @@ pub struct ComparisonFile {
     /// The frame that was fitted to the points of the first test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alignment: Option<Value>,
+    /// Where to hit or put a sensor next, where a scene asks for it: an object for each test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub placements: Option<Value>,
+    /// Limits that a scene states: an object for each, with `met`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Value>,
 }
 
 /// One row.
@@ -131,6 +139,10 @@ pub struct Additions<'a> {
     pub reversed: &'a [(String, Vec<ReversedSensor>)],
     /// The frame that was fitted to the points of the first test.
     pub alignment: Option<&'a Alignment>,
+    /// Points that tests should have.
+    pub placements: &'a [PlacedTest],
+    /// Limits with what was found.
+    pub limits: &'a [LimitCheck],
 }
 
 /// The text of `comparison.json` with what stands beside the rows, each under a key of its own where there is something.
@@ -146,6 +158,8 @@ pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String 
         measures: (!more.measures.is_empty()).then(|| measures_value(more.measures)),
         reversed_sensors: reversed_value(more.reversed),
         alignment: alignment.and_then(Result::ok),
+        placements: placements_value(more.placements),
+        limits: limits_value(more.limits),
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
     text + "\n"

@@ -4,6 +4,7 @@ mod compare;
 mod comparison;
 mod hits;
 mod measures;
+mod placement;
 mod response;
 mod sweep;
 mod theory;

@@ -1,0 +1,158 @@
+//! Where to hit next, and limits, beside a comparison.
+
+use serde_json::{Value, json};
+
+use crate::correlate::{Placement, PlannedRoot, RankedHit, Step};
+use crate::dof::Dof;
+use crate::scene::{LimitCheck, PlacedTest};
+
+/// The points that tests should have, as `placements` of `comparison.json` holds them.
+pub(super) fn placements_value(placed: &[PlacedTest]) -> Option<Value> {
+    (!placed.is_empty()).then(|| placed.iter().map(placed_test).collect())
+}
+
+/// Limits with what was found, as `limits` of `comparison.json` holds them.
+pub(super) fn limits_value(limits: &[LimitCheck]) -> Option<Value> {
+    let check = |own: &LimitCheck| {
+        json!({
+            "what": own.what,
+            "value": own.value,
+            "limit": own.limit,
+            "bound": if own.upper { "upper" } else { "lower" },
+            "met": own.met(),
+        })
+    };
+    (!limits.is_empty()).then(|| limits.iter().map(check).collect())
+}
+
+fn placed_test(placed: &PlacedTest) -> Value {
+    let mut value = match &placed.placement {
+        Ok(own) => placement(own),
+        Err(why) => json!({ "not_known": why.to_string() }),
+    };
+    value["test"] = placed.test.as_str().into();
+    value["candidates"] = json!({
+        "hits": names(&placed.candidates.hits),
+        "sensors": names(&placed.candidates.sensors),
+    });
+    value
+}
+
+fn placement(own: &Placement) -> Value {
+    let step = |step: &Step| {
+        let shown = step
+            .shown
+            .iter()
+            .map(|(root, modes)| json!({ "modes": numbers(&own.roots[*root]), "shown": modes }));
+        json!({
+            "hit": step.hit.as_ref().map(Dof::to_string),
+            "sensor": step.sensor.as_ref().map(Dof::to_string),
+            "shows": shown.collect::<Vec<Value>>(),
+        })
+    };
+    let root = |root: &PlannedRoot| {
+        json!({
+            "modes": numbers(root),
+            "hz": root.hz,
+            "seen": root.seen,
+            "planned": root.planned,
+            "peak_over_noise_db": root.peak_over_noise_db,
+            "every_hit_still": root.still[0],
+            "every_sensor_still": root.still[1],
+        })
+    };
+    let ranked = |hit: &RankedHit| {
+        json!({
+            "hit": hit.dof.to_string(),
+            "shown": hit.shown,
+            "driving_point_residue": hit.driving_point_residue,
+            "independence": hit.independence,
+        })
+    };
+    json!({
+        "steps": own.steps.iter().map(step).collect::<Vec<Value>>(),
+        "roots": own.roots.iter().map(root).collect::<Vec<Value>>(),
+        "ranking": own.ranking.iter().map(ranked).collect::<Vec<Value>>(),
+    })
+}
+
+/// Mode numbers from 1, as in the rows.
+fn numbers(root: &PlannedRoot) -> Vec<usize> {
+    root.modes.iter().map(|j| j + 1).collect()
+}
+
+fn names(dofs: &[Dof]) -> Vec<String> {
+    dofs.iter().map(Dof::to_string).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlate::{Candidates, NotJudged};
+
+    #[test]
+    fn steps_roots_and_ranking_stand_under_the_test() {
+        let dof = |text: &str| -> Dof { text.parse().unwrap() };
+        let root = PlannedRoot {
+            modes: vec![2, 3],
+            hz: 80.0,
+            seen: 0,
+            planned: 1,
+            peak_over_noise_db: Some(21.0),
+            still: [false, true],
+        };
+        let placed = PlacedTest {
+            test: "one hit".to_owned(),
+            candidates: Candidates {
+                hits: vec![dof("2:+Y")],
+                sensors: vec![],
+            },
+            placement: Ok(Placement {
+                steps: vec![Step {
+                    hit: Some(dof("2:+Y")),
+                    sensor: None,
+                    shown: vec![(0, 1)],
+                }],
+                roots: vec![root],
+                ranking: vec![RankedHit {
+                    dof: dof("2:+Y"),
+                    shown: 1,
+                    driving_point_residue: 1.0,
+                    independence: None,
+                }],
+            }),
+        };
+        let unknown = PlacedTest {
+            placement: Err(NotJudged::ModalMass),
+            ..placed.clone()
+        };
+        let value = placements_value(&[placed, unknown]).unwrap();
+        assert_eq!(value[0]["test"], "one hit");
+        let step =
+            json!({ "hit": "2:+Y", "sensor": null, "shows": [{ "modes": [3, 4], "shown": 1 }] });
+        assert_eq!(value[0]["steps"], json!([step]));
+        let root = &value[0]["roots"][0];
+        assert_eq!(
+            [&root["every_hit_still"], &root["every_sensor_still"]],
+            [&json!(false), &json!(true)]
+        );
+        assert_eq!(value[0]["ranking"][0]["shown"], 1);
+        assert_eq!(value[1]["not_known"], "the model has no modal mass");
+        assert_eq!(placements_value(&[]), None);
+    }
+
+    #[test]
+    fn a_limit_stands_with_its_value_and_verdict() {
+        let limit = LimitCheck {
+            what: "t: smallest MAC".to_owned(),
+            value: Some(0.8),
+            limit: 0.9,
+            upper: false,
+        };
+        let value = limits_value(&[limit]).unwrap();
+        assert_eq!(
+            [&value[0]["bound"], &value[0]["met"]],
+            [&json!("lower"), &json!(false)]
+        );
+    }
+}
