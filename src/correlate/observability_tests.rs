@@ -8,7 +8,7 @@ use crate::axis::FrequencyAxis;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::linalg::{least_squares_real, real_matrix};
-use crate::modal::{ModalModel, Mode, ModeShape, Pole, Scaling};
+use crate::modal::{ModalModel, Mode, Pole, Scaling};
 use crate::quantity::FrfKind;
 
 use super::pairing_tests::{mode, model};

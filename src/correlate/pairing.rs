@@ -248,6 +248,14 @@ impl Shapes {
         both.filter(|(a, b)| a.is_some() && b.is_some()).count()
     }
 
+    /// The number of degrees of freedom, where every mode of both has a value at each.
+    pub fn count_of_all(&self) -> Option<usize> {
+        let mut all = self.test.iter().chain(&self.theory);
+        let count = self.test.first().and(self.theory.first())?.len();
+        all.all(|own| own.iter().all(Option::is_some))
+            .then_some(count)
+    }
+
     /// MAC of every test mode with every theory mode; one product of matrices where all modes have all values.
     pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
         if let (Some(test), Some(theory)) = (whole(&self.test), whole(&self.theory)) {

@@ -110,7 +110,10 @@ impl MacMatrix {
             rows: ModeName::all(rows),
             columns: ModeName::all(columns),
             mac: shapes.mac_matrix(),
-            dofs: DofRange::over(pairs.map(|(i, j)| shapes.common_count(i, j))),
+            dofs: match shapes.count_of_all() {
+                Some(count) => DofRange::over(std::iter::once(count)),
+                None => DofRange::over(pairs.map(|(i, j)| shapes.common_count(i, j))),
+            },
         }
     }
 }

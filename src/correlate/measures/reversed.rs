@@ -385,7 +385,7 @@ mod tests {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1);
-            (state >> 33) % 5 == 0
+            (state >> 33).is_multiple_of(5)
         };
         for mode in &mut test.modes {
             let values = mode
