@@ -89,7 +89,9 @@ impl ForcePower {
             let reach = (SMOOTHED / 2)
                 .min(line.saturating_sub(1))
                 .min(end - 1 - line);
-            let mut near = self.lines[line - reach..=line + reach].to_vec();
+            let mut near = [0.0; SMOOTHED];
+            let near = &mut near[..2 * reach + 1];
+            near.copy_from_slice(&self.lines[line - reach..=line + reach]);
             near.sort_unstable_by(f64::total_cmp);
             (near[reach] - self.noise).max(0.0)
         };
