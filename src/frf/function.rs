@@ -1,6 +1,6 @@
 //! One (response, hit point) pair: its records transformed, summed over hits and estimated.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use num_complex::Complex64;
 
@@ -26,21 +26,21 @@ pub(super) struct Group<'a> {
     pub hits: Vec<&'a HitInfo>,
     pub forces: Vec<ForceHit>,
     /// Power of all its forces.
-    pub power: Vec<f64>,
+    pub power: Arc<[f64]>,
 }
 
 /// `Σ|F|²` at every line.
 pub(super) fn force_power<'a>(
     forces: impl IntoIterator<Item = &'a ForceHit>,
     lines: usize,
-) -> Vec<f64> {
+) -> Arc<[f64]> {
     let mut power = vec![0.0; lines];
     for force in forces {
         for (sum, f) in power.iter_mut().zip(&force.spectrum) {
             *sum += f.norm_sqr();
         }
     }
-    power
+    power.into()
 }
 
 /// One response and the hits of its group that hold it: number within the group, number of the response within the hit.
@@ -182,7 +182,7 @@ impl Estimation<'_> {
         let forces = &self.group.forces;
         work.sum(forces);
         if totals.hits.len() == forces.len() {
-            work.sums.gff.clone_from(&self.group.power);
+            work.sums.gff = Arc::clone(&self.group.power);
         } else {
             let own = totals.hits.iter().map(|hit| &forces[*hit]);
             work.sums.gff = force_power(own, self.plan.lines());

@@ -2,6 +2,8 @@
 //!
 //! `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X` over the hits of a pair, unscaled: every result is a ratio.
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use crate::signal::vectorised;
@@ -34,8 +36,8 @@ const LINES_AT_ONCE: usize = 128;
 /// Sums over hits at every line.
 #[derive(Default)]
 pub(super) struct Sums {
-    /// `Σ|F|²`.
-    pub gff: Vec<f64>,
+    /// `Σ|F|²`, which functions of the same hits share.
+    pub gff: Arc<[f64]>,
     /// `Σ|X|²`.
     pub gxx: Vec<f64>,
     /// `ΣF* X`.
