@@ -94,6 +94,7 @@ impl PoleEstimator for Automatic {
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
+        fit.reckon_with_outside();
         let mut table = fit.table((set, band), &found);
         state_orders(&mut table);
         Ok(table)
@@ -174,7 +175,7 @@ impl Fit {
         Ok(roots_of(&own.seeds, self.data.functions()))
     }
 
-    fn refine(&mut self, stop: Stop) {
+    pub fn refine(&mut self, stop: Stop) {
         let stop = if self.fixed { Stop::Residues } else { stop };
         let measured = measured(&self.data, &self.sides);
         let roots = std::mem::take(&mut self.roots);
@@ -350,39 +351,6 @@ impl Fit {
         self.data.shared = self.data.shared.of_rest(&self.data, &rest);
     }
 
-    /// Leaves the poles of the background away where, without them, what the roots leave over has no more of their kind than noise:
-    /// they cost what is known of modes near the ends of the lines. What they explained may have been a wide mode inside: it is
-    /// searched for without them.
-    fn look_outside(&mut self) {
-        let (before, told) = (self.roots.clone(), self.dropped.len());
-        self.data.outside = false;
-        unsettle(&mut self.roots);
-        self.refine(Stop::Judging);
-        if self.needs_outside() && self.search().is_some() {
-            self.settle(Stop::Judging);
-        }
-        if self.needs_outside() || self.roots.len() < before.len() {
-            self.data.outside = true;
-            self.roots = before;
-            self.dropped.truncate(told);
-        }
-    }
-
-    /// Whether the poles of the background explain more of what the roots leave over than they would of noise.
-    fn needs_outside(&self) -> bool {
-        let explained = |outside: bool| {
-            let own = Measured {
-                outside,
-                ..measured(&self.data, &self.sides)
-            };
-            Far::new(&self.data, &own).explained(&own, &self.roots)
-        };
-        let ((with, many), (without, few)) = (explained(true), explained(false));
-        // Two real numbers of variance 1/2 for each unknown.
-        let unknowns = (many - few) as f64;
-        with - without > unknowns + unknowns.sqrt()
-    }
-
     /// What roots and background leave over, over the noise: lines × functions.
     pub fn rest(&self) -> ComplexMatrix {
         let measured = measured(&self.data, &self.sides);
@@ -422,9 +390,9 @@ impl Fit {
     }
 }
 
-fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
+pub(super) fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
     Measured {
-        outside: data.outside,
+        outside: &data.outside,
         omega: &data.omega,
         values: linalg::complex_matrix(data.lines(), data.functions(), |k, f| data.values[f][k]),
         sides,

@@ -18,39 +18,50 @@ const RATIO: f64 = 2.0;
 /// Farthest pole, in lengths of the window.
 const FARTHEST: f64 = 1.0;
 
+/// Columns of every window: constant and slope.
+pub(super) const EVERYWHERE: usize = 2;
 /// Lines for each pole, fewest.
 const FEWEST_LINES_EACH: usize = 3;
 
-/// The background of a window.
-#[derive(Clone, Debug)]
-pub(super) struct Background {
-    poles: Vec<Complex64>,
+/// What is known of the modes outside the lines of a band.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Outside {
+    /// Nothing: they may lie anywhere.
+    Anywhere,
+    /// What they put into the lines goes along these courses, one value per line each; none where the data show no such modes.
+    Courses(Vec<Vec<Complex64>>),
 }
 
-impl Background {
-    /// For lines of a band that has `omega` in all, with poles for what is just outside of it or without.
-    pub fn new(omega: &[f64], lines: &Range<usize>, outside: bool) -> Self {
-        let step = omega[1] - omega[0];
-        // Few lines cannot tell many poles.
-        let most = lines.len() / FEWEST_LINES_EACH;
-        let length = FARTHEST * lines.len() as f64 * step;
-        let mut poles = Vec::new();
-        let mut distance = NEAREST * step;
-        while outside && distance < length && poles.len() + 2 <= most {
-            if lines.start == 0 {
-                poles.push(Complex64::new(-distance, omega[0] - distance));
+/// The background of a window.
+#[derive(Clone, Debug)]
+pub(super) struct Background<'a> {
+    poles: Vec<Complex64>,
+    /// Courses on the lines of the window.
+    courses: Vec<&'a [Complex64]>,
+}
+
+impl<'a> Background<'a> {
+    /// For lines of a band that has `omega` in all. What lies outside counts where the window ends with the band.
+    pub fn new(omega: &[f64], lines: &Range<usize>, outside: &'a Outside) -> Self {
+        let (below, above) = (lines.start == 0, lines.end == omega.len());
+        match outside {
+            Outside::Anywhere => Self {
+                poles: clustered(omega, lines, (below, above)),
+                courses: Vec::new(),
+            },
+            Outside::Courses(courses) => {
+                let own = courses.iter().filter(|_| below || above);
+                Self {
+                    poles: Vec::new(),
+                    courses: own.map(|course| &course[lines.clone()]).collect(),
+                }
             }
-            if lines.end == omega.len() {
-                poles.push(Complex64::new(-distance, omega[omega.len() - 1] + distance));
-            }
-            distance *= RATIO;
         }
-        Self { poles }
     }
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        2 + self.poles.len()
+        EVERYWHERE + self.poles.len() + self.courses.len()
     }
 
     /// Column at a line of the window.
@@ -59,10 +70,10 @@ impl Background {
         match column {
             0 => Complex64::ONE,
             1 => Complex64::from((2.0 * omega[k] - first - last) / (last - first)),
-            _ => {
-                let pole = self.poles[column - 2];
-                pole.re.abs() / (Complex64::new(0.0, omega[k]) - pole)
-            }
+            _ => match self.poles.get(column - EVERYWHERE) {
+                Some(pole) => pole.re.abs() / (Complex64::new(0.0, omega[k]) - pole),
+                None => self.courses[column - EVERYWHERE - self.poles.len()][k],
+            },
         }
     }
 
@@ -73,4 +84,24 @@ impl Background {
         });
         linalg::thin_qr(&columns).q
     }
+}
+
+/// Poles that crowd towards the ends of a window that are the band's.
+fn clustered(omega: &[f64], lines: &Range<usize>, (below, above): (bool, bool)) -> Vec<Complex64> {
+    let step = omega[1] - omega[0];
+    // Few lines cannot tell many poles.
+    let most = lines.len() / FEWEST_LINES_EACH;
+    let length = FARTHEST * lines.len() as f64 * step;
+    let mut poles = Vec::new();
+    let mut distance = NEAREST * step;
+    while distance < length && poles.len() + EVERYWHERE <= most {
+        if below {
+            poles.push(Complex64::new(-distance, omega[0] - distance));
+        }
+        if above {
+            poles.push(Complex64::new(-distance, omega[omega.len() - 1] + distance));
+        }
+        distance *= RATIO;
+    }
+    poles
 }

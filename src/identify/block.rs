@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::background::Background;
+use super::background::{Background, Outside};
 use super::linearised::{Compressed, Linearised, Pattern, Problem, patterns};
 use super::noise_profile::Profile;
 use super::roots::{Root, in_reach};
@@ -52,8 +52,8 @@ pub(super) struct Measured<'a> {
     pub values: ComplexMatrix,
     /// Outputs and inputs.
     pub sides: &'a Sides,
-    /// Whether there are modes just outside the lines.
-    pub outside: bool,
+    /// What is known of modes outside the lines.
+    pub outside: &'a Outside,
 }
 
 /// Modes that are fitted together.
@@ -163,7 +163,7 @@ struct Window<'a> {
     measured: &'a Measured<'a>,
     profile: &'a Profile,
     omega: &'a [f64],
-    background: Background,
+    background: Background<'a>,
     patterns: Vec<Pattern>,
     /// Lines × functions.
     data: ComplexMatrix,

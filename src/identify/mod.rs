@@ -60,6 +60,7 @@ mod noise_course;
 mod noise_profile;
 #[cfg(test)]
 mod options_tests;
+mod outside;
 mod parts;
 #[cfg(test)]
 mod parts_tests;
@@ -149,6 +150,10 @@ pub struct Candidate {
     pub damping_std: Option<f64>,
     /// Correlation of the errors of frequency and damping.
     pub frequency_damping_correlation: Option<f64>,
+    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data tell.
+    pub frequency_bias_hz: Option<f64>,
+    /// The same of the damping ratio.
+    pub damping_bias: Option<f64>,
     /// Figure of merit of the method; for the circle fit the relative standard deviation of the damping surface.
     pub quality: Option<f64>,
 }

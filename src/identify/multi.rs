@@ -138,7 +138,7 @@ fn complete(candidate: &mut Candidate, seeds: &[Seed], (fit, references): (&Fit,
         return;
     };
     // Real and imaginary part have half of its square each.
-    let offset = root.quality.offset * std::f64::consts::FRAC_1_SQRT_2;
+    let offset = root.quality.offset.norm() * std::f64::consts::FRAC_1_SQRT_2;
     let joined = |std: Option<f64>, own: f64| std.map(|std| std.hypot(own));
     candidate.frequency_std_hz = joined(candidate.frequency_std_hz, offset / TAU);
     candidate.damping_std = joined(candidate.damping_std, offset / lambda.norm());

@@ -232,6 +232,53 @@ mod tests {
     }
 
     #[test]
+    fn what_is_left_over_adds_noise_of_the_force_to_stated_variances() {
+        // Stated: 1e-6 at every line. Of the six, one response has ten times that, stated as well.
+        let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
+        let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
+        let values: Vec<Complex64> = (0..4000).map(clean).collect();
+        let told = |by_force: f64| {
+            let force = white_noise(4000, by_force, 3);
+            let left = |f: u64| {
+                let stated = if f == 5 { 1e-5 } else { 1e-6 };
+                let own = white_noise(4000, stated, 10 + f);
+                LeftOver {
+                    values: values.clone(),
+                    rest: (0..4000).map(|k| own[k] + force[k] * values[k]).collect(),
+                    stated: Some(vec![stated; 4000]),
+                }
+            };
+            let functions: Vec<LeftOver> = (0..6).map(left).collect();
+            of_rest(&functions, (6.0, 1.0))
+        };
+        let top = |own: &Smooth| {
+            let tops = (0..8).flat_map(|n| 240 + 500 * n..260 + 500 * n);
+            tops.map(|k| own.variance[k] / values[k].norm_sqr())
+                .sum::<f64>()
+                / 160.0
+        };
+        let with = told(1e-4);
+        // 160 lines, each an own draw of the force: its mean square to 8 %, four times.
+        assert!(
+            (top(&with[0]) / 1.01e-4 - 1.0).abs() < 0.3,
+            "{}",
+            top(&with[0])
+        );
+        // Half-way between two resonances the force adds 2 % at most.
+        assert!((with[0].variance[500] / 1.05e-6 - 1.0).abs() < 0.15);
+        assert!((with[5].variance[500] / 1.005e-5 - 1.0).abs() < 0.15);
+        assert!(with[0].by_force[250] > 0.9 && with[0].by_force[500] < 0.2);
+        // Where the stated variances are all there is, they stay.
+        let without = told(1e-12);
+        assert!(
+            (top(&without[0]) / 1e-6 - 1.0).abs() < 1.0,
+            "{}",
+            top(&without[0])
+        );
+        assert!((without[5].variance[500] / 1e-5 - 1.0).abs() < 0.15);
+    }
+
+    #[test]
     fn coherence_gives_the_textbook_variance() {
         let variance = from_coherence(&[Complex64::new(0.0, 2.0)], &[0.8], 5);
         assert!((variance[0] - 4.0 * 0.2 / (0.8 * 4.0)).abs() < 1e-15);

@@ -89,8 +89,8 @@ impl Judge<'_> {
         let widest = WIDEST * self.step * self.lines.saturating_sub(1) as f64;
         let reason = if quality.pole_std >= KNOWN * root.decay() {
             Reason::Unknown(quality.pole_std / root.decay())
-        } else if quality.offset >= MOST_OFFSET * root.decay() {
-            Reason::Unknown(quality.offset / root.decay())
+        } else if quality.offset.norm() >= MOST_OFFSET * root.decay() {
+            Reason::Unknown(quality.offset.norm() / root.decay())
         } else if !resonates(root.lambda) || width >= widest || width <= NARROWEST * self.step {
             Reason::Width(width / TAU)
         } else {

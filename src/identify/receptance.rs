@@ -13,6 +13,7 @@ use crate::frf::FrfSet;
 use crate::linalg::ComplexMatrix;
 
 use super::IdentifyError;
+use super::background::Outside;
 use super::correlation::Correlation;
 use super::noise::{self, LeftOver, Noise};
 use super::noise_course::Smooth;
@@ -39,8 +40,8 @@ pub(super) struct Receptances {
     pub by_force: Vec<Vec<f64>>,
     /// Variances of each function as they came with the data, where they did.
     stated: Vec<Option<Smooth>>,
-    /// Whether modes just outside the lines must be reckoned with.
-    pub outside: bool,
+    /// What is known of modes outside the lines.
+    pub outside: Outside,
     /// How the noise of neighbouring lines hangs together, as far as it is known.
     pub correlation: Correlation,
     /// How functions of one hit point err together, as far as it is known.
@@ -85,7 +86,7 @@ impl Receptances {
             variance: Vec::with_capacity(set.len()),
             by_force: Vec::with_capacity(set.len()),
             stated: Vec::with_capacity(set.len()),
-            outside: true,
+            outside: Outside::Anywhere,
             correlation: Correlation::of_window(
                 set.added_damping_rad_s,
                 (std::f64::consts::TAU * set.axis().step_hz, lines.len()),

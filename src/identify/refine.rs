@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::background::Background;
+use super::background::{Background, EVERYWHERE};
 use super::block::{Block, Fitted, Measured, Unknown, fit};
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
@@ -159,10 +159,10 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         // A fit of the residues alone says nothing new of the pole.
         let mut bound = before.quality.pole_bound / decay;
         let mut still = true;
-        let mut offset = 0.0;
+        let mut offset = Complex64::ZERO;
         for (unknown, step) in fitted.unknowns.iter().zip(&fitted.next) {
             if *unknown == Unknown::Pole(place) {
-                offset = decay * step.norm();
+                offset = decay * step;
             }
         }
         for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
@@ -182,6 +182,7 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
             pole_bound: bound * decay,
             pole_std: before.quality.pole_std,
             offset,
+            bias: None,
             combinations: combined(&root.parts, &strengths.combinations),
             strengths: strengths.values,
             largest: strengths.largest,
@@ -401,16 +402,53 @@ impl Far {
         })
     }
 
-    /// Energy that the background explains of what the roots leave over, over the noise, with the complex unknowns that it has.
-    pub fn explained(&self, measured: &Measured, roots: &[Root]) -> (f64, usize) {
+    /// Coordinates of what the roots leave over, over the noise, without constant and slope: columns × functions.
+    fn beyond(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
         let rest = self.of_rest(measured, roots);
-        let energy = |f: usize| {
-            let own = rest.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
-            own / (self.level[f] * self.level[f])
+        let columns = rest.nrows() - EVERYWHERE;
+        linalg::complex_matrix(columns, rest.ncols(), |c, f| {
+            rest[(EVERYWHERE + c, f)] / self.level[f]
+        })
+    }
+
+    /// Courses over the lines of what the roots leave over beyond constant and slope, the strongest first: as many as leave no more
+    /// of the rest than noise, of which `alike` lines count for one, and so many at most.
+    ///
+    /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance plus one dyad per course; what r
+    /// dyads leave has (columns − r)(functions − r) numbers.
+    pub fn strongest(
+        &self,
+        (measured, roots): (&Measured, &[Root]),
+        alike: f64,
+        most: usize,
+    ) -> Vec<Vec<Complex64>> {
+        let beyond = self.beyond(measured, roots);
+        let Ok(svd) = linalg::singular_vectors(&beyond) else {
+            return Vec::new();
         };
-        (
-            (0..rest.ncols()).map(energy).sum(),
-            rest.nrows() * rest.ncols(),
-        )
+        let left = |rank: usize| svd.values[rank..].iter().map(|s| s * s).sum::<f64>();
+        let noise = |rank: usize| {
+            let numbers = ((beyond.nrows() - rank) * (beyond.ncols() - rank)) as f64;
+            alike * (numbers + numbers.sqrt())
+        };
+        let all = svd.values.len();
+        let needed = (0..all).find(|rank| left(*rank) <= noise(*rank));
+        let count = needed.unwrap_or(all).min(most);
+        let course = |rank: usize| {
+            let at = |k: usize| -> Complex64 {
+                let terms = (0..beyond.nrows())
+                    .map(|c| self.columns[(k, EVERYWHERE + c)] * svd.left[(c, rank)]);
+                terms.sum()
+            };
+            (0..self.columns.nrows()).map(at).collect()
+        };
+        (0..count).map(course).collect()
+    }
+
+    /// Energy beyond constant and slope that the background explains of what the roots leave over, over the noise, with the complex
+    /// numbers that it has.
+    pub fn explained(&self, measured: &Measured, roots: &[Root]) -> (f64, usize) {
+        let beyond = self.beyond(measured, roots);
+        (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())
     }
 }

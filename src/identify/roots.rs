@@ -41,8 +41,10 @@ pub(super) struct Quality {
     pub pole_bound: f64,
     /// The same in the noise that there is.
     pub pole_std: f64,
-    /// Distance to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for a pole that stays where a method put it.
-    pub offset: f64,
+    /// From the pole to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for one that stays where it was put.
+    pub offset: Complex64,
+    /// Error that what lies outside the lines leaves in λ as far as the data tell, rad/s; `None` where anything may lie there.
+    pub bias: Option<Complex64>,
     /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
     /// output where there is no mode.
     pub strengths: Vec<f64>,
@@ -69,7 +71,8 @@ impl Quality {
     pub const UNKNOWN: Self = Self {
         pole_bound: f64::INFINITY,
         pole_std: f64::INFINITY,
-        offset: 0.0,
+        offset: Complex64::ZERO,
+        bias: None,
         strengths: Vec::new(),
         combinations: Vec::new(),
         largest: 0.0,
@@ -78,7 +81,7 @@ impl Quality {
 
     /// How far λ may be from where it belongs, rad/s: what noise does, and how far it was left from its place.
     pub fn pole_error(&self) -> f64 {
-        self.pole_std.hypot(self.offset)
+        self.pole_std.hypot(self.offset.norm())
     }
 
     /// Strength of the weakest combination of modes.

@@ -175,6 +175,8 @@ fn mode(
         frequency_std_hz: candidate.frequency_std_hz,
         damping_std: damping.and(candidate.damping_std),
         frequency_damping_correlation: damping.and(candidate.frequency_damping_correlation),
+        frequency_bias_hz: candidate.frequency_bias_hz,
+        damping_bias: damping.and(candidate.damping_bias),
         residues,
         modal_mass_kg,
         mpc: modal_phase_collinearity(&components),

@@ -297,6 +297,8 @@ fn candidate(resonance: &Resonance, verdict: &checks::Verdict) -> Candidate {
         },
         participation: None,
         frequency_damping_correlation: None,
+        frequency_bias_hz: None,
+        damping_bias: None,
         residues: Some(verdict.residues.clone()),
         multiplicity: verdict.multiplicity,
         frequency_std_hz: fit.and_then(|fit| fit.omega_std_rad_s).map(hz),

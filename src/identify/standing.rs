@@ -241,6 +241,7 @@ pub(super) fn doubt(
 /// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
 pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
     let std = root.quality.pole_std * standing.inflation();
+    let (bias, along) = (root.quality.bias, root.lambda / root.lambda.norm());
     Candidate {
         order: None,
         pole: Pole {
@@ -252,6 +253,11 @@ pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
         multiplicity: root.multiplicity(),
         frequency_std_hz: Some(std / TAU),
         damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
+        frequency_bias_hz: bias.map(|bias| (bias * along.conj()).re.abs() / TAU),
+        damping_bias: bias.map(|bias| {
+            let across = (bias * along.conj()).im.abs();
+            across * root.lambda.im / root.lambda.norm_sqr()
+        }),
         quality: None,
     }
 }

@@ -65,6 +65,8 @@ struct ModeJson {
     mean_phase_deviation_rad: Option<f64>,
     modal_overlap: Option<f64>,
     half_power_lines: Option<f64>,
+    frequency_bias_hz: Option<f64>,
+    damping_bias: Option<f64>,
 }
 
 /// `response|reference`.
@@ -155,6 +157,8 @@ fn mode_json(mode: &Mode) -> ModeJson {
         mean_phase_deviation_rad: mode.mean_phase_deviation_rad,
         modal_overlap: mode.modal_overlap,
         half_power_lines: mode.half_power_lines,
+        frequency_bias_hz: mode.frequency_bias_hz,
+        damping_bias: mode.damping_bias,
     }
 }
 
@@ -265,6 +269,8 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
         mean_phase_deviation_rad: mode.mean_phase_deviation_rad,
         modal_overlap: mode.modal_overlap,
         half_power_lines: mode.half_power_lines,
+        frequency_bias_hz: mode.frequency_bias_hz,
+        damping_bias: mode.damping_bias,
     })
 }
 
@@ -289,6 +295,7 @@ mod tests {
             mode.mean_phase_deviation_rad = Some(re.abs());
             mode.modal_overlap = Some(f);
             mode.half_power_lines = Some(f * zeta);
+            (mode.frequency_bias_hz, mode.damping_bias) = (Some(1e-3 * f), Some(1e-3 * zeta));
             let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(f)).value(re, "Hz");
             let model = ModalModel {
                 producer: "test".to_owned(),

@@ -77,6 +77,10 @@ pub struct Mode {
     pub modal_overlap: Option<f64>,
     /// Frequency lines across the half-power band of the pole as measured, the damping of an exponential window included.
     pub half_power_lines: Option<f64>,
+    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data tell; in no standard deviation.
+    pub frequency_bias_hz: Option<f64>,
+    /// The same of the damping ratio.
+    pub damping_bias: Option<f64>,
 }
 
 impl Mode {
@@ -106,6 +110,8 @@ impl Mode {
             mean_phase_deviation_rad: None,
             modal_overlap: None,
             half_power_lines: None,
+            frequency_bias_hz: None,
+            damping_bias: None,
         }
     }
 

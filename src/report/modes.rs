@@ -8,12 +8,19 @@ use super::{Block, Cell, Column, Table};
 
 /// Identified modes of a test: frequency and damping with their deviations, complexity, method.
 pub fn modes_block(test: &str, model: &ModalModel) -> Block {
-    let columns = vec![
+    let biased = model.modes.iter().any(|m| m.frequency_bias_hz.is_some());
+    let mut columns = vec![
         Column::number("mode"),
         Column::number("f (Hz)"),
         Column::number("std f (Hz)"),
         Column::number("damping (%)"),
         Column::number("std damping (%)"),
+    ];
+    if biased {
+        columns.push(Column::number("bias f (Hz)"));
+        columns.push(Column::number("bias damping (%)"));
+    }
+    columns.extend([
         Column::number("MPC"),
         Column::number("MPD (°)"),
         Column::number("mean phase (°)"),
@@ -22,15 +29,21 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         Column::number("DOFs"),
         Column::text("method"),
         Column::text("remark"),
-    ];
+    ]);
     let percent = |fraction: Option<f64>| fraction.map(|value| 100.0 * value);
     let row = |(index, mode): (usize, &Mode)| {
-        vec![
+        let mut cells = vec![
             Cell::text((index + 1).to_string()),
             Cell::number(Some(mode.frequency_hz), 3),
             Cell::number(mode.frequency_std_hz, 4),
             Cell::number(percent(mode.damping_ratio), 4),
             Cell::number(percent(mode.damping_std), 4),
+        ];
+        if biased {
+            cells.push(Cell::number(mode.frequency_bias_hz, 4));
+            cells.push(Cell::number(percent(mode.damping_bias), 4));
+        }
+        cells.extend([
             Cell::number(mode.mpc, 4),
             Cell::number(mode.mean_phase_deviation_rad.map(f64::to_degrees), 1),
             Cell::number(mode.mean_phase_rad.map(f64::to_degrees), 1),
@@ -39,7 +52,8 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
             Cell::text(mode.shape.len().to_string()),
             mode.method.clone().map_or(Cell::Missing, Cell::Text),
             Cell::text(remarks(model, mode)),
-        ]
+        ]);
+        cells
     };
     let mut footnotes =
         vec![
@@ -47,6 +61,9 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
             "MPC: 1 for a shape on one line of the complex plane, 0 for a circle; mean phase: ½ arg Σφ²; MPD: mean angle from it, weighted by |φ|.".to_owned(),
             "overlap: half-power width 2ζf over the mean distance to the neighbouring modes; lines: frequency lines across the half-power band as measured.".to_owned(),
         ];
+    if biased {
+        footnotes.push("bias: size of the error that modes outside the band leave, as far as the data tell; —: anything may lie there, and the deviation counts it.".to_owned());
+    }
     if let Some(band) = model.band {
         footnotes.push(format!(
             "Band searched: {} to {} Hz.",
