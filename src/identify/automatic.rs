@@ -41,7 +41,7 @@ use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
 use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
 use super::tries::WORTHWHILE;
-use super::{IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
+use super::{Candidate, IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
 
 /// Roots may lie outside the lines by this share of their range.
 const OUTSIDE: f64 = 0.05;
@@ -53,6 +53,8 @@ const DOUBTS: usize = 30;
 const SEVERAL: usize = 2;
 /// Factor of what the model misses from which on a dropped root is needed.
 const NEEDED: f64 = 10.0;
+/// A root stands alone where the next is so many sums of half-power widths away.
+const ALONE: f64 = 1.0;
 /// Roots within so many sums of half-power widths of a dropped one are judged again without it.
 const LEANING: f64 = 2.0;
 
@@ -358,6 +360,23 @@ impl Fit {
         far.left_over(&self.data, &measured, &self.roots)
     }
 
+    /// Standard deviations of the parts of a root's residues: from the noise of every function and how it hangs together over the lines.
+    /// An error of the pole moves all residues of a mode that stands alone by one factor, but mixes modes that overlap: `None` for
+    /// those, and for several modes of one root.
+    fn residue_stds(&self, root: &Root, standing: &Standing) -> Option<Vec<f64>> {
+        let near = self.roots.iter().filter(|other| apart(root, other) < ALONE);
+        if root.multiplicity() > 1 || near.count() > 1 {
+            return None;
+        }
+        let alike = self
+            .data
+            .correlation
+            .of_amplitude(root.decay(), self.data.step);
+        let factor = standing.inflation() * (0.5 * alike).sqrt();
+        let stds = root.residue_variances.iter().map(|v| factor * v.sqrt());
+        Some(stds.collect())
+    }
+
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let standings = self.standings();
         let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
@@ -382,7 +401,10 @@ impl Fit {
         PoleTable {
             candidates: kept
                 .iter()
-                .map(|(root, own)| candidate(root, own))
+                .map(|(root, own)| Candidate {
+                    residue_stds: self.residue_stds(root, own),
+                    ..candidate(root, own)
+                })
                 .collect(),
             findings: evidence.findings(),
             stabilization: self.listing.clone(),

@@ -119,6 +119,9 @@ pub(super) fn fit(
     for (root, residues) in members.iter_mut().zip(here.residues) {
         root.residues = residues;
     }
+    for (root, variances) in members.iter_mut().zip(here.residue_variances) {
+        root.residue_variances = variances;
+    }
     let next = if steps == 0 && !unknowns.is_empty() {
         let step = damped_solution(&here.information, &here.gradient, LEAST_DAMPING);
         (0..unknowns.len()).map(|place| step[(place, 0)]).collect()

@@ -62,6 +62,8 @@ pub(super) struct Linearised {
     /// How strong each member is.
     pub strength: Vec<Strength>,
     pub residues: Vec<Vec<Complex64>>,
+    /// `E|δA|²` of each residue in white noise, with the poles where they are.
+    pub residue_variances: Vec<Vec<f64>>,
 }
 
 impl Linearised {
@@ -76,6 +78,7 @@ impl Linearised {
                 .map(|root| Strength::none(root.multiplicity()))
                 .collect(),
             residues: vec![vec![Complex64::ZERO; functions]; members.len()],
+            residue_variances: vec![vec![0.0; functions]; members.len()],
         }
     }
 
@@ -90,6 +93,15 @@ impl Linearised {
         for (own, other) in self.residues.iter_mut().zip(other.residues) {
             for (sum, residue) in own.iter_mut().zip(other) {
                 *sum += residue;
+            }
+        }
+        for (own, other) in self
+            .residue_variances
+            .iter_mut()
+            .zip(other.residue_variances)
+        {
+            for (sum, variance) in own.iter_mut().zip(other) {
+                *sum += variance;
             }
         }
     }
@@ -173,7 +185,7 @@ impl Problem<'_> {
             .sum::<f64>();
         self.add_information(&mut sums, (&qr.q, &shapes, &rest));
         self.add_significance(&mut sums, (&inverse, &shapes));
-        self.set_residues(&mut sums, &shapes);
+        self.set_residues(&mut sums, (&inverse, &shapes));
         sums
     }
 
@@ -289,13 +301,34 @@ impl Problem<'_> {
         }
     }
 
-    fn set_residues(&self, sums: &mut Linearised, shapes: &ComplexMatrix) {
-        for (o, (functions, level)) in self.pattern.outputs.iter().enumerate() {
-            for (input, f) in self.pattern.inputs.iter().zip(functions) {
-                for (column, (j, part)) in self.columns.iter().enumerate() {
-                    let root = &self.members[*j];
-                    let value = shapes[(column, o)] * level * root.parts[*part][*input];
-                    sums.residues[*j][*f] += value * root.decay().abs();
+    /// Residues, and their variances from those of the shapes, `R⁻¹R⁻ᴴ` in units of the output's noise.
+    fn set_residues(
+        &self,
+        sums: &mut Linearised,
+        (inverse, shapes): (&ComplexMatrix, &ComplexMatrix),
+    ) {
+        for (place, input) in self.pattern.inputs.iter().enumerate() {
+            let factor = |(j, part): &(usize, usize)| {
+                let root = &self.members[*j];
+                root.parts[*part][*input] * root.decay().abs()
+            };
+            let mut unit = vec![vec![Complex64::ZERO; inverse.ncols()]; self.members.len()];
+            for (column, own) in self.columns.iter().enumerate() {
+                for (k, sum) in unit[own.0].iter_mut().enumerate() {
+                    *sum += factor(own) * inverse[(column, k)];
+                }
+            }
+            let unit: Vec<f64> = unit
+                .iter()
+                .map(|row| row.iter().map(Complex64::norm_sqr).sum())
+                .collect();
+            for (o, (functions, level)) in self.pattern.outputs.iter().enumerate() {
+                let f = functions[place];
+                for (column, own) in self.columns.iter().enumerate() {
+                    sums.residues[own.0][f] += shapes[(column, o)] * level * factor(own);
+                }
+                for (variances, unit) in sums.residue_variances.iter_mut().zip(&unit) {
+                    variances[f] = unit * level * level;
                 }
             }
         }

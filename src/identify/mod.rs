@@ -142,6 +142,8 @@ pub struct Candidate {
     pub participation: Option<Vec<Complex64>>,
     /// Receptance residue of each function of the set, in its order, m/(N s).
     pub residues: Option<Vec<Complex64>>,
+    /// Standard deviation of real and of imaginary part of each residue, m/(N s), but for a factor that all have in common.
+    pub residue_stds: Option<Vec<f64>>,
     /// Modes that share this pole, as far as the residues show: 1 for a single one.
     pub multiplicity: usize,
     /// Standard deviation of the frequency, Hz.

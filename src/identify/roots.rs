@@ -24,6 +24,8 @@ pub(super) struct Root {
     pub pivots: Vec<usize>,
     /// Residue of each function, m/(N s).
     pub residues: Vec<Complex64>,
+    /// `E|δA|²` of each in white noise, with the poles where they are, m²/(N s)²; empty for a root that was not fitted yet.
+    pub residue_variances: Vec<f64>,
     /// How well it is known.
     pub quality: Quality,
     /// How far its fit is.
@@ -131,6 +133,7 @@ impl Root {
             parts: vec![participation.iter().map(|l| l * scale).collect()],
             pivots: vec![pivot],
             residues: vec![Complex64::ZERO; functions],
+            residue_variances: Vec::new(),
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
             suspect: false,

@@ -1,5 +1,7 @@
 //! From candidates to modes: the references that were asked for, poles without the window's damping, shapes.
 
+use std::collections::BTreeMap;
+
 use num_complex::Complex64;
 
 use crate::axis::Band;
@@ -140,7 +142,7 @@ fn modes_of_root(
                 true => shape::shape_of(&part.residues, pole.lambda.im),
                 false => shape::unit_max_shape_of(&part.residues),
             };
-            mode(method, candidate, pole, (part.residues, scaled))
+            mode((set, method), candidate, pole, (part.residues, scaled))
         });
         shaped.collect()
     } else {
@@ -148,7 +150,7 @@ fn modes_of_root(
         if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MOST_MISFIT) {
             findings.push(warning(Code::CloseModes, misfit, MOST_MISFIT));
         }
-        vec![mode(method, candidate, pole, (residues, scaled))]
+        vec![mode((set, method), candidate, pole, (residues, scaled))]
     };
     let damping = pole.damping_ratio();
     if damping <= 0.0 {
@@ -158,7 +160,7 @@ fn modes_of_root(
 }
 
 fn mode(
-    method: &'static str,
+    (set, method): (&FrfSet, &'static str),
     candidate: &Candidate,
     pole: Pole,
     (residues, scaled): (Residues, ScaledShape),
@@ -171,7 +173,10 @@ fn mode(
     } = scaled;
     let components: Vec<Complex64> = shape.iter().map(|(_, value)| value).collect();
     let damping = Some(pole.damping_ratio()).filter(|damping| *damping > 0.0);
+    let stds = candidate.residue_stds.as_deref();
+    let shape_std = stds.and_then(|stds| shape::deviations(&by_pair(set, stds), &residues, &shape));
     Mode {
+        shape_std,
         frequency_std_hz: candidate.frequency_std_hz,
         damping_std: damping.and(candidate.damping_std),
         frequency_damping_correlation: damping.and(candidate.frequency_damping_correlation),
@@ -188,8 +193,8 @@ fn mode(
     }
 }
 
-fn by_pair(set: &FrfSet, residues: &[Complex64]) -> Residues {
-    let pair = set.functions().iter().zip(residues);
+fn by_pair<T: Copy>(set: &FrfSet, values: &[T]) -> BTreeMap<(Dof, Dof), T> {
+    let pair = set.functions().iter().zip(values);
     pair.map(|(f, a)| ((f.response.clone(), f.reference.clone()), *a))
         .collect()
 }

@@ -84,8 +84,40 @@ pub(super) fn as_of_a_real_mode(square: Complex64) -> bool {
     square.norm() > 0.0 && square.arg().abs() <= MOST_PHASE
 }
 
+/// Standard deviation of each component of a shape, in its scale, from those of the residues: of the column that tells it best. `None`
+/// where a component has none.
+pub(super) fn deviations(
+    stds: &BTreeMap<(Dof, Dof), f64>,
+    residues: &Residues,
+    shape: &ModeShape,
+) -> Option<BTreeMap<Dof, f64>> {
+    let values: BTreeMap<Dof, Complex64> = shape.iter().map(|(d, v)| (d.clone(), v)).collect();
+    let mut best: BTreeMap<Dof, f64> = BTreeMap::new();
+    let columns = Columns::new(residues);
+    for (other, column) in &columns.by_other {
+        let Some(factor) = factor_of(&values, column).filter(|factor| factor.norm() > 0.0) else {
+            continue;
+        };
+        for row in column.keys() {
+            let pair = match columns.turned {
+                true => (other.clone(), row.clone()),
+                false => (row.clone(), other.clone()),
+            };
+            let std = stds.get(&pair)? / factor.norm();
+            let least = best.entry(row.clone()).or_insert(std);
+            *least = least.min(std);
+        }
+    }
+    values.keys().all(|dof| best.contains_key(dof)).then(|| {
+        best.retain(|dof, _| values.contains_key(dof));
+        best
+    })
+}
+
 /// The residue matrix as columns along the longer side.
 struct Columns {
+    /// Whether the references carry the shape.
+    turned: bool,
     by_other: BTreeMap<Dof, BTreeMap<Dof, Complex64>>,
 }
 
@@ -106,7 +138,7 @@ impl Columns {
                 .or_default()
                 .insert(row.clone(), *value);
         }
-        Self { by_other }
+        Self { turned, by_other }
     }
 
     /// Least-squares shape of all columns that hang together, and what it does not explain.

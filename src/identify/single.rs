@@ -300,6 +300,7 @@ fn candidate(resonance: &Resonance, verdict: &checks::Verdict) -> Candidate {
         frequency_bias_hz: None,
         damping_bias: None,
         residues: Some(verdict.residues.clone()),
+        residue_stds: None,
         multiplicity: verdict.multiplicity,
         frequency_std_hz: fit.and_then(|fit| fit.omega_std_rad_s).map(hz),
         damping_std: fit

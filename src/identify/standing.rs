@@ -250,6 +250,7 @@ pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
         participation: None,
         frequency_damping_correlation: Some(0.0),
         residues: Some(root.residues.clone()),
+        residue_stds: None,
         multiplicity: root.multiplicity(),
         frequency_std_hz: Some(std / TAU),
         damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
