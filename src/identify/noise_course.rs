@@ -222,18 +222,95 @@ impl Estimated {
     }
 
     fn likelihood(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
-        let a = self.even(lines.clone(), b, most);
-        // More than half zeros: nothing is known of its noise.
-        if a <= 0.0 {
-            return 0.0;
-        }
-        let term = |k: usize| {
-            let own = self.own.as_ref().map_or(a, |own| own[k]);
-            let expected = (own + b * self.power[k]).max(f64::MIN_POSITIVE);
-            expected.ln() + (self.variance[k] / expected).min(most)
+        let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
+        let sum = match &self.own {
+            Some(own) => {
+                let own = &own[lines];
+                deviance((own, variance, power), b, most)
+            }
+            None => {
+                let a = self.even(lines, b, most);
+                deviance((&vec![a; variance.len()], variance, power), b, most)
+            }
         };
-        -0.5 * self.freedom() / self.alike * lines.map(term).sum::<f64>()
+        -0.5 * self.freedom() / self.alike * sum
     }
+}
+
+/// Lines that are reckoned with at once, and so often before the product of their mantissas could overflow.
+const LANES: usize = 4;
+const FACTORS: usize = 512;
+
+/// `Σ ln(a + b p) + min(v/(a + b p), most)` over lines of a, v and p; 0 where all a are 0: nothing is known of such noise.
+///
+/// The sum of logarithms is that of a product, kept as mantissas and exponents: a logarithm for each would be most of the work of an
+/// identification of many functions.
+fn deviance((own, variance, power): (&[f64], &[f64], &[f64]), b: f64, most: f64) -> f64 {
+    if !own.iter().any(|a| *a > 0.0) {
+        return 0.0;
+    }
+    let chunk = LANES * FACTORS;
+    let chunks = own.chunks(chunk).zip(variance.chunks(chunk));
+    let chunks = chunks.zip(power.chunks(chunk));
+    let of_chunk = |((own, variance), power): ((&[f64], &[f64]), &[f64])| {
+        let mut sums = Lanes::new();
+        let (own, last_own) = own.as_chunks::<LANES>();
+        let (variance, last_variance) = variance.as_chunks::<LANES>();
+        let (power, last_power) = power.as_chunks::<LANES>();
+        for ((own, variance), power) in own.iter().zip(variance).zip(power) {
+            for lane in 0..LANES {
+                sums.add(lane, own[lane] + b * power[lane], (variance[lane], most));
+            }
+        }
+        let last = last_own.iter().zip(last_variance).zip(last_power);
+        for (lane, ((a, v), p)) in last.enumerate() {
+            sums.add(lane, a + b * p, (*v, most));
+        }
+        sums.total()
+    };
+    chunks.map(of_chunk).sum()
+}
+
+/// Sums of logarithms and ratios, lane by lane.
+struct Lanes {
+    mantissas: [f64; LANES],
+    exponents: [i64; LANES],
+    ratios: [f64; LANES],
+}
+
+impl Lanes {
+    fn new() -> Self {
+        Self {
+            mantissas: [1.0; LANES],
+            exponents: [0; LANES],
+            ratios: [0.0; LANES],
+        }
+    }
+
+    fn add(&mut self, lane: usize, expected: f64, (variance, most): (f64, f64)) {
+        let expected = expected.max(f64::MIN_POSITIVE);
+        let (mantissa, exponent) = parts(expected);
+        self.mantissas[lane] *= mantissa;
+        self.exponents[lane] += exponent;
+        self.ratios[lane] += (variance / expected).min(most);
+    }
+
+    fn total(&self) -> f64 {
+        let exponent: i64 = self.exponents.iter().sum();
+        let logarithm: f64 = self.mantissas.iter().map(|m| m.ln()).sum();
+        logarithm + std::f64::consts::LN_2 * exponent as f64 + self.ratios.iter().sum::<f64>()
+    }
+}
+
+/// A positive normal number as `m 2^e`, m from 1 up to 2.
+fn parts(value: f64) -> (f64, i64) {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let bits = value.to_bits();
+    let one = 1.0f64.to_bits();
+    (
+        f64::from_bits(bits & MANTISSA | one),
+        (bits >> 52) as i64 - 1023,
+    )
 }
 
 #[cfg(test)]
@@ -306,6 +383,25 @@ mod tests {
         }
         // Some four lines of the resonance tell its height to a third: their mean to 3 %.
         assert!((0.85..1.1).contains(&peak), "{peak}");
+    }
+
+    #[test]
+    fn the_sum_of_logarithms_is_that_of_a_product() {
+        // More lines than one product holds, over the whole range of exponents, and a rest behind the lanes.
+        let count = 2 * LANES * FACTORS + 3;
+        let own: Vec<f64> = (0..count)
+            .map(|k| 10f64.powf(0.03 * (k as f64 - 4000.0)))
+            .collect();
+        let (variance, power) = (
+            vec![1.0; count],
+            own.iter().map(|a| 2.0 * a).collect::<Vec<_>>(),
+        );
+        let expected = |a: &f64| (1.2 * a).ln() + (1.0 / (1.2 * a)).min(3.0);
+        let sum: f64 = own.iter().map(expected).sum();
+        let told = deviance((&own, &variance, &power), 0.1, 3.0);
+        // 8195 terms of up to 300 each.
+        assert!((told - sum).abs() < 1e-9, "{told} {sum}");
+        assert!(deviance((&[0.0], &[1.0], &[1.0]), 0.1, 3.0).abs() < f64::MIN_POSITIVE);
     }
 
     #[test]
