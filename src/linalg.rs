@@ -2,6 +2,7 @@
 //! products that say otherwise.
 
 mod lanczos;
+mod products;
 mod ritz;
 mod sparse;
 #[cfg(test)]
@@ -10,9 +11,9 @@ mod sparse_tests;
 use faer::linalg::solvers::{Solve, SolveLstsq};
 use faer::{Mat, Side, c64};
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 pub use lanczos::{SparseModes, Wanted, sparse_modes};
+pub use products::{add_square, adjoint_product};
 pub use sparse::SparseMatrix;
 
 /// Vector of three, for positions and directions.
@@ -369,23 +370,6 @@ pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
     Ok(GeneralModes {
         values: decomposition.S().column_vector().iter().copied().collect(),
         vectors: decomposition.U().to_owned(),
-    })
-}
-
-/// Columns of a product that one thread forms.
-const COLUMNS: usize = 48;
-
-/// `Aᴴ B`, some columns of B at a time in the caller's pool.
-pub fn adjoint_product(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
-    let parts: Vec<ComplexMatrix> = (0..b.ncols().div_ceil(COLUMNS))
-        .into_par_iter()
-        .map(|part| {
-            let first = part * COLUMNS;
-            a.adjoint() * b.subcols(first, COLUMNS.min(b.ncols() - first))
-        })
-        .collect();
-    Mat::from_fn(a.ncols(), b.ncols(), |i, j| {
-        parts[j / COLUMNS][(i, j % COLUMNS)]
     })
 }
 

@@ -96,6 +96,7 @@ mod standing;
 mod strength;
 #[cfg(test)]
 mod synthetic;
+mod transforms;
 mod tries;
 mod unexplained;
 

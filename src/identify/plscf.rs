@@ -5,7 +5,8 @@
 //! `A = Σ A_j z^j` (a square matrix of the number of inputs, shared by all outputs), `z = e^{i(ω − ω_0)T}`. The equation error
 //! `w_o(k) [H_o(k) A(z_k) − B_o(z_k)]` is linear in all coefficients. Its normal equations hold
 //! `R_o = Σ w² z̄^i z^j`, `S_o = −Σ w² z̄^i z^j H_o`, `T_o = Σ w² z̄^i z^j H_o^H H_o`, all of Toeplitz structure, so that one
-//! transform of `w²`, `w² H` and `w² H^H H` gives them. The numerators are eliminated, `M = Σ_o (T_o − S_o^H R_o⁻¹ S_o)`, and
+//! transform of `w²`, `w² H` and, summed over all outputs first, `w² H^H H` gives them ([`transforms`](super::transforms)). The numerators are
+//! eliminated, `M = Σ_o (T_o − S_o^H R_o⁻¹ S_o)`, and
 //! with `A_0 = I` the other coefficients follow from a positive definite system. Numerators keep the highest order for all
 //! orders of the denominator, which makes the systems of lower orders leading blocks of the highest: one Cholesky factor serves
 //! them all.
@@ -24,19 +25,15 @@
 //! the influence of the parameter constraint on the stability of the poles and the discrimination capabilities of the
 //! stabilisation diagrams, MSSP 19(5).
 
-use std::ops::Range;
-
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::fourier::ComplexPlan;
 use crate::linalg::{self, ComplexMatrix, LinalgError};
 
 use super::IdentifyError;
-use super::receptance::Receptances;
-use super::sides::Sides;
 use super::stabilization::rising_orders;
 use super::stable::{GlobalPole, Table};
+use super::transforms::{Output, TOGETHER, Transforms};
 
 /// Share of the circle that the lines of the band take.
 const ARC: f64 = 0.8;
@@ -44,11 +41,6 @@ const ARC: f64 = 0.8;
 /// first, and no more than what the normal equations lose anyway.
 const RIDGE: f64 = 1e-15;
 const MOST_RIDGE: f64 = 1e-9;
-
-/// Error of the model relative to the response, squared: strong resonances far above the noise would leave nothing of weak ones in
-/// the normal equations. Once poles are known, weak ones have been found.
-const MODEL: f64 = 1e-6;
-const MODEL_OF_KNOWN: f64 = 1e-10;
 
 /// The reduced normal equations at the highest order.
 pub(super) struct Lscf {
@@ -77,48 +69,42 @@ pub(super) fn circle(lines: usize, least: usize) -> usize {
 }
 
 impl Lscf {
-    /// Builds the equations of some lines up to an order; `sides` must be complete. Every line is weighted by one over what the
-    /// denominator of known poles, rad/s, makes of its noise.
+    /// The equations of transformed lines.
     ///
     /// # Errors
-    /// [`LinalgError::NotConverged`] when the equations are not positive definite.
-    pub fn new(
-        data: &Receptances,
-        sides: &Sides,
-        (lines, order, known): (Range<usize>, usize, &[Complex64]),
-    ) -> Result<Self, LinalgError> {
-        let circle = circle(lines.len(), 2 * order + 2);
-        let plan = ComplexPlan::inverse(circle);
-        let step_s = std::f64::consts::TAU / (circle as f64 * data.step);
-        let model = if known.is_empty() {
-            MODEL
-        } else {
-            MODEL_OF_KNOWN
-        };
-        let course = course(&data.omega[lines.clone()], step_s, known);
-        let inputs = sides.inputs;
-        let parts: Vec<Result<(ComplexMatrix, f64), LinalgError>> = sides
+    /// [`LinalgError::NotPositiveDefinite`].
+    pub fn new(of: &Transforms) -> Result<Self, LinalgError> {
+        let (m, order) = (of.inputs, of.order);
+        let size = (order + 1) * m;
+        let zero = || linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
+        let chunks: Vec<Result<ComplexMatrix, LinalgError>> = of
             .outputs
-            .par_iter()
-            .map(|output| reduced(data, output, (&plan, &lines, (&course, model), order)))
+            .par_chunks(TOGETHER)
+            .map(|outputs| {
+                let mut explained = zero();
+                for output in outputs {
+                    linalg::add_square(&mut explained, &output.half(order)?);
+                }
+                Ok(explained)
+            })
             .collect();
-        let size = (order + 1) * inputs;
-        let mut sum = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
-        let mut scale = 0.0;
-        for part in parts {
-            let (own, own_scale) = part?;
-            sum += own;
-            scale += own_scale;
+        let mut sum = zero();
+        for chunk in chunks {
+            sum -= chunk?;
         }
-        let plane = Plane {
-            omega_0: data.omega[lines.start],
-            step_s,
-        };
-        Self::of_reduced(&sum, (inputs, order), (scale, plane))
+        for column in 0..size {
+            for row in column..size {
+                let lags = &of.products[(row % m) * m + column % m];
+                sum[(row, column)] += lags.at(row / m, column / m);
+            }
+        }
+        let diagonal = (0..m).map(|p| of.products[p * m + p].at(0, 0).re);
+        let scale = diagonal.sum::<f64>() / m as f64;
+        Self::of_reduced(&sum, (m, order), (scale, of.plane))
     }
 
     /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square matrices of the number of inputs, made
-    /// from numbers of a scale.
+    /// from numbers of a scale; its lower triangle is enough.
     ///
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`].
@@ -146,11 +132,22 @@ impl Lscf {
     /// # Errors
     /// [`LinalgError::NotConverged`].
     pub fn tables(&self) -> Result<Vec<Table>, IdentifyError> {
-        let tables: Vec<Result<Table, IdentifyError>> = rising_orders(self.order)
-            .into_par_iter()
-            .map(|order| Ok((order, self.poles(order)?)))
+        self.tables_of(&rising_orders(self.order))
+    }
+
+    /// Stable poles of some orders, none above the highest.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotConverged`].
+    pub fn tables_of(&self, orders: &[usize]) -> Result<Vec<Table>, IdentifyError> {
+        // The highest takes longest: first, so that no thread is left alone with it.
+        let tables: Vec<Result<Table, IdentifyError>> = orders
+            .par_iter()
+            .rev()
+            .with_max_len(1)
+            .map(|order| Ok((*order, self.poles(*order)?)))
             .collect();
-        tables.into_iter().collect()
+        tables.into_iter().rev().collect()
     }
 
     /// The stable poles of an order, in ascending frequency.
@@ -211,20 +208,6 @@ impl Plane {
     }
 }
 
-/// `1/Π |z − z_r|²` at every line over the known poles among the lines: the noise of an equation is that of its line times the
-/// denominator (Sanathanan and Koerner 1963, IEEE Trans. Automatic Control 8(1)).
-fn course(omega: &[f64], step_s: f64, known: &[Complex64]) -> Vec<f64> {
-    let z = |s: Complex64| ((s - Complex64::new(0.0, omega[0])) * step_s).exp();
-    let inside = |pole: &&Complex64| pole.im > omega[0] && pole.im < omega[omega.len() - 1];
-    let known: Vec<Complex64> = known.iter().filter(inside).map(|pole| z(*pole)).collect();
-    let at = |w: &f64| {
-        let own = z(Complex64::new(0.0, *w));
-        let factors = known.iter().map(|pole| (own - pole).norm_sqr());
-        factors.product::<f64>().recip()
-    };
-    omega.iter().map(at).collect()
-}
-
 /// Cholesky factor with the least ridge that gives one; `scale` is that of the numbers that the matrix was made from.
 fn factor(matrix: &ComplexMatrix, scale: f64) -> Result<ComplexMatrix, LinalgError> {
     let size = matrix.nrows();
@@ -271,51 +254,16 @@ fn participation(
     Ok((0..m).map(|i| svd.left[(i, m - 1)].conj()).collect())
 }
 
-/// `T − Sᴴ R⁻¹ S` of one output, and the mean of the diagonal of T.
-fn reduced(
-    data: &Receptances,
-    output: &[(usize, usize)],
-    (plan, lines, (course, model), order): (&ComplexPlan, &Range<usize>, (&[f64], f64), usize),
-) -> Result<(ComplexMatrix, f64), LinalgError> {
-    let m = output.len();
-    let functions: Vec<&[Complex64]> = output
-        .iter()
-        .map(|(_, f)| &data.values[*f][lines.clone()])
-        .collect();
-    // One weight per line and output: the mean precision of its functions, which no resonance exceeds by more than the error of the model allows.
-    let weight = |k: usize| {
-        let power = functions.iter().map(|h| h[k].norm_sqr()).sum::<f64>() / m as f64;
-        let precision =
-            |(_, f): &(usize, usize)| 1.0 / (data.variance[*f][lines.start + k] + model * power);
-        course[k] * output.iter().map(precision).sum::<f64>() / m as f64
-    };
-    let weights: Vec<f64> = (0..lines.len()).map(weight).collect();
-    let mut scratch = plan.scratch();
-    let mut lags = |value: &dyn Fn(usize) -> Complex64| {
-        let mut line: Vec<Complex64> = (0..lines.len()).map(|k| weights[k] * value(k)).collect();
-        line.resize(plan.len(), Complex64::ZERO);
-        plan.run(&mut line, &mut scratch);
-        line
-    };
-    let circle = plan.len();
-    // Entry (i, j) of a Toeplitz block is the transform at j - i.
-    let at = |lags: &[Complex64], i: usize, j: usize| lags[(circle + j - i) % circle];
-    let plain = lags(&|_| Complex64::ONE);
-    let r = linalg::complex_matrix(order + 1, order + 1, |i, j| at(&plain, i, j));
-    let s_lags: Vec<Vec<Complex64>> = functions.iter().map(|h| lags(&|k| h[k])).collect();
-    let s = linalg::complex_matrix(order + 1, (order + 1) * m, |i, column| {
-        at(&s_lags[column % m], i, column / m)
-    });
-    let mut t_lags = Vec::with_capacity(m * m);
-    for p in &functions {
-        for q in &functions {
-            t_lags.push(lags(&|k| p[k].conj() * q[k]));
-        }
+impl Output {
+    /// `L⁻¹ S` with the factor `R = L Lᴴ`.
+    fn half(&self, order: usize) -> Result<ComplexMatrix, LinalgError> {
+        let m = self.functions.len();
+        let size = order + 1;
+        let r = linalg::complex_matrix(size, size, |i, j| self.weight.at(i, j));
+        let s = linalg::complex_matrix(size, size * m, |i, column| {
+            self.functions[column % m].at(i, column / m)
+        });
+        let lower = factor(&r, self.weight.at(0, 0).re)?;
+        Ok(linalg::solve_lower(&lower, &s))
     }
-    let t = linalg::complex_matrix((order + 1) * m, (order + 1) * m, |row, column| {
-        at(&t_lags[(row % m) * m + column % m], row / m, column / m)
-    });
-    let half = linalg::solve_lower(&factor(&r, plain[0].re)?, &s);
-    let scale = (0..m).map(|p| t[(p, p)].re).sum::<f64>() / m as f64;
-    Ok((t - half.adjoint() * &half, scale))
 }

@@ -13,6 +13,7 @@ use super::search::Found;
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, Part};
 use super::stable::{FEWEST_ORDERS, Table};
+use super::transforms::Transforms;
 
 /// Poles of the highest order: so many for each peak that is seen, and beyond.
 const POLES_PER_PEAK: usize = 5;
@@ -54,7 +55,7 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
     ) -> Result<Vec<Part>, IdentifyError> {
         split(data, |end| {
             let top = highest_order((end, found), sides.inputs, self.max_order);
-            Lscf::new(data, sides, (0..end, top, known))?.tables()
+            Lscf::new(&Transforms::new(data, sides, (0..end, top, known)))?.tables()
         })
     }
 }
