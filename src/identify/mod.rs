@@ -92,6 +92,8 @@ mod single;
 mod spread;
 mod stabilization;
 mod stable;
+#[doc(hidden)]
+pub mod stages;
 mod standing;
 mod strength;
 #[cfg(test)]

@@ -1,0 +1,83 @@
+//! The stages of an identification one by one, for benchmarks: the library reads no clock, so that what reads one has to call them.
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+
+use super::IdentifyError;
+use super::multi::at_poles;
+use super::plscf::Lscf;
+use super::receptance::Receptances;
+use super::sides::Sides;
+use super::transforms::Transforms;
+
+/// Receptances of a band, of all references or of one that stands for all.
+pub struct Lines {
+    data: Receptances,
+    sides: Sides,
+}
+
+/// Transforms of the lines.
+pub struct Transformed(Transforms);
+
+/// Reduced normal equations of the LSCF.
+pub struct Equations(Lscf);
+
+impl Lines {
+    /// Of a complete set on a band.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] when set and band do not go together.
+    pub fn new(set: &FrfSet, band: Band, one_reference: bool) -> Result<Self, IdentifyError> {
+        let sides = Sides::new(set.functions());
+        Ok(Self {
+            data: Receptances::guarded(set, band)?,
+            sides: if one_reference {
+                sides.as_one_input()
+            } else {
+                sides
+            },
+        })
+    }
+
+    /// Transforms for equations up to an order.
+    pub fn transformed(&self, order: usize) -> Transformed {
+        let whole = 0..self.data.lines();
+        Transformed(Transforms::new(
+            &self.data,
+            &self.sides,
+            (whole, order, &[]),
+        ))
+    }
+}
+
+impl Transformed {
+    /// The reduced equations: products of all outputs.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Linalg`].
+    pub fn equations(&self) -> Result<Equations, IdentifyError> {
+        Ok(Equations(Lscf::new(&self.0)?))
+    }
+}
+
+impl Equations {
+    /// Stable poles λ, rad/s, of some orders: eigenvalues.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Linalg`].
+    pub fn poles(&self, orders: &[usize]) -> Result<Vec<Vec<Complex64>>, IdentifyError> {
+        let tables = self.0.tables_of(orders)?.into_iter();
+        let poles = tables.map(|(_, poles)| poles.into_iter().map(|pole| pole.lambda).collect());
+        Ok(poles.collect())
+    }
+}
+
+/// Fits the residues of known poles, rad/s, with their noise.
+///
+/// # Errors
+/// [`IdentifyError`] when set and band do not go together.
+pub fn residues(set: &FrfSet, band: Band, poles: &[Complex64]) -> Result<(), IdentifyError> {
+    at_poles(set, band, poles).map(drop)
+}
