@@ -1,8 +1,11 @@
 //! What every method of several modes owes: poles without noise, poles in noise, bands that do not begin at 0 Hz.
 
+use num_complex::Complex64;
+
 use super::synthetic::{Measurement, Structure, separated_modes};
 use super::{ESTIMATORS, IdentifyOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
+use crate::dof::Dof;
 use crate::modal::{ModalModel, Mode, Pole};
 
 /// Natural frequency in Hz, damping ratio and shape of a true mode.
@@ -156,4 +159,35 @@ fn no_method_fails_on_a_band_of_few_lines() {
             }
         }
     }
+}
+
+#[test]
+fn deviations_of_shapes_are_those_of_their_errors() {
+    // The error of a component over its deviation, but for the factor that all have in common: |z|² of complex numbers, of mean 1.
+    let (mut sum, mut numbers) = (0.0, 0.0);
+    for seed in 0..20 {
+        let (structure, how) = separated_modes(seed);
+        let snr_db = Some(40.0);
+        let set = structure.measured(&Measurement { snr_db, ..how });
+        let model = identify(&set, &with_band("ml", None)).unwrap();
+        for ((_, _, shape), mode) in pairs(&structure, &model) {
+            let stds = mode.shape_std.as_ref().unwrap();
+            let value = |dof: &Dof| shape[dof.node().unwrap() as usize - 1];
+            let (mut product, mut square) = (Complex64::ZERO, 0.0);
+            for (dof, found) in mode.shape.iter() {
+                let weight = stds[dof].powi(-2);
+                product += weight * value(dof) * found;
+                square += weight * value(dof).powi(2);
+            }
+            let factor = product / square;
+            for (dof, found) in mode.shape.iter() {
+                let error = found - factor * value(dof);
+                sum += error.norm_sqr() / (2.0 * stds[dof].powi(2));
+            }
+            numbers += (mode.shape.len() - 1) as f64;
+        }
+    }
+    let ratio: f64 = sum / numbers;
+    let spread = 4.0 / numbers.sqrt();
+    assert!((ratio - 1.0).abs() < spread, "{ratio} of {numbers}");
 }
