@@ -73,7 +73,7 @@ impl<'a> TestSight<'a> {
             .max_by(|a, b| a.frequency_error.abs().total_cmp(&b.frequency_error.abs()));
         let worst_mode = worst.map(|partner| &test.model.modes[partner.test]);
         let hz_of_worst = worst_mode.map(|mode| mode.frequency_hz);
-        let std_hz = worst_mode.and_then(|mode| mode.frequency_std_hz);
+        let std_hz = worst_mode.and_then(Mode::frequency_uncertainty_hz);
         TestCell {
             error_percent: worst.map(|partner| 100.0 * partner.frequency_error),
             error_hz: hz_of_worst.map(|hz| match options.error_reference {

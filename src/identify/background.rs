@@ -28,8 +28,17 @@ const FEWEST_LINES_EACH: usize = 3;
 pub(super) enum Outside {
     /// Nothing: they may lie anywhere.
     Anywhere,
-    /// What they put into the lines goes along these courses, one value per line each; none where the data show no such modes.
-    Courses(Vec<Vec<Complex64>>),
+    /// What they put into the lines goes along these courses; none where the data show no such modes.
+    Courses(Vec<Course>),
+}
+
+/// What modes outside put into the lines, as far as all functions share it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Course {
+    /// One value per line.
+    pub values: Vec<Complex64>,
+    /// How much of it each function holds, over its noise: a vector of length 1.
+    pub shares: Vec<Complex64>,
 }
 
 /// The background of a window.
@@ -53,7 +62,7 @@ impl<'a> Background<'a> {
                 let own = courses.iter().filter(|_| below || above);
                 Self {
                     poles: Vec::new(),
-                    courses: own.map(|course| &course[lines.clone()]).collect(),
+                    courses: own.map(|course| &course.values[lines.clone()]).collect(),
                 }
             }
         }

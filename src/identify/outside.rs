@@ -7,15 +7,18 @@
 use num_complex::Complex64;
 
 use super::automatic::{Fit, measured};
-use super::background::Outside;
+use super::background::{Course, Outside};
 use super::block::Measured;
+use super::receptance::Receptances;
 use super::refine::{Far, Stop, unsettle};
-use super::roots::Root;
+use super::roots::{Quality, Root};
 
 /// Rounds in which courses and roots follow each other, most.
 const ROUNDS: usize = 12;
 /// Movement of a pole from round to round, in its deviations, below which they have found each other.
 const STILL: f64 = 0.05;
+/// Ratio of a squared error to its mean that noise exceeds once in twenty times: it is exponential.
+const BY_CHANCE: f64 = 3.0;
 /// Courses for each function, most: more are hardly fewer numbers than the poles.
 const COURSES_PER_FUNCTION: f64 = 0.5;
 
@@ -32,7 +35,7 @@ impl Fit {
     }
 
     /// Whether so many courses describe what is outside; nothing changes where they do not.
-    fn suffices(&mut self, courses: Vec<Vec<Complex64>>) -> bool {
+    fn suffices(&mut self, courses: Vec<Course>) -> bool {
         let (before, told) = (self.roots.clone(), self.dropped.len());
         self.follow(courses);
         if self.needs_outside() && self.search().is_some() {
@@ -48,7 +51,7 @@ impl Fit {
     }
 
     /// Roots with so many courses, where each is best with the other: a course found beside roots that leaned on it is not its best.
-    fn follow(&mut self, mut courses: Vec<Vec<Complex64>>) {
+    fn follow(&mut self, mut courses: Vec<Course>) {
         let mut count = courses.len();
         for _ in 0..ROUNDS {
             let before: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
@@ -68,7 +71,7 @@ impl Fit {
     }
 
     /// Courses of what the roots leave over: as many as noise does not explain, and so many at most.
-    fn strongest(&self, most: usize) -> Vec<Vec<Complex64>> {
+    fn strongest(&self, most: usize) -> Vec<Course> {
         let own = Measured {
             outside: &Outside::Anywhere,
             ..measured(&self.data, &self.sides)
@@ -77,15 +80,8 @@ impl Fit {
         far.strongest((&own, &self.roots), self.data.correlation.alike(), most)
     }
 
-    /// Whether poles outside explain more of what the roots leave over than they would of noise.
+    /// Whether free poles outside explain more of what the roots leave over than they would of noise, of which some lines count for one.
     fn needs_outside(&self) -> bool {
-        let (more, unknowns) = self.left_outside();
-        more > unknowns + unknowns.sqrt()
-    }
-
-    /// Energy that free poles outside explain more of what the roots leave over than the background does, over the noise, and what they
-    /// would of noise: their complex unknowns, each of two real numbers of variance 1/2.
-    fn left_outside(&self) -> (f64, f64) {
         let explained = |outside: &Outside| {
             let own = Measured {
                 outside,
@@ -95,33 +91,33 @@ impl Fit {
         };
         let (with, many) = explained(&Outside::Anywhere);
         let (without, few) = explained(&self.data.outside);
-        (with - without, (many - few) as f64)
+        // Two real numbers of variance 1/2 for each unknown.
+        let unknowns = (many - few) as f64;
+        with - without > self.data.correlation.alike() * (unknowns + unknowns.sqrt())
     }
 
     /// Deviations count that courses are known from the same data, and each root is told what leaving the rest away does to it.
     ///
-    /// With free poles outside, of `c` numbers in each of `F` functions, a pole has the deviation `σ_f`; with `r` known courses, `σ`.
-    /// The `r(c − r)` numbers of the courses make up the part `r/F` of what `σ_f²` has more. With free poles the pole would move by
-    /// `δ`, by noise and by what was left away; of the energy `E` that free poles explain more, noise makes `n` of so many numbers,
-    /// and the error is `δ √(1 − n/E)`, 0 where that is noise alone.
+    /// With free poles outside a pole has the information `1/σ_f²`, with known courses `1/σ²`. What courses may be beside what they are
+    /// takes from it in the functions that hold them: the part `p = Σ_r |v_rᴴψ|²/|ψ|²` of `1/σ² − 1/σ_f²`, with the residues `ψ` and
+    /// what the functions hold of the courses, `v_r`, over the noise.
+    ///
+    /// With free poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`, and by what was left away. Beyond what noise does
+    /// once in twenty times the error is `√(|δ|² − E|δ|²)` along `δ`, else none is told.
     pub fn reckon_with_outside(&mut self) {
-        let Outside::Courses(courses) = &self.data.outside else {
+        let Outside::Courses(courses) = self.data.outside.clone() else {
             return;
         };
-        let part = courses.len() as f64 / self.data.functions() as f64;
-        let (more, unknowns) = self.left_outside();
-        let signal = (1.0 - unknowns / more.max(unknowns)).sqrt();
         let free = self.with_free_poles();
         if free.len() != self.roots.len() {
+            // A pole that free poles outside do not leave in its place leans on them.
+            self.data.outside = Outside::Anywhere;
+            self.settle(Stop::Fine);
             return;
         }
         for (root, free) in self.roots.iter_mut().zip(&free) {
-            let quality = &mut root.quality;
-            let (bound, all) = (quality.pole_bound, free.quality.pole_bound);
-            let raised = (bound * bound + part * (all * all - bound * bound).max(0.0)).sqrt();
-            quality.pole_std *= raised / bound;
-            quality.pole_bound = raised;
-            quality.bias = Some(free.quality.offset * signal);
+            let part = held(&self.data, root, &courses);
+            root.quality.reckon_with(&free.quality, part);
         }
     }
 
@@ -135,6 +131,47 @@ impl Fit {
         self.refine(Stop::Residues);
         self.data.outside = own;
         std::mem::replace(&mut self.roots, roots)
+    }
+}
+
+impl Quality {
+    /// Takes in what a fit with free poles outside says; courses hold so large a part of the residues.
+    fn reckon_with(&mut self, free: &Self, part: f64) {
+        let (bound, all) = (self.pole_bound, free.pole_bound);
+        // Where free poles leave a pole unknown, nothing is known of it but by what is known of the courses.
+        if !(bound > 0.0 && bound <= all && bound.is_finite()) {
+            return;
+        }
+        let [known, least] = [bound, all].map(|deviation| deviation.powi(-2));
+        let raised = (known - part * (known - least)).sqrt().recip();
+        let by_noise = self.pole_std / bound;
+        let expected = 2.0 * by_noise.powi(2) * (all * all - bound * bound);
+        let moved = free.offset.norm_sqr();
+        let error = if moved > BY_CHANCE * expected {
+            free.offset * (1.0 - expected / moved).sqrt()
+        } else {
+            Complex64::ZERO
+        };
+        self.bias = Some(error);
+        self.pole_std *= raised / bound;
+        self.pole_bound = raised;
+    }
+}
+
+/// The part of a root's residues that goes along what the functions hold of some courses, over the noise.
+fn held(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
+    let line = data.line_of(root.lambda);
+    let over = |f: usize| root.residues[f] / data.deviation(f, line);
+    let own: Vec<Complex64> = (0..data.functions()).map(over).collect();
+    let all: f64 = own.iter().map(Complex64::norm_sqr).sum();
+    let along = |course: &Course| {
+        let terms = course.shares.iter().zip(&own).map(|(v, a)| v.conj() * a);
+        terms.sum::<Complex64>().norm_sqr()
+    };
+    if all > 0.0 {
+        (courses.iter().map(along).sum::<f64>() / all).min(1.0)
+    } else {
+        1.0
     }
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::background::{Background, EVERYWHERE};
+use super::background::{Background, Course, EVERYWHERE};
 use super::block::{Block, Fitted, Measured, Unknown, fit};
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
@@ -421,7 +421,7 @@ impl Far {
         (measured, roots): (&Measured, &[Root]),
         alike: f64,
         most: usize,
-    ) -> Vec<Vec<Complex64>> {
+    ) -> Vec<Course> {
         let beyond = self.beyond(measured, roots);
         let Ok(svd) = linalg::singular_vectors(&beyond) else {
             return Vec::new();
@@ -440,7 +440,11 @@ impl Far {
                     .map(|c| self.columns[(k, EVERYWHERE + c)] * svd.left[(c, rank)]);
                 terms.sum()
             };
-            (0..self.columns.nrows()).map(at).collect()
+            let shares = (0..beyond.ncols()).map(|f| svd.right[(f, rank)].conj());
+            Course {
+                values: (0..self.columns.nrows()).map(at).collect(),
+                shares: shares.collect(),
+            }
         };
         (0..count).map(course).collect()
     }

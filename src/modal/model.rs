@@ -55,7 +55,8 @@ pub struct Mode {
     pub group: Option<u32>,
     /// Shape at the sensors.
     pub shape: ModeShape,
-    /// Standard deviation of each shape component.
+    /// Standard deviation of the real and of the imaginary part of each shape component, in the scale of the shape, but for an error of
+    /// that scale, which all components have in common.
     pub shape_std: Option<BTreeMap<Dof, f64>>,
     /// Receptance residues A of `A/(iω−λ) + conj.`, m/(N s), by (response, reference).
     pub residues: BTreeMap<(Dof, Dof), Complex64>,
@@ -84,6 +85,12 @@ pub struct Mode {
 }
 
 impl Mode {
+    /// Uncertainty of the frequency, Hz: its standard deviation and the error that modes outside the band leave, `√(σ² + b²)`.
+    pub fn frequency_uncertainty_hz(&self) -> Option<f64> {
+        let bias = self.frequency_bias_hz.unwrap_or(0.0);
+        self.frequency_std_hz.map(|std| std.hypot(bias))
+    }
+
     /// A mode with nothing known but its frequency, damping and shape.
     pub fn new(
         frequency_hz: f64,

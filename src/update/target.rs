@@ -185,7 +185,7 @@ pub(super) fn targets_of(
         let label = format!("{} f{}", measured.name, measured.number(own[0]));
         let hz_std = modes
             .iter()
-            .filter_map(|m| m.frequency_std_hz)
+            .filter_map(|m| m.frequency_uncertainty_hz())
             .reduce(f64::max);
         let relative_std = (hz_std.unwrap_or(0.0) / hz).hypot(options.frequency_floor);
         if !(relative_std.is_finite() && relative_std > 0.0) {
