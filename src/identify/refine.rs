@@ -415,7 +415,7 @@ impl Far {
     /// of the rest than noise, of which `alike` lines count for one, and so many at most.
     ///
     /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance plus one dyad per course; what r
-    /// dyads leave has (columns − r)(functions − r) numbers.
+    /// dyads leave has (columns − r)(functions − r) numbers (reduced rank: Anderson 1951, Annals of Mathematical Statistics 22).
     pub fn strongest(
         &self,
         (measured, roots): (&Measured, &[Root]),
