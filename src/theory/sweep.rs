@@ -192,8 +192,9 @@ pub fn sweep(
         return numbered(model, values, j, range.whole_values(&parameter.name)?);
     }
     let grid = range.values();
-    let follower = Follower::new(model, values, j);
-    let trail = whole_trail(&follower, &grid, band)?;
+    let lowest = band.and_then(|band| Band::new(0.0, band.hi_hz).ok());
+    let follower = Follower::new(model, values, j, lowest);
+    let trail = whole_trail(&follower, &grid, lowest)?;
     let families = trail.families();
     Ok(Sweep {
         events: events(&follower, &trail, &families)?,
@@ -209,9 +210,8 @@ pub fn sweep(
 fn whole_trail(
     follower: &Follower<'_>,
     grid: &[f64],
-    band: Option<Band>,
+    lowest: Option<Band>,
 ) -> Result<Trail, TheoryError> {
-    let lowest = band.and_then(|band| Band::new(0.0, band.hi_hz).ok());
     let unseen = |sample: &Sample| {
         let stranger = sample.strangers_rad_s.first();
         stranger.is_some_and(|&own| match lowest {

@@ -19,6 +19,8 @@ const SPACING: f64 = 100.0;
 const STILL: f64 = 550.0 * 550.0;
 /// The spring between the masses, N/m.
 const JOINT: f64 = 2000.0;
+/// Masses that nothing joins: enough for a model to be solved sparse.
+const ALONE: usize = 1100;
 
 fn chain_stiffness() -> f64 {
     let half = 0.5 * PI / (CHAIN + 1) as f64;
@@ -58,20 +60,29 @@ fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
         (swept, still, -JOINT),
         (swept, swept, fixed + JOINT),
     ]);
-    let ones: Vec<_> = (0..size).map(|i| (i, i, 1.0)).collect();
+    external((size, &stiffness), (swept, factor), (lower, upper))
+}
+
+/// Masses of 1 kg on a stiffness, one entry of its diagonal with `factor * own` on top.
+fn external(
+    (size, stiffness): (usize, &[(usize, usize, f64)]),
+    (swept, factor): (usize, f64),
+    (lower, upper): (f64, f64),
+) -> ExternalModel {
     let matrix = |entries: &[(usize, usize, f64)]| SparseMatrix::from_entries(size, entries).ok();
+    let ones: Vec<_> = (0..size).map(|i| (i, i, 1.0)).collect();
     let scaled = MatrixSet {
         stiffness: matrix(&[(swept, swept, factor)]),
         ..MatrixSet::default()
     };
     let model = ExternalModel::new(ExternalMatrices {
-        title: "chains and masses".to_owned(),
+        title: "masses on springs".to_owned(),
         dofs: (1..=size)
             .map(|i| format!("{i}:+X").parse().unwrap())
             .collect(),
         fixed: MatrixSet {
             mass: matrix(&ones),
-            stiffness: matrix(&stiffness),
+            stiffness: matrix(stiffness),
             ..MatrixSet::default()
         },
         parameters: vec![ParameterSpec {
@@ -215,4 +226,40 @@ fn without_a_band_the_lowest_thirty_are_followed() {
     assert!(own.events.is_empty(), "{:?}", own.events);
     // Two of the masses, and fourteen double roots.
     assert_eq!(check_loci(&own, |p| p), 14);
+}
+
+/// Masses of 1 kg, each alone on its spring: the first ones at `roots_rad_s`, the last of these with a spring less by `own`,
+/// all others above them, `SPACING` apart.
+fn masses(roots_rad_s: &[f64], (lower, upper): (f64, f64)) -> ExternalModel {
+    let above = |i: usize| SPACING * (10 + i) as f64;
+    let root = |i: usize| roots_rad_s.get(i).copied().unwrap_or(above(i));
+    let stiffness: Vec<_> = (0..ALONE).map(|i| (i, i, root(i).powi(2))).collect();
+    let falls = roots_rad_s.len() - 1;
+    external((ALONE, &stiffness), (falls, -1.0), (lower, upper))
+}
+
+#[test]
+fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
+    // Followed at 40 Hz with nothing up to the end of the band, 100 Hz; the next from 105 to 80 Hz, never within 5/4 of it.
+    let squares = [40.0, 105.0, 80.0].map(|hz: f64| (TAU * hz).powi(2));
+    let range = (1.0, squares[1] - squares[2]);
+    let at = |value: f64| (squares[1] - value).sqrt();
+    for first in [&[TAU * 40.0][..], &[]] {
+        let roots: Vec<f64> = first.iter().copied().chain([TAU * 105.0]).collect();
+        let model = masses(&roots, range);
+        let own = swept(&model, 6, Some(TAU * 100.0));
+        // Alone it leaves no mode in the band at the first value.
+        let told = own.loci.iter().map(|locus| &locus.omega_rad_s);
+        let told: Vec<_> = told.collect();
+        assert_eq!(told.len(), roots.len(), "the mass that falls is told");
+        for (i, &value) in own.values.iter().enumerate() {
+            let expected = first.iter().copied().chain([at(value)]);
+            for (locus, wanted) in told.iter().zip(expected) {
+                let got = locus[i].unwrap();
+                // Vectors are exact to 1e-11, their quotients to the square of it times the spread of the squares, 1e6.
+                assert!((got / wanted - 1.0).abs() < 1e-9, "{got} {wanted}");
+            }
+        }
+        assert!(own.events.is_empty(), "{:?}", own.events);
+    }
 }

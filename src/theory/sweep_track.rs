@@ -18,7 +18,7 @@ const ZERO_STEPS: usize = 80;
 /// Of a sparse model the modes up to this multiple of the highest followed frequency are computed at the next value, among
 /// which the followed ones are sought; one that goes beyond is met again at a value nearer by.
 const HEADROOM: f64 = 1.25;
-/// As many modes where all that are followed are at 0.
+/// As many modes where all that are followed are at 0, and no band has an end.
 const BESIDE_RIGID: usize = 8;
 
 /// The modes at one value of the parameter, each in its place in the order of the first value.
@@ -114,16 +114,24 @@ pub(super) struct Follower<'a> {
     model: &'a dyn TheoreticalModel,
     values: &'a [f64],
     j: usize,
+    band: Option<Band>,
     solved: Cell<usize>,
 }
 
 impl<'a> Follower<'a> {
-    pub fn new(model: &'a dyn TheoreticalModel, values: &'a [f64], j: usize) -> Self {
+    /// Of a sparse model all modes up to the end of the band are seen at every value, followed or not.
+    pub fn new(
+        model: &'a dyn TheoreticalModel,
+        values: &'a [f64],
+        j: usize,
+        band: Option<Band>,
+    ) -> Self {
         let solved = Cell::new(0);
         Self {
             model,
             values,
             j,
+            band,
             solved,
         }
     }
@@ -176,10 +184,24 @@ impl<'a> Follower<'a> {
         }))
     }
 
+    /// The modes among which those of a sample nearby are to be found, where not all are computed, and all up to the end of the
+    /// band, so that one that comes into it from above is seen.
+    fn near(&self, from: &Sample) -> ModeOptions {
+        let highest = from.omega_rad_s.iter().copied().fold(0.0, f64::max);
+        let end_hz = self.band.map_or(0.0, |band| band.hi_hz);
+        let band = Band::new(0.0, end_hz.max(HEADROOM * highest / TAU)).ok();
+        let count = from.omega_rad_s.len() + BESIDE_RIGID;
+        ModeOptions {
+            count: band.is_none().then_some(count),
+            band,
+            damping_ratio: None,
+        }
+    }
+
     /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell it.
     pub fn follow(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
         let system = System::of(self.model, &self.values_at(value))?;
-        let found = self.solve(&system, value, &near(from))?;
+        let found = self.solve(&system, value, &self.near(from))?;
         let seen = system.mass(&from.vectors);
         let overlap = seen.transpose() * &found.vectors;
         let square = |mode: usize| -> f64 {
@@ -322,18 +344,6 @@ impl<'a> Follower<'a> {
             let sample = self.follow(before, value)?;
             Ok(sample.map(|sample| sample.quotient_distance(a, b)))
         })
-    }
-}
-
-/// The modes among which those of a sample nearby are to be found, where not all are computed.
-fn near(from: &Sample) -> ModeOptions {
-    let highest = from.omega_rad_s.iter().copied().fold(0.0, f64::max);
-    let band = Band::new(0.0, HEADROOM * highest / TAU).ok();
-    let count = from.omega_rad_s.len() + BESIDE_RIGID;
-    ModeOptions {
-        count: band.is_none().then_some(count),
-        band,
-        damping_ratio: None,
     }
 }
 
