@@ -51,7 +51,7 @@ fn direct(matrices: &SystemMatrices, s: Complex64) -> crate::linalg::ComplexMatr
     let n = matrices.coordinates.len();
     let unit = |i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
     let identity: Vec<Vec<f64>> = (0..n).map(unit).collect();
-    direct_receptance(matrices, s, &identity, &identity)
+    direct_receptance(matrices, s, &identity, &identity).unwrap()
 }
 
 fn assert_receptance(matrices: &SystemMatrices) {

@@ -285,6 +285,20 @@ pub enum TheoryError {
         /// Number of coordinates.
         expected: usize,
     },
+    /// An observation row that does not belong to the matrices.
+    #[error(
+        "observation row of {what} {index} (from 0): got {got} entries, expected {expected} (one for each coordinate)"
+    )]
+    RowLength {
+        /// Response or hit.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// Entries.
+        got: usize,
+        /// Number of coordinates.
+        expected: usize,
+    },
     /// Matrices of a model without coordinates.
     #[error("model `{model}`: got no degree of freedom, expected one for each row of its matrices")]
     NoCoordinates {
