@@ -269,21 +269,7 @@ pub(super) fn response_quantities(
     let stiff = model.responses(&stiff, span, &details)?;
     all.extend(check_quantities(model, values)?);
     all.extend(figures_3_to_8(&soft, &stiff));
-    let teeth = model.printed_teeth(values, span)?;
-    all.extend([
-        ModelQuantity::new(
-            "load_range_change_82",
-            change(&teeth, "load_sp1", range),
-            "%",
-            "range of the load sharing factor with 82 teeth in the ring, printed varying angle against constant",
-        ),
-        ModelQuantity::new(
-            "sun_orbit_change_82",
-            change(&teeth, "x_s", ResponseSignal::deviation),
-            "%",
-            "standard deviation of the sun's displacement with 82 teeth, printed varying angle against constant",
-        ),
-    ]);
+    all.extend(printed_teeth_quantities(model, values, span)?);
     let points = bearing_points(model, values)?;
     let largest = points.iter().map(|own| own.constant).fold(0.0, f64::max);
     let least = points
@@ -300,6 +286,38 @@ pub(super) fn response_quantities(
         &format!("least distance of that of the torsional model from the exact one, {tried}"),
     ));
     Ok(all)
+}
+
+/// Figures 7 and 8 with the teeth that the ring has in print, and the angles at rest by which the runs differ besides.
+pub(super) fn printed_teeth_quantities(
+    model: &HelicalPlanetary,
+    values: &[f64],
+    span: ResponseSpan,
+) -> Result<[ModelQuantity; 2], TheoryError> {
+    let teeth = model.printed_teeth(values, span)?;
+    let ring_degrees = |detail| -> Result<f64, TheoryError> {
+        let motion = Motion::new(model, values, detail)?.with_ring_teeth(PRINTED_RING_TEETH);
+        Ok(motion.rest_angles()[1].to_degrees())
+    };
+    let constant = ring_degrees(Detail::ConstantAngle)?;
+    let varying = ring_degrees(Detail::PrintedAngle)?;
+    let runs = format!(
+        "with 82 teeth in the ring, printed varying angle (ring mesh at rest {varying:.2} deg) against constant ({constant:.2} deg): both the variation and the angle at rest differ"
+    );
+    Ok([
+        ModelQuantity::new(
+            "load_range_change_82",
+            change(&teeth, "load_sp1", range),
+            "%",
+            &format!("range of the load sharing factor {runs}"),
+        ),
+        ModelQuantity::new(
+            "sun_orbit_change_82",
+            change(&teeth, "x_s", ResponseSignal::deviation),
+            "%",
+            &format!("standard deviation of the sun's displacement {runs}"),
+        ),
+    ])
 }
 
 /// The teeth and torques as printed.

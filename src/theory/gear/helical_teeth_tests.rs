@@ -7,10 +7,10 @@ use rayon::prelude::*;
 
 use super::helical_mesh::Detail;
 use super::helical_motion::{COORDINATES, Motion};
-use super::helical_response::run;
+use super::helical_response::{printed_teeth_quantities, run};
 use super::helical_response_tests::{ANGLES, near, nominal_motion};
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
-use crate::theory::parameter::override_values;
+use crate::theory::parameter::{nominal_values, override_values};
 use crate::theory::response::{ResponseSignal, ResponseSpan};
 use crate::theory::{DetailResponse, HelicalPlanetary, TheoreticalModel};
 
@@ -218,6 +218,26 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
         ];
         for (got, expected) in got.into_iter().zip(expected) {
             near(got, expected, &own);
+        }
+    }
+}
+
+#[test]
+fn what_is_printed_of_82_teeth_tells_both_angles_at_rest() {
+    let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
+    let values = nominal_values(model.parameters());
+    // The text does not depend on how long the runs are.
+    let span = ResponseSpan {
+        settling_periods: 1,
+        told_periods: 1,
+        step_radians: 0.6,
+    };
+    for own in printed_teeth_quantities(&model, &values, span).unwrap() {
+        for angle in [
+            "varying angle (ring mesh at rest 23.40 deg)",
+            "constant (20.65 deg)",
+        ] {
+            assert!(own.meaning.contains(angle), "{}", own.meaning);
         }
     }
 }
