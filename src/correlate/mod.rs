@@ -55,6 +55,7 @@ pub use observability::{
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
 pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
+pub(crate) use roots::highest_rigid_hz;
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{
     ComparisonTable, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,

@@ -137,8 +137,8 @@ pub struct Pairing {
 /// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below `min_mac`.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
-/// modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes at 0 Hz, are left out: modes at 0 Hz; where the theory has
-/// none there, those below a thousandth of the next one.
+/// modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes at 0 Hz, are left out: modes at 0 Hz and, of the lowest
+/// six, those at 0.1 Hz or less below a thousandth of the next one.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],

@@ -11,6 +11,12 @@ const SAME_ROOT: f64 = 1e-6;
 /// model, which is 1e8 to 1e10 times the lowest elastic one: 1e-3 to 1e-4 of its frequency or less.
 const RIGID: f64 = 1e-3;
 
+/// Rigid-body modes of one body: those at 0 and what rounding left of others are no more together.
+const MOST_RIGID: usize = 6;
+
+/// No rigid-body mode lies above this, Hz: a test with a hammer measures nothing as low, so that no mode is lost with it.
+const HIGHEST_RIGID_HZ: f64 = 0.1;
+
 /// One elastic root of a theory with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Root {
@@ -22,16 +28,22 @@ pub(super) struct Root {
 
 /// The highest frequency of a rigid-body mode, Hz; 0 where none has another.
 ///
-/// A model that was solved here has its rigid-body modes at exactly 0. Where no mode is there, frequencies that come before the last rise
-/// by a factor of a thousand are what rounding left of 0.
-pub(super) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
-    let mut all: Vec<f64> = theory.modes.iter().map(|own| own.frequency_hz).collect();
-    all.sort_by(f64::total_cmp);
-    if all.first().is_none_or(|lowest| *lowest <= 0.0) {
-        return 0.0;
+/// A model that was solved here has its rigid-body modes at exactly 0. In finished modes, with those at 0 among the lowest six, the modes
+/// above 0 that come before the first rise by a factor of a thousand are what rounding left of 0, if they are at most 0.1 Hz, where
+/// a test with a hammer measures nothing. A stiff mode far above the others says nothing of these.
+pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
+    let mut lowest: Vec<f64> = theory.modes.iter().map(|own| own.frequency_hz).collect();
+    lowest.sort_by(f64::total_cmp);
+    // The rise after the sixth is one to the seventh.
+    lowest.truncate(MOST_RIGID + 1);
+    let mut rises = lowest.windows(2).filter(|next| next[0] > 0.0);
+    let rise = rises.find(|next| next[0] <= RIGID * next[1]);
+    let below = rise.map_or(0.0, |next| next[0]);
+    if below <= HIGHEST_RIGID_HZ {
+        below
+    } else {
+        0.0
     }
-    let rise = all.windows(2).rfind(|next| next[0] < RIGID * next[1]);
-    rise.map_or(0.0, |next| next[0])
 }
 
 /// The elastic roots in ascending frequency; modes of one group number or one frequency are one root, rigid-body modes are left out.
@@ -103,9 +115,27 @@ mod tests {
     fn what_rounding_left_of_rigid_body_modes_is_no_root() {
         let free = [1e-4, 2e-4, 3.1e-3, 12.0, 30.0];
         assert_eq!(elastic_hz(&free), [12.0, 30.0]);
-        // Soft slings are an elastic root, and so is whatever a solver told from 0 itself.
+        // Some of them at exactly 0, others not.
+        assert_eq!(elastic_hz(&[0.0, 1e-3, 12.0]), [12.0]);
+        assert_eq!(elastic_hz(&[0.0, 0.0, 1e-4, 12.0]), [12.0]);
+        // Soft slings are an elastic root, and so is what a test can measure, whatever follows.
         assert_eq!(elastic_hz(&[0.1, 12.0, 30.0]), [0.1, 12.0, 30.0]);
-        assert_eq!(elastic_hz(&[0.0, 1e-3, 12.0]), [1e-3, 12.0]);
+        assert_eq!(elastic_hz(&[0.2, 300.0]), [0.2, 300.0]);
         assert_eq!(elastic_hz(&[]), [0.0; 0]);
+    }
+
+    #[test]
+    fn a_stiff_mode_above_the_others_does_not_make_them_rigid() {
+        let grounded = [5.0, 12.0, 30.0, 50000.0];
+        assert_eq!(elastic_hz(&grounded), grounded);
+        assert_eq!(elastic_hz(&[1e-4, 12.0, 30.0, 50000.0]), grounded[1..]);
+    }
+
+    #[test]
+    fn rigid_body_modes_are_six_at_most() {
+        let six = [0.0, 0.0, 1e-4, 1e-4, 2e-4, 2e-4, 12.0];
+        assert_eq!(elastic_hz(&six), [12.0]);
+        let seven = [0.0, 0.0, 1e-4, 1.1e-4, 1.2e-4, 1.3e-4, 1.4e-4, 12.0];
+        assert_eq!(elastic_hz(&seven), seven[2..]);
     }
 }

@@ -1,6 +1,6 @@
 //! Which measured modes are which modes of the model: decided at a start, followed by shape from there.
 
-use crate::correlate::{PairOptions, assign, pair};
+use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
 use crate::linalg::RealMatrix;
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
@@ -101,7 +101,8 @@ impl PairedModes {
     fn by_frequency(&self, theory: &ModalModel, targets: &[Target], gate: f64) -> Vec<Link> {
         let mut own = self.target.clone();
         own.dedup();
-        let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > 0.0;
+        let rigid_hz = highest_rigid_hz(theory);
+        let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > rigid_hz;
         let roots: Vec<Vec<usize>> = theory.roots().into_iter().filter(elastic).collect();
         let states_groups = own.iter().any(|&t| targets[t].modes.len() > 1);
         // A root takes as many measured ones as it has modes where the list does not say which belong together.
