@@ -274,9 +274,12 @@ codes! {
     /// Two partners are as good.
     Ambiguous: "two partners are as good as each other; the pairing cannot be decided",
         "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
+    /// A test shape or a root that another one could hold half of.
+    ClaimedTwice: "another root could hold half of this test shape or more, or this root as much of another test shape; only one of them can be right",
+        "Each root is judged with those near it in frequency alone, so that roots far from each other can each hold a shape that looks the same at these sensors. The value is the part that the other one would hold. Measure at more points, or narrow the gate on the frequency error.";
     /// A test shape that several roots hold together.
-    MixedShape: "the root holds less of the test shape than the stated MAC: shapes are mixed, or these sensors do not tell roots apart",
-        "All roots of the model explain the shape together. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
+    MixedShape: "the root's part of the test shape, less its standard deviation, is below the stated MAC: shapes are mixed, or these sensors do not tell roots apart",
+        "All roots of the model explain the shape together; the value is the root's part less one standard deviation. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",
         "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";

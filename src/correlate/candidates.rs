@@ -220,7 +220,7 @@ impl CandidateTable {
             .collect()
     }
 
-    /// Ambiguous pairs, and test modes left over whose nearest root in frequency was refused for its MAC.
+    /// Pairs that are not sure, and test modes left over whose nearest root in frequency was refused for its MAC.
     pub fn findings(
         &self,
         test: &ModalModel,
@@ -237,9 +237,9 @@ impl CandidateTable {
                     Verdict::Ambiguous {
                         cost_difference, ..
                     } => Some((Code::Ambiguous, cost_difference, options.ambiguous_margin)),
-                    Verdict::Claimed { share, .. } => Some((Code::Ambiguous, share, HALF)),
-                    Verdict::Mixed { share, .. } => {
-                        Some((Code::MixedShape, share, options.min_mac))
+                    Verdict::Claimed { share, .. } => Some((Code::ClaimedTwice, share, HALF)),
+                    Verdict::Mixed { share, std } => {
+                        Some((Code::MixedShape, share - std, options.min_mac))
                     }
                 };
                 let finding =

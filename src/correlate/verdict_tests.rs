@@ -1,5 +1,6 @@
 //! Verdicts of pairing that rest on shares, and MAC of whole sets of modes.
 
+use crate::finding::{Code, Finding};
 use crate::modal::ModalModel;
 
 use super::pairing::Shapes;
@@ -40,7 +41,7 @@ fn the_mac_of_whole_sets_is_that_of_each_pair_by_itself() {
 }
 
 /// The verdict of the first mode against two roots of which it is a sum of these parts.
-fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [usize; 2]) -> Verdict {
+fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [usize; 2]) -> (Verdict, Vec<Finding>) {
     let points = shape(shapes[0]).into_iter().zip(shape(shapes[1]));
     let sum: Vec<f64> = points.map(|(x, y)| parts[0] * x + parts[1] * y).collect();
     let theory = model(vec![
@@ -48,27 +49,34 @@ fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [usize; 2]) -> Verdict {
         mode(hz[1], &shape(shapes[1])),
     ]);
     let found = paired(&model(vec![mode(hz[0], &sum)]), &theory);
-    found.pairs[0].partners[0].verdict.clone()
+    (found.pairs[0].partners[0].verdict.clone(), found.findings)
 }
 
 #[test]
 fn half_of_a_shape_within_its_deviation_is_mixed() {
     // Of six points a share of 0.64 is known to 0.06, as the shares' own module computes by hand: one of 0.55 may be less than half.
     assert_eq!(
-        verdict_of([0.8, 0.6], [100.0, 104.0], [1, 2]),
+        verdict_of([0.8, 0.6], [100.0, 104.0], [1, 2]).0,
         Verdict::Paired
     );
-    let verdict = verdict_of([0.55f64.sqrt(), 0.45f64.sqrt()], [100.0, 104.0], [1, 2]);
+    let (verdict, findings) = verdict_of([0.55f64.sqrt(), 0.45f64.sqrt()], [100.0, 104.0], [1, 2]);
     assert!(
         matches!(verdict, Verdict::Mixed { share, std } if (share - 0.55).abs() < 0.01 && (std - 0.06).abs() < 0.01),
         "{verdict:?}"
     );
+    // What is held against the limit.
+    let told = findings.iter().find(|own| own.code == Code::MixedShape);
+    let told = told.expect("a finding");
+    assert!((told.value.unwrap() - 0.49).abs() < 0.01, "{told}");
+    assert!(told.value < told.limit, "{told}");
 }
 
 #[test]
 fn two_far_roots_of_one_shape_both_claim_a_mode() {
     // 15 % apart neither mixes into the other, so that each holds all of the shape; their costs differ by more than the margin.
-    let verdict = verdict_of([1.0, 0.0], [100.0, 115.0], [1, 1]);
+    let (verdict, findings) = verdict_of([1.0, 0.0], [100.0, 115.0], [1, 1]);
+    assert!(findings.iter().any(|own| own.code == Code::ClaimedTwice));
+    assert!(findings.iter().all(|own| own.code != Code::Ambiguous));
     assert!(
         matches!(&verdict, Verdict::Claimed { rival: Rival::Theory(modes), share } if modes == &[1] && *share > 0.8),
         "{verdict:?}"
