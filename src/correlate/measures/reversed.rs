@@ -33,7 +33,7 @@ const AGAINST_IN_FEW: f64 = -0.5;
 const GAIN: f64 = 0.02;
 
 /// So many good sensors or more that would disagree in the same pairs by chance, in the mean, and the sensor may be one of them. Two
-/// pairs in which no other sensor disagrees are enough from ten sensors on.
+/// pairs in which no other sensor disagrees, (1/n)² n = 1/n, are enough from eleven sensors on.
 const BY_CHANCE: f64 = 0.1;
 
 /// A sensor that reads against the theory's direction.
@@ -57,7 +57,8 @@ pub struct ReversedSensor {
 /// its share `w` of a pair and the product `s` of the unit shapes as they stand, `(s + 2w)² − s²`, 4 w where all else agrees.
 /// Over two pairs, which agree by chance more often, the direction is at most -0.5 and the gain 0.02 or more.
 /// A poor pair says little: with the parts `f` of the other sensors that disagree in each pair, `Π f` over the pairs in which a sensor
-/// disagrees is how often a good one does, and times the number of sensors that is to be below 0.1.
+/// disagrees is how often a good one does, and times the number of sensors that is to be below 0.1:
+/// over two pairs in which no other sensor disagrees there must be eleven sensors at least.
 /// Never half of the sensors and more are found: which half is then reversed nobody can say.
 ///
 /// # Errors
