@@ -27,7 +27,7 @@ use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
-use super::output::{MODES, Output, check_extension, write_modes};
+use super::output::{MODES, Output, check_extension, check_numbered, numbered, write_modes};
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held against FRFs, a test without
 /// a theory against itself.
@@ -170,6 +170,7 @@ fn itself(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let options = pair_options(args)?;
+    check_numbered(args)?;
     let mut all = Vec::new();
     for path in &args.test {
         let name = path.display().to_string();
@@ -449,10 +450,8 @@ fn files(
     if let [only] = tables {
         return vec![(path.to_owned(), table(*only))];
     }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let numbered = (1..).zip(tables).map(|(number, at)| {
-        let name = format!("{stem}-{number}.{extension}");
-        (path.with_file_name(name), table(*at))
-    });
-    numbered.collect()
+    let tables = (1..).zip(tables);
+    tables
+        .map(|(number, at)| (numbered(path, number), table(*at)))
+        .collect()
 }

@@ -12,7 +12,7 @@ use crate::scene::{FilePlan, IngestOptions, ingest_files};
 use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate::{Printed, print};
-use super::output::{Output, check_extension};
+use super::output::{Output, check_extension, check_numbered};
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
 pub fn correlate_frfs(
@@ -22,6 +22,7 @@ pub fn correlate_frfs(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_arguments(args)?;
+    check_numbered(args)?;
     let other = functions(theory, format, output)?;
     let second = theory.display().to_string();
     let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,8 +1,9 @@
 //! Standard output carries the result alone, standard error the findings.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::finding::{Code, Finding};
@@ -11,7 +12,7 @@ use crate::io::{IoError, WriteOptions, modes_source, write_path, write_whole};
 use crate::modal::ModalModel;
 use crate::report::{Block, Language, Renderer, Terminal};
 
-use super::args::Global;
+use super::args::{CorrelateArgs, Global};
 
 /// More findings of one code than this are counted instead of listed.
 const LISTED_PER_CODE: usize = 5;
@@ -61,6 +62,45 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
         got: path.display().to_string(),
         expected: format!("a file name ending in .{}", expected.join(" or .")),
     })
+}
+
+/// `x-1.csv` of `x.csv`.
+pub fn numbered(path: &Path, number: usize) -> PathBuf {
+    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (text(path.file_stem()), text(path.extension()));
+    path.with_file_name(format!("{stem}-{number}.{extension}"))
+}
+
+/// The numbered CSV files of several tests are none of what is read: their names are not typed, so that nobody would see it.
+pub fn check_numbered(args: &CorrelateArgs) -> Result<(), Error> {
+    let is_csv = |path: &&PathBuf| {
+        path.extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case("csv"))
+    };
+    let several = args.test.len() > 1;
+    let Some(path) = args.output.as_ref().filter(|path| several && is_csv(path)) else {
+        return Ok(());
+    };
+    let place = |path: &Path| path.canonicalize().ok();
+    let inputs: Vec<PathBuf> = args
+        .test
+        .iter()
+        .chain(&args.theory)
+        .filter_map(|own| place(own))
+        .collect();
+    let mut names = (1..=args.test.len()).map(|number| numbered(path, number));
+    match names.find(|own| place(own).is_some_and(|own| inputs.contains(&own))) {
+        None => Ok(()),
+        Some(name) => Err(Error::Argument {
+            argument: "-o",
+            got: format!(
+                "{}: {} would be written, which is read",
+                path.display(),
+                name.display()
+            ),
+            expected: "a name whose numbered files are none of the inputs".to_owned(),
+        }),
+    }
 }
 
 /// Collects what a verb prints, so that nothing is printed before it has succeeded.

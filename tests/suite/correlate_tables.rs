@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::command::{json, succeed, write};
+use crate::command::{fail, json, succeed, write};
 use crate::updating::{frame, modes_json};
 
 fn text(path: &Path) -> String {
@@ -43,6 +43,41 @@ fn several_tests_against_themselves_are_a_csv_file_each() {
     );
     succeed(["correlate", "--test", &b, "-o", &text(&out)]);
     assert_eq!(std::fs::read_to_string(&out).unwrap(), of(2));
+}
+
+#[test]
+fn numbered_files_are_never_what_is_read_and_keep_their_extension() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, _] = two_tests(folder.path());
+    let modes = "frequency_hz,damping_ratio,1:+X,2:+X\n10,,1,1\n20,,1,-1\n";
+    write(folder.path(), &[("x-2.csv", modes)]);
+    let (read, out) = (folder.path().join("x-2.csv"), folder.path().join("x.csv"));
+    let error = fail([
+        "correlate",
+        "--test",
+        &a,
+        "--test",
+        &text(&read),
+        "-o",
+        &text(&out),
+    ]);
+    assert!(
+        error.contains("x-2.csv would be written, which is read"),
+        "{error}"
+    );
+    assert!(!folder.path().join("x-1.csv").exists());
+    assert_eq!(std::fs::read_to_string(&read).unwrap(), modes);
+    let typed = text(&folder.path().join("y.CSV"));
+    succeed([
+        "correlate",
+        "--test",
+        &a,
+        "--test",
+        &text(&read),
+        "-o",
+        &typed,
+    ]);
+    assert!(folder.path().join("y-2.CSV").exists());
 }
 
 #[test]
