@@ -313,7 +313,7 @@ pub struct CorrelateArgs {
     /// Write the table here (.md, .csv, .tex, .txt or .json); as CSV those of several tests without --theory, or of FRFs, go to a file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
-    /// Gate on the frequency error, a fraction.
+    /// Gate on the frequency error, a fraction of the theory's frequency.
     #[arg(long, value_name = "FRACTION", requires = "theory")]
     pub max_frequency_error: Option<f64>,
     /// Gate on MAC; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
