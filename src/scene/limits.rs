@@ -14,7 +14,7 @@ pub struct Limits {
     pub min_mac: Option<f64>,
     /// Smallest number of paired modes, per test.
     pub min_paired: Option<usize>,
-    /// Largest number of theory modes in the band without partner, per test.
+    /// Largest number of theory modes in the band without partner, per test; those not judged for being observable count.
     pub max_missed: Option<usize>,
     /// Largest number of theory modes in the band that the test could not have seen, per test.
     pub max_not_observable: Option<usize>,
@@ -78,6 +78,10 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
     let mut checks = Vec::new();
     for test in tests {
         let count = |n: usize| Some(n as f64);
+        let missed = match test.not_judged {
+            0 => "missed modes".to_owned(),
+            n => format!("missed modes ({n} of them not judged)"),
+        };
         let rows = [
             (
                 "largest |frequency error| (%)",
@@ -93,7 +97,7 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
                 false,
             ),
             (
-                "missed modes",
+                missed.as_str(),
                 count(test.missed),
                 limits.max_missed.map(|n| n as f64),
                 true,
@@ -222,6 +226,23 @@ mod tests {
         assert_eq!(met(&limits(2.0, 0.96, 1)), [true, true, true]);
         assert_eq!(met(&limits(1.999, 0.961, 0)), [false, false, false]);
         assert!(met(&Limits::default()).is_empty());
+    }
+
+    #[test]
+    fn missed_modes_that_were_not_judged_are_told() {
+        let limits = Limits {
+            max_missed: Some(1),
+            ..Limits::default()
+        };
+        let told = |not_judged| {
+            let test = TestSummary {
+                not_judged,
+                ..figures()
+            };
+            judge_comparison(&limits, &[test])[0].what.clone()
+        };
+        assert_eq!(told(0), "hammer: missed modes");
+        assert_eq!(told(1), "hammer: missed modes (1 of them not judged)");
     }
 
     #[test]
