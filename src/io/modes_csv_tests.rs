@@ -309,11 +309,17 @@ fn what_a_table_cannot_hold_is_said() {
     mode.residues
         .insert((dof("1:+X"), dof("2:+X")), Complex64::i());
     mode.order = Some(12);
+    mode.damping_bias = Some(1e-4);
     mode.shape_std = Some([(dof("1:+X"), 0.1)].into());
     let (text, lost) = written(&[mode]);
     assert_eq!(text, "frequency_hz,damping_ratio\n1,\n");
     let said: Vec<String> = lost.iter().map(ToString::to_string).collect();
-    for what in ["residues", "deviations of shapes", "methods and orders"] {
+    for what in [
+        "residues",
+        "deviations of shapes",
+        "methods and orders",
+        "biases",
+    ] {
         assert!(
             said.iter().any(|own| own.contains(what)),
             "{what}: {said:?}"

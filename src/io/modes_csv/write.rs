@@ -94,11 +94,16 @@ pub(super) fn not_carried(catalog: &Catalog) -> Vec<Finding> {
         "deviations of shapes",
         count(|mode| mode.shape_std.is_some()),
     );
+    lost.add("biases of frequency and damping", count(has_bias));
     let told = count(|mode| {
         mode.order.is_some() || mode.method.as_ref().is_some_and(|own| own != "theory")
     });
     lost.add("methods and orders of modes", told);
     lost.findings()
+}
+
+fn has_bias(mode: &Mode) -> bool {
+    mode.frequency_bias_hz.or(mode.damping_bias).is_some()
 }
 
 /// The reader's error of a text that was not written.

@@ -276,6 +276,11 @@ fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut NotCarried) {
         usize::from(mode.modal_mass_kg.is_some_and(|own| !agrees(own))),
     );
     lost.add("standard deviations of modes", numbers);
+    let bias = mode.frequency_bias_hz.or(mode.damping_bias);
+    lost.add(
+        "biases of frequency and damping",
+        usize::from(bias.is_some()),
+    );
     lost.add("residues of modes", mode.residues.len());
     lost.add(
         "phase collinearity of modes",

@@ -244,6 +244,7 @@ fn what_a_mode_has_beyond_the_format_is_counted() {
         ("7:+X", f64::NAN),
     ]);
     mode.frequency_std_hz = Some(0.1);
+    mode.frequency_bias_hz = Some(0.2);
     mode.mpc = Some(0.9);
     mode.method = Some("circle".to_owned());
     let residue = ("5:+Z".parse().unwrap(), "5:+Z".parse().unwrap());
@@ -254,6 +255,7 @@ fn what_a_mode_has_beyond_the_format_is_counted() {
     entries[0].title = (0..7).map(|i| format!("line {i}")).collect();
     let (_, modes, findings) = read_back(&Geometry::default(), &entries);
     let expected = [
+        ("biases of frequency and damping", 1.0),
         ("degrees of freedom that are 0 in every mode", 1.0),
         ("method and order of modes", 1.0),
         ("missing shape values, written as 0", 1.0),
