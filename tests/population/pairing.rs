@@ -153,7 +153,7 @@ fn judged(family: Family, number: u64) -> Judged {
 struct Limits {
     /// Least part of clear modes that find their root, with 20 sensors or more and with 8.
     found: [f64; 2],
-    /// Most modes that are said to belong where they do not, clear and others, with any number of sensors.
+    /// Most modes that are said to belong where they do not, clear and others, with any number of sensors: one more than measured.
     wrong: [usize; 2],
     /// Largest part of clear modes with 20 sensors or more that are labelled ambiguous.
     labelled: f64,
@@ -162,7 +162,7 @@ struct Limits {
 /// Measured: 5879 of 5883 and 1545 of 1564 find their root; none of 7447 and none of 63 is wrong without a word; 1.3 % labelled.
 const EQUAL: Limits = Limits {
     found: [0.995, 0.98],
-    wrong: [0, 0],
+    wrong: [1, 1],
     labelled: 0.02,
 };
 /// Measured: 5708 of 5743 and 1438 of 1472; 1 of 7215 and 1 of 319, shapes shared with an oscillator that carries no sensor; 6.8 %.
@@ -207,7 +207,7 @@ fn check(all: &[Judged], limits: &Limits) {
     // What all of it is for.
     for rule in 1..RULES.len() {
         let [thumb, _] = sums(all, rule, |_| true);
-        assert!(thumb.wrong > 50 * clear.wrong.max(1), "{thumb:?}");
+        assert!(thumb.wrong > 50 * every_clear.wrong.max(1), "{thumb:?}");
     }
 }
 
