@@ -238,6 +238,10 @@ pub struct TheoryArgs {
     /// Modes in this band alone, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
+    /// Solve with the damping matrix as it is: complex modes, in the table, the file and the JSON. Without it damping ratios are of
+    /// first order and shapes real.
+    #[arg(long, conflicts_with_all = ["sweep", "response", "compare"])]
+    pub damped: bool,
     /// Print the share of every body and spring, or group of matrices, in the energy of each root.
     #[arg(long)]
     pub energies: bool,

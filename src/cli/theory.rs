@@ -30,13 +30,18 @@ pub fn theory(
 ) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), MODES)?;
     let named = Named::of(args, format)?;
-    let result = match &named {
+    let mut result = match &named {
         Named::Model(model) => model.solve(&model.sensors, &options(args))?,
         Named::Finished(theory) => {
             check_effect(args)?;
             inside(args, theory)
         }
     };
+    if let (Named::Model(model), true) = (&named, args.damped) {
+        let undamped = std::mem::take(&mut result.modes.findings);
+        result.modes = model.solve_damped(&model.sensors, args.band)?;
+        result.modes.findings = undamped;
+    }
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
         let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
@@ -49,6 +54,12 @@ pub fn theory(
     } else {
         roots_block(&format!("Roots of {name}"), &result.roots, args.band)
     });
+    if args.damped {
+        blocks.push(theory_block(
+            &format!("Damped modes of {name}"),
+            &result.modes,
+        ));
+    }
     let json = match &named {
         Named::Model(model) => {
             let part = told(args, model, &result, &mut blocks, output)?;
@@ -123,6 +134,7 @@ fn inside(args: &TheoryArgs, theory: &Theory) -> Theory {
 fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
     let asked = [
         ("--set", !args.settings.is_empty()),
+        ("--damped", args.damped),
         ("--energies", args.energies),
         ("--sensitivities", args.sensitivities),
         ("--quantities", args.quantities),

@@ -13,8 +13,8 @@ use crate::theory::{
     Assumption, BUILT_IN, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel,
     ModeOptions, ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA,
     Sweep, SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
-    compare_details, coordinate_sensors, model_roots, model_sensitivities, modes, override_values,
-    sweep,
+    compare_details, coordinate_sensors, damped_model, model_roots, model_sensitivities, modes,
+    override_values, sweep,
 };
 
 use super::SceneError;
@@ -197,6 +197,22 @@ impl LoadedModel {
             parameters,
             assumptions: self.model.assumptions(),
         })
+    }
+
+    /// Modes with the damping matrix as it is at sensors, those of the coordinates where there are none.
+    ///
+    /// # Errors
+    /// [`SceneError::Theory`] with those of [`damped_model`].
+    pub fn solve_damped(
+        &self,
+        sensors: &[Sensor],
+        band: Option<Band>,
+    ) -> Result<ModalModel, SceneError> {
+        let own = match sensors {
+            [] => coordinate_sensors(&self.model.assemble(&self.values)?.coordinates),
+            _ => sensors.to_vec(),
+        };
+        Ok(damped_model(self.model.as_ref(), &self.values, &own, band)?)
     }
 
     /// The model file's sensors and those of a scene, which counts where both name one.

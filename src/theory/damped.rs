@@ -5,10 +5,15 @@
 
 use num_complex::Complex64;
 
+use crate::axis::Band;
+use crate::geometry::Sensor;
 use crate::linalg::{self, ComplexMatrix, RealMatrix};
-use crate::modal::Pole;
+use crate::modal::{ModalModel, Mode, ModeShape, Pole, Scaling, modal_phase_collinearity};
 
-use super::{Coordinate, ModeOptions, SystemMatrices, TheoryError, modes_of_matrices};
+use super::eigen::check_sensors;
+use super::{
+    Coordinate, ModeOptions, SystemMatrices, TheoreticalModel, TheoryError, modes_of_matrices,
+};
 
 /// Roots nearer to each other than this part of their size are one: far below what separates roots that differ.
 const REPEATED: f64 = 1e-9;
@@ -91,6 +96,69 @@ pub fn damped_modes(matrices: &SystemMatrices) -> Result<DampedModes, TheoryErro
         }
     }
     Ok(solution)
+}
+
+/// Modes of a model with its damping matrix as it is, read by sensors, ascending in frequency, inside the band if one is given.
+///
+/// Shapes are scaled as those of unit modal mass are: the residue of a pair is `phi_r phi_k/(2 i omega_d)`, so that real ones come out
+/// where the damping does not couple the undamped modes. Of the two signs the one that makes the largest component's real part positive.
+///
+/// # Errors
+/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and [`damped_modes`]; [`TheoryError::Undamped`] without
+/// a damping matrix.
+pub fn damped_model(
+    model: &dyn TheoreticalModel,
+    values: &[f64],
+    sensors: &[Sensor],
+    band: Option<Band>,
+) -> Result<ModalModel, TheoryError> {
+    check_sensors(sensors)?;
+    let matrices = model.assemble(values)?;
+    if matrices.damping.is_none() {
+        return Err(TheoryError::Undamped);
+    }
+    let rows = sensors
+        .iter()
+        .map(|sensor| model.observation_row(values, &sensor.target))
+        .collect::<Result<Vec<_>, TheoryError>>()?;
+    let solved = damped_modes(&matrices)?;
+    let mode = |j: usize| {
+        let pole = Pole {
+            lambda: solved.poles_rad_s[j],
+        };
+        let scale = Complex64::new(0.0, 2.0 * pole.lambda.im).sqrt();
+        let readings: Vec<Complex64> = rows
+            .iter()
+            .map(|row| scale * solved.reading(row, j))
+            .collect();
+        let largest = readings.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let sign = largest.map_or(1.0, |value| value.re.signum());
+        let values: Vec<Complex64> = readings.iter().map(|value| sign * value).collect();
+        let pairs = sensors.iter().zip(&values);
+        let shape = ModeShape::new(pairs.map(|(sensor, value)| (sensor.dof.positive(), *value)));
+        Mode {
+            group: solved.groups[j],
+            modal_mass_kg: Some(1.0),
+            mpc: modal_phase_collinearity(&values),
+            method: Some("theory".to_owned()),
+            ..Mode::new(
+                pole.natural_frequency_hz(),
+                Some(pole.damping_ratio()),
+                shape,
+                Scaling::UnitModalMass,
+            )
+        }
+    };
+    let inside = |mode: &Mode| band.is_none_or(|band| band.contains(mode.frequency_hz));
+    Ok(ModalModel {
+        producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
+        band,
+        modes: (0..solved.poles_rad_s.len())
+            .map(mode)
+            .filter(inside)
+            .collect(),
+        ..ModalModel::default()
+    })
 }
 
 /// `Phi^T C Phi`.

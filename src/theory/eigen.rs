@@ -316,7 +316,7 @@ fn observe(
     ModeShape::new(pairs.map(|(sensor, row)| (sensor.dof.positive(), reading(row).into())))
 }
 
-fn check_sensors(sensors: &[Sensor]) -> Result<(), TheoryError> {
+pub(super) fn check_sensors(sensors: &[Sensor]) -> Result<(), TheoryError> {
     let mut seen = BTreeSet::new();
     for sensor in sensors {
         let at_point = matches!(sensor.target, Target::BodyPoint { .. });

@@ -357,6 +357,11 @@ pub enum TheoryError {
         /// How many.
         got: usize,
     },
+    /// Damped modes of a model that has no damping matrix.
+    #[error(
+        "damped modes: got a model without a damping matrix, expected one (ratios stated mode by mode leave the modes as they are)"
+    )]
+    Undamped,
     /// A motion that creeps back without swinging.
     #[error(
         "damped modes: got the real root {got_rad_s:.6e} rad/s, expected complex roots only (less damping)"

@@ -63,7 +63,7 @@ use crate::linalg::{RealMatrix, SparseMatrix};
 
 pub use beam::BeamModel;
 pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
-pub use damped::{DampedModes, damped_modes};
+pub use damped::{DampedModes, damped_model, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };

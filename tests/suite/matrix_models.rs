@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use num_complex::Complex64;
 use serde_json::Value;
 
 use crate::command::{json, succeed, write};
@@ -247,5 +248,65 @@ fn a_sparse_model_is_solved_run_swept_and_told_by_its_largest_bodies() {
             row["tests"][0]["mac"].as_f64().unwrap() > 1.0 - 1e-9,
             "{row}"
         );
+    }
+}
+
+/// Two masses of which one has a damper to ground: no ratio by mode describes it.
+#[test]
+fn a_damping_matrix_that_couples_the_modes_gives_complex_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let (m, k, c) = ([2.0, 3.0], [[9e5, -4e5], [-4e5, 7e5]], 150.0);
+    let model = r#"
+        schema = "modalign-model/1"
+        title = "one damper"
+        [matrices]
+        dofs = ["1:+X", "2:+X"]
+        mass = "m.mtx"
+        damping = "c.mtx"
+        stiffness = "k.mtx"
+    "#;
+    let stiffness = [(1, 1, k[0][0]), (2, 1, k[1][0]), (2, 2, k[1][1])];
+    write(
+        path,
+        &[
+            ("m.mtx", &matrix_market(2, &[(1, 1, m[0]), (2, 2, m[1])])),
+            ("c.mtx", &matrix_market(2, &[(1, 1, c)])),
+            ("k.mtx", &matrix_market(2, &stiffness)),
+            ("model.toml", model),
+        ],
+    );
+    let found = theory(path, &["--damped"]);
+    let modes = found["modes"].as_array().unwrap();
+    assert_eq!(modes.len(), 2);
+    let complex =
+        |value: &Value| Complex64::new(value[0].as_f64().unwrap(), value[1].as_f64().unwrap());
+    let s = Complex64::new(0.0, 500.0);
+    let mut receptance = Complex64::ZERO;
+    for mode in modes {
+        let lambda = complex(&mode["pole_rad_s"]);
+        let shape = ["1:+X", "2:+X"].map(|dof| complex(&mode["shape"][dof]));
+        // (λ²M + λC + K)φ = 0, over its largest term.
+        for i in 0..2 {
+            let damping = if i == 0 { c } else { 0.0 };
+            let own = (lambda * lambda * m[i] + lambda * damping) * shape[i];
+            let elastic = k[i][0] * shape[0] + k[i][1] * shape[1];
+            assert!((own + elastic).norm() < 1e-10 * 1e6 * shape[0].norm());
+        }
+        assert!(mode["mpc"].as_f64().unwrap() < 0.999, "{mode}");
+        let residue = shape[0] * shape[0] / Complex64::new(0.0, 2.0 * lambda.im);
+        receptance += residue / (s - lambda) + residue.conj() / (s - lambda.conj());
+    }
+    let dynamic = |i: usize| s * s * m[i] + k[i][i];
+    let determinant = (dynamic(0) + s * c) * dynamic(1) - k[0][1] * k[1][0];
+    let expected = dynamic(1) / determinant;
+    assert!(
+        (receptance / expected - 1.0).norm() < 1e-10,
+        "{receptance} {expected}"
+    );
+    // Without the option ratios are of first order and shapes real.
+    let real = theory(path, &[]);
+    for mode in real["modes"].as_array().unwrap() {
+        assert!(complex(&mode["shape"]["1:+X"]).im.abs() <= 0.0, "{mode}");
     }
 }
