@@ -107,6 +107,13 @@ pub fn symmetric_modes(
     mass: &RealMatrix,
 ) -> Result<SymmetricModes, LinalgError> {
     let n = mass.nrows();
+    // The solver's workspace of an empty matrix would be of size n − 1.
+    if n == 0 {
+        return Ok(SymmetricModes {
+            omega_squared: Vec::new(),
+            vectors: Mat::zeros(0, 0),
+        });
+    }
     let cholesky = mass
         .llt(Side::Lower)
         .map_err(|_| LinalgError::MassNotPositiveDefinite { size: n })?;
@@ -402,6 +409,13 @@ mod tests {
         );
         let modal_mass: f64 = (0..2).map(|i| 0.5 * modes.vectors[(i, 0)].powi(2)).sum();
         assert!((modal_mass - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_model_without_coordinates_has_no_modes() {
+        let none = real_matrix(0, 0, |_, _| 0.0);
+        let modes = symmetric_modes(&none, &none).unwrap();
+        assert!(modes.omega_squared.is_empty() && modes.vectors.ncols() == 0);
     }
 
     #[test]
