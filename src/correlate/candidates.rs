@@ -3,10 +3,10 @@
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
-use super::pairing::{FEWEST_DOFS, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
+use super::pairing::{NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
 use super::roots::{Root, elastic_modes, elastic_roots};
 use super::share::{Share, share};
-use super::{CorrelateError, Observability, PairOptions, assign, observability};
+use super::{CorrelateError, PairOptions, assign};
 
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
 const ALONE: f64 = 1.0;
@@ -50,7 +50,6 @@ impl CandidateTable {
         options: &PairOptions,
     ) -> Self {
         let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
-        let still = still_at_residues(test, theory, shapes, &roots);
         let candidate = |i: usize, r: usize| {
             let root = &roots[r];
             let hz = test.modes[i].frequency_hz;
@@ -60,7 +59,6 @@ impl CandidateTable {
             let near = off <= options.max_frequency_error;
             let likeness = match comparable {
                 true => Likeness::Of(mac, near.then(share).flatten()),
-                false if still[r] || shapes.stands_still(i, &root.modes) => Likeness::Still,
                 false => Likeness::Unknown,
             };
             let frequency_error = options.error_reference.error(hz, root.hz);
@@ -261,8 +259,6 @@ impl CandidateTable {
 enum Likeness {
     /// MAC and share at the degrees of freedom that both have.
     Of(Option<f64>, Option<Share>),
-    /// Both have too few, and the root moves none of what the test measured.
-    Still,
     /// Both have too few.
     Unknown,
 }
@@ -286,7 +282,6 @@ fn candidate(
     };
     let cost = match likeness {
         Likeness::Of(..) => share.and_then(of_share),
-        Likeness::Still => None,
         Likeness::Unknown => Some(u),
     };
     Candidate {
@@ -297,22 +292,6 @@ fn candidate(
         cost: cost.filter(|_| near),
         low_mac: near && mac.is_some() && !alike,
     }
-}
-
-/// Which roots move none of the test's residues; asked only where shapes have too little in common to say more.
-fn still_at_residues(
-    test: &ModalModel,
-    theory: &ModalModel,
-    shapes: &Shapes,
-    roots: &[Root],
-) -> Vec<bool> {
-    let known = |values: &Vec<Option<_>>| values.iter().flatten().count() >= FEWEST_DOFS;
-    if shapes.test.iter().chain(&shapes.theory).all(known) {
-        return vec![false; roots.len()];
-    }
-    let judged = observability(theory, test, &[]).into_iter();
-    let still = |known: Option<Observability>| known.is_some_and(|known| known.still);
-    judged.map(still).collect()
 }
 
 fn nearest_in_frequency(

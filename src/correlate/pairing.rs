@@ -129,8 +129,8 @@ pub struct Pairing {
 /// test shape that a root holds when all roots explain it together (their own module has the formula), a pair is allowed when
 /// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
 /// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than two degrees of freedom in common it costs `u`: a
-/// MAC over one component is 1 for any two shapes, and says nothing; a root that stands still there, or at all residues of the test, is
-/// then refused. Leaving a test mode and a theory mode over
+/// MAC over one component is 1 for any two shapes, and says nothing. Such a pair says that it rests on frequency alone, and whether the
+/// model contradicts it. Leaving a test mode and a theory mode over
 /// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
 /// as moving costs more than that. The sum is made smallest over all pairs at once. A pair is ambiguous when, for either
 /// side, another allowed partner costs less than `ambiguous_margin` more; claimed when another root holds half of the shape by the same
@@ -224,13 +224,6 @@ impl Shapes {
         let comparable = vector[0].len() >= FEWEST_DOFS;
         let mac = comparable.then(|| subspace_mac(&vector[0], &span));
         (comparable, mac.flatten())
-    }
-
-    /// Whether a root moves none of the degrees of freedom at which a test mode has a value.
-    pub fn stands_still(&self, test: usize, theory: &[usize]) -> bool {
-        let [_, span] = self.common(&[test], theory);
-        let mut values = span.iter().flatten().peekable();
-        values.peek().is_some() && values.all(|value| value.norm() <= 0.0)
     }
 
     /// Principal angles between test modes and a root; none where there are too few degrees of freedom for a MAC.
