@@ -80,7 +80,8 @@ impl Fit {
         far.strongest((&own, &self.roots), self.data.correlation.alike(), most)
     }
 
-    /// Whether free poles outside explain more of what the roots leave over than they would of noise, of which some lines count for one.
+    /// Whether free poles outside explain more of what the roots leave over than they would of white noise: where lines share noise they
+    /// do, and stay, and the deviations count them.
     fn needs_outside(&self) -> bool {
         let explained = |outside: &Outside| {
             let own = Measured {
@@ -93,7 +94,7 @@ impl Fit {
         let (without, few) = explained(&self.data.outside);
         // Two real numbers of variance 1/2 for each unknown.
         let unknowns = (many - few) as f64;
-        with - without > self.data.correlation.alike() * (unknowns + unknowns.sqrt())
+        with - without > unknowns + unknowns.sqrt()
     }
 
     /// Deviations count that courses are known from the same data, and each root is told what leaving the rest away does to it.
