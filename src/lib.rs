@@ -6,6 +6,75 @@
 //! [`modal::ModalModel`] of the theory (`theory`); the two are paired and compared (`correlate`); the model is brought to the
 //! test (`update`); results are written (`report`). Test and theory end in the same type, and nothing after it knows where a mode came from.
 //!
+//! # A whole job
+//!
+//! What `modalign run` does, stage by stage: a hammer test of a bar is recorded (here computed from a stated truth, so that the
+//! example needs no file), estimated, identified, and held against the bar's model.
+//!
+//! ```
+//! use std::collections::BTreeMap;
+//! use std::path::Path;
+//!
+//! use modalign::axis::Band;
+//! use modalign::correlate::{PairOptions, Status};
+//! use modalign::frf::{HammerOptions, hammer};
+//! use modalign::identify::{IdentifyOptions, identification};
+//! use modalign::io::{Hints, HitFile, HitGrouping, group_hits, open_bytes};
+//! use modalign::report::{Renderer, TableGroup, Terminal, comparison_blocks};
+//! use modalign::scene::{NamedTest, Scene, compare_tests, hammer_test, load_model, load_synth, record};
+//! use modalign::theory::ModeOptions;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Files to hits. `io::open_path` opens a file of a measurement system; its samples are read as they are needed.
+//! let spec_path = Path::new("measurements/free-free-beam/synth.toml");
+//! let spec = load_synth(spec_path)?;
+//! let recorded = record(&spec, &hammer_test(&spec, spec_path)?, spec_path)?;
+//! let source = open_bytes(recorded.uff, &Hints { path: "hits.uff".to_owned(), ..Hints::default() })?;
+//! let mut hits = group_hits(vec![HitFile::new(source)], HitGrouping::Records, &[])?;
+//!
+//! // Hits to FRFs: each hit is judged, those that stand are averaged; variance and coherence come with them.
+//! let estimated = hammer(&mut hits.recording, &HammerOptions::default())?;
+//! let frfs = estimated.estimated.set;
+//! assert_eq!(frfs.functions().len(), 11);
+//!
+//! // FRFs to modes. Each frequency has its standard deviation.
+//! let options = IdentifyOptions {
+//!     band: Some(Band::new(60.0, 3200.0)?),
+//!     method: "circle".to_owned(),
+//!     ..IdentifyOptions::default()
+//! };
+//! let test = identification(&frfs, &options)?.model;
+//! assert_eq!(test.modes.len(), 6);
+//!
+//! // The model to modes, at the sensors of the test: the same type.
+//! let scene = Scene::load(Path::new("measurements/free-free-beam"))?;
+//! let model = load_model(Path::new("measurements/free-free-beam/model.toml"), &BTreeMap::new())?;
+//! let theory = model.solve(&scene.sensors, &ModeOptions::default())?;
+//!
+//! // Both to the comparison table.
+//! let named = NamedTest { name: "hammer", modes: &test, frfs: std::slice::from_ref(&frfs) };
+//! let table = compare_tests(&theory.modes, &[named], &PairOptions::default())?.table;
+//! let first = &table.rows[0].tests[0];
+//! assert_eq!(first.status, Status::Paired);
+//! assert!(first.mac.is_some_and(|mac| mac > 0.99) && first.error_percent.is_some_and(|error| error < -2.0));
+//!
+//! // And to text; `report::json` writes the same for programs.
+//! let groups = [TableGroup { caption: "Bar", tests: &["hammer".to_owned()], notes: &[] }];
+//! let text = Terminal.render(&comparison_blocks(&table, &groups, &theory));
+//! assert!(text.contains("paired"));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A scene says all of this in a file; [`scene::run`] does it.
+//!
+//! # Where to begin
+//!
+//! To add a file format, implement [`io::Format`] and [`io::Source`] and put it into [`io::FORMATS`]; a method of identification,
+//! [`identify::PoleEstimator`] and [`identify::ESTIMATORS`]; a machine, [`theory::TheoreticalModel`] and [`theory::BUILT_IN`]; an
+//! output of tables, [`report::Renderer`] and [`report::RENDERERS`]; something that the data say, [`finding::Code`]. What is in such a
+//! list is tested with the others.
+//!
 //! # Where things are
 //!
 //! | type | what it is | module |
@@ -39,6 +108,9 @@
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
 //! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
+//! | [`scene::RowVerdict`] | a result held against its baseline, row by row | `scene` |
+//! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
+//! | [`scene::Observer`] | who hears how far long work has come | `scene` |
 //! | [`report::Renderer`] | blocks to text | `report` |
 //!
 //! # Who may use whom

@@ -10,6 +10,11 @@ use crate::finding::Code;
 use crate::report::Language;
 use crate::theory::SweepRange;
 
+use super::color::ColorChoice;
+use super::completions::CompletionsArgs;
+use super::hint::nearest;
+use super::new::NewArgs;
+
 /// Correlates a hammer test with a theoretical model of the same machine.
 #[derive(Debug, Parser)]
 #[command(
@@ -46,6 +51,9 @@ pub struct Global {
     /// Captions and headings of tables in English or Chinese; definitions below them stay English.
     #[arg(long, global = true, value_name = "en|zh", default_value = "en", value_parser = language)]
     pub lang: Language,
+    /// Colours of words in messages and verdicts; auto: on a terminal, unless NO_COLOR is set.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
+    pub color: ColorChoice,
     /// What a finding's code means.
     #[arg(long, global = true, value_name = "CODE", value_parser = code)]
     pub explain: Option<Code>,
@@ -74,6 +82,10 @@ pub enum Verb {
     Synth(SynthArgs),
     /// Hold a result against limits or a baseline; the exit code says whether it is met.
     Check(CheckArgs),
+    /// Draft a commented scene from exported files.
+    New(NewArgs),
+    /// Print a script that completes this command line in a shell.
+    Completions(CompletionsArgs),
 }
 
 /// `run`.
@@ -337,7 +349,7 @@ pub struct CorrelateArgs {
 /// `update`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: in scene.toml\n  [update]\n  parameters = [\"mount\", \"bearing\"]\n  prior_std = 0.3            # 30 % around the model's values\n  frequency_floor = 0.001    # 0.1 % that no parameter mends\n  explain = true             # which single change explains the misfit\nthen\n  modalign update measurements/machine -o out"
+    after_help = "In scene.toml:\n  [update]\n  parameters = [\"mount\", \"bearing\"]\n  prior_std = 0.3            # 30 % around the model's values\n  frequency_floor = 0.001    # 0.1 % that no parameter mends\n  explain = true             # which single change explains the misfit\nExample:\n  modalign update measurements/machine -o out"
 )]
 pub struct UpdateArgs {
     /// A scene's folder or its scene.toml; [update] says what is free.
@@ -364,7 +376,7 @@ pub struct SynthArgs {
 /// `check`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  modalign check out/comparison.json --against scene.toml --junit check.xml"
+    after_help = "Examples:\n  modalign check out/comparison.json --against measurements/cycloid-ball/scene.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
 )]
 pub struct CheckArgs {
     /// comparison.json or modes.json.
@@ -372,15 +384,19 @@ pub struct CheckArgs {
     /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
     #[arg(long, value_name = "BASELINE")]
     pub against: PathBuf,
-    /// Largest change of a frequency against a baseline result, percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.05)]
-    pub frequency_percent: f64,
-    /// Largest change of a damping ratio against a baseline result, percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 5.0)]
-    pub damping_percent: f64,
-    /// Largest change of MAC against a baseline comparison; largest 1 − MAC against baseline modes.
-    #[arg(long, value_name = "MAC", default_value_t = 0.01)]
-    pub mac: f64,
+    /// Largest change of every frequency against a baseline result; without it by the uncertainties that both state, else 0.05.
+    #[arg(long, value_name = "PERCENT", value_parser = positive)]
+    pub frequency_percent: Option<f64>,
+    /// Largest change of every damping ratio against a baseline result; without it by the uncertainties, else 5.
+    #[arg(long, value_name = "PERCENT", value_parser = positive)]
+    pub damping_percent: Option<f64>,
+    /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a baseline comparison; without it by
+    /// the uncertainties of the shapes, else 0.01.
+    #[arg(long, value_name = "MAC", value_parser = positive)]
+    pub mac: Option<f64>,
+    /// How often a result that differs from the baseline by the stated uncertainties alone may be refused.
+    #[arg(long, value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
+    pub false_refusals: f64,
     /// Write the verdicts as JUnit XML for a CI server.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
@@ -391,6 +407,11 @@ fn positive(text: &str) -> Result<f64, String> {
     value
         .filter(|value| value.is_finite() && *value > 0.0)
         .ok_or_else(|| format!("got `{text}`, expected a number above 0"))
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    let value = positive(text).ok().filter(|value| *value < 1.0);
+    value.ok_or_else(|| format!("got `{text}`, expected a probability between 0 and 1"))
 }
 
 fn band(text: &str) -> Result<Band, String> {
@@ -432,16 +453,11 @@ fn language(text: &str) -> Result<Language, String> {
 }
 
 fn code(text: &str) -> Result<Code, String> {
-    let known = || {
-        Code::ALL
-            .iter()
-            .map(|code| code.name())
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
-    Code::ALL
-        .iter()
-        .copied()
-        .find(|code| code.name() == text)
-        .ok_or_else(|| format!("got code `{text}`, expected one of {}", known()))
+    let found = Code::ALL.iter().copied().find(|code| code.name() == text);
+    found.ok_or_else(|| {
+        let all: Vec<String> = Code::ALL.iter().map(|code| code.name()).collect();
+        let near = nearest(text, all.iter().map(String::as_str));
+        let near = near.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+        format!("got code `{text}`, expected one of {}{near}", all.join(" "))
+    })
 }

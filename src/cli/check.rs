@@ -6,17 +6,22 @@ use serde_json::Value;
 
 use crate::error::Error;
 use crate::io::{MODES_SCHEMA, modes_from_json, write_whole};
-use crate::modal::{ModalModel, Mode, mac};
+use crate::modal::ModalModel;
 use crate::report::json::{COMPARISON_SCHEMA, ComparisonFile, TestFile, comparison_from_json};
-use crate::report::limits_block;
+use crate::report::verdicts_block;
 use crate::scene::{
-    LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, parse, percent,
-    read_text,
+    Change, ChangeLimits, LimitCheck, LimitsFile, MAC_CHANGE, Measure, RowVerdict, Uncertain,
+    judge_changes, judge_comparison, judge_modes, mode_changes, parse, percent, read_text,
+    relative_change,
 };
 
 use super::Outcome;
 use super::args::CheckArgs;
+use super::junit::junit;
 use super::output::Output;
+
+/// The theory of a comparison is computed: the same model gives the same roots but for rounding.
+const THEORY_PERCENT: f64 = 1e-4;
 
 /// A result of either kind.
 enum ResultFile {
@@ -31,12 +36,12 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
         .against
         .extension()
         .is_some_and(|extension| extension == "json");
-    let checks = if is_json {
+    let rows = if is_json {
         against_baseline(&result, &read_result(&args.against)?, args)?
     } else {
         against_limits(&result, &args.against)?
     };
-    if checks.is_empty() {
+    if rows.is_empty() {
         return Err(Error::Argument {
             argument: "--against",
             got: format!("{}, which states no limit that this result can be held against", args.against.display()),
@@ -44,11 +49,16 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
         });
     }
     if let Some(path) = &args.junit {
-        write_whole(path, junit(&checks))?;
+        let suite = args.result.display().to_string();
+        let _writing = output.writing();
+        write_whole(
+            path,
+            junit(&suite, &args.against.display().to_string(), &rows),
+        )?;
     }
-    output.blocks(&limits_block(&checks).into_iter().collect::<Vec<_>>());
-    output.json(|| checks_json(&checks));
-    Ok(Outcome::missed_if(checks.iter().any(|check| !check.met())))
+    output.blocks(&[verdicts_block(&rows)]);
+    output.json(|| checks_json(&rows));
+    Ok(Outcome::missed_if(rows.iter().any(|row| !row.met())))
 }
 
 fn read_result(path: &Path) -> Result<ResultFile, Error> {
@@ -79,9 +89,9 @@ fn argument_error(got: &str, expected: &str) -> Error {
     }
 }
 
-fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<LimitCheck>, Error> {
+fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, Error> {
     let limits = parse::<LimitsFile>(&read_text(path)?, &path.display().to_string())?.limits;
-    Ok(match result {
+    let checks = match result {
         ResultFile::Comparison(file) => judge_comparison(&limits, &file.summary.tests),
         ResultFile::Modes(model) => {
             let found: Vec<_> = model
@@ -91,188 +101,161 @@ fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<LimitCheck>, E
                 .collect();
             judge_modes(&limits, &found)
         }
-    })
+    };
+    Ok(by_row(checks))
+}
+
+/// `hammer: smallest MAC` is the check `smallest MAC` of the row `hammer`.
+fn by_row(checks: Vec<LimitCheck>) -> Vec<RowVerdict> {
+    let mut rows: Vec<RowVerdict> = Vec::new();
+    for mut check in checks {
+        let (row, what) = match check.what.rsplit_once(": ") {
+            Some((row, what)) => (row.to_owned(), what.to_owned()),
+            None => ("the whole".to_owned(), check.what),
+        };
+        check.what = what;
+        match rows.iter_mut().find(|own| own.row == row) {
+            Some(own) => own.checks.push(check),
+            None => rows.push(RowVerdict {
+                row,
+                checks: vec![check],
+            }),
+        }
+    }
+    rows
 }
 
 fn against_baseline(
     now: &ResultFile,
     before: &ResultFile,
     args: &CheckArgs,
-) -> Result<Vec<LimitCheck>, Error> {
-    match (now, before) {
+) -> Result<Vec<RowVerdict>, Error> {
+    let limits = ChangeLimits {
+        frequency_percent: args.frequency_percent,
+        damping_percent: args.damping_percent,
+        mac: args.mac,
+        false_refusals: args.false_refusals,
+        ..ChangeLimits::default()
+    };
+    let changes = match (now, before) {
         (ResultFile::Comparison(now), ResultFile::Comparison(before)) => {
-            Ok(comparison_changes(now, before, args))
+            comparison_changes(now, before, &limits)
         }
-        (ResultFile::Modes(now), ResultFile::Modes(before)) => Ok(modes_changes(now, before, args)),
-        _ => Err(argument_error(
-            "a comparison and modes",
-            "two results of the same kind",
-        )),
-    }
+        (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),
+        _ => {
+            return Err(argument_error(
+                "a comparison and modes",
+                "two results of the same kind",
+            ));
+        }
+    };
+    Ok(judge_changes(&changes, limits.false_refusals))
 }
 
-/// Every field of the baseline's table against the same field now; a row or test that is gone misses its limits.
+/// Every field of the baseline's table against the same field now; a row or test that is gone is missed, one that has come too.
 fn comparison_changes(
     now: &ComparisonFile,
     before: &ComparisonFile,
-    args: &CheckArgs,
-) -> Vec<LimitCheck> {
-    let mut checks = Vec::new();
+    limits: &ChangeLimits,
+) -> Vec<Change> {
+    let mut changes = Vec::new();
     for row in &before.rows {
         let own = now.rows.iter().find(|own| own.label == row.label);
+        let theory = |hz: f64| {
+            let new = own.and_then(|own| own.theory.as_ref());
+            Measure::AtMost(new.map(|new| percent(new.hz, hz)), THEORY_PERCENT)
+        };
+        changes.extend(row.theory.as_ref().map(|cell| Change {
+            row: format!("{} theory", row.label),
+            what: "frequency change (%)".to_owned(),
+            measure: theory(cell.hz),
+        }));
         for field in &row.tests {
             let same = own.and_then(|own| own.tests.iter().find(|own| own.test == field.test));
-            checks.extend(field_changes(
-                &format!("{} {}", row.label, field.test),
-                same,
-                field,
-                args,
-            ));
+            let name = format!("{} {}", row.label, field.test);
+            changes.extend(field_changes(&name, same, field, limits));
         }
     }
-    let rows = now.rows.len() as f64 - before.rows.len() as f64;
-    checks.push(LimitCheck {
-        what: "rows added".to_owned(),
-        value: Some(rows),
-        limit: 0.0,
-        upper: true,
-    });
-    checks
+    let has = |file: &ComparisonFile, label: &str| file.rows.iter().any(|row| row.label == label);
+    let added = now.rows.iter().filter(|row| !has(before, &row.label));
+    changes.extend(added.map(|row| Change {
+        row: row.label.clone(),
+        what: "in the baseline".to_owned(),
+        measure: Measure::AtLeast(0.0, 1.0),
+    }));
+    changes
 }
 
 fn field_changes(
     name: &str,
     now: Option<&TestFile>,
     before: &TestFile,
-    args: &CheckArgs,
-) -> Vec<LimitCheck> {
-    let relative = |now: Option<f64>, before: f64| now.map(|now| percent(now, before));
-    let check = |what: &str, value, limit| LimitCheck {
-        what: format!("{name}: {what}"),
-        value,
-        limit,
-        upper: true,
+    limits: &ChangeLimits,
+) -> Vec<Change> {
+    let change = |what: &str, measure| Change {
+        row: name.to_owned(),
+        what: what.to_owned(),
+        measure,
     };
     let changed = now.map(|now| f64::from(u8::from(now.status != before.status)));
-    let mut checks = vec![check("status changed", changed, 0.0)];
-    checks.extend(before.hz.map(|hz| {
-        check(
-            "frequency change (%)",
-            relative(now.and_then(|n| n.hz), hz),
-            args.frequency_percent,
-        )
+    let mut changes = vec![change("status changed", Measure::AtMost(changed, 0.0))];
+    changes.extend(frequency_of(before).map(|old| {
+        let new = now.and_then(frequency_of);
+        let measure = relative_change(new, old, limits.frequency());
+        change("frequency change (%)", measure)
     }));
-    let damping = before.damping_ratio;
-    checks.extend(damping.map(|zeta| {
-        check(
-            "damping change (%)",
-            relative(now.and_then(|n| n.damping_ratio), zeta),
-            args.damping_percent,
-        )
+    changes.extend(damping_of(before).map(|old| {
+        let new = now.and_then(damping_of);
+        let measure = relative_change(new, old, limits.damping());
+        change("damping change (%)", measure)
     }));
-    let difference = |old: f64| now.and_then(|n| n.mac).map(|new| (new - old).abs());
-    checks.extend(
-        before
-            .mac
-            .map(|old| check("MAC change", difference(old), args.mac)),
-    );
-    checks
+    changes.extend(before.mac.map(|old| {
+        let difference = now.and_then(|own| own.mac).map(|new| (new - old).abs());
+        let limit = limits.mac.unwrap_or(MAC_CHANGE);
+        change("MAC change", Measure::AtMost(difference, limit))
+    }));
+    changes
 }
 
-/// Every mode of the baseline must be there, in frequency, damping and shape, and no other.
-fn modes_changes(now: &ModalModel, before: &ModalModel, args: &CheckArgs) -> Vec<LimitCheck> {
-    let mode_limit = |mode: &Mode| ModeLimit {
-        frequency_hz: mode.frequency_hz,
-        max_frequency_error_percent: args.frequency_percent,
-        damping_ratio: mode.damping_ratio,
-        max_damping_error_percent: Some(args.damping_percent),
-    };
-    let limits = Limits {
-        mode: before.modes.iter().map(mode_limit).collect(),
-        max_extra: Some(0),
-        ..Limits::default()
-    };
-    let found: Vec<_> = now
-        .modes
-        .iter()
-        .map(|mode| (mode.frequency_hz, mode.damping_ratio))
-        .collect();
-    let mut checks = judge_modes(&limits, &found);
-    checks.extend(
-        before
-            .modes
-            .iter()
-            .filter(|mode| !mode.shape.is_empty())
-            .map(|mode| shape_check(now, mode, args)),
-    );
-    checks
+/// The frequency with its whole uncertainty: that of the error counted in it, which knows of the modes outside the band, else
+/// the standard deviation.
+fn frequency_of(field: &TestFile) -> Option<Uncertain> {
+    let counted = field.error_hz.zip(field.normalised_error);
+    let whole = counted
+        .map(|(error, normalised)| (error / normalised).abs())
+        .filter(|std| std.is_finite() && field.modes.len() == 1);
+    Some(Uncertain {
+        value: field.hz?,
+        std: whole.or(field.hz_std),
+    })
 }
 
-/// 1 − MAC of a baseline mode with its best partner among the modes within the frequency limit.
-fn shape_check(now: &ModalModel, before: &Mode, args: &CheckArgs) -> LimitCheck {
-    let near =
-        |mode: &&Mode| percent(mode.frequency_hz, before.frequency_hz) <= args.frequency_percent;
-    let mac_with = |mode: &Mode| {
-        let pairs = before
-            .shape
-            .iter()
-            .filter_map(|(dof, old)| Some((old * dof.sign(), mode.shape.along_positive(dof)?)));
-        let (old, new): (Vec<_>, Vec<_>) = pairs.unzip();
-        mac(&old, &new)
-    };
-    let best = now
-        .modes
-        .iter()
-        .filter(near)
-        .filter_map(mac_with)
-        .reduce(f64::max);
-    LimitCheck {
-        what: format!("mode at {} Hz: 1 - MAC", before.frequency_hz),
-        value: best.map(|mac| 1.0 - mac),
-        limit: args.mac,
-        upper: true,
-    }
+fn damping_of(field: &TestFile) -> Option<Uncertain> {
+    Some(Uncertain {
+        value: field.damping_ratio?,
+        std: field.damping_std,
+    })
 }
 
-fn checks_json(checks: &[LimitCheck]) -> String {
-    let row = |check: &LimitCheck| {
-        serde_json::json!({ "what": check.what, "value": check.value, "limit": check.limit,
+fn checks_json(rows: &[RowVerdict]) -> String {
+    let check = |row: &RowVerdict, check: &LimitCheck| {
+        serde_json::json!({ "row": row.row, "what": check.what, "value": check.value, "limit": check.limit,
             "bound": if check.upper { "upper" } else { "lower" }, "met": check.met() })
     };
-    let missed = checks.iter().filter(|check| !check.met()).count();
-    let rows: Vec<Value> = checks.iter().map(row).collect();
+    let checks: Vec<Value> = rows
+        .iter()
+        .flat_map(|row| row.checks.iter().map(move |own| check(row, own)))
+        .collect();
+    let missed = rows
+        .iter()
+        .flat_map(|row| &row.checks)
+        .filter(|check| !check.met());
+    let verdicts: Vec<Value> = rows
+        .iter()
+        .map(|row| serde_json::json!({ "row": row.row, "met": row.met() }))
+        .collect();
     format!(
         "{:#}",
-        serde_json::json!({ "schema": "modalign-check/1", "missed": missed, "checks": rows })
+        serde_json::json!({ "schema": "modalign-check/1", "missed": missed.count(), "rows": verdicts, "checks": checks })
     )
-}
-
-fn junit(checks: &[LimitCheck]) -> String {
-    let escape = |text: &str| {
-        text.replace('&', "&amp;")
-            .replace('<', "&lt;")
-            .replace('>', "&gt;")
-            .replace('"', "&quot;")
-    };
-    let missed = checks.iter().filter(|check| !check.met()).count();
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"modalign check\" tests=\"{}\" failures=\"{missed}\">\n",
-        checks.len()
-    );
-    for check in checks {
-        text += &format!("  <testcase name=\"{}\"", escape(&check.what));
-        if check.met() {
-            text += "/>\n";
-        } else {
-            let value = check
-                .value
-                .map_or_else(|| "nothing".to_owned(), |value| value.to_string());
-            let relation = if check.upper { "at most" } else { "at least" };
-            text += &format!(
-                "><failure message=\"got {value}, expected {relation} {}\"/></testcase>\n",
-                check.limit
-            );
-        }
-    }
-    text + "</testsuite>\n"
 }

@@ -35,7 +35,9 @@ pub fn convert(
         precision: precision(args),
         ..WriteOptions::default()
     };
+    let writing = output.writing();
     let lost = write_path(&args.output, &mut merged, options)?;
+    drop(writing);
     // What the file holds is what it says when it is read again.
     let hints = Hints {
         path: args.output.display().to_string(),

@@ -238,6 +238,7 @@ pub(super) fn print(
 ) -> Result<(), Error> {
     let blocks = &formatted(args, output.language().translated(printed.blocks));
     if let Some(path) = &args.output {
+        let _writing = output.writing();
         for (path, bytes) in files(path, (blocks, &printed.tables), &printed.json) {
             write_whole(&path, bytes)?;
         }

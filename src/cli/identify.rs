@@ -63,6 +63,7 @@ pub fn identify(
         .map(|path| input(path))
         .collect::<Result<_, SceneError>>()?;
     let json = modes_to_json(&modes, None);
+    let writing = output.writing();
     if let Some(path) = &args.output {
         // The directions are those of the functions; no system turns them once more.
         let mut geometry = data.geometry.clone();
@@ -81,6 +82,7 @@ pub fn identify(
         write_csv(path, indicators_block(&name, &own))?;
         output.blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
+    drop(writing);
     output.json(|| json);
     output.findings(&modes.findings);
     let missed = modes

@@ -2,14 +2,21 @@
 
 mod args;
 mod check;
+mod color;
+mod completions;
 mod convert;
 mod correlate;
 mod correlate_dofs;
 mod correlate_frfs;
 mod frf;
+mod hint;
 mod identify;
 mod inspect;
+mod interrupt;
+mod junit;
+mod new;
 mod output;
+mod progress;
 mod run;
 mod synth;
 mod theory;
@@ -18,11 +25,12 @@ mod update;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
 use crate::error::Error;
 
 use args::{Cli, Global, Verb};
+use hint::hint;
 use output::Output;
 
 /// How a verb that did not fail ended.
@@ -47,15 +55,21 @@ impl Outcome {
 
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input partly bad, 2 error.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let mut output = Output::new(&cli.global);
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
     let result = in_pool(&cli.global, || dispatch(&cli, &mut output));
+    output.end_progress();
     match result.and_then(|outcome| output.finish().map(|()| outcome)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Missed) => ExitCode::from(1),
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            let line = format!("error: {error}{}", hint(&error));
+            let stderr = std::io::stderr();
+            let paints = cli.global.color.paints(&stderr);
+            let line = if paints { color::message(&line) } else { line };
+            let _ = writeln!(&stderr, "{line}");
             ExitCode::from(2)
         }
     }
@@ -104,6 +118,8 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Update(args)) => update::update(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),
         Some(Verb::Check(args)) => check::check(args, output),
+        Some(Verb::New(args)) => new::new(args, format, output),
+        Some(Verb::Completions(args)) => Ok(completions::completions(args, output)),
         None => {
             output.text(&Cli::command().render_help().to_string());
             Ok(Outcome::Done)

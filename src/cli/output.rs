@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::MutexGuard;
 
 use crate::error::Error;
 use crate::finding::{Code, Finding};
@@ -11,8 +12,12 @@ use crate::geometry::Geometry;
 use crate::io::{IoError, WriteOptions, modes_source, write_path, write_whole};
 use crate::modal::ModalModel;
 use crate::report::{Block, Language, Renderer, Terminal};
+use crate::scene::Observer;
 
 use super::args::{CorrelateArgs, Global};
+use super::color::{self, ColorChoice};
+use super::interrupt::Writing;
+use super::progress::Progress;
 
 /// More findings of one code than this are counted instead of listed.
 const LISTED_PER_CODE: usize = 5;
@@ -108,17 +113,23 @@ pub struct Output {
     quiet: bool,
     json: bool,
     language: Language,
+    color: ColorChoice,
+    progress: Option<Progress>,
+    writing: Writing,
     result: String,
     findings: Vec<(String, Finding)>,
 }
 
 impl Output {
-    /// Nothing printed yet.
-    pub fn new(global: &Global) -> Self {
+    /// Nothing printed yet; the progress of the verb is shown until it ends.
+    pub fn new(global: &Global, verb: &str) -> Self {
         Self {
             quiet: global.quiet,
             json: global.json,
             language: global.lang,
+            color: global.color,
+            progress: Some(Progress::new(verb, global.quiet)),
+            writing: Writing::guarded(),
             result: String::new(),
             findings: Vec::new(),
         }
@@ -137,8 +148,28 @@ impl Output {
     /// Adds blocks that are in the wanted language already.
     pub fn translated(&mut self, blocks: &[Block]) {
         if !self.json {
-            self.text(&Terminal.render(blocks));
+            let text = Terminal.render(blocks);
+            if self.color.paints(&std::io::stdout()) {
+                self.text(&color::result(&text));
+            } else {
+                self.text(&text);
+            }
         }
+    }
+
+    /// Who hears of the steps of the work.
+    pub fn observer(&self) -> &dyn Observer {
+        self.progress.as_ref().map_or(&(), |own| own)
+    }
+
+    /// Until the guard is dropped, while files are written, an interrupt waits.
+    pub fn writing(&self) -> MutexGuard<'static, ()> {
+        self.writing.begin()
+    }
+
+    /// Ends what is shown of the progress.
+    pub fn end_progress(&mut self) {
+        self.progress = None;
     }
 
     /// Whether the result is wanted as JSON.
@@ -181,14 +212,17 @@ impl Output {
     ///
     /// # Errors
     /// [`Error::Output`] when standard output cannot be written.
-    pub fn finish(self) -> Result<(), Error> {
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.end_progress();
         let mut stdout = std::io::stdout().lock();
         stdout
             .write_all(self.result.as_bytes())
             .and_then(|()| stdout.flush())
             .map_err(Error::Output)?;
         if !self.quiet {
+            let paints = self.color.paints(&std::io::stderr());
             for line in finding_lines(&self.findings) {
+                let line = if paints { color::message(&line) } else { line };
                 // Nobody may be listening on standard error, which is no failure.
                 let _ = writeln!(std::io::stderr(), "{line}");
             }

@@ -3,13 +3,13 @@
 use crate::correlate::ComparisonTable;
 use crate::error::Error;
 use crate::finding::Finding;
-use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs, write_whole};
+use crate::io::{Encoding, FileLabel, modes_to_json, write_all_whole, write_frfs};
 use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
     published_comparison_block, published_roots_block, quantities_block, whole_comparison,
 };
-use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run as run_scene};
+use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run_observed as run_scene};
 
 use super::Outcome;
 use super::args::RunArgs;
@@ -22,12 +22,12 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     for test in &mut scene.tests {
         test.partial |= args.partial;
     }
-    let result = run_scene(&scene)?;
+    let result = run_scene(&scene, output.observer())?;
     let blocks = output.language().translated(blocks(&scene, &result));
     if let Some(folder) = &args.output {
-        for (name, bytes) in files(&result, &blocks, output.language())? {
-            write_whole(&folder.join(name), bytes)?;
-        }
+        let files = files(&result, &blocks, output.language())?;
+        let _writing = output.writing();
+        write_all_whole(folder, &files)?;
     }
     output.translated(&blocks);
     match &result.table {

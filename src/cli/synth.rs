@@ -1,7 +1,9 @@
 //! `modalign synth`: a synthetic hammer test, its truth beside it.
 
+use std::path::Path;
+
 use crate::error::Error;
-use crate::io::write_whole;
+use crate::io::write_all_whole;
 use crate::report::{Block, theory_block};
 use crate::scene::{hammer_test, load_synth, record};
 
@@ -17,8 +19,20 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
     let test = hammer_test(&spec, &args.spec)?;
     let recording = record(&spec, &test, &args.spec)?;
     let truth = args.output.with_extension("modes.json");
-    write_whole(&truth, &recording.truth_json)?;
-    write_whole(&args.output, &recording.uff)?;
+    let name = |path: &Path| {
+        path.file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    let folder = args.output.parent().unwrap_or(Path::new(""));
+    let files = [
+        (name(&truth), recording.truth_json.clone().into_bytes()),
+        (name(&args.output), recording.uff.clone()),
+    ];
+    let writing = output.writing();
+    write_all_whole(folder, &files)?;
+    drop(writing);
     let summary = format!(
         "{} synthetic hits of {} samples at {} Hz: {}; truth: {}",
         test.hit_count(),

@@ -44,6 +44,7 @@ pub fn theory(
     }
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
+        let _writing = output.writing();
         let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
         output.findings(&lost);
     }

@@ -1,7 +1,7 @@
 //! `modalign update`: the model of a scene brought to its test.
 
 use crate::error::Error;
-use crate::io::write_whole;
+use crate::io::write_all_whole;
 use crate::report::{RENDERERS, json, update_blocks};
 use crate::scene::{Scene, update_scene};
 
@@ -25,17 +25,29 @@ pub fn update(
         .language()
         .translated(update_blocks(&scene.title, &own));
     if let Some(folder) = &args.output {
-        write_whole(&folder.join("update.json"), json::update_to_json(&own))?;
-        write_whole(&folder.join("model.toml"), &own.model_toml)?;
+        let mut files = vec![
+            ("update.json".to_owned(), json::update_to_json(&own)),
+            ("model.toml".to_owned(), own.model_toml.clone()),
+        ];
         for (name, table) in [("before", &own.before), ("after", &own.after)] {
-            let text = json::comparison_to_json(table);
-            write_whole(&folder.join(format!("comparison-{name}.json")), text)?;
+            files.push((
+                format!("comparison-{name}.json"),
+                json::comparison_to_json(table),
+            ));
         }
         // A reader of CSV expects one table; update.json has them all.
         for renderer in RENDERERS.iter().filter(|own| own.name() != "csv") {
-            let name = format!("update.{}", renderer.extension());
-            write_whole(&folder.join(name), renderer.render(&blocks))?;
+            files.push((
+                format!("update.{}", renderer.extension()),
+                renderer.render(&blocks),
+            ));
         }
+        let files: Vec<(String, Vec<u8>)> = files
+            .into_iter()
+            .map(|(name, text)| (name, text.into_bytes()))
+            .collect();
+        let _writing = output.writing();
+        write_all_whole(folder, &files)?;
     }
     output.translated(&blocks);
     output.json(|| json::update_to_json(&own));

@@ -169,7 +169,19 @@ pub fn write_atomically(
     path: &Path,
     content: impl FnOnce(&mut dyn WriteSeek) -> Result<(), IoError>,
 ) -> Result<(), IoError> {
+    persist(beside(path, content)?, path)
+}
+
+/// A temporary file beside a path, written whole; it goes when it is dropped.
+fn beside(
+    path: &Path,
+    content: impl FnOnce(&mut dyn WriteSeek) -> Result<(), IoError>,
+) -> Result<tempfile::NamedTempFile, IoError> {
     let name = path.display().to_string();
+    if path.is_dir() {
+        let is_folder = std::io::Error::other("it is a folder, expected a file");
+        return Err(system(&name, "write")(is_folder));
+    }
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
@@ -184,9 +196,12 @@ pub fn write_atomically(
     content(&mut buffered)?;
     buffered.flush().map_err(system(&name, "write"))?;
     drop(buffered);
-    temporary
-        .persist(path)
-        .map_err(|error| system(&name, "rename")(error.error))?;
+    Ok(temporary)
+}
+
+fn persist(temporary: tempfile::NamedTempFile, path: &Path) -> Result<(), IoError> {
+    let renamed = temporary.persist(path);
+    renamed.map_err(|error| system(&path.display().to_string(), "rename")(error.error))?;
     Ok(())
 }
 
@@ -257,6 +272,43 @@ pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<(), IoError
         out.write_all(content.as_ref())
             .map_err(system(&name, "write"))
     })
+}
+
+/// Writes a file as [`write_atomically`] does, but never over one that is there.
+///
+/// # Errors
+/// [`IoError::System`], also when the file exists.
+pub fn write_new(path: &Path, content: impl AsRef<[u8]>) -> Result<(), IoError> {
+    let name = path.display().to_string();
+    let temporary = beside(path, |out| {
+        out.write_all(content.as_ref())
+            .map_err(system(&name, "write"))
+    })?;
+    temporary
+        .persist_noclobber(path)
+        .map_err(|error| system(&name, "create")(error.error))?;
+    Ok(())
+}
+
+/// Writes several files into a folder, each beside its name, and renames them when all are written: a failure leaves every file
+/// that was there as it was.
+///
+/// # Errors
+/// [`IoError::System`].
+pub fn write_all_whole(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), IoError> {
+    let mut written = Vec::with_capacity(files.len());
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        let shown = path.display().to_string();
+        let temporary = beside(&path, |out| {
+            out.write_all(bytes).map_err(system(&shown, "write"))
+        })?;
+        written.push((path, temporary));
+    }
+    for (path, temporary) in written {
+        persist(temporary, &path)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

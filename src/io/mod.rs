@@ -47,7 +47,7 @@ pub use catalog::{
 pub use error::IoError;
 pub use files::{
     detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes, writable_extensions,
-    write_atomically, write_path, write_whole,
+    write_all_whole, write_atomically, write_new, write_path, write_whole,
 };
 pub use frfs::frf_sets;
 pub use hdf5::Hdf5;

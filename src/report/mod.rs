@@ -22,6 +22,7 @@ mod stabilization;
 mod sweep;
 mod terminal;
 mod update;
+mod verdicts;
 
 pub use block::{Align, Block, Cell, Column, Table};
 pub use compare::{details_blocks, simplest_details_block};
@@ -48,6 +49,7 @@ pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
 pub use terminal::Terminal;
 pub use update::update_blocks;
+pub use verdicts::verdicts_block;
 
 /// Turns blocks into the text of one output format.
 pub trait Renderer: Sync {

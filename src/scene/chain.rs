@@ -19,6 +19,7 @@ use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
 use super::modes_file::load_modes;
+use super::observer::Observer;
 use super::placement::{PlacedTest, placed_tests};
 use super::plan::{Scene, TestPlan, TestSource};
 use super::quantities::quantities;
@@ -101,11 +102,22 @@ impl SceneResult {
 /// # Errors
 /// [`SceneError`], with the test's name where one test is at fault.
 pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
-    let tests = scene
-        .tests
-        .iter()
-        .map(|test| run_test(scene, test))
-        .collect::<Result<Vec<_>, _>>()?;
+    run_observed(scene, &())
+}
+
+/// Runs a scene; every test, the model and the comparison are a step each.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResult, SceneError> {
+    let steps = scene.tests.len() + 2 * usize::from(scene.model.is_some());
+    let step = |what: &str, number| observer.step(what, number, steps);
+    let one = |(index, test): (usize, &TestPlan)| {
+        step(&test.name, index + 1);
+        run_test(scene, test)
+    };
+    let tests = scene.tests.iter().enumerate().map(one);
+    let tests = tests.collect::<Result<Vec<_>, _>>()?;
     let mut limits: Vec<LimitCheck> = tests
         .iter()
         .flat_map(|test| mode_limits(scene, test))
@@ -113,6 +125,7 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
     let Some(table) = &scene.model else {
         return without_model(scene, tests, limits);
     };
+    step("model", tests.len() + 1);
     let options = ModeOptions {
         band: theory_band(scene, &tests),
         ..ModeOptions::default()
@@ -126,6 +139,7 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
             frfs: &test.frfs,
         })
         .collect();
+    step("comparison", steps);
     let comparison = match named.is_empty() {
         true => None,
         false => Some(compare_tests(&theory.modes, &named, &scene.pair)?),

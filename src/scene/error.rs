@@ -26,6 +26,20 @@ pub enum SceneError {
         /// The nearest known key, where an unknown one was given; else empty.
         hint: String,
     },
+    /// A line of a drafted file that nobody has filled in.
+    #[error("{path}:{line}: {key} is to be filled in: {expected}{}", also(others))]
+    Unfilled {
+        /// Path as given.
+        path: String,
+        /// Line from 1.
+        line: usize,
+        /// Its key.
+        key: String,
+        /// What belongs there.
+        expected: String,
+        /// Further lines like it.
+        others: Vec<usize>,
+    },
     /// A value that parses but cannot be meant.
     #[error("{path}: {key}: got {got}, expected {expected}")]
     Value {
@@ -85,4 +99,13 @@ pub enum SceneError {
     /// The synthetic test refused.
     #[error(transparent)]
     Synth(#[from] SynthError),
+}
+
+fn also(lines: &[usize]) -> String {
+    let numbers: Vec<String> = lines.iter().map(ToString::to_string).collect();
+    match numbers.len() {
+        0 => String::new(),
+        1 => format!(" (line {} as well)", numbers[0]),
+        _ => format!(" (lines {} as well)", numbers.join(", ")),
+    }
 }

@@ -150,7 +150,16 @@ impl RootTable {
 /// The published results in a scene's folder, if it has any.
 pub(super) fn beside(folder: &Path) -> Result<Option<Expected>, SceneError> {
     let path = folder.join("expected.toml");
-    path.exists().then(|| load_expected(&path)).transpose()
+    if !path.exists() {
+        return Ok(None);
+    }
+    // A skeleton of remarks states nothing yet.
+    let text = read_text(&path)?;
+    let is_remark = |line: &str| line.trim().is_empty() || line.trim_start().starts_with('#');
+    if text.lines().all(is_remark) {
+        return Ok(None);
+    }
+    load_expected(&path).map(Some)
 }
 
 /// Reads an `expected.toml`.

@@ -3,8 +3,11 @@
 //! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene computes nothing itself.
 
 mod chain;
+mod change;
 mod claims;
 mod columns;
+mod draft;
+mod draft_columns;
 mod error;
 mod expected;
 mod ingest;
@@ -14,6 +17,7 @@ mod matrices;
 mod matrices_tests;
 mod model;
 mod modes_file;
+mod observer;
 mod placement;
 mod plan;
 mod quantities;
@@ -32,8 +36,13 @@ mod expected_tests;
 
 pub use chain::{
     Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets,
-    indicators_of_sets, run,
+    indicators_of_sets, run, run_observed,
 };
+pub use change::{
+    Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
+    RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
+};
+pub use draft::{Draft, DraftFile, DraftModel, DraftPlan, draft_scene};
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
 pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
@@ -42,11 +51,12 @@ pub use limits::{
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use modes_file::{holds_functions, is_modes_file, load_modes};
+pub use observer::Observer;
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
-pub use toml_text::{parse, read_text};
+pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{
     ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable, UpdateParameterTable,
     UpdateTable,

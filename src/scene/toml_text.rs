@@ -28,11 +28,54 @@ pub fn read_text(path: &Path) -> Result<String, IoError> {
     })
 }
 
+/// What stands in a drafted file where a person has to state something.
+pub const FILL_IN: &str = "FILL IN";
+
+/// A line of a drafted file that is still to be filled in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OpenLine {
+    /// Number from 1.
+    pub line: usize,
+    /// Its key.
+    pub key: String,
+    /// What belongs there, as its remark says.
+    pub expected: String,
+}
+
+/// The lines that hold [`FILL_IN`] before their remark.
+pub fn open_lines(text: &str) -> Vec<OpenLine> {
+    let open = |(index, line): (usize, &str)| {
+        let (key, rest) = line.split_once('=')?;
+        let (value, remark) = rest.split_once('#').unwrap_or((rest, ""));
+        let is_open = value.contains(FILL_IN) && !key.trim_start().starts_with('#');
+        is_open.then(|| OpenLine {
+            line: index + 1,
+            key: key.trim().to_owned(),
+            expected: match remark.trim() {
+                "" => "a value".to_owned(),
+                remark => remark.to_owned(),
+            },
+        })
+    };
+    text.lines().enumerate().filter_map(open).collect()
+}
+
 /// Parses TOML text.
 ///
 /// # Errors
-/// [`SceneError::Toml`] with line, column, what was got and expected.
+/// [`SceneError::Unfilled`] for a drafted file with a line that is still to be filled in; [`SceneError::Toml`] with line, column,
+/// what was got and expected.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneError> {
+    let open = open_lines(text);
+    if let Some(first) = open.first() {
+        return Err(SceneError::Unfilled {
+            path: path.to_owned(),
+            line: first.line,
+            key: first.key.clone(),
+            expected: first.expected.clone(),
+            others: open[1..].iter().map(|own| own.line).collect(),
+        });
+    }
     toml::from_str(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         let before = text.get(..offset).unwrap_or(text);

@@ -24,7 +24,7 @@ fn dof(text: &str) -> Option<Dof> {
 }
 
 /// A record, an FRF, its coherence, a function over an uneven axis, and nodes.
-fn source() -> MemorySource {
+pub fn source() -> MemorySource {
     let mut source = MemorySource::default();
     let time = EntryAxis::Time(TimeAxis {
         start_s: 0.0,

@@ -2,24 +2,30 @@
 
 mod architecture;
 mod bad_input;
+mod changes;
+mod check_command;
 mod command;
 mod correlate_command;
 mod correlate_tables;
 mod cycloid_ball;
 mod exchange;
+mod faults;
 mod free_free_beam;
 mod gate;
 mod hit_command;
 mod hits;
 mod identify_command;
+mod manners;
 mod matrix_models;
 mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]
 mod mutation;
+mod new_command;
 mod placement;
 mod population;
 mod published;
+mod readme;
 mod real_modes;
 mod recordings;
 mod roving;

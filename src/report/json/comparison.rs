@@ -105,6 +105,9 @@ pub struct TestFile {
     pub normalised_error: Option<f64>,
     /// Damping, a fraction.
     pub damping_ratio: Option<f64>,
+    /// Its standard deviation.
+    #[serde(default)]
+    pub damping_std: Option<f64>,
     /// MAC.
     pub mac: Option<f64>,
     /// Principal angles of a cluster, degrees.
@@ -204,6 +207,7 @@ fn test_file(cell: &TestCell) -> TestFile {
         error_hz: cell.error_hz,
         normalised_error: cell.normalised_error,
         damping_ratio: cell.damping_ratio,
+        damping_std: cell.damping_std,
         mac: cell.mac,
         angles_deg: cell.angles_deg.clone(),
         status: cell.status,

@@ -1,0 +1,105 @@
+//! Colours of words: severities on standard error, verdicts on standard output.
+
+use std::io::IsTerminal;
+
+use clap::ValueEnum;
+
+/// When words are coloured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ColorChoice {
+    /// On a terminal, unless NO_COLOR is set.
+    #[default]
+    Auto,
+    /// Everywhere.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+impl ColorChoice {
+    /// Whether what is written to a stream is coloured. NO_COLOR counts when it is set and not empty (no-color.org); a terminal
+    /// that calls itself `dumb` has no colours.
+    pub fn paints(self, stream: &impl IsTerminal) -> bool {
+        let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+        let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+        match self {
+            ColorChoice::Always => true,
+            ColorChoice::Never => false,
+            ColorChoice::Auto => stream.is_terminal() && !set("NO_COLOR") && !dumb,
+        }
+    }
+}
+
+const RED: &str = "31";
+const YELLOW: &str = "33";
+const GREEN: &str = "32";
+
+/// Verdicts that a table of results may end with.
+const VERDICTS: [(&str, &str); 2] = [("MISSED", RED), ("met", GREEN)];
+
+fn painted(text: &str, color: &str) -> String {
+    format!("\u{1b}[1;{color}m{text}\u{1b}[0m")
+}
+
+/// A message with its severity, the word before the first colon, in colour.
+pub fn message(line: &str) -> String {
+    let color = |word: &str| match word {
+        "error" => Some(RED),
+        "warning" => Some(YELLOW),
+        _ => None,
+    };
+    match line.split_once(':') {
+        Some((word, rest)) => match color(word) {
+            Some(color) => format!("{}:{rest}", painted(word, color)),
+            None => line.to_owned(),
+        },
+        None => line.to_owned(),
+    }
+}
+
+/// A result with its verdicts in colour: words of their own, so that columns stay in line.
+pub fn result(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let mut rest = line;
+        while let Some((at, word, color)) = next_verdict(rest) {
+            out += &rest[..at];
+            out += &painted(word, color);
+            rest = &rest[at + word.len()..];
+        }
+        out += rest;
+    }
+    out
+}
+
+/// The first verdict that stands between blanks.
+fn next_verdict(text: &str) -> Option<(usize, &'static str, &'static str)> {
+    let found = VERDICTS.iter().flat_map(|&(word, color)| {
+        let places = text.match_indices(word).map(|(at, _)| at);
+        let alone = places.filter(move |&at| {
+            let before = text[..at].chars().next_back();
+            let after = text[at + word.len()..].chars().next();
+            before.is_none_or(char::is_whitespace) && after.is_none_or(char::is_whitespace)
+        });
+        alone.map(move |at| (at, word, color))
+    });
+    found.min_by_key(|(at, _, _)| *at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_painted_and_the_text_stays() {
+        assert_eq!(message("error: x: y"), "\u{1b}[1;31merror\u{1b}[0m: x: y");
+        assert_eq!(message("info: x"), "info: x");
+        let text = " f1  MISSED  metre \n f2  met\n";
+        let plain = result(text)
+            .replace("\u{1b}[1;31m", "")
+            .replace("\u{1b}[1;32m", "")
+            .replace("\u{1b}[0m", "");
+        assert_eq!(plain, text);
+        assert_eq!(result(text).matches("\u{1b}[1;").count(), 2);
+    }
+}

@@ -1,0 +1,107 @@
+//! The nearest thing to what was typed and is not there.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::io::IoError;
+use crate::scene::SceneError;
+use crate::theory::BUILT_IN;
+
+/// `; did you mean ...?` for a file that does not exist beside one of nearly that name, or a model of nearly that name.
+pub fn hint(error: &Error) -> String {
+    let found = missing_path(error).and_then(nearest_path);
+    found.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+fn missing_path(error: &Error) -> Option<&Path> {
+    let io = match error {
+        Error::Io(io) | Error::Scene(SceneError::Io(io)) => io,
+        _ => return None,
+    };
+    match io {
+        IoError::System { path, source, .. } if source.kind() == ErrorKind::NotFound => {
+            Some(Path::new(path))
+        }
+        _ => None,
+    }
+}
+
+/// The path with its first missing part replaced by the nearest name in that folder.
+fn nearest_path(path: &Path) -> Option<String> {
+    let mut known = std::path::PathBuf::new();
+    let mut parts = path.components();
+    let missing = parts.find(|part| {
+        known.push(part);
+        !known.exists()
+    })?;
+    known.pop();
+    let folder = if known.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        &known
+    };
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    if known.as_os_str().is_empty() {
+        names.extend(BUILT_IN.iter().map(|model| model.name.to_owned()));
+    }
+    names.sort();
+    let name = nearest(
+        &missing.as_os_str().to_string_lossy(),
+        names.iter().map(String::as_str),
+    )?;
+    Some(
+        known
+            .join(name)
+            .join(parts.as_path())
+            .display()
+            .to_string()
+            .trim_end_matches('/')
+            .to_owned(),
+    )
+}
+
+/// The name that is nearest by letters inserted, dropped, changed or swapped; none where a third of them or more differ.
+pub fn nearest<'a>(got: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let distance = |name: &str| strsim::damerau_levenshtein(got, name);
+    let best = names
+        .into_iter()
+        .map(|name| (distance(name), name))
+        .min_by_key(|(far, _)| *far)?;
+    (3 * best.0 <= got.chars().count().max(3)).then_some(best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_name_is_near_and_another_is_not() {
+        let names = ["hits.uff", "scene.toml", "b"];
+        assert_eq!(nearest("hist.uff", names), Some("hits.uff"));
+        assert_eq!(nearest("a", names), Some("b"));
+        assert_eq!(nearest("measurement.csv", names), None);
+    }
+
+    #[test]
+    fn the_missing_part_of_a_path_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(folder.path().join("beam/raw")).unwrap();
+        std::fs::write(folder.path().join("beam/raw/hits.uff"), "").unwrap();
+        let near = |path: &str| nearest_path(&folder.path().join(path));
+        let expected = folder
+            .path()
+            .join("beam/raw/hits.uff")
+            .display()
+            .to_string();
+        assert_eq!(near("beam/raw/hit.uff"), Some(expected.clone()));
+        assert_eq!(near("baem/raw/hits.uff"), Some(expected));
+        assert_eq!(
+            nearest_path(Path::new("cycloid-bal")),
+            Some("cycloid-ball".to_owned())
+        );
+    }
+}

@@ -1,0 +1,48 @@
+//! Ctrl-C: what is being written is finished, then the program ends.
+
+use std::io::Write;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
+
+/// The longest time that an interrupt waits for files that are being written, in hundredths of a second.
+const PATIENCE: u32 = 500;
+
+/// Held while files are written.
+#[derive(Clone, Copy)]
+pub struct Writing(&'static Mutex<()>);
+
+impl Writing {
+    /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a stretch of writing.
+    pub fn guarded() -> Self {
+        let lock: &'static Mutex<()> = Box::leak(Box::new(Mutex::new(())));
+        // Without a handler the system ends the program at once.
+        let _ = ctrlc::set_handler(move || end(lock));
+        Self(lock)
+    }
+
+    /// Until the guard is dropped no interrupt ends the program.
+    pub fn begin(self) -> MutexGuard<'static, ()> {
+        self.0
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+fn end(lock: &'static Mutex<()>) {
+    let mut waited = 0;
+    // Held to the end: nothing new is begun.
+    let _guard = loop {
+        match lock.try_lock() {
+            Err(TryLockError::WouldBlock) if waited < PATIENCE => {
+                waited += 1;
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            other => break other,
+        }
+    };
+    let _ = writeln!(
+        std::io::stderr(),
+        "error: interrupted; every file that is there is whole"
+    );
+    std::process::exit(2);
+}

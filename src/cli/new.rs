@@ -1,0 +1,350 @@
+//! `modalign new`: a commented scene from exported files.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
+
+use clap::Args;
+
+use crate::dof::Dof;
+use crate::error::Error;
+use crate::geometry::{Geometry, Node};
+use crate::io::{Hints, IoError, Source, open_path, sha256_hex, write_atomically, write_new};
+use crate::linalg::Vector3;
+use crate::report::Block;
+use crate::scene::{
+    DraftFile, DraftModel, DraftPlan, draft_scene, load_model, open_lines, read_text,
+};
+
+use super::Outcome;
+use super::output::Output;
+
+/// `new`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign new beam hits.uff --model model.toml")]
+pub struct NewArgs {
+    /// The scene's folder; what is there is never written over.
+    pub folder: PathBuf,
+    /// Exported files: recorded hits, FRFs or modes of any known format.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The theory: a model.toml, a file of finished modes, or a built-in model.
+    #[arg(long)]
+    pub model: Option<PathBuf>,
+    /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
+    #[arg(long, value_name = "DOF")]
+    pub response: Option<Dof>,
+    /// The hit point of files that do not name it: one for all, or one for each file in their order, 2:+Z,3:+Z.
+    #[arg(long, value_name = "DOF", value_delimiter = ',')]
+    pub reference: Vec<Dof>,
+    /// Where the points are: a list of lines POINT,X,Y,Z in metres.
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Copy the files to raw/ of the folder; else the scene names them where they are.
+    #[arg(long)]
+    pub copy: bool,
+}
+
+/// What a new scene consists of, beside the raw files.
+const NAMES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
+
+const EXPECTED: &str =
+    "# Published results about this machine, if there are any; `run` holds the model against them.
+# While all lines are remarks there are none.
+# schema = \"modalign-expected/1\"
+#
+# [source]
+# authors = \"\"
+# paper = \"\"
+# year = 2000
+#
+# [[root]]
+# label = \"f1\"
+# omega_rad_s = 0.0
+";
+
+/// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; says what is left to be filled in.
+pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
+    check_free(args)?;
+    let sources = args.files.iter().map(|path| opened(path, format));
+    let sources: Vec<Box<dyn Source>> = sources.collect::<Result<_, Error>>()?;
+    let paths: Vec<String> = args.files.iter().map(|path| named(args, path)).collect();
+    let reference = |number: usize| match args.reference.as_slice() {
+        [only] => Some(only),
+        all => all.get(number),
+    };
+    let files: Vec<DraftFile> = paths
+        .iter()
+        .zip(&sources)
+        .enumerate()
+        .map(|(number, (path, source))| DraftFile {
+            path,
+            catalog: source.catalog(),
+            response: args.response.as_ref(),
+            reference: reference(number),
+        })
+        .collect();
+    let model = args
+        .model
+        .as_deref()
+        .map(|path| model(args, path))
+        .transpose()?;
+    let points = args.points.as_deref().map(points).transpose()?;
+    let title = files
+        .iter()
+        .find_map(|file| file.catalog.title.first().cloned());
+    let folder_name = args
+        .folder
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let plan = DraftPlan {
+        title: &title.unwrap_or_else(|| folder_name.into_owned()),
+        geometry: points.as_ref(),
+        model: model.as_ref(),
+    };
+    let draft = draft_scene(&files, &plan);
+    let source = source_text(args, &files)?;
+    if args.copy {
+        args.files
+            .iter()
+            .try_for_each(|path| copy(path, &raw(args, path)))?;
+    }
+    for (name, text) in NAMES.iter().zip([source.as_str(), EXPECTED, &draft.scene]) {
+        write_new(&args.folder.join(name), text)?;
+    }
+    for source in &sources {
+        output.findings(&source.catalog().findings);
+    }
+    output.blocks(&[Block::Text(told(args, &draft.scene))]);
+    output.json(|| {
+        let open: Vec<_> = open_lines(&draft.scene)
+            .into_iter()
+            .map(|own| serde_json::json!({ "line": own.line, "key": own.key, "expected": own.expected }))
+            .collect();
+        let scene = args.folder.join("scene.toml").display().to_string();
+        format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
+    });
+    Ok(Outcome::Done)
+}
+
+/// What the scene still needs, line by line, and what to type next.
+fn told(args: &NewArgs, scene: &str) -> String {
+    let path = args.folder.join("scene.toml");
+    let open = open_lines(scene);
+    let mut text = format!("{}: ", path.display());
+    if open.is_empty() {
+        text += "the files state everything.";
+    } else {
+        text += &format!("{} lines are to be filled in:", open.len());
+        for own in &open {
+            text += &format!("\n  line {}: {}: {}", own.line, own.key, own.expected);
+        }
+    }
+    let next = if args.model.is_some() {
+        "the comparison table"
+    } else {
+        "the modes; a [model] makes them a comparison"
+    };
+    text + &format!(
+        "\nThen: modalign run {} prints {next}.",
+        args.folder.display()
+    )
+}
+
+/// Nothing that would be written may be there, and there is one hit point for all files or one for each.
+fn check_free(args: &NewArgs) -> Result<(), Error> {
+    let (points, files) = (args.reference.len(), args.files.len());
+    if points > 1 && points != files {
+        let got = format!("{points} hit points for {files} files");
+        return Err(argument(
+            "--reference",
+            got,
+            "one for all files, or one for each",
+        ));
+    }
+    let mut raws = BTreeSet::new();
+    for path in args.files.iter().filter(|_| args.copy) {
+        if !raws.insert(raw(args, path)) {
+            return Err(argument(
+                "FILE",
+                format!("two files named {}", raw(args, path).display()),
+                "files of different names with --copy",
+            ));
+        }
+    }
+    let own = NAMES.iter().map(|name| args.folder.join(name));
+    match own.chain(raws).find(|path| path.exists()) {
+        None => Ok(()),
+        Some(path) => Err(argument(
+            "DIR",
+            format!("{}, which exists", path.display()),
+            "a folder without it: nothing is written over",
+        )),
+    }
+}
+
+fn argument(argument: &'static str, got: String, expected: &str) -> Error {
+    Error::Argument {
+        argument,
+        got,
+        expected: expected.to_owned(),
+    }
+}
+
+fn opened(path: &Path, format: Option<&str>) -> Result<Box<dyn Source>, Error> {
+    let hints = Hints {
+        path: path.display().to_string(),
+        ..Hints::default()
+    };
+    let mut source = open_path(path, &hints, format)?;
+    match source.take_damage().into_iter().next() {
+        Some(damage) => Err(damage.into()),
+        None => Ok(source),
+    }
+}
+
+fn raw(args: &NewArgs, path: &Path) -> PathBuf {
+    args.folder
+        .join("raw")
+        .join(path.file_name().unwrap_or_default())
+}
+
+/// The path by which the scene names a file: that of its copy, else relative to the scene where they share a folder.
+fn named(args: &NewArgs, path: &Path) -> String {
+    if args.copy {
+        return format!(
+            "raw/{}",
+            path.file_name().unwrap_or_default().to_string_lossy()
+        );
+    }
+    relative(&args.folder, path).unwrap_or_else(|| path.display().to_string())
+}
+
+/// `path` seen from `folder`; absolute where they have nothing but the root in common.
+fn relative(folder: &Path, path: &Path) -> Option<String> {
+    let (from, to) = (resolved(folder)?, resolved(path)?);
+    let parts = |path: &Path| -> Vec<String> {
+        let names = path
+            .components()
+            .filter(|part| matches!(part, Component::Normal(_)));
+        names
+            .map(|part| part.as_os_str().to_string_lossy().into_owned())
+            .collect()
+    };
+    let (from, names) = (parts(&from), parts(&to));
+    let common = from.iter().zip(&names).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return Some(to.display().to_string());
+    }
+    let up = std::iter::repeat_n("..".to_owned(), from.len() - common);
+    let all: Vec<String> = up.chain(names[common..].iter().cloned()).collect();
+    Some(all.join("/"))
+}
+
+/// The absolute path with links followed, as far as it exists.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let absolute = std::path::absolute(path).ok()?;
+    let known = absolute
+        .ancestors()
+        .find_map(|own| Some((own, own.canonicalize().ok()?)));
+    let (existing, resolved) = known?;
+    let rest = absolute.strip_prefix(existing).ok()?;
+    // Joining nothing would add a slash.
+    let is_whole = rest.as_os_str().is_empty();
+    Some(if is_whole {
+        resolved
+    } else {
+        resolved.join(rest)
+    })
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), IoError> {
+    let failed = |source| IoError::System {
+        path: from.display().to_string(),
+        action: "copy",
+        source,
+    };
+    write_atomically(to, |out| {
+        let mut file = std::fs::File::open(from).map_err(failed)?;
+        std::io::copy(&mut file, out).map_err(failed)?;
+        Ok(())
+    })
+}
+
+/// The `[model]` of the scene; its bodies are where sensors can sit.
+fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
+    let text =
+        |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
+    let is_file = path.exists();
+    let is_toml = path.extension().is_some_and(|own| own == "toml");
+    if is_file && !is_toml {
+        return Ok(DraftModel {
+            line: text("file", &relative(&args.folder, path).unwrap_or_default()),
+            bodies: Vec::new(),
+            has_sensors: true,
+        });
+    }
+    let loaded = load_model(path, &BTreeMap::new())?;
+    let bodies = match loaded.model.assemble(&loaded.values) {
+        Ok(system) => system
+            .coordinates
+            .iter()
+            .map(|own| own.body.clone())
+            .collect(),
+        // Sparse matrices have no bodies.
+        Err(_) => BTreeSet::new(),
+    };
+    Ok(DraftModel {
+        line: if is_file {
+            text("file", &relative(&args.folder, path).unwrap_or_default())
+        } else {
+            text("name", &path.display().to_string())
+        },
+        bodies: bodies.into_iter().collect(),
+        has_sensors: !loaded.sensors.is_empty(),
+    })
+}
+
+/// Points of a list of lines `POINT,X,Y,Z`; a heading and remarks (`#`) are passed over.
+fn points(path: &Path) -> Result<Geometry, Error> {
+    let name = path.display().to_string();
+    let text = read_text(path)?;
+    let mut geometry = Geometry::default();
+    for (index, line) in text.lines().enumerate() {
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let numbers: Vec<f64> = fields[1..]
+            .iter()
+            .filter_map(|text| text.parse().ok())
+            .collect();
+        let is_point = format!("{}:+X", fields[0]).parse::<Dof>().is_ok();
+        match numbers.as_slice() {
+            [x, y, z] if is_point && fields.len() == 4 => {
+                geometry
+                    .nodes
+                    .push(Node::new(fields[0], Vector3::new(*x, *y, *z)));
+            }
+            _ if line.trim().is_empty() || line.starts_with('#') || index == 0 => {}
+            _ => {
+                let got = format!("{line:?} in line {} of {name}", index + 1);
+                return Err(argument("--points", got, "POINT,X,Y,Z in metres"));
+            }
+        }
+    }
+    Ok(geometry)
+}
+
+fn source_text(args: &NewArgs, files: &[DraftFile]) -> Result<String, Error> {
+    let mut text = "# Where the numbers of this scene come from\n\n\
+        Who measured, when, on what, with which instruments, and under which licence:\n\n\
+        | file | format | SHA-256 | measured, computed or published by |\n|---|---|---|---|\n"
+        .to_owned();
+    for (path, file) in args.files.iter().zip(files) {
+        text += &format!(
+            "| `{}` | {} | `{}` | |\n",
+            file.path,
+            file.catalog.format,
+            sha256_hex(path)?
+        );
+    }
+    Ok(text)
+}

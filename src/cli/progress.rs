@@ -1,0 +1,88 @@
+//! A line on the terminal that says what is being done and for how long.
+
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::scene::Observer;
+
+/// Work that ends within this time shows nothing.
+const SILENT: Duration = Duration::from_millis(500);
+const REDRAWN: Duration = Duration::from_millis(200);
+
+/// Shows steps on standard error while it lives; nothing where that is no terminal.
+pub struct Progress {
+    shown: Option<(Sender<String>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Begins with the name of the verb, unless nobody is to see it.
+    pub fn new(what: &str, quiet: bool) -> Self {
+        let wanted = !quiet && std::io::stderr().is_terminal();
+        Self {
+            shown: wanted.then(|| shown(what.to_owned())),
+        }
+    }
+}
+
+impl Observer for Progress {
+    fn step(&self, what: &str, number: usize, count: usize) {
+        if let Some((sender, _)) = &self.shown {
+            // A line that nobody draws any more is no failure.
+            let _ = sender.send(line(what, number, count));
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some((sender, thread)) = self.shown.take() {
+            drop(sender);
+            let _ = thread.join();
+        }
+    }
+}
+
+fn line(what: &str, number: usize, count: usize) -> String {
+    format!("[{number}/{count}] {what}")
+}
+
+fn shown(first: String) -> (Sender<String>, JoinHandle<()>) {
+    let (sender, receiver) = channel::<String>();
+    let (begin, mut what) = (Instant::now(), first);
+    let thread = std::thread::spawn(move || {
+        let mut drawn = false;
+        loop {
+            match receiver.recv_timeout(REDRAWN) {
+                Ok(next) => what = next,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if begin.elapsed() >= SILENT {
+                draw(&format!("{what}  {} s", begin.elapsed().as_secs()));
+                drawn = true;
+            }
+        }
+        if drawn {
+            draw("");
+        }
+    });
+    (sender, thread)
+}
+
+/// Puts a text in place of the last one.
+fn draw(text: &str) {
+    let mut stderr = std::io::stderr().lock();
+    let _ = write!(stderr, "\r\u{1b}[2K{text}").and_then(|()| stderr.flush());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_says_its_number() {
+        assert_eq!(line("hammer", 1, 3), "[1/3] hammer");
+    }
+}

@@ -1,0 +1,429 @@
+//! A result held against an earlier one of its kind: what may differ follows from the uncertainties that both state, so that
+//! the rate at which a perfect result is refused is known, or from absolute limits.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+use crate::correlate::{assign, subspace_mac};
+use crate::dof::Dof;
+use crate::modal::{ModalModel, Mode, mac, modal_scale_factor};
+
+use super::limits::{LimitCheck, percent};
+
+/// Largest change of a frequency whose uncertainty one side does not state, percent.
+pub const FREQUENCY_PERCENT: f64 = 0.05;
+/// The same of a damping ratio.
+pub const DAMPING_PERCENT: f64 = 5.0;
+/// Largest 1 − MAC of a shape whose uncertainty one side does not state, and largest change of a MAC.
+pub const MAC_CHANGE: f64 = 0.01;
+
+/// A difference of this part of a value is rounding: the same input gives the same result elsewhere to 1e-9.
+const ROUNDING: f64 = 1e-6;
+/// Modes farther apart than this part of their frequency are not the same mode, however it has changed.
+const SAME_MODE: f64 = 0.02;
+/// Components below this part of the largest one may have either sign.
+const SIGN_MATTERS: f64 = 0.1;
+
+/// How far a result may lie from its baseline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChangeLimits {
+    /// Largest change of every frequency, percent; by the stated uncertainties when `None`.
+    pub frequency_percent: Option<f64>,
+    /// The same of damping ratios.
+    pub damping_percent: Option<f64>,
+    /// Largest 1 − MAC of every shape, and largest change of a MAC; by the stated uncertainties when `None`.
+    pub mac: Option<f64>,
+    /// Standard deviation of a frequency that is granted beside the stated ones, a fraction: what no recording repeats.
+    pub frequency_floor: f64,
+    /// The same of a damping ratio.
+    pub damping_floor: f64,
+    /// The same of a shape component, as a part of the root mean square of the shape.
+    pub shape_floor: f64,
+    /// Probability that a result which differs from its baseline by these uncertainties alone is refused, over all its values.
+    pub false_refusals: f64,
+}
+
+impl Default for ChangeLimits {
+    fn default() -> Self {
+        Self {
+            frequency_percent: None,
+            damping_percent: None,
+            mac: None,
+            frequency_floor: 1e-4,
+            damping_floor: 1e-2,
+            shape_floor: 1e-2,
+            false_refusals: 0.01,
+        }
+    }
+}
+
+/// One value beside that of the baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// The row of the result that it belongs to.
+    pub row: String,
+    /// What it is.
+    pub what: String,
+    /// How it is judged.
+    pub measure: Measure,
+}
+
+/// How a change is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// A difference of standard deviation `std`, both as parts of the baseline's value: normal, two-sided.
+    Normal {
+        /// |difference|, a fraction.
+        difference: f64,
+        /// Standard deviation of the difference, a fraction.
+        std: f64,
+    },
+    /// A sum of squares over the stated variances.
+    ChiSquared {
+        /// The sum.
+        sum: f64,
+        /// Degrees of freedom.
+        degrees: f64,
+    },
+    /// A value that may not exceed a limit.
+    AtMost(Option<f64>, f64),
+    /// A value that may not fall below a limit.
+    AtLeast(f64, f64),
+}
+
+/// What was held against one row of the baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RowVerdict {
+    /// The row: a mode, a root with its test, or the whole.
+    pub row: String,
+    /// Its checks.
+    pub checks: Vec<LimitCheck>,
+}
+
+impl RowVerdict {
+    /// Whether every check is met.
+    pub fn met(&self) -> bool {
+        self.checks.iter().all(LimitCheck::met)
+    }
+}
+
+/// Changes judged together, by row in the order of their first change.
+///
+/// Each of the `n` changes that are held against stated uncertainties gets the level `1 − (1 − false_refusals)^(1/n)`, which
+/// makes `false_refusals` the rate of all together where they are independent.
+///
+/// # Reference
+/// Šidák (1967), Rectangular confidence regions for the means of multivariate normal distributions, JASA 62(318).
+pub fn judge_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict> {
+    let by_uncertainty = |change: &&Change| {
+        matches!(
+            change.measure,
+            Measure::Normal { .. } | Measure::ChiSquared { .. }
+        )
+    };
+    let count = changes.iter().filter(by_uncertainty).count().max(1);
+    let level = -((-false_refusals).ln_1p() / count as f64).exp_m1();
+    let mut rows: Vec<RowVerdict> = Vec::new();
+    for change in changes {
+        let check = judged(change, level);
+        match rows.iter_mut().find(|row| row.row == change.row) {
+            Some(row) => row.checks.push(check),
+            None => rows.push(RowVerdict {
+                row: change.row.clone(),
+                checks: vec![check],
+            }),
+        }
+    }
+    rows
+}
+
+fn judged(change: &Change, level: f64) -> LimitCheck {
+    let check = |value, limit, upper| LimitCheck {
+        what: change.what.clone(),
+        value,
+        limit,
+        upper,
+    };
+    match change.measure {
+        Measure::Normal { difference, std } => {
+            let deviations = Normal::standard().inverse_cdf(1.0 - 0.5 * level);
+            let limit = (deviations * std).max(ROUNDING);
+            check(Some(100.0 * difference), 100.0 * limit, true)
+        }
+        Measure::ChiSquared { sum, degrees } => {
+            // Degrees of freedom are above 0: see `shape_changes`.
+            let largest =
+                ChiSquared::new(degrees).map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - level));
+            check(Some(sum / degrees), largest / degrees, true)
+        }
+        Measure::AtMost(value, limit) => check(value, limit, true),
+        Measure::AtLeast(value, limit) => check(Some(value), limit, false),
+    }
+}
+
+/// A value with the standard deviation that its side states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertain {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation, where it is stated.
+    pub std: Option<f64>,
+}
+
+/// How one kind of value is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowed {
+    /// The absolute limit, percent, in place of uncertainties.
+    pub percent: Option<f64>,
+    /// Largest change where a side states no uncertainty, percent.
+    pub unstated_percent: f64,
+    /// Standard deviation granted beside those of both sides, a fraction.
+    pub floor: f64,
+}
+
+impl ChangeLimits {
+    /// What a frequency may change.
+    pub fn frequency(&self) -> Allowed {
+        Allowed {
+            percent: self.frequency_percent,
+            unstated_percent: FREQUENCY_PERCENT,
+            floor: self.frequency_floor,
+        }
+    }
+
+    /// What a damping ratio may change.
+    pub fn damping(&self) -> Allowed {
+        Allowed {
+            percent: self.damping_percent,
+            unstated_percent: DAMPING_PERCENT,
+            floor: self.damping_floor,
+        }
+    }
+}
+
+/// A change of a value: against the absolute limit where there is one, else against both sides' uncertainties and the floor, else,
+/// where a side states none, against the limit for that; limits in percent of the baseline's value.
+pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allowed) -> Measure {
+    let otherwise = allowed.percent.unwrap_or(allowed.unstated_percent);
+    let Some(now) = now else {
+        return Measure::AtMost(None, otherwise);
+    };
+    match (allowed.percent, now.std.zip(before.std)) {
+        (None, Some((own, other))) if before.value != 0.0 => Measure::Normal {
+            difference: ((now.value - before.value) / before.value).abs(),
+            std: (own.hypot(other) / before.value.abs()).hypot(allowed.floor),
+        },
+        _ => Measure::AtMost(Some(percent(now.value, before.value)), otherwise),
+    }
+}
+
+/// Every mode of a baseline must be there with its frequency, damping and shape, and no other.
+///
+/// Modes meet one to one, by frequency (within 2 %) and MAC. A shape is compared after its best complex scale: by
+/// `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components where both sides state their deviations, else by 1 − MAC and the number of
+/// components of the opposite sign.
+pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
+    let partner = partners(now, before);
+    let mut changes = Vec::new();
+    for (number, (mode, partner)) in (1..).zip(before.modes.iter().zip(&partner)) {
+        let row = format!("mode {number} at {} Hz", rounded(mode.frequency_hz));
+        let own = partner.map(|index| &now.modes[index]);
+        let found = Measure::AtLeast(f64::from(u8::from(own.is_some())), 1.0);
+        let mut push = |what: &str, measure| {
+            changes.push(Change {
+                row: row.clone(),
+                what: what.to_owned(),
+                measure,
+            });
+        };
+        push("found", found);
+        let Some(own) = own else { continue };
+        let measure = relative_change(
+            Some(frequency_of(own)),
+            frequency_of(mode),
+            limits.frequency(),
+        );
+        push("frequency change (%)", measure);
+        if let Some(ratio) = damping_of(mode) {
+            let measure = relative_change(damping_of(own), ratio, limits.damping());
+            push("damping change (%)", measure);
+        }
+        for (what, measure) in shape_changes(own, mode, limits, &root_of(before, mode)) {
+            push(what, measure);
+        }
+    }
+    let extra = (0..now.modes.len()).filter(|index| !partner.contains(&Some(*index)));
+    changes.extend(extra.map(|index| Change {
+        row: format!(
+            "extra mode at {} Hz",
+            rounded(now.modes[index].frequency_hz)
+        ),
+        what: "in the baseline".to_owned(),
+        measure: Measure::AtLeast(0.0, 1.0),
+    }));
+    changes
+}
+
+/// The modes of a mode's root; the shapes of a repeated one may turn among themselves.
+fn root_of<'a>(model: &'a ModalModel, mode: &'a Mode) -> Vec<&'a Mode> {
+    if mode.group.is_none() {
+        return vec![mode];
+    }
+    let same = |other: &&Mode| other.group == mode.group;
+    model.modes.iter().filter(same).collect()
+}
+
+/// Six significant digits, for the name of a row.
+fn rounded(hz: f64) -> f64 {
+    format!("{hz:.5e}").parse().unwrap_or(hz)
+}
+
+fn frequency_of(mode: &Mode) -> Uncertain {
+    Uncertain {
+        value: mode.frequency_hz,
+        std: mode.frequency_uncertainty_hz(),
+    }
+}
+
+fn damping_of(mode: &Mode) -> Option<Uncertain> {
+    let bias = mode.damping_bias.unwrap_or(0.0);
+    mode.damping_ratio.map(|value| Uncertain {
+        value,
+        std: mode.damping_std.map(|std| std.hypot(bias)),
+    })
+}
+
+/// The mode of now that each mode of the baseline has become.
+fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
+    let cost = |old: &Mode, new: &Mode| {
+        let apart = (new.frequency_hz - old.frequency_hz).abs();
+        let part = apart / (SAME_MODE * old.frequency_hz.abs()).max(f64::MIN_POSITIVE);
+        let (own, other, _) = common(new, old);
+        let unlike = 1.0 - mac(&own, &other).unwrap_or(1.0);
+        // Below 1, the cost of a mode without a partner.
+        (part <= 1.0).then_some(0.49 * (part + unlike))
+    };
+    let costs: Vec<Vec<Option<f64>>> = before
+        .modes
+        .iter()
+        .map(|old| now.modes.iter().map(|new| cost(old, new)).collect())
+        .collect();
+    assign(&costs, 1.0)
+}
+
+/// The components that two shapes have in common, along positive axes, with the deviations of both where they are stated.
+type Common = (Vec<Complex64>, Vec<Complex64>, Option<Vec<(f64, f64)>>);
+
+fn common(now: &Mode, before: &Mode) -> Common {
+    let (mut own, mut other, mut stds) = (Vec::new(), Vec::new(), Some(Vec::new()));
+    for (dof, value) in before.shape.iter() {
+        let Some(new) = now.shape.along_positive(dof) else {
+            continue;
+        };
+        own.push(new);
+        other.push(value * dof.sign());
+        let pair = std_at(&now.shape_std, dof).zip(std_at(&before.shape_std, dof));
+        stds = stds.zip(pair).map(|(mut all, pair): (Vec<_>, _)| {
+            all.push(pair);
+            all
+        });
+    }
+    (own, other, stds)
+}
+
+fn std_at(stds: &Option<BTreeMap<Dof, f64>>, dof: &Dof) -> Option<f64> {
+    let mut all = stds.as_ref()?.iter();
+    let found = all.find(|(own, _)| own.positive() == dof.positive());
+    found.map(|(_, std)| *std)
+}
+
+fn shape_changes(
+    now: &Mode,
+    before: &Mode,
+    limits: &ChangeLimits,
+    root: &[&Mode],
+) -> Vec<(&'static str, Measure)> {
+    if before.shape.is_empty() {
+        return Vec::new();
+    }
+    let (own, other, stds) = common(now, before);
+    let points = Measure::AtLeast(own.len() as f64, before.shape.len() as f64);
+    let mut changes = vec![("degrees of freedom", points)];
+    // One component is a scale and no shape.
+    if own.len() < 2 {
+        return changes;
+    }
+    let most = limits.mac.unwrap_or(MAC_CHANGE);
+    if root.len() > 1 {
+        let span: Vec<Vec<Complex64>> = root.iter().map(|mode| along(mode, now, before)).collect();
+        let outside = subspace_mac(&own, &span).map(|share| 1.0 - share);
+        changes.push((
+            "part outside the repeated root",
+            Measure::AtMost(outside, most),
+        ));
+        return changes;
+    }
+    if let (None, Some(stds)) = (limits.mac, stds) {
+        let sum = misfit(&own, &other, &stds, limits.shape_floor);
+        let degrees = 2.0 * (own.len() - 1) as f64;
+        let measure = Measure::ChiSquared { sum, degrees };
+        changes.push(("shape, chi-square per degree of freedom", measure));
+        return changes;
+    }
+    let unlike = mac(&own, &other).map(|mac| 1.0 - mac);
+    changes.push(("1 - MAC", Measure::AtMost(unlike, most)));
+    let reversed = reversed(&own, &other);
+    changes.push((
+        "reversed components",
+        Measure::AtMost(Some(reversed as f64), 0.0),
+    ));
+    changes
+}
+
+/// The shape of a mode where two others have components in common; 0 where it has none itself.
+fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
+    let dofs = before.shape.iter().map(|(dof, _)| dof);
+    let both = dofs.filter(|dof| now.shape.along_positive(dof).is_some());
+    both.map(|dof| mode.shape.along_positive(dof).unwrap_or_default())
+        .collect()
+}
+
+/// `Σ |own − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest for the weights of its plain
+/// value; the deviations are those of real and imaginary part each.
+fn misfit(own: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
+    let square: f64 = own.iter().map(|value| value.norm_sqr()).sum();
+    let granted = floor.max(ROUNDING) * (square / own.len() as f64).sqrt();
+    let plain = modal_scale_factor(other, own).unwrap_or_default();
+    let deviation = |(own, other): &(f64, f64)| {
+        let stated = own.hypot(plain.norm() * other);
+        stated.hypot(granted).max(f64::MIN_POSITIVE)
+    };
+    let weighted = |values: &[Complex64]| -> Vec<Complex64> {
+        let pairs = values.iter().zip(stds);
+        pairs.map(|(value, stds)| value / deviation(stds)).collect()
+    };
+    let (own, other) = (weighted(own), weighted(other));
+    let scale = modal_scale_factor(&other, &own).unwrap_or_default();
+    let rests = own
+        .iter()
+        .zip(&other)
+        .map(|(own, other)| own - scale * other);
+    rests.map(|rest| rest.norm_sqr()).sum()
+}
+
+/// Number of components against the others: those that lie on the other side of the scaled baseline.
+fn reversed(own: &[Complex64], other: &[Complex64]) -> usize {
+    let Some(scale) = modal_scale_factor(other, own) else {
+        return 0;
+    };
+    let largest =
+        |values: &[Complex64]| values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let (least_own, least_other) = (SIGN_MATTERS * largest(own), SIGN_MATTERS * largest(other));
+    let against = |(own, other): &(&Complex64, &Complex64)| {
+        let both_large = own.norm() >= least_own && other.norm() >= least_other;
+        both_large && ((scale * **other).conj() * **own).re < 0.0
+    };
+    own.iter().zip(other).filter(against).count()
+}

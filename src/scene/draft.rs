@@ -1,0 +1,438 @@
+//! A scene drafted from exported files: what their headers state is written down, what they leave open is a marked line.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use crate::dof::Dof;
+use crate::geometry::Geometry;
+use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
+use crate::quantity::Quantity;
+
+use super::draft_columns::arrays_text;
+use super::toml_text::FILL_IN;
+use super::typed::SCENE_SCHEMA;
+
+/// One exported file.
+#[derive(Clone, Copy, Debug)]
+pub struct DraftFile<'a> {
+    /// Its path as the scene is to name it.
+    pub path: &'a str,
+    /// What its headers say.
+    pub catalog: &'a Catalog,
+    /// The response of what does not name one.
+    pub response: Option<&'a Dof>,
+    /// The hit point of what does not name one.
+    pub reference: Option<&'a Dof>,
+}
+
+/// What a person says beside the files.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DraftPlan<'a> {
+    /// Title of the scene.
+    pub title: &'a str,
+    /// Points, beside those of the files.
+    pub geometry: Option<&'a Geometry>,
+    /// The model.
+    pub model: Option<&'a DraftModel>,
+}
+
+/// The model of a drafted scene.
+#[derive(Clone, Debug)]
+pub struct DraftModel {
+    /// `name = "..."` or `file = "..."`.
+    pub line: String,
+    /// Its bodies.
+    pub bodies: Vec<String>,
+    /// Whether its file says where the sensors are.
+    pub has_sensors: bool,
+}
+
+/// A drafted scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Draft {
+    /// Text of `scene.toml`.
+    pub scene: String,
+    /// Lines of it that have to be filled in.
+    pub open_lines: usize,
+}
+
+/// What a file is to a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Content {
+    /// Recorded hits.
+    Records,
+    /// FRFs, perhaps with coherence.
+    Functions,
+    /// Finished modes.
+    Modes,
+    /// Columns or arrays whose meaning the file does not say.
+    Arrays,
+    /// Nothing that a test is made of, such as geometry alone.
+    Nothing,
+}
+
+impl Content {
+    fn of(catalog: &Catalog) -> Self {
+        let holds = |wanted| {
+            catalog
+                .entries
+                .iter()
+                .any(|entry| entry.function_type == wanted)
+        };
+        match catalog {
+            _ if holds(FunctionType::Time) => Content::Records,
+            _ if holds(FunctionType::Frf) => Content::Functions,
+            own if !own.modes.is_empty() => Content::Modes,
+            own if !own.arrays.is_empty() => Content::Arrays,
+            _ => Content::Nothing,
+        }
+    }
+}
+
+/// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one, finished modes one for each
+/// file, tables of the same columns one.
+pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
+    let mut text = format!(
+        "# Drafted by `modalign new` from the headers of exported files. A line with \"{FILL_IN}\" is what they do not state:\n\
+         # `run` stops at the first one and says what belongs there. Lines behind # are what may be added.\n\
+         schema = \"{SCENE_SCHEMA}\"\n\
+         title = {}\n",
+        quoted(plan.title)
+    );
+    let mut dofs = BTreeSet::new();
+    for (index, group) in groups(files).iter().enumerate() {
+        let (content, own) = group;
+        text += &test_text(*content, own, index, &mut dofs);
+    }
+    text += &model_text(plan.model);
+    let mut geometry = plan.geometry.cloned().unwrap_or_default();
+    files
+        .iter()
+        .for_each(|file| geometry.add(&file.catalog.geometry));
+    text += &sensors_text(&dofs, &geometry, plan.model);
+    text += REST;
+    let is_open = |line: &&str| !line.starts_with('#') && line.contains(FILL_IN);
+    let open_lines = text.lines().filter(is_open).count();
+    Draft {
+        scene: text,
+        open_lines,
+    }
+}
+
+/// Files that make one test, in the order of their first one.
+fn groups<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFile<'a>>)> {
+    let mut groups: Vec<(Content, Vec<&DraftFile>)> = Vec::new();
+    for file in files {
+        let content = Content::of(file.catalog);
+        let joins = |(own, first): &(Content, Vec<&DraftFile>)| {
+            let alike = || names(first[0].catalog) == names(file.catalog);
+            *own == content && content != Content::Modes && (content != Content::Arrays || alike())
+        };
+        match groups.iter_mut().find(|group| joins(group)) {
+            Some((_, own)) => own.push(file),
+            None => groups.push((content, vec![file])),
+        }
+    }
+    groups
+}
+
+fn names(catalog: &Catalog) -> Vec<(&str, usize)> {
+    let arrays = catalog.arrays.iter();
+    arrays
+        .map(|array| (array.name.as_str(), array.shape.len()))
+        .collect()
+}
+
+fn test_text(
+    content: Content,
+    files: &[&DraftFile],
+    index: usize,
+    dofs: &mut BTreeSet<Dof>,
+) -> String {
+    let number = match index {
+        0 => String::new(),
+        index => format!(" {}", index + 1),
+    };
+    let head = |name: &str| {
+        format!(
+            "\n[[test]]\nname = \"{name}{number}\"\n{}",
+            files_line(files)
+        )
+    };
+    match content {
+        Content::Records => head("hammer test") + &records_text(files, dofs),
+        Content::Functions => head("FRFs") + &functions_text(files, dofs),
+        Content::Arrays => head("hammer test") + &arrays_text(files, dofs),
+        Content::Modes => {
+            let shapes = files[0].catalog.modes.iter().map(|entry| &entry.mode.shape);
+            dofs.extend(shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof.positive())));
+            let count = files[0].catalog.modes.len();
+            let path = quoted(files[0].path);
+            format!(
+                "\n[[test]]\nname = \"modes{number}\"\nmodes = {path}   # {count} finished modes\n"
+            )
+        }
+        Content::Nothing => {
+            let paths: Vec<&str> = files.iter().map(|file| file.path).collect();
+            format!(
+                "\n# Neither records nor functions nor modes: {}\n",
+                paths.join(", ")
+            )
+        }
+    }
+}
+
+fn files_line(files: &[&DraftFile]) -> String {
+    let paths: Vec<String> = files.iter().map(|file| quoted(file.path)).collect();
+    match paths.as_slice() {
+        [only] => format!("files = [{only}]\n"),
+        all => format!("files = [\n    {},\n]\n", all.join(",\n    ")),
+    }
+}
+
+/// What the headers say of recorded hits, and the records whose unit, point or hit point they leave open.
+fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
+    let times = || of_type(files, FunctionType::Time);
+    let forces = times()
+        .filter(|entry| entry.quantity == Some(Quantity::Force))
+        .count();
+    let mut text = format!(
+        "# The headers state: {} time records, {forces} of them forces",
+        times().count()
+    );
+    if let Some(entry) = times().next() {
+        text += &axis_text(entry);
+    }
+    text.push('\n');
+    dofs.extend(
+        times()
+            .filter_map(|entry| entry.response.as_ref())
+            .map(Dof::positive),
+    );
+    dofs.extend(
+        times()
+            .filter_map(|entry| entry.reference.as_ref())
+            .map(Dof::positive),
+    );
+    text +=
+        "# hits = \"files\"           # each file is one hit; \"trigger\": continuous records\n";
+    text += "# band_hz = [20.0, 400.0]   # search this band; as far as the hammer excites when left out\n";
+    for (number, what) in open_records(files) {
+        let _ = write!(
+            text,
+            "[[test.channel]]\ncolumn = {number}   # number of the record within its hit\n{what}"
+        );
+    }
+    for file in files.iter().filter(|file| hit_point_open(file.catalog)) {
+        text += &file_text(file, false, true, dofs);
+    }
+    text
+}
+
+/// What records leave open, by their number within their hit.
+fn open_records(files: &[&DraftFile]) -> BTreeMap<usize, String> {
+    let mut open = BTreeMap::new();
+    for file in files {
+        let mut counts: BTreeMap<(i64, i64), usize> = BTreeMap::new();
+        let times = file
+            .catalog
+            .entries
+            .iter()
+            .filter(|entry| entry.function_type == FunctionType::Time);
+        for entry in times {
+            let id = &entry.identification;
+            let number = counts.entry((id.version, id.load_case)).or_default();
+            *number += 1;
+            let mut lines = String::new();
+            if entry.quantity.is_none() || entry.to_si.is_none() {
+                let label = entry.unit_label.as_str();
+                let _ = writeln!(
+                    lines,
+                    "unit = \"{FILL_IN}\"   # N for the force, m/s2, g, m/s or m for a response; the header says {label:?}"
+                );
+            }
+            let is_force = entry.quantity == Some(Quantity::Force);
+            if entry.response.is_none() && !is_force {
+                let _ = writeln!(
+                    lines,
+                    "dof = \"{FILL_IN}\"   # point and direction of this sensor (or of the hit), such as 1:+Z"
+                );
+            }
+            if !lines.is_empty() {
+                open.entry(*number).or_insert(lines);
+            }
+        }
+    }
+    open
+}
+
+/// Whether a file with a force names no hit point: neither its force record nor a reference of the responses.
+fn hit_point_open(catalog: &Catalog) -> bool {
+    let is_force = |entry: &&Entry| entry.quantity == Some(Quantity::Force);
+    let mut forces = catalog.entries.iter().filter(is_force);
+    let mut responses = catalog.entries.iter().filter(|entry| !is_force(entry));
+    forces.any(|entry| entry.response.is_none()) && responses.any(|entry| entry.reference.is_none())
+}
+
+/// What the headers say of FRFs, and what they leave open: unit, points.
+fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
+    let frfs = || of_type(files, FunctionType::Frf);
+    let mut text = format!("# The headers state: {} FRFs", frfs().count());
+    if let Some(entry) = frfs().next() {
+        text += &axis_text(entry);
+    }
+    text.push('\n');
+    dofs.extend(
+        frfs()
+            .filter_map(|entry| entry.response.as_ref())
+            .map(Dof::positive),
+    );
+    dofs.extend(
+        frfs()
+            .filter_map(|entry| entry.reference.as_ref())
+            .map(Dof::positive),
+    );
+    text += "# band_hz = [20.0, 400.0]   # search this band; the whole axis when left out\n";
+    let averaged = frfs().any(|entry| entry.note.averages.is_some());
+    if of_type(files, FunctionType::Coherence).next().is_some() && !averaged {
+        text += "# averages = 3              # hits behind each coherence, which the files do not state; 3 is assumed without it\n";
+    }
+    let unknown = |entry: &Entry| {
+        entry.quantity.is_none() || entry.denominator.is_none() || entry.to_si.is_none()
+    };
+    if let Some(entry) = frfs().find(|entry| unknown(entry)) {
+        let label = entry.unit_label.as_str();
+        let _ = write!(
+            text,
+            "[[test.channel]]\ncolumn = 1\nunit = \"{FILL_IN}\"   # of the FRFs that state none: (m/s2)/N, (m/s)/N or m/N; the header says {label:?}\n"
+        );
+    }
+    for file in files {
+        let own = || of_type(std::slice::from_ref(file), FunctionType::Frf);
+        let response = own().any(|own| own.response.is_none());
+        let reference = own().any(|own| own.reference.is_none());
+        if response || reference {
+            text += &file_text(file, response, reference, dofs);
+        }
+    }
+    text
+}
+
+/// `[[test.file]]` with the points that a file leaves open.
+pub(super) fn file_text(
+    file: &DraftFile,
+    response: bool,
+    reference: bool,
+    dofs: &mut BTreeSet<Dof>,
+) -> String {
+    let mut text = format!("[[test.file]]\npath = {}\n", quoted(file.path));
+    let points = [
+        (
+            response,
+            "response",
+            file.response,
+            "point and direction of the sensor, such as 1:+Z",
+        ),
+        (
+            reference,
+            "reference",
+            file.reference,
+            "the hit point, such as 2:+Z",
+        ),
+    ];
+    for (_, key, stated, what) in points.iter().filter(|own| own.0) {
+        let _ = match stated {
+            Some(dof) => writeln!(text, "{key} = \"{dof}\""),
+            None => writeln!(text, "{key} = \"{FILL_IN}\"   # {what}"),
+        };
+        dofs.extend(stated.map(Dof::positive));
+    }
+    text
+}
+
+fn model_text(model: Option<&DraftModel>) -> String {
+    match model {
+        Some(model) => format!("\n[model]\n{}\n", model.line),
+        None => "\n# The theory that the test is held against:\n\
+                 # [model]\n\
+                 # file = \"model.toml\"      # or a file of finished modes (.json, .csv, .unv)\n\
+                 # name = \"cycloid-ball\"    # or a built-in model\n"
+            .to_owned(),
+    }
+}
+
+/// Where sensors and hits are: positions from the geometry of the files; remarks while there is no model that has bodies.
+fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftModel>) -> String {
+    let stated = model.is_some_and(|own| own.has_sensors || own.bodies.is_empty());
+    if stated {
+        return String::new();
+    }
+    let remark = if model.is_none() { "# " } else { "" };
+    let mut text = "\n# Where sensors and hits are on the model: a point of a body in the model's frame, or a `coordinate` of the model.\n".to_owned();
+    if dofs.is_empty() {
+        text += "# [[sensor]]\n# dof = \"1:+Z\"\n# body = \"\"   # a body of the model\n# at_m = [0.0, 0.0, 0.0]\n";
+    }
+    for dof in dofs {
+        let _ = write!(text, "{remark}[[sensor]]\n{remark}dof = \"{dof}\"\n");
+        let body = match model.map(|own| own.bodies.as_slice()) {
+            Some([only]) => format!("body = {}", quoted(only)),
+            Some(all) => format!("body = \"{FILL_IN}\"   # one of {}", all.join(", ")),
+            None => "body = \"\"   # a body of the model".to_owned(),
+        };
+        let place = match geometry.node(dof.point()) {
+            Some(node) => format!(
+                "at_m = [{:?}, {:?}, {:?}]",
+                node.at_m[0], node.at_m[1], node.at_m[2]
+            ),
+            None if model.is_some() => {
+                format!("at_m = \"{FILL_IN}\"   # [x, y, z] in metres, without quotes")
+            }
+            None => "at_m = [0.0, 0.0, 0.0]".to_owned(),
+        };
+        let _ = write!(text, "{remark}{body}\n{remark}{place}\n");
+    }
+    text
+}
+
+const REST: &str = "
+# [frf]
+# force_window_s = 0.02      # hold the force this long after its pulse; its noise counts without it
+
+# [identify]
+# method = \"ml\"             # the default; peak, circle, line, rfp, lsce and lscf as well
+
+# [pair]
+# max_frequency_error = 0.3  # a fraction: pairs further apart are not considered
+# min_mac = 0.5
+
+# These decide the exit code of `run`, and of `check`.
+# [limits]
+# max_frequency_error_percent = 5.0
+# min_mac = 0.9
+# max_missed = 0
+";
+
+fn of_type<'a>(
+    files: &'a [&DraftFile<'a>],
+    wanted: FunctionType,
+) -> impl Iterator<Item = &'a Entry> {
+    let entries = files.iter().flat_map(|file| &file.catalog.entries);
+    entries.filter(move |entry| entry.function_type == wanted)
+}
+
+fn axis_text(entry: &Entry) -> String {
+    match entry.axis {
+        EntryAxis::Time(axis) => format!(
+            ", {} samples at {} Hz each",
+            axis.len,
+            axis.sampling_rate_hz()
+        ),
+        EntryAxis::Frequency(axis) => format!(", {} lines by {} Hz each", axis.len, axis.step_hz),
+        EntryAxis::General(axis) => format!(", {} values each", axis.len),
+    }
+}
+
+/// A text as TOML writes it.
+pub(super) fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}

@@ -1,0 +1,166 @@
+//! Columns and arrays in a drafted scene: a person has to say what they are.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use crate::dof::Dof;
+use crate::io::ArrayInfo;
+
+use super::draft::{DraftFile, file_text, quoted};
+use super::toml_text::FILL_IN;
+
+/// Arrays of more columns than this are not listed column by column.
+const MOST_COLUMNS: usize = 16;
+
+/// Columns and arrays: their names are known, their meaning where a heading says it.
+pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
+    let catalog = files[0].catalog;
+    let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
+    let arrays: Vec<&ArrayInfo> = catalog.arrays.iter().filter(is_number).collect();
+    let columns: Vec<String> = arrays.iter().flat_map(|array| columns_of(array)).collect();
+    let roles: Vec<Option<&str>> = columns.iter().map(|name| role_of(name)).collect();
+    let is_function = roles.contains(&Some("frequency"));
+    let has_axis = is_function || roles.contains(&Some("time"));
+    let mut text = format!(
+        "# The file holds {} columns without saying what they are",
+        columns.len()
+    );
+    let lengths: BTreeSet<usize> = arrays
+        .iter()
+        .flat_map(|array| array.shape.iter().copied().max())
+        .collect();
+    if let (Some(most), 1) = (lengths.last(), lengths.len()) {
+        let _ = write!(text, ", of {most} values each");
+    }
+    text.push('\n');
+    if !is_function {
+        text += if files.len() > 1 {
+            "hits = \"files\"            # each file is one hit\n"
+        } else {
+            "# hits = \"trigger\"        # where the record is continuous and holds several hits\n"
+        };
+    }
+    if !has_axis {
+        let _ = writeln!(
+            text,
+            "sampling_rate_hz = \"{FILL_IN}\"   # samples per second, a number without quotes"
+        );
+    }
+    if arrays.iter().any(|array| array.shape.len() > 2) {
+        let _ = writeln!(
+            text,
+            "dimensions = [\"{FILL_IN}\"]   # of the array, slowest first: \"hit\", \"channel\", \"sample\""
+        );
+    }
+    text += "# band_hz = [20.0, 400.0]   # search this band\n";
+    let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
+    // One hit point of all files stands with the force, several with their files.
+    let by_file = is_function || hit_points.len() > 1;
+    let stated = Stated {
+        response: files[0].response,
+        hit_point: files[0].reference.filter(|_| !by_file),
+        by_file,
+    };
+    for (name, role) in columns.iter().zip(roles) {
+        text += &stated.column_text(name, role, dofs);
+    }
+    for file in files.iter().filter(|_| by_file) {
+        text += &file_text(file, false, true, dofs);
+    }
+    text
+}
+
+/// The columns of an array, as `[[test.channel]] column` names them.
+fn columns_of(array: &ArrayInfo) -> Vec<String> {
+    let plain = |name: &str| quoted(name);
+    let is_number = array
+        .name
+        .strip_prefix("column ")
+        .and_then(|number| number.parse::<usize>().ok());
+    match (array.shape.as_slice(), is_number) {
+        (_, Some(number)) => vec![number.to_string()],
+        ([_, count], _) if (2..=MOST_COLUMNS).contains(count) => (1..=*count)
+            .map(|number| match array.name.as_str() {
+                "" => number.to_string(),
+                name => quoted(&format!("{name}:{number}")),
+            })
+            .collect(),
+        _ => vec![plain(heading(&array.name))],
+    }
+}
+
+/// The heading without the unit that is listed behind it.
+fn heading(name: &str) -> &str {
+    match (name.rfind(" ["), name.ends_with(']')) {
+        (Some(at), true) => &name[..at],
+        _ => name,
+    }
+}
+
+/// What a heading says that its column is.
+fn role_of(name: &str) -> Option<&'static str> {
+    let text = name.to_lowercase();
+    let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
+    match () {
+        () if says(&["coherence"]) => Some("coherence"),
+        () if says(&["phase"]) => Some("phase"),
+        () if says(&["magnitude"]) => Some("magnitude"),
+        () if says(&["imag"]) => Some("imaginary"),
+        () if says(&["real"]) => Some("real"),
+        () if says(&["frequency", "freq", "hz"]) => Some("frequency"),
+        () if says(&["time"]) => Some("time"),
+        () if says(&["force", "hammer"]) => Some("force"),
+        () if says(&["acc", "velocity", "displacement", "response"]) => Some("response"),
+        () => None,
+    }
+}
+
+/// Points of columns that a person has stated.
+struct Stated<'a> {
+    response: Option<&'a Dof>,
+    hit_point: Option<&'a Dof>,
+    /// Whether hit points stand with the files.
+    by_file: bool,
+}
+
+impl Stated<'_> {
+    fn column_text(&self, column: &str, role: Option<&str>, dofs: &mut BTreeSet<Dof>) -> String {
+        let mut text = format!("[[test.channel]]\ncolumn = {column}\n");
+        let Some(role) = role else {
+            let _ = write!(
+                text,
+                "role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n\
+                 # unit = \"m/s2\"        # of a force, a response or FRF\n\
+                 # dof = \"1:+Z\"         # point and direction of a sensor or hit\n"
+            );
+            return text;
+        };
+        let _ = writeln!(text, "role = \"{role}\"   # by its heading");
+        let (unit, stated, what) = match role {
+            "force" => (
+                "N, lbf or kN; with `scale` where a calibration is missing",
+                self.hit_point,
+                "the hit point with its direction",
+            ),
+            "response" => (
+                "m/s2, g, m/s or m; with `scale` where a calibration is missing",
+                self.response,
+                "the sensor with its direction",
+            ),
+            "real" | "imaginary" | "magnitude" => {
+                ("(m/s2)/N, (m/s)/N or m/N", self.response, "the sensor")
+            }
+            _ => return text,
+        };
+        let _ = writeln!(text, "unit = \"{FILL_IN}\"   # {unit}");
+        if role == "force" && self.by_file {
+            return text;
+        }
+        dofs.extend(stated.map(Dof::positive));
+        let _ = match stated {
+            Some(dof) => writeln!(text, "dof = \"{dof}\""),
+            None => writeln!(text, "dof = \"{FILL_IN}\"   # {what}, such as 1:+Z"),
+        };
+        text
+    }
+}

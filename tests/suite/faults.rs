@@ -1,0 +1,510 @@
+//! Faults from outside: no space, targets that cannot be written, kills, interrupts, inputs that shrink. What was there stays, nothing
+//! half-written stands under a final name, and the exit code is 2.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use modalign::io::{Block, Encoding, FORMATS, Format, Hints, WriteOptions};
+
+use crate::command::{fail, modalign, root, succeed, write};
+use crate::seeds;
+
+/// A place for this many bytes.
+struct Full {
+    held: Cursor<Vec<u8>>,
+    room: usize,
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let end = self.held.position() as usize + bytes.len();
+        if end > self.room {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        self.held.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.held.seek(to)
+    }
+}
+
+#[test]
+fn a_full_place_is_an_error_of_every_writer_wherever_it_fills() {
+    let mut writers = 0;
+    for format in FORMATS {
+        for encoding in [Encoding::Binary, Encoding::Text] {
+            let options = WriteOptions {
+                encoding,
+                ..WriteOptions::default()
+            };
+            let write = |room: usize| {
+                let held = Cursor::new(Vec::new());
+                let mut out = Full { held, room };
+                let result = format.write(&mut out, &mut seeds::source(), &options);
+                result.map(|_| out.held.into_inner().len())
+            };
+            let Ok(needed) = write(usize::MAX) else {
+                continue;
+            };
+            writers += 1;
+            assert_eq!(write(needed).unwrap(), needed, "{}", format.name());
+            for room in [0, 1, needed / 3, needed / 2, needed - 1] {
+                let error = write(room).map(|_| ()).unwrap_err().to_string();
+                assert!(
+                    error.contains("cannot write"),
+                    "{} with {room} bytes: {error}",
+                    format.name()
+                );
+            }
+        }
+    }
+    assert!(
+        writers >= 12,
+        "{writers} of every format that is written, in both encodings"
+    );
+}
+
+/// Bytes of which those from a place on are gone once they have been opened.
+struct Shrinking {
+    bytes: Cursor<Vec<u8>>,
+    end: Arc<AtomicU64>,
+}
+
+impl Read for Shrinking {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let left = self
+            .end
+            .load(Ordering::Relaxed)
+            .saturating_sub(self.bytes.position());
+        let most = buffer
+            .len()
+            .min(usize::try_from(left).unwrap_or(usize::MAX));
+        self.bytes.read(&mut buffer[..most])
+    }
+}
+
+impl Seek for Shrinking {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.bytes.seek(to)
+    }
+}
+
+/// The values of every entry of a file that is cut to `end` bytes after it was opened; `None` where reading failed.
+fn read_cut(format: &dyn Format, bytes: &[u8], end: u64) -> Option<Vec<Block>> {
+    let cut = Arc::new(AtomicU64::new(u64::MAX));
+    let input = Shrinking {
+        bytes: Cursor::new(bytes.to_vec()),
+        end: Arc::clone(&cut),
+    };
+    let mut source = format.open(Box::new(input), &Hints::default()).unwrap();
+    cut.store(end, Ordering::Relaxed);
+    let lengths: Vec<usize> = source
+        .catalog()
+        .entries
+        .iter()
+        .map(modalign::io::Entry::len)
+        .collect();
+    let mut read = |(entry, length): (usize, &usize)| {
+        let mut block = Block::F64(Vec::new());
+        source
+            .read(entry, 0..*length, &mut block)
+            .ok()
+            .map(|()| block)
+    };
+    lengths.iter().enumerate().map(&mut read).collect()
+}
+
+#[test]
+fn a_file_that_shrinks_while_it_is_read_is_an_error_or_gives_what_it_held() {
+    let all: [(&str, Vec<Vec<u8>>); 8] = [
+        ("uff", seeds::uff()),
+        ("hdf5", seeds::hdf5()),
+        ("npz", seeds::npz()),
+        ("npy", seeds::npy()),
+        ("matlab5", seeds::matlab5()),
+        ("table", seeds::table()),
+        ("pulse", seeds::pulse()),
+        ("signalcalc", seeds::signalcalc()),
+    ];
+    let (mut failed, mut read) = (0, 0);
+    for (name, files) in all {
+        let format = *FORMATS.iter().find(|own| own.name() == name).unwrap();
+        for bytes in files {
+            let whole = read_cut(format, &bytes, u64::MAX).expect("a whole file is read");
+            for part in 0..10 {
+                match read_cut(format, &bytes, bytes.len() as u64 * part / 10) {
+                    None => failed += 1,
+                    Some(values) => {
+                        assert_eq!(values, whole, "{name} cut to {part} tenths");
+                        read += 1;
+                    }
+                }
+            }
+        }
+    }
+    // Readers that stream fail, those that hold the text in memory do not.
+    assert!(failed > 20 && read > 20, "{failed} failed, {read} read");
+}
+
+/// What a folder holds, by name.
+fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    entries
+        .filter(|path| path.is_file())
+        .map(|path| (path.clone(), std::fs::read(path).unwrap()))
+        .collect()
+}
+
+/// A folder with a short recording, its FRFs and modes, and results of an earlier day under every name that verbs write.
+fn prepared() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let beam = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 2048");
+    let scene = text("scene.toml") + "\n[update]\nparameters = [\"youngs_modulus\"]\n";
+    write(
+        folder.path(),
+        &[
+            ("scene.toml", &scene),
+            ("model.toml", &text("model.toml")),
+            ("synth.toml", &spec),
+        ],
+    );
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    succeed(["synth", &path("synth.toml"), "-o", &path("hits.uff")]);
+    succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
+    succeed([
+        "identify",
+        &path("frfs.h5"),
+        "--method",
+        "circle",
+        "--band",
+        "60:3200",
+        "-o",
+        &path("modes.json"),
+    ]);
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    folder
+}
+
+/// Every verb that writes, as it is typed in the prepared folder, with the files that it would write to `out`.
+const WRITING: &[(&str, &[&str])] = &[
+    (
+        "synth synth.toml -o out/new.uff",
+        &["new.uff", "new.modes.json"],
+    ),
+    ("convert hits.uff -o out/new.uff", &["new.uff"]),
+    ("convert hits.uff -o out/new.h5", &["new.h5"]),
+    ("convert hits.uff -o out/new.mat", &["new.mat"]),
+    ("convert hits.uff -o out/new.npz", &["new.npz"]),
+    (
+        "frf hits.uff --response-window none -o out/new.csv",
+        &["new.csv"],
+    ),
+    ("frf hits.uff -o out/new.h5", &["new.h5"]),
+    (
+        "identify frfs.h5 --method circle --band 60:3200 -o out/new.json",
+        &["new.json"],
+    ),
+    (
+        "identify frfs.h5 --method circle --band 60:3200 -o out/new.uff",
+        &["new.uff"],
+    ),
+    (
+        "identify frfs.h5 --method circle --band 60:3200 --indicators out/new.csv",
+        &["new.csv"],
+    ),
+    ("theory . -o out/new.json", &["new.json"]),
+    (
+        "correlate --test modes.json --theory . --measures -o out/new.json",
+        &["new.json"],
+    ),
+    (
+        "run . -o out",
+        &[
+            "comparison.json",
+            "comparison.md",
+            "comparison.txt",
+            "comparison.tex",
+            "roving-hammer.modes.json",
+        ],
+    ),
+    (
+        "update . -o out",
+        &[
+            "update.json",
+            "model.toml",
+            "comparison-after.json",
+            "update.md",
+        ],
+    ),
+];
+
+#[cfg(unix)]
+#[test]
+fn with_no_space_earlier_results_stay_and_nothing_new_comes() {
+    let folder = prepared();
+    let out = folder.path().join("out");
+    for (line, names) in WRITING {
+        for old in content(&out).into_keys() {
+            std::fs::remove_file(old).unwrap();
+        }
+        for name in *names {
+            std::fs::write(out.join(name), "of an earlier day").unwrap();
+        }
+        let before = content(&out);
+        // Files of at most 1 KiB: the system refuses the rest, as a full disk does.
+        let program = assert_cmd::cargo::cargo_bin("modalign");
+        let script = format!(
+            "trap '' XFSZ; ulimit -f 1; exec {} {line}",
+            program.display()
+        );
+        let mut shell = Command::new("bash");
+        let output = shell
+            .current_dir(folder.path())
+            .args(["-c", &script])
+            .output()
+            .unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {error}");
+        assert!(error.contains("cannot write"), "{line}: {error}");
+        assert!(
+            output.stdout.is_empty(),
+            "{line}: no result beside an error"
+        );
+        assert!(
+            content(&out) == before,
+            "{line} left {:?}",
+            content(&out).keys()
+        );
+        // With space the same line writes every name.
+        let mut shell = Command::new(&program);
+        let output = shell
+            .current_dir(folder.path())
+            .args(line.split(' '))
+            .output()
+            .unwrap();
+        assert!(
+            matches!(output.status.code(), Some(0 | 1)),
+            "{line}: {output:?}"
+        );
+        for name in *names {
+            assert_ne!(
+                std::fs::read(out.join(name)).unwrap(),
+                b"of an earlier day",
+                "{line}: {name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_target_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    write(folder.path(), &[("file", "of an earlier day")]);
+    std::fs::create_dir(path("folder.json")).unwrap();
+    for target in ["file/new.json", "folder.json"] {
+        let error = fail(["theory", "cycloid-ball", "-o", &path(target)]);
+        assert!(
+            error.contains(&path(target)) && error.contains("cannot "),
+            "{error}"
+        );
+    }
+    let error = fail(["run", "measurements/free-free-beam", "-o", &path("file")]);
+    assert!(
+        error.contains(&path("file")) && error.contains("cannot "),
+        "{error}"
+    );
+    assert_eq!(std::fs::read(path("file")).unwrap(), b"of an earlier day");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    assert_eq!(std::fs::read_dir(path("folder.json")).unwrap().count(), 0);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_without_space_is_an_error_and_one_that_nobody_reads_is_not() {
+    let run = |script: &str| {
+        let program = assert_cmd::cargo::cargo_bin("modalign");
+        let script = script.replace("modalign", &program.display().to_string());
+        let mut shell = Command::new("bash");
+        shell
+            .current_dir(root())
+            .args(["-c", &script])
+            .output()
+            .unwrap()
+    };
+    let full = run("modalign theory cycloid-ball > /dev/full");
+    assert_eq!(full.status.code(), Some(2));
+    assert!(
+        String::from_utf8_lossy(&full.stderr).contains("standard output"),
+        "{full:?}"
+    );
+    for verb in [
+        "theory cycloid-ball --energies",
+        "completions bash",
+        "--help",
+        "theory cycloid-ball --json",
+    ] {
+        // The reader is gone before anything is written.
+        let piped = run(&format!("(sleep 0.2; modalign {verb}; echo $? >&2) | true"));
+        assert_eq!(
+            String::from_utf8_lossy(&piped.stderr).lines().last(),
+            Some("0"),
+            "{verb}: {piped:?}"
+        );
+    }
+}
+
+/// The program in a folder, running.
+fn spawned(folder: &Path, line: &str) -> Child {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("modalign"));
+    command.current_dir(folder).args(line.split(' '));
+    command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Whether a folder holds a file that is being written.
+fn is_written(folder: &Path) -> bool {
+    let name = |path: &PathBuf| {
+        path.file_name()
+            .unwrap()
+            .to_string_lossy()
+            .starts_with(".modalign-")
+    };
+    content(folder)
+        .iter()
+        .any(|(path, bytes)| name(path) && !bytes.is_empty())
+}
+
+#[test]
+fn a_kill_while_writing_leaves_the_earlier_result() {
+    let folder = tempfile::tempdir().unwrap();
+    // Large enough that its text takes a while to write.
+    let rows: String = (0..400_000)
+        .map(|i| format!("{}e-5,{}\n", i, i % 977))
+        .collect();
+    write(
+        folder.path(),
+        &[(
+            "a.csv",
+            &format!("time [s],record 1:+Z|1:+Z hit 1 [m/s2]\n{rows}"),
+        )],
+    );
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("new.uff"), "of an earlier day").unwrap();
+    let mut caught = 0;
+    for _ in 0..5 {
+        let mut child = spawned(folder.path(), "convert a.csv --text -o out/new.uff");
+        while child.try_wait().unwrap().is_none() {
+            if is_written(&out) {
+                child.kill().unwrap();
+                break;
+            }
+        }
+        let ended = child.wait_with_output().unwrap();
+        if ended.status.success() {
+            continue;
+        }
+        assert_eq!(ended.status.code(), None, "killed: {ended:?}");
+        caught += 1;
+        assert_eq!(
+            std::fs::read(out.join("new.uff")).unwrap(),
+            b"of an earlier day"
+        );
+    }
+    assert!(caught > 0, "a kill came while the file was written");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_ends_with_a_clear_word_and_leaves_the_earlier_results() {
+    let folder = prepared();
+    let out = folder.path().join("out");
+    write(&out, &[("comparison.json", "of an earlier day")]);
+    let before = content(&out);
+    let pipe = folder.path().join("pipe.uff");
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let scene = std::fs::read_to_string(folder.path().join("scene.toml")).unwrap();
+    write(
+        folder.path(),
+        &[(
+            "scene.toml",
+            &scene.replace("synth = \"synth.toml\"", "files = [\"pipe.uff\"]"),
+        )],
+    );
+    for signal in ["INT", "TERM"] {
+        let child = spawned(folder.path(), "run . -o out");
+        // Opening it waits until the program reads: then its handler is in place, and nothing ever comes.
+        let held = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
+        std::thread::sleep(Duration::from_millis(50));
+        let kill = Command::new("kill")
+            .args([format!("-{signal}"), child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        let ended = child.wait_with_output().unwrap();
+        drop(held);
+        let error = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{error}");
+        assert!(error.contains("error: interrupted"), "{error}");
+        assert!(ended.stdout.is_empty());
+        assert!(content(&out) == before);
+    }
+}
+
+#[test]
+fn an_input_that_is_cut_short_during_the_run_leaves_the_earlier_results() {
+    let folder = prepared();
+    let out = folder.path().join("out");
+    write(&out, &[("comparison.json", "of an earlier day")]);
+    let before = content(&out);
+    let hits = std::fs::read(folder.path().join("hits.uff")).unwrap();
+    let scene = std::fs::read_to_string(folder.path().join("scene.toml")).unwrap();
+    write(
+        folder.path(),
+        &[(
+            "scene.toml",
+            &scene.replace("synth = \"synth.toml\"", "files = [\"hits.uff\"]"),
+        )],
+    );
+    let arguments = [
+        "run",
+        folder.path().to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+    ];
+    for part in [1, 3, 7] {
+        std::fs::write(
+            folder.path().join("hits.uff"),
+            &hits[..hits.len() * part / 8],
+        )
+        .unwrap();
+        let output = modalign(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(content(&out) == before);
+    }
+}

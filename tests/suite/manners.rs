@@ -1,0 +1,170 @@
+//! Completions, colours, progress, explanations, and the nearest name to what was typed.
+
+use std::process::{Command, Stdio};
+
+use modalign::finding::Code;
+
+use crate::command::{fail, modalign, root, succeed, write};
+
+#[test]
+fn every_shell_gets_a_script_that_knows_every_verb() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = succeed(["completions", shell]);
+        for verb in ["run", "identify", "check", "new", "completions"] {
+            assert!(script.contains(verb), "{shell}: {verb}");
+        }
+    }
+    let script = succeed(["completions", "bash"]);
+    // The shell itself completes a verb from its beginning.
+    let typed = format!(
+        "{script}\nCOMP_WORDS=(modalign iden); COMP_CWORD=1; _modalign modalign iden modalign; echo \"${{COMPREPLY[@]}}\""
+    );
+    let Ok(output) = Command::new("bash").args(["-c", &typed]).output() else {
+        return;
+    };
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout).trim(),
+        "identify",
+        "{output:?}"
+    );
+}
+
+#[test]
+fn colours_come_when_they_are_asked_for_and_never_into_json() {
+    let painted = "\u{1b}[";
+    let missed = [
+        "check",
+        "measurements/free-free-beam/scene.toml",
+        "--against",
+        "nothing.json",
+    ];
+    assert!(!fail(missed).contains(painted), "no terminal");
+    assert!(
+        fail(missed.iter().chain(&["--color", "always"]))
+            .starts_with("\u{1b}[1;31merror\u{1b}[0m: ")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = succeed([
+        "run",
+        "measurements/free-free-beam",
+        "-o",
+        out,
+        "--color",
+        "always",
+    ]);
+    assert!(run.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{run}");
+    let plain = succeed(["run", "measurements/free-free-beam"]);
+    assert_eq!(
+        run.replace("\u{1b}[1;32m", "").replace("\u{1b}[0m", ""),
+        plain
+    );
+    let json = succeed([
+        "run",
+        "measurements/free-free-beam",
+        "--json",
+        "--color",
+        "always",
+    ]);
+    assert!(!json.contains(painted));
+    for name in [
+        "comparison.md",
+        "comparison.txt",
+        "comparison.csv",
+        "comparison.json",
+    ] {
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(!text.contains(painted), "no colours in {name}");
+    }
+}
+
+/// A line of shell with a terminal as its standard output and error.
+#[cfg(target_os = "linux")]
+fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> Option<String> {
+    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let line = line.replace("modalign", &program.display().to_string());
+    let mut script = Command::new("script");
+    script
+        .current_dir(root())
+        .args(["-qec", &line, "/dev/null"])
+        .env_remove("NO_COLOR")
+        .env("TERM", "xterm")
+        .stdin(Stdio::null());
+    let output = script.envs(environment.iter().copied()).output().ok()?;
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_work() {
+    let verdicts = "modalign run measurements/free-free-beam";
+    let Some(shown) = on_a_terminal(verdicts, &[]) else {
+        return;
+    };
+    assert!(shown.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{shown}");
+    let plain = on_a_terminal(verdicts, &[("NO_COLOR", "1")]).unwrap();
+    assert!(!plain.contains("\u{1b}[1;"), "{plain}");
+    let empty = on_a_terminal(verdicts, &[("NO_COLOR", "")]).unwrap();
+    assert!(
+        empty.contains("\u{1b}[1;"),
+        "an empty NO_COLOR says nothing"
+    );
+    // A pipe that nobody writes to is read until its other end is closed.
+    let waiting = "mkfifo $D/pipe.uff; sleep 1.5 > $D/pipe.uff & modalign identify $D/pipe.uff";
+    let folder = tempfile::tempdir().unwrap();
+    let place = [("D", folder.path().to_str().unwrap())];
+    let shown = on_a_terminal(waiting, &place).unwrap();
+    assert!(
+        shown.contains("\r\u{1b}[2Kidentify  0 s") && shown.contains("identify  1 s"),
+        "{shown:?}"
+    );
+    std::fs::remove_file(folder.path().join("pipe.uff")).unwrap();
+    let quiet = on_a_terminal(&format!("{waiting} --quiet"), &place).unwrap();
+    assert!(!quiet.contains("\u{1b}[2K"), "{quiet:?}");
+}
+
+#[test]
+fn every_code_is_explained_and_an_unknown_one_names_the_nearest() {
+    for code in Code::ALL {
+        let name = code.name();
+        assert!(name.len() > 2 && code.sentence().len() > 10, "{name}");
+        assert!(
+            code.explanation().len() > 40 && code.explanation().ends_with(['.', '?']),
+            "{name}: {}",
+            code.explanation()
+        );
+    }
+    for code in [Code::ALL[0], Code::ALL[Code::ALL.len() - 1]] {
+        let told = succeed(["--explain", &code.name()]);
+        assert!(told.contains(code.explanation()), "{told}");
+    }
+    let error = fail(["--explain", "double-hti"]);
+    assert!(error.contains("did you mean `double-hit`?"), "{error}");
+}
+
+#[test]
+fn errors_name_the_nearest_key_file_and_verb() {
+    assert!(fail(["identfy", "x.uff"]).contains("'identify'"));
+    assert!(fail(["run", "measurements/free-free-beam", "--ouput", "x"]).contains("'--output'"));
+    let error = fail(["run", "measurements/free-fre-beam"]);
+    assert!(
+        error.contains("did you mean `measurements/free-free-beam`?"),
+        "{error}"
+    );
+    assert!(fail(["theory", "cycloid-bal"]).contains("did you mean `cycloid-ball`?"));
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        folder.path(),
+        &[(
+            "scene.toml",
+            "schema = \"modalign-scene/1\"\ntitel = \"x\"\n",
+        )],
+    );
+    let error = fail(["run", folder.path().to_str().unwrap()]);
+    assert!(
+        error.contains("scene.toml:2:1") && error.contains("did you mean `title`?"),
+        "{error}"
+    );
+    let unknown = modalign(["inspect", "no-such-folder/x.uff"]);
+    assert!(!String::from_utf8_lossy(&unknown.stderr).contains("did you mean"));
+}

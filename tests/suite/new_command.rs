@@ -1,0 +1,200 @@
+//! `new`: a scene from exported files that runs when they state everything, and else names the line to fill in.
+
+use std::path::Path;
+
+use crate::command::{fail, json, modalign, root, succeed, write};
+
+/// A folder with the beam's model and a short recording of it.
+fn recorded() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let beam = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
+    write(
+        folder.path(),
+        &[("model.toml", &text("model.toml")), ("synth.toml", &spec)],
+    );
+    succeed([
+        "synth",
+        &at(folder.path(), "synth.toml"),
+        "-o",
+        &at(folder.path(), "hits.uff"),
+    ]);
+    folder
+}
+
+fn at(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_scene_of_files_that_state_everything_runs_as_it_is() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
+    succeed([
+        "identify",
+        &path("frfs.h5"),
+        "--band",
+        "60:3200",
+        "--method",
+        "circle",
+        "-o",
+        &path("modes.json"),
+    ]);
+    for (scene, file, copied) in [
+        ("a", "hits.uff", false),
+        ("b", "frfs.h5", true),
+        ("c", "modes.json", true),
+    ] {
+        let mut arguments = vec!["new".to_owned(), path(scene), path(file)];
+        arguments.extend(copied.then(|| "--copy".to_owned()));
+        let told = succeed(&arguments);
+        assert!(told.contains("the files state everything"), "{told}");
+        assert_eq!(
+            folder.path().join(scene).join("raw").join(file).exists(),
+            copied
+        );
+        let run = succeed(["run", &path(scene), "-o", &path(&format!("{scene}/out"))]);
+        assert!(
+            run.contains("143.") && run.contains("394."),
+            "{scene}: {run}"
+        );
+        for name in ["SOURCE.md", "expected.toml", "scene.toml"] {
+            assert!(folder.path().join(scene).join(name).exists());
+        }
+    }
+    let source = std::fs::read_to_string(path("a/SOURCE.md")).unwrap();
+    let sha = modalign::io::sha256_hex(Path::new(&path("hits.uff"))).unwrap();
+    assert!(
+        source.contains(&sha) && source.contains("../hits.uff"),
+        "{source}"
+    );
+}
+
+#[test]
+fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compares() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    let told = succeed([
+        "new",
+        &path("beam"),
+        &path("hits.uff"),
+        "--model",
+        &path("model.toml"),
+    ]);
+    assert!(
+        told.contains("11 lines are to be filled in"),
+        "a place for each point: {told}"
+    );
+    let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
+    let line = 1 + scene
+        .lines()
+        .position(|line| line.contains("FILL IN") && !line.starts_with('#'))
+        .unwrap();
+    let error = fail(["run", &path("beam")]);
+    assert!(
+        error.contains(&format!(
+            "scene.toml:{line}: at_m is to be filled in: [x, y, z] in metres"
+        )),
+        "{error}"
+    );
+    let mut filled = String::new();
+    let mut number = 0;
+    for line in scene.lines() {
+        if let Some(dof) = line.strip_prefix("dof = \"") {
+            number = dof.split(':').next().unwrap().parse().unwrap();
+        }
+        if line.starts_with("at_m = ") {
+            filled += &format!("at_m = [{:.2}, 0.0, 0.0]\n", 0.06 * f64::from(number - 1));
+        } else {
+            filled += &format!("{line}\n");
+        }
+    }
+    write(folder.path(), &[("beam/scene.toml", &filled)]);
+    succeed(["run", &path("beam"), "-o", &path("out")]);
+    let table = json(&folder.path().join("out/comparison.json"));
+    assert_eq!(
+        table["summary"]["tests"][0]["paired"], 6,
+        "{}",
+        table["summary"]
+    );
+}
+
+#[test]
+fn what_columns_mean_is_asked_for_line_by_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let rows: String = (0..64).map(|i| format!("{},{}\n", i % 7, i % 5)).collect();
+    for name in ["hit1.csv", "hit2.csv"] {
+        write(
+            folder.path(),
+            &[(name, &format!("force,acceleration\n{rows}"))],
+        );
+    }
+    let told = succeed(["new", &path("plate"), &path("hit1.csv"), &path("hit2.csv")]);
+    let scene = std::fs::read_to_string(path("plate/scene.toml")).unwrap();
+    for wanted in ["sampling_rate_hz", "unit", "dof"] {
+        assert!(told.contains(&format!(": {wanted}: ")), "{told}");
+    }
+    assert!(
+        scene.contains("hits = \"files\"") && scene.contains("role = \"force\""),
+        "{scene}"
+    );
+    let error = fail(["run", &path("plate")]);
+    let line = 1 + scene
+        .lines()
+        .position(|line| line.starts_with("sampling_rate_hz"))
+        .unwrap();
+    assert!(
+        error.contains(&format!(
+            "scene.toml:{line}: sampling_rate_hz is to be filled in"
+        )),
+        "{error}"
+    );
+    let filled = scene
+        .replace("sampling_rate_hz = \"FILL IN\"", "sampling_rate_hz = 1000")
+        .replacen("unit = \"FILL IN\"", "unit = \"N\"", 1)
+        .replacen("dof = \"FILL IN\"", "dof = \"1:+Z\"", 1)
+        .replacen("unit = \"FILL IN\"", "unit = \"g\"", 1)
+        .replacen("dof = \"FILL IN\"", "dof = \"2:+Z\"", 1);
+    write(folder.path(), &[("plate/scene.toml", &filled)]);
+    // These rows are no hammer test, but the scene is understood.
+    let table = succeed(["inspect", &path("hit1.csv")]);
+    assert!(table.contains("force"), "{table}");
+    let output = modalign(["frf", &path("plate"), "-o", &path("frf.uff")]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !error.contains("filled in") && !error.contains("scene.toml"),
+        "{error}"
+    );
+}
+
+#[test]
+fn nothing_is_written_over() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    for name in ["SOURCE.md", "expected.toml", "scene.toml", "raw/hits.uff"] {
+        let own = format!("of-{}", name.replace('/', "-"));
+        std::fs::create_dir_all(folder.path().join(&own).join("raw")).unwrap();
+        write(
+            folder.path(),
+            &[(&format!("{own}/{name}"), "of an earlier day")],
+        );
+        let error = fail(["new", &path(&own), &path("hits.uff"), "--copy"]);
+        assert!(
+            error.contains(name) && error.contains("nothing is written over"),
+            "{error}"
+        );
+        let files = std::fs::read_dir(folder.path().join(&own)).unwrap().count();
+        assert_eq!(
+            files,
+            if name.starts_with("raw") { 1 } else { 2 },
+            "nothing came beside {name}"
+        );
+        assert_eq!(
+            std::fs::read(folder.path().join(&own).join(name)).unwrap(),
+            b"of an earlier day"
+        );
+    }
+}

@@ -1,0 +1,203 @@
+//! Every command of the README and every example of `--help` runs, in a folder that holds the files that they name.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::command::{root, write};
+
+/// Verbs with help of their own.
+const VERBS: [&str; 12] = [
+    "run",
+    "inspect",
+    "convert",
+    "frf",
+    "identify",
+    "theory",
+    "correlate",
+    "update",
+    "synth",
+    "check",
+    "new",
+    "completions",
+];
+
+/// The program with these words in a folder.
+fn run(folder: &Path, words: &[String]) -> Output {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("modalign"));
+    command.current_dir(folder).args(words).output().unwrap()
+}
+
+fn help(verb: &str) -> String {
+    let output = run(root(), &[verb.to_owned(), "--help".to_owned()]);
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The command of a line of the README or of an example: `modalign ...`, perhaps as a step of a workflow, without its remark.
+fn command_of(line: &str) -> Option<&str> {
+    let line = line.trim();
+    let line = line.strip_prefix("- run: ").unwrap_or(line);
+    let line = line.split("  #").next().unwrap_or(line).trim();
+    line.starts_with("modalign ").then_some(line)
+}
+
+/// Commands in blocks of the README.
+fn readme_commands() -> Vec<String> {
+    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let blocks = text.lines().filter(|line| line.starts_with("    "));
+    blocks.filter_map(command_of).map(str::to_owned).collect()
+}
+
+/// Words of a line as a shell parts them, quotes taken off, and the file that standard output goes to.
+fn words(line: &str) -> (Vec<String>, Option<String>) {
+    let mut words: Vec<String> = Vec::new();
+    let (mut quote, mut word) = (None, String::new());
+    for c in line.chars() {
+        match quote {
+            Some(own) if own == c => quote = None,
+            None if c == '"' || c == '\'' => quote = Some(c),
+            None if c == ' ' => {
+                words.extend(Some(std::mem::take(&mut word)).filter(|own| !own.is_empty()))
+            }
+            _ => word.push(c),
+        }
+    }
+    words.extend(Some(word).filter(|own| !own.is_empty()));
+    let target = words.iter().position(|word| word == ">");
+    let file = target.map(|at| words.split_off(at)[1].clone());
+    (words.split_off(1), file)
+}
+
+/// The files that the commands name: a short recording of the beam and what verbs make of it.
+fn prepared() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let beam = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
+    let scene = text("scene.toml");
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 8192");
+    let sensors = &scene[scene.find("[[sensor]]").unwrap()..];
+    let model = text("model.toml") + "\n" + sensors;
+    write(
+        folder.path(),
+        &[("spec.toml", &spec), ("model.toml", &model)],
+    );
+    for name in ["cycloid-ball", "free-free-beam"] {
+        let own = folder.path().join("measurements").join(name);
+        std::fs::create_dir_all(&own).unwrap();
+        for entry in std::fs::read_dir(root().join("measurements").join(name)).unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, own.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let machine = folder.path().join("measurements/machine");
+    std::fs::create_dir_all(&machine).unwrap();
+    let freed = "\n[update]\nparameters = [\"youngs_modulus\"]\n";
+    write(
+        &machine,
+        &[
+            ("scene.toml", &(scene.clone() + freed)),
+            ("model.toml", &model),
+            ("synth.toml", &spec),
+        ],
+    );
+    for line in [
+        "modalign synth spec.toml -o hits.uff",
+        "modalign frf hits.uff --force-window 0.02 -o hammer.h5",
+        "modalign identify hammer.h5 --band 60:3200 --method circle -o modes.json",
+        "modalign convert modes.json -o wing.unv",
+        "modalign theory model.toml -o model.unv",
+        "modalign convert model.unv -o wing-model.unv",
+        "modalign convert hammer.h5 -o model.uff",
+        "modalign convert hammer.h5 -o model-frfs.uff",
+        "modalign convert hammer.h5 -o frfs.h5",
+    ] {
+        let (words, _) = words(line);
+        let output = run(folder.path(), &words);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{line}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    folder
+}
+
+#[test]
+fn every_command_of_the_readme_and_every_example_runs() {
+    let folder = prepared();
+    let mut lines = Vec::new();
+    for verb in VERBS {
+        let text = help(verb);
+        let examples = text
+            .split("Example")
+            .nth(1)
+            .unwrap_or_else(|| panic!("{verb} --help has no example"));
+        let own: Vec<String> = examples
+            .lines()
+            .filter_map(command_of)
+            .map(str::to_owned)
+            .collect();
+        assert!(
+            !own.is_empty(),
+            "{verb} --help has an example that can be typed"
+        );
+        assert!(
+            own.iter().all(|line| line.split(' ').nth(1) == Some(verb)),
+            "{own:?}"
+        );
+        lines.extend(own);
+    }
+    let readme = readme_commands();
+    assert!(readme.len() >= 12, "the README was read: {readme:?}");
+    lines.extend(readme);
+    // Names that several commands write: each begins as it was prepared.
+    let model = std::fs::read(folder.path().join("model.toml")).unwrap();
+    let modes = std::fs::read(folder.path().join("modes.json")).unwrap();
+    for line in lines {
+        std::fs::write(folder.path().join("model.toml"), &model).unwrap();
+        std::fs::write(folder.path().join("modes.json"), &modes).unwrap();
+        let (words, target) = words(&line);
+        let output = run(folder.path(), &words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{line}\n{error}");
+        if let Some(name) = target {
+            std::fs::write(folder.path().join(name), &output.stdout).unwrap();
+        }
+    }
+}
+
+#[test]
+fn every_verb_has_its_row_in_the_readme_and_its_help() {
+    let general = String::from_utf8(run(root(), &["--help".to_owned()]).stdout).unwrap();
+    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let listed = general
+        .lines()
+        .filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let verbs: Vec<&str> = listed
+        .filter(|word| !word.is_empty() && !word.starts_with('-') && *word != "help")
+        .collect();
+    for verb in VERBS {
+        assert!(verbs.contains(&verb), "{verb}: {verbs:?}");
+        assert!(
+            text.contains(&format!("| `modalign {verb}")),
+            "{verb} has a row"
+        );
+    }
+    let known: Vec<&&str> = verbs
+        .iter()
+        .filter(|word| word.chars().all(char::is_lowercase))
+        .collect();
+    assert_eq!(known.len(), VERBS.len(), "{known:?}");
+}
+
+#[test]
+fn words_part_as_in_a_shell() {
+    let (own, file) = words("modalign theory 'a b' --set \"x=1\" > out.txt");
+    assert_eq!(own, ["theory", "a b", "--set", "x=1"]);
+    assert_eq!(file.as_deref(), Some("out.txt"));
+    assert_eq!(
+        command_of("    - run: modalign run x -o out   # remark"),
+        Some("modalign run x -o out")
+    );
+    assert_eq!(command_of("    [limits]"), None);
+}
