@@ -379,7 +379,7 @@ pub struct SynthArgs {
     after_help = "Examples:\n  modalign check out/comparison.json --against measurements/cycloid-ball/scene.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
 )]
 pub struct CheckArgs {
-    /// comparison.json or modes.json.
+    /// comparison.json, modes.json or update.json.
     pub result: PathBuf,
     /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
     #[arg(long, value_name = "BASELINE")]
@@ -414,7 +414,7 @@ fn probability(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| format!("got `{text}`, expected a probability between 0 and 1"))
 }
 
-fn band(text: &str) -> Result<Band, String> {
+pub(super) fn band(text: &str) -> Result<Band, String> {
     let expected = || format!("got band `{text}`, expected LO:HI in Hz");
     let (lo, hi) = text.split_once(':').ok_or_else(expected)?;
     let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());

@@ -2,17 +2,20 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::Error;
 use crate::io::{MODES_SCHEMA, modes_from_json, write_whole};
 use crate::modal::ModalModel;
-use crate::report::json::{COMPARISON_SCHEMA, ComparisonFile, TestFile, comparison_from_json};
+use crate::report::json::{
+    COMPARISON_SCHEMA, ComparisonFile, TestFile, UPDATE_SCHEMA, comparison_from_json,
+};
 use crate::report::verdicts_block;
 use crate::scene::{
-    Change, ChangeLimits, LimitCheck, LimitsFile, MAC_CHANGE, Measure, RowVerdict, Uncertain,
-    judge_changes, judge_comparison, judge_modes, mode_changes, parse, percent, read_text,
-    relative_change,
+    Allowed, Change, ChangeLimits, LimitCheck, LimitsFile, MAC_CHANGE, Measure, RowVerdict,
+    Uncertain, judge_changes, judge_comparison, judge_modes, mode_changes, parse, percent,
+    read_text, relative_change,
 };
 
 use super::Outcome;
@@ -23,10 +26,33 @@ use super::output::Output;
 /// The theory of a comparison is computed: the same model gives the same roots but for rounding.
 const THEORY_PERCENT: f64 = 1e-4;
 
-/// A result of either kind.
+/// What a parameter may change: by its posterior deviations; one of value 0 by nothing.
+const PARAMETER: Allowed = Allowed {
+    percent: None,
+    unstated_percent: 0.0,
+    floor: 0.0,
+};
+
+/// A result of any kind.
 enum ResultFile {
     Comparison(ComparisonFile),
     Modes(ModalModel),
+    Update(Vec<UpdatedParameter>),
+}
+
+/// What is held of an update's parameter.
+#[derive(Deserialize)]
+struct UpdatedParameter {
+    name: String,
+    updated: f64,
+    std: f64,
+    verdict: String,
+}
+
+/// The parameters of `update.json`.
+#[derive(Deserialize)]
+struct UpdateResult {
+    parameters: Vec<UpdatedParameter>,
 }
 
 /// Exit code 0 when every limit is met, 1 when one is missed.
@@ -63,19 +89,22 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
 
 fn read_result(path: &Path) -> Result<ResultFile, Error> {
     let (text, name) = (read_text(path)?, path.display().to_string());
-    let schema = serde_json::from_str::<Value>(&text)
-        .ok()
-        .and_then(|value| value.get("schema")?.as_str().map(str::to_owned));
-    match schema.as_deref() {
+    let value: Value = serde_json::from_str(&text)
+        .map_err(|error| argument_error(&format!("{name}: {error}"), "JSON"))?;
+    let schema = value.get("schema").and_then(Value::as_str);
+    match schema {
         Some(COMPARISON_SCHEMA) => comparison_from_json(&text)
             .map(ResultFile::Comparison)
             .map_err(|error| argument_error(&format!("{name}: {error}"), COMPARISON_SCHEMA)),
         Some(MODES_SCHEMA) => Ok(ResultFile::Modes(modes_from_json(&text, &name)?)),
+        Some(UPDATE_SCHEMA) => serde_json::from_str::<UpdateResult>(&text)
+            .map(|own| ResultFile::Update(own.parameters))
+            .map_err(|error| argument_error(&format!("{name}: {error}"), UPDATE_SCHEMA)),
         other => {
             let got = format!("{name} with schema {}", other.unwrap_or("none"));
             Err(argument_error(
                 &got,
-                &format!("{COMPARISON_SCHEMA} or {MODES_SCHEMA}"),
+                &format!("{COMPARISON_SCHEMA}, {MODES_SCHEMA} or {UPDATE_SCHEMA}"),
             ))
         }
     }
@@ -101,6 +130,8 @@ fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, E
                 .collect();
             judge_modes(&limits, &found)
         }
+        // No limit is about parameters.
+        ResultFile::Update(_) => Vec::new(),
     };
     Ok(by_row(checks))
 }
@@ -142,14 +173,44 @@ fn against_baseline(
             comparison_changes(now, before, &limits)
         }
         (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),
+        (ResultFile::Update(now), ResultFile::Update(before)) => parameter_changes(now, before),
         _ => {
             return Err(argument_error(
-                "a comparison and modes",
+                "results of two kinds",
                 "two results of the same kind",
             ));
         }
     };
     Ok(judge_changes(&changes, limits.false_refusals))
+}
+
+/// Every parameter of the baseline's update: its value by both posterior deviations, and its verdict.
+fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> Vec<Change> {
+    let has = |all: &[UpdatedParameter], name: &str| all.iter().any(|own| own.name == name);
+    let change = |name: &str, what: &str, measure| Change {
+        row: format!("parameter {name}"),
+        what: what.to_owned(),
+        measure,
+    };
+    let uncertain = |own: &UpdatedParameter| Uncertain {
+        value: own.updated,
+        std: Some(own.std),
+    };
+    let mut changes = Vec::new();
+    for old in before {
+        let new = now.iter().find(|own| own.name == old.name);
+        let changed = new.map(|new| f64::from(u8::from(new.verdict != old.verdict)));
+        let verdict = Measure::AtMost(changed, 0.0);
+        changes.push(change(&old.name, "verdict changed", verdict));
+        let value = relative_change(new.map(uncertain), uncertain(old), PARAMETER);
+        changes.push(change(&old.name, "value change (%)", value));
+    }
+    let added = now.iter().filter(|own| !has(before, &own.name));
+    changes.extend(added.map(|own| {
+        let measure = Measure::AtLeast(0.0, 1.0);
+        change(&own.name, "in the baseline", measure)
+    }));
+    changes
 }
 
 /// Every field of the baseline's table against the same field now; a row or test that is gone is missed, one that has come too.

@@ -1,6 +1,6 @@
 //! Ctrl-C: what is being written is finished, then the program ends.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
@@ -40,9 +40,14 @@ fn end(lock: &'static Mutex<()>) {
             other => break other,
         }
     };
-    let _ = writeln!(
-        std::io::stderr(),
-        "error: interrupted; every file that is there is whole"
-    );
+    let stderr = std::io::stderr();
+    // In place of the progress that may stand there.
+    let clear = if stderr.is_terminal() {
+        "\r\u{1b}[2K"
+    } else {
+        ""
+    };
+    let word = "error: interrupted; every file that is there is whole";
+    let _ = writeln!(&stderr, "{clear}{word}");
     std::process::exit(2);
 }

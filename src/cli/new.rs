@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 
+use crate::axis::Band;
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
@@ -39,6 +40,9 @@ pub struct NewArgs {
     /// Where the points are: a list of lines POINT,X,Y,Z in metres.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
+    /// Band in Hz in which modes are searched, LO:HI.
+    #[arg(long, value_name = "LO:HI", value_parser = super::args::band)]
+    pub band: Option<Band>,
     /// Copy the files to raw/ of the folder; else the scene names them where they are.
     #[arg(long)]
     pub copy: bool,
@@ -101,6 +105,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         title: &title.unwrap_or_else(|| folder_name.into_owned()),
         geometry: points.as_ref(),
         model: model.as_ref(),
+        band: args.band,
     };
     let draft = draft_scene(&files, &plan);
     let source = source_text(args, &files)?;

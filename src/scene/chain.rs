@@ -97,31 +97,21 @@ impl SceneResult {
     }
 }
 
-/// Runs a scene.
-///
-/// # Errors
-/// [`SceneError`], with the test's name where one test is at fault.
-pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
-    run_observed(scene, &())
-}
-
 /// Runs a scene; every test, the model and the comparison are a step each.
 ///
 /// # Errors
-/// As [`run`].
+/// [`SceneError`], with the test's name where one test is at fault.
 pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResult, SceneError> {
     let steps = scene.tests.len() + 2 * usize::from(scene.model.is_some());
     let step = |what: &str, number| observer.step(what, number, steps);
-    let one = |(index, test): (usize, &TestPlan)| {
-        step(&test.name, index + 1);
+    let one = |(test, number): (&TestPlan, _)| {
+        step(&test.name, number);
         run_test(scene, test)
     };
-    let tests = scene.tests.iter().enumerate().map(one);
+    let tests = scene.tests.iter().zip(1..).map(one);
     let tests = tests.collect::<Result<Vec<_>, _>>()?;
-    let mut limits: Vec<LimitCheck> = tests
-        .iter()
-        .flat_map(|test| mode_limits(scene, test))
-        .collect();
+    let limits = tests.iter().flat_map(|test| mode_limits(scene, test));
+    let mut limits: Vec<LimitCheck> = limits.collect();
     let Some(table) = &scene.model else {
         return without_model(scene, tests, limits);
     };

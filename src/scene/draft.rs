@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
+use crate::axis::Band;
 use crate::dof::Dof;
 use crate::geometry::Geometry;
 use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
@@ -34,6 +35,8 @@ pub struct DraftPlan<'a> {
     pub geometry: Option<&'a Geometry>,
     /// The model.
     pub model: Option<&'a DraftModel>,
+    /// Band in which modes are searched.
+    pub band: Option<Band>,
 }
 
 /// The model of a drafted scene.
@@ -102,7 +105,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     let mut dofs = BTreeSet::new();
     for (index, group) in groups(files).iter().enumerate() {
         let (content, own) = group;
-        text += &test_text(*content, own, index, &mut dofs);
+        text += &test_text(*content, own, (index, plan.band), &mut dofs);
     }
     text += &model_text(plan.model);
     let mut geometry = plan.geometry.cloned().unwrap_or_default();
@@ -146,16 +149,23 @@ fn names(catalog: &Catalog) -> Vec<(&str, usize)> {
 fn test_text(
     content: Content,
     files: &[&DraftFile],
-    index: usize,
+    (index, band): (usize, Option<Band>),
     dofs: &mut BTreeSet<Dof>,
 ) -> String {
+    let band = match band {
+        Some(band) => format!("band_hz = [{:?}, {:?}]\n", band.lo_hz, band.hi_hz),
+        None => {
+            "# band_hz = [20.0, 400.0]   # search this band; all that was measured when left out\n"
+                .to_owned()
+        }
+    };
     let number = match index {
         0 => String::new(),
         index => format!(" {}", index + 1),
     };
     let head = |name: &str| {
         format!(
-            "\n[[test]]\nname = \"{name}{number}\"\n{}",
+            "\n[[test]]\nname = \"{name}{number}\"\n{}{band}",
             files_line(files)
         )
     };
@@ -169,7 +179,7 @@ fn test_text(
             let count = files[0].catalog.modes.len();
             let path = quoted(files[0].path);
             format!(
-                "\n[[test]]\nname = \"modes{number}\"\nmodes = {path}   # {count} finished modes\n"
+                "\n[[test]]\nname = \"modes{number}\"\nmodes = {path}   # {count} finished modes\n{band}"
             )
         }
         Content::Nothing => {
@@ -216,7 +226,6 @@ fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     );
     text +=
         "# hits = \"files\"           # each file is one hit; \"trigger\": continuous records\n";
-    text += "# band_hz = [20.0, 400.0]   # search this band; as far as the hammer excites when left out\n";
     for (number, what) in open_records(files) {
         let _ = write!(
             text,
@@ -292,7 +301,6 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
             .filter_map(|entry| entry.reference.as_ref())
             .map(Dof::positive),
     );
-    text += "# band_hz = [20.0, 400.0]   # search this band; the whole axis when left out\n";
     let averaged = frfs().any(|entry| entry.note.averages.is_some());
     if of_type(files, FunctionType::Coherence).next().is_some() && !averaged {
         text += "# averages = 3              # hits behind each coherence, which the files do not state; 3 is assumed without it\n";
@@ -385,7 +393,7 @@ fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftM
                 node.at_m[0], node.at_m[1], node.at_m[2]
             ),
             None if model.is_some() => {
-                format!("at_m = \"{FILL_IN}\"   # [x, y, z] in metres, without quotes")
+                format!("at_m = \"{FILL_IN}\"   # {dof}: [x, y, z] in metres, without quotes")
             }
             None => "at_m = [0.0, 0.0, 0.0]".to_owned(),
         };
@@ -404,6 +412,12 @@ const REST: &str = "
 # [pair]
 # max_frequency_error = 0.3  # a fraction: pairs further apart are not considered
 # min_mac = 0.5
+
+# What `update` frees: all parameters of the model above 0 when left out.
+# [update]
+# parameters = []
+# prior_std = 0.3            # known to 30 % beforehand
+# frequency_floor = 0.001    # 0.1 % that no parameter mends
 
 # These decide the exit code of `run`, and of `check`.
 # [limits]

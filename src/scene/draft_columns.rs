@@ -52,7 +52,6 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
             "dimensions = [\"{FILL_IN}\"]   # of the array, slowest first: \"hit\", \"channel\", \"sample\""
         );
     }
-    text += "# band_hz = [20.0, 400.0]   # search this band\n";
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
     let by_file = is_function || hit_points.len() > 1;

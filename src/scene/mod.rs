@@ -36,7 +36,7 @@ mod expected_tests;
 
 pub use chain::{
     Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets,
-    indicators_of_sets, run, run_observed,
+    indicators_of_sets, run_observed,
 };
 pub use change::{
     Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
@@ -51,7 +51,7 @@ pub use limits::{
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use modes_file::{holds_functions, is_modes_file, load_modes};
-pub use observer::Observer;
+pub use observer::{Observer, run};
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};

@@ -1,5 +1,7 @@
 //! Who hears how far long work has come.
 
+use super::{Scene, SceneError, SceneResult, run_observed};
+
 /// Hears of the steps of long work. The library has no clock and no terminal: what is shown, and when, is the caller's.
 pub trait Observer: Sync {
     /// Step `number` of `count`, from 1, begins.
@@ -9,4 +11,12 @@ pub trait Observer: Sync {
 /// Nobody listens.
 impl Observer for () {
     fn step(&self, _what: &str, _number: usize, _count: usize) {}
+}
+
+/// Runs a scene, unobserved.
+///
+/// # Errors
+/// As [`run_observed`].
+pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
+    run_observed(scene, &())
 }

@@ -181,6 +181,36 @@ fn what_is_wrong_in_a_comparison_is_named_in_its_row() {
     assert_eq!(extra, ["x1"]);
 }
 
+#[test]
+fn an_update_keeps_its_parameters_within_their_deviations() {
+    let folder = tempfile::tempdir().unwrap();
+    results(folder.path(), 1, str::to_owned);
+    let own = folder.path().to_str().unwrap();
+    modalign(["update", own, "-o", own]);
+    let before = folder.path().join("update.json");
+    let rows_after = |change: &dyn Fn(&mut Value)| {
+        let mut file = json(&before);
+        change(&mut file["parameters"][0]);
+        let path = folder.path().join("changed.json");
+        std::fs::write(&path, file.to_string()).unwrap();
+        missed(&path, &before, &[])
+    };
+    let moved = |deviations: f64| {
+        rows_after(&move |own| {
+            let std = own["std"].as_f64().unwrap();
+            own["updated"] = (own["updated"].as_f64().unwrap() + deviations * std).into();
+        })
+    };
+    assert!(moved(0.0).is_empty() && moved(1.0).is_empty());
+    // The deviation of a difference is 1.41 of one; 0.01 of two parameters is 2.81 of that.
+    assert_eq!(moved(6.0), ["parameter youngs_modulus"]);
+    let verdict = rows_after(&|own| own["verdict"] = "not supported by the data".into());
+    assert_eq!(verdict, ["parameter youngs_modulus"]);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let error = fail(["check", &path("update.json"), "--against", &path(MODES)]);
+    assert!(error.contains("two results of the same kind"), "{error}");
+}
+
 /// The elements of a well-formed XML text in their order: depth, name, attributes.
 fn elements(text: &str) -> Vec<(usize, String, Vec<(String, String)>)> {
     let (mut found, mut open): (Vec<_>, Vec<String>) = (Vec::new(), Vec::new());

@@ -10,6 +10,7 @@ mod correlate_tables;
 mod cycloid_ball;
 mod exchange;
 mod faults;
+mod faulty_streams;
 mod free_free_beam;
 mod gate;
 mod hit_command;

@@ -109,8 +109,8 @@ fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_w
         empty.contains("\u{1b}[1;"),
         "an empty NO_COLOR says nothing"
     );
-    // A pipe that nobody writes to is read until its other end is closed.
-    let waiting = "mkfifo $D/pipe.uff; sleep 1.5 > $D/pipe.uff & modalign identify $D/pipe.uff";
+    // A pipe that nobody writes to is waited for, until an interrupt.
+    let waiting = "mkfifo $D/pipe.uff; sleep 2.5 > $D/pipe.uff & timeout --foreground -s INT 2 modalign identify $D/pipe.uff";
     let folder = tempfile::tempdir().unwrap();
     let place = [("D", folder.path().to_str().unwrap())];
     let shown = on_a_terminal(waiting, &place).unwrap();
@@ -118,9 +118,10 @@ fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_w
         shown.contains("\r\u{1b}[2Kidentify  0 s") && shown.contains("identify  1 s"),
         "{shown:?}"
     );
+    assert!(shown.contains("\u{1b}[2Kerror: interrupted"), "{shown:?}");
     std::fs::remove_file(folder.path().join("pipe.uff")).unwrap();
     let quiet = on_a_terminal(&format!("{waiting} --quiet"), &place).unwrap();
-    assert!(!quiet.contains("\u{1b}[2K"), "{quiet:?}");
+    assert!(!quiet.contains("identify  "), "{quiet:?}");
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compa
     let error = fail(["run", &path("beam")]);
     assert!(
         error.contains(&format!(
-            "scene.toml:{line}: at_m is to be filled in: [x, y, z] in metres"
+            "scene.toml:{line}: at_m is to be filled in: 1:+Z: [x, y, z] in metres"
         )),
         "{error}"
     );
@@ -197,4 +197,65 @@ fn nothing_is_written_over() {
             b"of an earlier day"
         );
     }
+}
+
+#[test]
+fn what_the_files_leave_open_can_be_said_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let head = "Units: Ratio\r\nRef Chan:Resp Chan\t0-Z:0-Z\r\nChannel Name\t : \r\n\r\nFrequency\tReal\tImaginary\r\n\r\nUnits:\r\nHz\t(m/s^2)(N)\t \r\n";
+    let rows: String = (0..64)
+        .map(|i| format!("{}\t{}\t0.5\r\n", f64::from(i) * 0.5, i % 7))
+        .collect();
+    write(
+        folder.path(),
+        &[
+            ("a.txt", &format!("{head}{rows}")),
+            ("b.txt", &format!("{head}{rows}")),
+            (
+                "points.csv",
+                "point,x,y,z\n1,0.1,0,0\n2,0.2,0,0\n# the sensor\n3,0.3,0,0\n",
+            ),
+            (
+                "model.toml",
+                &std::fs::read_to_string(root().join("measurements/free-free-beam/model.toml"))
+                    .unwrap(),
+            ),
+        ],
+    );
+    let (a, b) = (path("a.txt"), path("b.txt"));
+    let asked = succeed(["new", &path("asked"), &a, &b]);
+    assert_eq!(asked.matches(": reference: ").count(), 2, "{asked}");
+    assert_eq!(asked.matches(": response: ").count(), 2, "{asked}");
+    let (said, model, points) = (path("said"), path("model.toml"), path("points.csv"));
+    let stated = [
+        "--response",
+        "3:-Z",
+        "--reference",
+        "1:+Z,2:+Z",
+        "--band",
+        "2:20",
+    ];
+    let more = ["--points", points.as_str(), "--model", model.as_str()];
+    let told = succeed(["new", &said, &a, &b].into_iter().chain(stated).chain(more));
+    assert!(told.contains("the files state everything"), "{told}");
+    let scene = std::fs::read_to_string(path("said/scene.toml")).unwrap();
+    for wanted in [
+        "reference = \"2:+Z\"",
+        "at_m = [0.3, 0.0, 0.0]",
+        "band_hz = [2.0, 20.0]",
+        "body = \"bar\"",
+        "file = \"../model.toml\"",
+    ] {
+        assert!(scene.contains(wanted), "{wanted}: {scene}");
+    }
+    assert_eq!(scene.matches("[[sensor]]").count(), 3);
+    let error = fail(["new", &path("x"), &a, &b, &a, "--reference", "1:+Z,2:+Z"]);
+    assert!(error.contains("2 hit points for 3 files"), "{error}");
+    write(folder.path(), &[("points.csv", "1,0.1,0,0\n2,here,0,0\n")]);
+    let error = fail(["new", &path("x"), &a, "--points", &points]);
+    assert!(
+        error.contains("line 2") && !Path::new(&path("x")).exists(),
+        "{error}"
+    );
 }

@@ -11,6 +11,7 @@ mod header;
 mod items;
 mod npy;
 mod npz;
+mod until_failed;
 
 #[cfg(test)]
 mod tests;

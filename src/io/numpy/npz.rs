@@ -7,6 +7,7 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+use super::until_failed::UntilFailed;
 use crate::finding::Finding;
 use crate::io::array::bytes::{RecentArrays, Window};
 use crate::io::array::source::open_arrays;
@@ -68,7 +69,7 @@ impl Format for Npz {
         source: &mut dyn Source,
         options: &WriteOptions,
     ) -> Result<Vec<Finding>, IoError> {
-        let mut archive = ZipWriter::new(out);
+        let mut archive = ZipWriter::new(UntilFailed::new(out));
         let mut put = |array: NamedArray| {
             let member = write_member(&mut archive, &array);
             member.map_err(|source| IoError::System {
