@@ -111,7 +111,9 @@
 //! | [`scene::RowVerdict`] | a result held against its baseline, row by row | `scene` |
 //! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
 //! | [`scene::Observer`] | who hears how far long work has come | `scene` |
+//! | [`scene::Figures`] | what the figures of a report show | `scene` |
 //! | [`report::Renderer`] | blocks to text | `report` |
+//! | [`report::json::RunReport`] | a run as its HTML page shows it, [`report::report_page`] | `report` |
 //!
 //! # Who may use whom
 //!

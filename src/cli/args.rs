@@ -80,6 +80,8 @@ pub enum Verb {
     Update(UpdateArgs),
     /// Make a synthetic hammer test with its truth.
     Synth(SynthArgs),
+    /// Build the HTML report of a finished run again.
+    Report(ReportArgs),
     /// Hold a result against limits or a baseline; the exit code says whether it is met.
     Check(CheckArgs),
     /// Draft a commented scene from exported files.
@@ -94,12 +96,20 @@ pub enum Verb {
 pub struct RunArgs {
     /// A scene's folder or its scene.toml.
     pub scene: PathBuf,
-    /// Write tables, modes, FRFs and recordings into this folder.
+    /// Write tables, modes, FRFs, recordings and the HTML report into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Go on with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign report out --lang zh")]
+pub struct ReportArgs {
+    /// The folder that `run -o` wrote; with the `update.json` of `update -o` in it the update is in the report.
+    pub folder: PathBuf,
 }
 
 /// `inspect`.
@@ -326,7 +336,7 @@ pub struct CorrelateArgs {
     /// Length by which rotations are multiplied where they meet translations in one MAC, m.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub rotation_length: Option<f64>,
-    /// Write the table here (.md, .csv, .tex, .txt or .json); as CSV those of several tests without --theory, or of FRFs, go to a file each.
+    /// Write the table here (.md, .csv, .tex, .txt, .html or .json); as CSV those of several tests without --theory, or of FRFs, go to a file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
     /// Gate on the frequency error, a fraction of the theory's frequency.

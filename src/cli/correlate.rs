@@ -36,7 +36,10 @@ pub fn correlate(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), &["md", "csv", "tex", "txt", "json"])?;
+    check_extension(
+        args.output.as_deref(),
+        &["md", "csv", "tex", "txt", "html", "json"],
+    )?;
     let Some(theory) = &args.theory else {
         return itself(args, format, output);
     };

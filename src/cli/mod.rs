@@ -17,6 +17,7 @@ mod junit;
 mod new;
 mod output;
 mod progress;
+mod report;
 mod run;
 mod synth;
 mod theory;
@@ -117,6 +118,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),
         Some(Verb::Update(args)) => update::update(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),
+        Some(Verb::Report(args)) => report::report(args, output),
         Some(Verb::Check(args)) => check::check(args, output),
         Some(Verb::New(args)) => new::new(args, format, output),
         Some(Verb::Completions(args)) => Ok(completions::completions(args, output)),

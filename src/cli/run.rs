@@ -14,6 +14,7 @@ use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run_observe
 use super::Outcome;
 use super::args::RunArgs;
 use super::output::Output;
+use super::report::report_files;
 
 /// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
@@ -25,7 +26,8 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let result = run_scene(&scene, output.observer())?;
     let blocks = output.language().translated(blocks(&scene, &result));
     if let Some(folder) = &args.output {
-        let files = files(&result, &blocks, output.language())?;
+        let mut files = files(&result, &blocks, output.language())?;
+        files.extend(report_files(&scene, &result, (folder, output.language()))?);
         let _writing = output.writing();
         write_all_whole(folder, &files)?;
     }
@@ -115,7 +117,7 @@ fn findings_blocks(result: &SceneResult) -> Vec<Block> {
         .collect()
 }
 
-fn group(table: &ReportTableTable) -> TableGroup<'_> {
+pub(super) fn group(table: &ReportTableTable) -> TableGroup<'_> {
     TableGroup {
         caption: &table.caption,
         tests: &table.tests,
@@ -136,7 +138,17 @@ fn file_stem(name: &str) -> String {
     legal.split_whitespace().collect::<Vec<_>>().join("-")
 }
 
-/// Everything that goes into the folder, made before the first file is written.
+/// The stem of the files of one test, another for each.
+pub(super) fn test_stem(result: &SceneResult, index: usize) -> String {
+    let stem = file_stem(&result.tests[index].name);
+    let mut before = result.tests[..index].iter();
+    match before.any(|other| file_stem(&other.name) == stem) {
+        true => format!("{stem}-{}", index + 1),
+        false => stem,
+    }
+}
+
+/// Everything that goes into the folder beside the report, made before the first file is written.
 fn files(
     result: &SceneResult,
     blocks: &[Block],
@@ -144,15 +156,7 @@ fn files(
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for (index, test) in result.tests.iter().enumerate() {
-        let stem = file_stem(&test.name);
-        let taken = result.tests[..index]
-            .iter()
-            .any(|other| file_stem(&other.name) == stem);
-        let stem = if taken {
-            format!("{stem}-{}", index + 1)
-        } else {
-            stem
-        };
+        let stem = test_stem(result, index);
         files.push((format!("{stem}.modes.json"), test.modes_json().into_bytes()));
         if !test.hits.is_empty() {
             let text = format!("{:#}\n", json::hits(&test.hits));

@@ -213,6 +213,28 @@ impl FrfSet {
         self.functions.is_empty()
     }
 
+    /// Some of its functions, by their indices, with what is known of the whole.
+    ///
+    /// # Panics
+    /// When an index is out of range or given twice.
+    pub fn part(&self, functions: &[usize]) -> Self {
+        let mut part = Self::new(self.axis);
+        part.added_damping_rad_s = self.added_damping_rad_s;
+        part.record_duration_s = self.record_duration_s;
+        part.valid_band = self.valid_band;
+        part.excited_band = self.excited_band;
+        for &i in functions {
+            let data = FunctionData {
+                values: self.values[i].clone(),
+                coherence: self.coherence[i].clone(),
+                variance: self.variance[i].clone(),
+            };
+            part.push(self.functions[i].clone(), data)
+                .expect("the functions of a set are of one length and differ");
+        }
+        part
+    }
+
     /// Different reference degrees of freedom, in order.
     pub fn references(&self) -> Vec<Dof> {
         self.functions

@@ -36,26 +36,26 @@ pub(super) struct CircleFit;
 
 /// A circle in the complex plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Circle {
-    center: Complex64,
-    radius: f64,
+pub(super) struct Circle {
+    pub center: Complex64,
+    pub radius: f64,
 }
 
 /// Resonance angle, damped frequency and decay rate of a sweep.
 #[derive(Clone, Copy, Debug)]
-struct Sweep {
-    phase: f64,
-    omega: f64,
-    decay: f64,
+pub(super) struct Sweep {
+    pub phase: f64,
+    pub omega: f64,
+    pub decay: f64,
 }
 
 impl Sweep {
-    fn tangent(&self, omega: f64) -> f64 {
+    pub fn tangent(&self, omega: f64) -> f64 {
         (omega - self.omega) / self.decay
     }
 
     /// Measured angle minus the angle of the sweep, in (−π, π].
-    fn residual(&self, omega: f64, radius_vector: Complex64) -> f64 {
+    pub fn residual(&self, omega: f64, radius_vector: Complex64) -> f64 {
         let half = Complex64::new(1.0, self.tangent(omega));
         (radius_vector * Complex64::cis(-self.phase) * half / half.conj()).arg()
     }
@@ -63,7 +63,7 @@ impl Sweep {
 
 /// Taubin's circle: minimises the algebraic distance over its mean squared gradient, by Newton's method on the
 /// characteristic cubic from 0. `None` for points on a line.
-fn circle_through(points: &[Complex64]) -> Option<Circle> {
+pub(super) fn circle_through(points: &[Complex64]) -> Option<Circle> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Complex64>() / count;
     let scale = (points.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / count).sqrt();
@@ -113,7 +113,7 @@ fn smallest_root(cubic: &[f64; 4]) -> f64 {
 }
 
 /// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the window.
-fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> Option<Sweep> {
+pub(super) fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> Option<Sweep> {
     let mut sweep = Sweep {
         phase: 0.0,
         omega: first.im,

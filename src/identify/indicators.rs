@@ -16,7 +16,7 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::dof::Dof;
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, Function};
 use crate::linalg::{self, RealMatrix};
 
 use super::receptance::{Receptances, no_band, whole_band};
@@ -66,6 +66,27 @@ pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators,
         own.mvmif.push(matrix.mvmif(&line));
     }
     Ok(own)
+}
+
+/// Complex mode indicator functions at some lines of a set's axis, none of them at 0 Hz, as in [`Indicators::cmif`].
+///
+/// # Errors
+/// [`IdentifyError::Linalg`] when singular values do not converge.
+///
+/// # Panics
+/// When a line is not of the axis.
+pub fn cmif_at(set: &FrfSet, lines: &[usize]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let matrix = Matrix::new(set);
+    let at = |k: &usize| {
+        let omega = set.axis().rad_s(*k);
+        let s = Complex64::new(set.added_damping_rad_s, omega);
+        let functions = set.functions().iter().enumerate();
+        let receptance =
+            |(i, f): (usize, &Function)| set.values(i)[*k] / s.powi(f.kind.derivative_order());
+        let line: Vec<Complex64> = functions.map(receptance).collect();
+        matrix.cmif(&line, omega)
+    };
+    lines.iter().map(at).collect()
 }
 
 /// `1 − Σ |Re R| |R| / Σ |R|²`.
@@ -134,7 +155,7 @@ mod tests {
     use crate::axis::FrequencyAxis;
     use crate::identify::synthetic::{Measurement, Structure};
 
-    fn of(modes: Vec<(f64, f64, Vec<f64>)>, references: usize) -> (Indicators, FrequencyAxis) {
+    fn set_of(modes: Vec<(f64, f64, Vec<f64>)>, references: usize) -> FrfSet {
         let axis = FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.1,
@@ -147,9 +168,27 @@ mod tests {
             how.pairs
                 .extend(pairs.iter().map(|(r, _)| (r.clone(), dof.clone())));
         }
-        let set = Structure { modes }.measured(&how);
+        Structure { modes }.measured(&how)
+    }
+
+    fn of(modes: Vec<(f64, f64, Vec<f64>)>, references: usize) -> (Indicators, FrequencyAxis) {
+        let set = set_of(modes, references);
         let own = indicators(&set, &IdentifyOptions::default()).unwrap();
-        (own, axis)
+        (own, *set.axis())
+    }
+
+    #[test]
+    fn single_lines_have_the_values_of_the_whole_band() {
+        let modes = vec![(60.0, 0.01, vec![1.0, 0.5, -0.7])];
+        let set = set_of(modes.clone(), 2);
+        let (own, axis) = of(modes, 2);
+        let lines = [600, 1300];
+        for (line, values) in lines.iter().zip(cmif_at(&set, &lines).unwrap()) {
+            let whole = &own.cmif[at(&own, axis.hz(*line))];
+            for (a, b) in values.iter().zip(whole) {
+                assert!((a - b).abs() <= 1e-12 * whole[0], "{a} {b}");
+            }
+        }
     }
 
     fn at(own: &Indicators, hz: f64) -> usize {

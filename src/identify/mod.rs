@@ -35,6 +35,7 @@ mod choice;
 #[cfg(test)]
 mod choice_tests;
 mod circle;
+mod circle_detail;
 mod close;
 #[cfg(test)]
 mod close_tests;
@@ -110,8 +111,9 @@ use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Pole, PoleSelection};
 
+pub use circle_detail::{CircleDetail, circle_detail};
 pub use error::IdentifyError;
-pub use indicators::{Indicators, indicators};
+pub use indicators::{Indicators, cmif_at, indicators};
 
 /// Options that an estimator is built with.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::{FrfSet, FunctionData};
+use crate::frf::FrfSet;
 use crate::modal::{
     ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
 };
@@ -37,24 +37,9 @@ pub(super) fn with_references(
             known,
         });
     }
-    let mut chosen = FrfSet::new(*set.axis());
-    chosen.added_damping_rad_s = set.added_damping_rad_s;
-    chosen.record_duration_s = set.record_duration_s;
-    chosen.valid_band = set.valid_band;
-    chosen.excited_band = set.excited_band;
-    for (i, function) in set.functions().iter().enumerate() {
-        if references.contains(&function.reference) {
-            let data = FunctionData {
-                values: set.values(i).to_vec(),
-                coherence: set.coherence(i).map(<[f64]>::to_vec),
-                variance: set.variance(i).map(<[f64]>::to_vec),
-            };
-            chosen
-                .push(function.clone(), data)
-                .expect("the functions of a set are of one length and differ");
-        }
-    }
-    Ok(Some(chosen))
+    let of_them = |i: &usize| references.contains(&set.functions()[*i].reference);
+    let chosen: Vec<usize> = (0..set.len()).filter(of_them).collect();
+    Ok(Some(set.part(&chosen)))
 }
 
 /// The modal model of a table of candidates.

@@ -1,9 +1,11 @@
 //! The pieces a report is made of.
 
+use serde::{Deserialize, Serialize};
+
 use crate::finding::Finding;
 
 /// Where a column's text stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Align {
     /// At the left, for text.
     Left,
@@ -12,7 +14,7 @@ pub enum Align {
 }
 
 /// Head of a column.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column {
     /// Heading, with the unit.
     pub head: String,
@@ -39,7 +41,7 @@ impl Column {
 }
 
 /// One field of a table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Cell {
     /// Text as it is.
     Text(String),
@@ -109,7 +111,7 @@ impl Cell {
 }
 
 /// A table with its caption and footnotes.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Table {
     /// Caption.
     pub caption: String,
@@ -122,7 +124,7 @@ pub struct Table {
 }
 
 /// One piece of a report.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Block {
     /// A heading.
     Heading(String),

@@ -8,6 +8,7 @@ mod compare;
 mod comparison;
 mod csv_text;
 mod frf;
+mod html;
 mod indicators;
 pub mod json;
 mod language;
@@ -16,6 +17,7 @@ mod markdown;
 mod measures;
 mod modes;
 mod placement;
+mod plot;
 mod published;
 mod response;
 mod stabilization;
@@ -31,6 +33,7 @@ pub use comparison::{
 };
 pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
+pub use html::{Html, report_page};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use language::Language;
 pub use latex::Latex;
@@ -41,6 +44,7 @@ pub use measures::{
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use placement::placement_blocks;
+pub use plot::figures_svg;
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
@@ -64,7 +68,7 @@ pub trait Renderer: Sync {
 }
 
 /// Every renderer of blocks.
-pub const RENDERERS: &[&dyn Renderer] = &[&Terminal, &Markdown, &CsvText, &Latex];
+pub const RENDERERS: &[&dyn Renderer] = &[&Terminal, &Markdown, &CsvText, &Latex, &Html];
 
 /// The renderer for a file name extension.
 pub fn renderer_for_extension(extension: &str) -> Option<&'static dyn Renderer> {

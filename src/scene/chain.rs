@@ -7,9 +7,9 @@ use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::{FrfError, FrfSet, HitReport, hammer};
+use crate::frf::{FrfError, FrfSet, hammer};
 use crate::identify::{Identification, IdentifyOptions, Indicators, identification, indicators};
-use crate::io::{modes_to_json, sha256_hex, sha256_of_bytes};
+use crate::io::{sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::theory::{ModeOptions, ModelRoot};
 
@@ -20,82 +20,11 @@ use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
 use super::modes_file::load_modes;
 use super::observer::Observer;
-use super::placement::{PlacedTest, placed_tests};
+use super::placement::placed_tests;
 use super::plan::{Scene, TestPlan, TestSource};
 use super::quantities::quantities;
-use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
-
-/// What one test came to.
-#[derive(Clone, Debug)]
-pub struct TestResult {
-    /// Name.
-    pub name: String,
-    /// Its FRFs, one set per axis; none for a test of finished modes.
-    pub frfs: Vec<FrfSet>,
-    /// Its hits with what the rules said of them.
-    pub hits: Vec<HitReport>,
-    /// Its modes.
-    pub modes: ModalModel,
-    /// The recording, when it is synthetic.
-    pub recording: Option<SyntheticRecording>,
-    /// Whether part of the input was bad and left out.
-    pub partly_bad: bool,
-}
-
-impl TestResult {
-    /// The modes as `modes.json`.
-    pub fn modes_json(&self) -> String {
-        modes_to_json(&self.modes, None)
-    }
-}
-
-/// What a scene came to.
-#[derive(Clone, Debug)]
-pub struct SceneResult {
-    /// Tests in order.
-    pub tests: Vec<TestResult>,
-    /// The model's side.
-    pub theory: Theory,
-    /// The comparison; `None` for a scene without a model or without a test.
-    pub table: Option<ComparisonTable>,
-    /// Findings of the pairing, by test.
-    pub comparison_findings: Vec<(String, Vec<Finding>)>,
-    /// Points that tests should have beside their own.
-    pub placements: Vec<PlacedTest>,
-    /// Limits held against the comparison.
-    pub limits: Vec<LimitCheck>,
-    /// Published results held against the model and themselves; `None` for a scene without any.
-    pub expected: Option<ExpectedResult>,
-}
-
-impl SceneResult {
-    /// Whether part of the input was bad and left out.
-    pub fn partly_bad(&self) -> bool {
-        self.tests.iter().any(|test| test.partly_bad)
-    }
-
-    /// Findings by the name of their test, which is empty in a scene of one test and for what belongs to none.
-    pub fn findings_by_test(&self) -> Vec<(String, Vec<Finding>)> {
-        let several = self.tests.len() > 1;
-        let name = |test: &str| {
-            if several {
-                test.to_owned()
-            } else {
-                String::new()
-            }
-        };
-        let mut all: Vec<(String, Vec<Finding>)> = Vec::new();
-        for test in &self.tests {
-            let paired = self.comparison_findings.iter();
-            let paired = paired.filter(|(own, _)| *own == test.name);
-            let findings = test.modes.findings.iter();
-            let findings = findings.chain(paired.flat_map(|(_, findings)| findings));
-            all.push((name(&test.name), findings.cloned().collect()));
-        }
-        all.push((String::new(), self.theory.modes.findings.clone()));
-        all
-    }
-}
+use super::recording::{hammer_test, load_synth, record};
+use super::result::{SceneResult, TestResult};
 
 /// Runs a scene; every test, the model and the comparison are a step each.
 ///
@@ -134,12 +63,11 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         true => None,
         false => Some(compare_tests(&theory.modes, &named, &scene.pair)?),
     };
-    let (table, comparison_findings) = comparison.map_or((None, Vec::new()), |own| {
-        (
-            Some(own.table.labelled_from(scene.first_root)),
-            own.findings,
-        )
-    });
+    let (table, comparison_findings, pairings) =
+        comparison.map_or((None, Vec::new(), Vec::new()), |own| {
+            let table = own.table.labelled_from(scene.first_root);
+            (Some(table), own.findings, own.pairings)
+        });
     limits.extend(
         table
             .iter()
@@ -152,6 +80,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         expected: judged(scene, known_roots(&theory))?,
         theory,
         comparison_findings,
+        pairings,
         table,
     })
 }
@@ -214,6 +143,7 @@ fn without_model(
         theory: Theory::default(),
         table: None,
         comparison_findings: Vec::new(),
+        pairings: Vec::new(),
     })
 }
 
@@ -281,15 +211,13 @@ fn input_file(path: &Path) -> Result<InputFile, SceneError> {
 }
 
 fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
-    let (mut modes, _) = load_modes(path, None)?;
+    let (mut modes, geometry) = load_modes(path, None)?;
     modes.band = test.band.or(modes.band);
     Ok(TestResult {
         name: test.name.clone(),
-        frfs: Vec::new(),
-        hits: Vec::new(),
         modes,
-        recording: None,
-        partly_bad: false,
+        geometry,
+        ..TestResult::default()
     })
 }
 
@@ -323,7 +251,8 @@ fn identify_test(
     };
     options.method = scene.method.clone().unwrap_or(options.method);
     options.estimator.max_order = scene.order;
-    let mut modes = identify_sets(&frfs, &options, &test.name)?.model;
+    let identified = identify_sets(&frfs, &options, &test.name)?;
+    let mut modes = identified.model;
     findings.append(&mut modes.findings);
     modes.findings = findings;
     modes.inputs = inputs;
@@ -332,6 +261,8 @@ fn identify_test(
         frfs,
         hits,
         modes,
+        stabilization: identified.stabilization,
+        geometry: data.geometry,
         recording: None,
         partly_bad: data.partly_bad,
     })

@@ -10,6 +10,7 @@ mod draft;
 mod draft_columns;
 mod error;
 mod expected;
+mod figures;
 mod ingest;
 mod limits;
 mod matrices;
@@ -23,6 +24,7 @@ mod plan;
 mod quantities;
 mod recording;
 mod reduced;
+mod result;
 mod synth_spec;
 mod synth_truth;
 mod toml_text;
@@ -35,8 +37,7 @@ mod updated_model;
 mod expected_tests;
 
 pub use chain::{
-    Comparison, NamedTest, SceneResult, TestResult, compare_tests, identify_sets,
-    indicators_of_sets, run_observed,
+    Comparison, NamedTest, compare_tests, identify_sets, indicators_of_sets, run_observed,
 };
 pub use change::{
     Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
@@ -45,6 +46,7 @@ pub use change::{
 pub use draft::{Draft, DraftFile, DraftModel, DraftPlan, draft_scene};
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
+pub use figures::*;
 pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
@@ -55,6 +57,7 @@ pub use observer::{Observer, run};
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
+pub use result::{SceneResult, TestResult};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{

@@ -202,11 +202,17 @@ fn every_stage_is_in_the_table_and_the_table_has_no_cycle() {
 fn files_stay_under_500_lines() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = |folder: &str| fs::read_dir(root.join(folder)).unwrap();
-    let suite = ["tests/suite", "tests/suite/torture", "tests/bench"]
-        .into_iter()
-        .flat_map(files)
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.is_file());
+    // The script and the style of the HTML report are written by hand, too.
+    let suite = [
+        "tests/suite",
+        "tests/suite/torture",
+        "tests/bench",
+        "src/report/html",
+    ]
+    .into_iter()
+    .flat_map(files)
+    .map(|entry| entry.unwrap().path())
+    .filter(|path| path.is_file());
     let tests = suite.map(|path| (path.clone(), fs::read_to_string(path).unwrap()));
     for (path, text) in sources().into_iter().chain(tests) {
         let lines = text.lines().count();

@@ -29,6 +29,7 @@ mod published;
 mod readme;
 mod real_modes;
 mod recordings;
+mod report;
 mod roving;
 #[path = "../population/seeds.rs"]
 mod seeds;

@@ -6,6 +6,7 @@ mod hits;
 mod measures;
 mod placement;
 mod response;
+mod run;
 mod sweep;
 mod theory;
 mod update;
@@ -20,6 +21,7 @@ pub use measures::{
     AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,
 };
 pub use response::{RESPONSE_SCHEMA, response_to_json};
+pub use run::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};
 pub use update::{UPDATE_SCHEMA, update_to_json};

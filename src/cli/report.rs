@@ -1,0 +1,153 @@
+//! The HTML report of a run: written with it, and built again by `modalign report`.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::error::Error;
+use crate::io::{IoError, write_whole};
+use crate::report::json::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
+use crate::report::{
+    Block, Language, TableGroup, claims_block, comparison_blocks, energies_block, figures_svg,
+    hits_block, limits_block, modes_block, parameters_block, placement_blocks,
+    published_comparison_block, published_roots_block, quantities_block, report_page,
+};
+use crate::scene::{Scene, SceneResult, figures, read_text};
+
+use super::Outcome;
+use super::args::ReportArgs;
+use super::output::Output;
+use super::run::{group, test_stem};
+
+/// The file from which the page is built.
+const DATA: &str = "report.json";
+/// The page.
+const PAGE: &str = "report.html";
+/// The result of `update -o`.
+const UPDATE: &str = "update.json";
+
+/// Builds page and figures of a finished run again.
+pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
+    let path = args.folder.join(DATA);
+    let report = report_from_json(&read_text(&path)?, &path.display().to_string())?;
+    for (name, bytes) in pages(&report, (&args.folder, output.language()))? {
+        write_whole(&args.folder.join(name), bytes)?;
+    }
+    output.text(&args.folder.join(PAGE).display().to_string());
+    Ok(Outcome::Done)
+}
+
+/// The files of the report of a run that goes into a folder.
+pub(super) fn report_files(
+    scene: &Scene,
+    result: &SceneResult,
+    (folder, language): (&Path, Language),
+) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let frf_file = |index: usize| {
+        let one = result.tests[index].frfs.len() == 1;
+        one.then(|| format!("{}.frf.uff", test_stem(result, index)))
+    };
+    let frf_files: Vec<Option<String>> = (0..result.tests.len()).map(frf_file).collect();
+    let (figures, provenance) = figures(scene, result, &frf_files)?;
+    let report = RunReport {
+        schema: REPORT_SCHEMA.to_owned(),
+        title: scene.title.clone(),
+        sections: sections(scene, result),
+        findings: result.findings_by_test(),
+        limits: result
+            .limits
+            .iter()
+            .map(|own| (own.what.clone(), own.met()))
+            .collect(),
+        figures,
+        provenance,
+    };
+    let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
+    files.extend(pages(&report, (folder, language))?);
+    Ok(files)
+}
+
+/// The page and its figures; an update is in it whose result is in the folder.
+fn pages(
+    report: &RunReport,
+    (folder, language): (&Path, Language),
+) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let updated = update_of(folder)?;
+    let page = report_page(report, updated.as_ref(), language);
+    let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
+    for (name, text) in figures_svg(&report.figures) {
+        files.push((format!("figures/{name}.svg"), text.into_bytes()));
+    }
+    Ok(files)
+}
+
+/// `update.json` in a folder; `None` where there is none.
+fn update_of(folder: &Path) -> Result<Option<Value>, Error> {
+    let path = folder.join(UPDATE);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = read_text(&path)?;
+    let value = serde_json::from_str(&text).map_err(|error| IoError::Json {
+        path: path.display().to_string(),
+        line: error.line(),
+        column: error.column(),
+        got: error.to_string(),
+        expected: "schema modalign-update/1",
+    })?;
+    Ok(Some(value))
+}
+
+/// The tables of the page, by tab.
+fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
+    let expected = result.expected.as_ref();
+    let mut comparison = Vec::new();
+    if let Some(table) = &result.table {
+        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
+        comparison.extend(comparison_blocks(table, &groups, &result.theory));
+    }
+    for placed in &result.placements {
+        comparison.extend(placement_blocks(placed, result.table.as_ref()));
+    }
+    comparison.extend(limits_block(&result.limits));
+    let mut published: Vec<Block> = Vec::new();
+    published.extend(expected.and_then(|own| published_roots_block(own, &result.theory)));
+    published.extend(expected.and_then(published_comparison_block));
+    published.extend(expected.and_then(claims_block));
+    for own in expected.iter().flat_map(|own| &own.quantities) {
+        let model = own.model.as_deref().unwrap_or("the scene's model");
+        published.extend(quantities_block(model, &own.quantities));
+    }
+    let tests = result.tests.iter();
+    let mut modes: Vec<Block> = tests
+        .clone()
+        .map(|test| modes_block(&test.name, &test.modes))
+        .collect();
+    if result.tests.is_empty() {
+        modes.extend(parameters_block(&result.theory.parameters));
+    }
+    let mut energies = Vec::new();
+    if scene.energies.is_some() {
+        let caption = "Energy of the model's roots";
+        energies.extend(energies_block(
+            caption,
+            &result.theory.roots,
+            scene.energies,
+        ));
+    }
+    let mut hits = Vec::new();
+    for test in tests.filter(|test| !test.hits.is_empty()) {
+        let mut block = hits_block(&test.hits);
+        if let Block::Table(table) = &mut block {
+            table.caption = format!("{}: {}", table.caption, test.name);
+        }
+        hits.push(block);
+    }
+    vec![
+        Section::new("comparison", comparison),
+        Section::new("published", published),
+        Section::new("modes", modes),
+        Section::new("energies", energies),
+        Section::new("hits", hits),
+    ]
+}

@@ -1,0 +1,99 @@
+// Errors by mode, energies, and the course of an update.
+
+/** Error of each paired mode with its deviation, the tests beside each other; roots without a partner as crosses on the axis. */
+function drawErrors(host) {
+  const { overview } = figures;
+  if (!overview) return;
+  const names = overview.tests.map((test) => test.test);
+  const rows = overview.rows.filter((row) => row.theory_hz !== null && row.cells.some((cell) => cell.status !== 'outside-band'));
+  if (!rows.length) return;
+  const wide = 0.8 / names.length;
+  const series = names.map((name, n) => {
+    const cells = rows.map((row) => row.cells.find((cell) => cell.test === name));
+    return {
+      name, kind: 'bars', wide: 0.92 * wide, color: n, cells,
+      x: rows.map((row, k) => k + 1 + (n - (names.length - 1) / 2) * wide),
+      y: cells.map((cell) => (cell ? cell.error_percent : null)),
+      error: cells.map((cell) => cell && cell.error_std_percent),
+    };
+  });
+  const missed = { name: T('missed'), kind: 'points', color: 7, size: 3.5, open: true, x: [], y: [], cells: [] };
+  rows.forEach((row, k) => row.cells.forEach((cell) => {
+    const n = names.indexOf(cell.test);
+    if (cell.error_percent !== null || !['missed-expected', 'missed-unexpected'].includes(cell.status)) return;
+    missed.x.push(k + 1 + (n - (names.length - 1) / 2) * wide);
+    missed.y.push(0);
+    missed.cells.push(cell);
+  }));
+  if (missed.x.length) series.push(missed);
+  const every = Math.ceil(rows.length / 22);
+  const ticks = rows.map((row, k) => ({ at: k + 1, main: true, text: k % every === 0 ? row.label : '' }));
+  host.append(el('h3', {}, T('Frequency error by mode')));
+  new Plot(host, {
+    name: 'errors', height: 250, series, x: { label: T('Mode'), min: 0.4, max: rows.length + 0.6, ticks }, y: { label: T('Error (%)') },
+    over: (plot, group) => group.append(svg('line', { x1: MARGIN.left, x2: plot.width - MARGIN.right, y1: plot.sy(0), y2: plot.sy(0), stroke: palette.ink })),
+    tell: (near) => {
+      const row = rows[Math.round(near.x) - 1];
+      const cell = near.series.cells[near.k];
+      const lines = [`${row.label} · ${cell.test}`, `${T('theory')} ${digits(row.theory_hz, 6)} Hz`];
+      if (cell.hz !== null) lines.push(`${T('test')} ${digits(cell.hz, 6)} Hz, ${signed(cell.error_percent)} %`);
+      if (cell.mac !== null) lines.push(`MAC ${cell.mac.toFixed(3)}`);
+      return lines.concat(cell.reasons.slice(0, 2));
+    },
+  });
+}
+
+/** Where the energy of each root is: a bar for kinetic, one for strain energy. */
+function drawEnergies(host) {
+  for (const [part, title] of [['kinetic', T('Kinetic energy')], ['strain', T('Strain energy')]]) {
+    const roots = figures.energies.filter((root) => root[part].length);
+    if (!roots.length) continue;
+    const totals = new Map();
+    roots.forEach((root) => root[part].forEach(([name, share]) => totals.set(name, (totals.get(name) || 0) + share)));
+    const names = [...totals].sort((a, b) => b[1] - a[1]).map(([name]) => name);
+    const shown = names.slice(0, 7);
+    host.append(el('h3', {}, title));
+    const color = (name) => (shown.includes(name) ? palette.series[shown.indexOf(name)] : palette.axis);
+    const legend = [...shown, ...(names.length > 7 ? [T('other')] : [])];
+    const key = el('div', { class: 'legend' });
+    const list = el('div', { class: 'shares' });
+    const fill = () => {
+      key.replaceChildren(...legend.map((name) => el('span', { class: 'series' }, el('i', { style: `border-color:${color(name)}` }), name)));
+      list.replaceChildren(...roots.map((root) => {
+        const row = el('div', { class: 'share', tabindex: '0', role: 'img', 'aria-label': `${digits(root.hz, 5)} Hz: ${root[part].map(([name, share]) => `${name} ${percent(share)}`).join(', ')}` });
+        const sorted = [...root[part]].sort((a, b) => names.indexOf(a[0]) - names.indexOf(b[0]));
+        for (const [name, share] of sorted) {
+          row.append(el('i', { style: `width:${100 * share}%;background:${color(name)}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }));
+        }
+        const told = root.hz > 0 ? `${digits(root.hz, 5)} Hz${root.multiplicity > 1 ? ` (${root.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
+        return el('div', { class: 'root' }, el('span', { class: 'n' }, told), row, el('small', {}, root.class || ''));
+      }));
+    };
+    fill();
+    drawings.add({ host: list, draw: fill });
+    host.append(key, list);
+  }
+}
+
+/** How the objective fell, and the errors before and after. */
+function drawUpdate(host) {
+  const { update } = page;
+  const history = update.history || [];
+  if (history.length) {
+    const steps = history.map((own, k) => ({ ...own, k: k + 1 }));
+    const taken = steps.filter((own) => own.accepted);
+    const refused = steps.filter((own) => !own.accepted);
+    const of = (all, key) => all.map((own) => own[key]);
+    host.append(el('h3', {}, T('Objective of the update by iteration')));
+    const series = [{ name: T('Objective'), x: of(taken, 'k'), y: of(taken, 'objective'), color: 0, width: 2 }, { name: 'χ²', x: of(taken, 'k'), y: of(taken, 'chi_square'), color: 1, dash: '5 3' }];
+    if (refused.length) series.push({ name: T('refused step'), kind: 'points', open: true, x: of(refused, 'k'), y: of(refused, 'objective'), color: 6 });
+    new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5 }, y: { label: T('Objective'), log: true } });
+  }
+  const before = (update.before && update.before.rows) || [];
+  const after = (update.after && update.after.rows) || [];
+  if (!before.length) return;
+  const bars = (name, rows, shift, color) => ({ name, kind: 'bars', wide: 0.36, color, x: rows.map((row, k) => k + 1 + shift), y: rows.map((row) => row.error_percent) });
+  const ticks = before.map((row, k) => ({ at: k + 1, main: true, text: row.label }));
+  host.append(el('h3', {}, T('Frequency error by mode')));
+  new Plot(host, { name: 'update-errors', height: 240, series: [bars(T('before'), before, -0.2, 6), bars(T('after'), after, 0.2, 0)], x: { label: T('Mode'), min: 0.4, max: before.length + 0.6, ticks }, y: { label: T('Error (%)') } });
+}

@@ -1,0 +1,71 @@
+// The circle of each mode in the complex plane, with its damping surface.
+
+function drawCircles(host) {
+  ofTests(host, (test) => test.circles.length, (body, test) => {
+    const inner = el('div');
+    const show = (index) => {
+      inner.replaceChildren();
+      drawCircle(inner, test, test.circles[index]);
+    };
+    body.append(bar(choice(T('Mode'), test.circles.map((own) => `${own.mode}: ${digits(own.hz, 5)} Hz`), show)), inner);
+    show(0);
+  });
+}
+
+function drawCircle(host, test, own) {
+  const two = el('div', { class: 'wide' });
+  const [left, right] = [el('div'), el('div')];
+  two.append(left, right);
+  host.append(two);
+  const around = Array.from({ length: 121 }, (_, k) => (k * Math.PI) / 60);
+  const circle = { x: around.map((t) => own.center[0] + own.radius * Math.cos(t)), y: around.map((t) => own.center[1] + own.radius * Math.sin(t)) };
+  left.append(el('h4', {}, own.function));
+  new Plot(left, {
+    name: `${test.name}-circle-${own.mode}`, height: 420, equal: true,
+    x: { label: `${T('Real part')}, ${T('receptance without the other modes (m/N)')}` }, y: { label: `${T('Imaginary part')} (m/N)` },
+    series: [
+      { name: T('circle'), ...circle, color: 1, quiet: true },
+      { name: T('data'), kind: 'points', x: own.re, y: own.im, color: 0, size: 3 },
+      { name: T('resonance'), kind: 'points', x: [own.resonance[0]], y: [own.resonance[1]], color: 2, size: 5 },
+    ],
+    tell: (near) => (near.series.name === T('data') ? [`${digits(own.line_hz[near.k], 7)} Hz`, `${digits(near.x)} ${near.y < 0 ? '−' : '+'} ${digits(Math.abs(near.y))} i`] : [near.series.name, `${digits(own.resonance_hz, 7)} Hz`]),
+  });
+  surface(right, test, own);
+}
+
+/** The damping surface as bars over the lines below and above the resonance, seen from an angle; flat when the circle is one. */
+function surface(host, test, own) {
+  const values = own.damping.flat().filter((value) => value !== null);
+  if (!values.length) return;
+  const mean = values.reduce((a, b) => a + b, 0) / values.length;
+  const std = Math.sqrt(values.reduce((a, b) => a + (b - mean) ** 2, 0) / values.length);
+  const window = own.window_damping ? `, ${T('of which the window')} ${percent(own.window_damping)}` : '';
+  host.append(el('h4', {}, T('Damping surface: damping ratio of each pair of lines')));
+  const canvasHost = el('div', { class: 'plot' });
+  host.append(canvasHost, el('p', { class: 'note' }, `${T('mean')} ${percent(mean)}, ${T('std')} ${percent(std, 2)}${window}`));
+  const view = new View3d(canvasHost, { height: 380, label: T('Damping surface: damping ratio of each pair of lines'), turn: [-0.7, 0.55], fit: 0.6 });
+  const [rows, columns] = [own.below_hz, own.above_hz];
+  const top = Math.max(...values, 1.5 * mean);
+  const spot = (i, j, value) => [(i / Math.max(1, rows.length - 1)) * 2 - 1, (j / Math.max(1, columns.length - 1)) * 2 - 1, (1.4 * value) / top - 0.7];
+  const tiles = [];
+  for (let i = 0; i + 1 < rows.length; i++) {
+    for (let j = 0; j + 1 < columns.length; j++) {
+      const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+      const heights = corners.map(([a, b]) => own.damping[a][b]);
+      if (heights.some((value) => value === null || value < 0 || value > 3 * top)) continue;
+      const share = heights.reduce((a, b) => a + b, 0) / 4 / top;
+      tiles.push({ points: corners.map(([a, b], k) => spot(a, b, heights[k])), share });
+    }
+  }
+  const floor = [spot(0, 0, 0), spot(rows.length - 1, 0, 0), spot(rows.length - 1, columns.length - 1, 0), spot(0, columns.length - 1, 0)];
+  view.scene = (pen) => {
+    pen.lines([...floor, floor[0]], palette.axis, 1);
+    pen.tiles(tiles, (tile) => heat(0.15 + 0.85 * tile.share));
+    const edge = [floor[1], [floor[1][0], floor[1][1], spot(0, 0, top)[2]]];
+    pen.lines(edge, palette.axis, 1);
+    for (const share of [0, 0.5, 1]) pen.text([edge[0][0], edge[0][1] - 0.08, spot(0, 0, share * top)[2]], percent(share * top, 3), palette.faint, 'right');
+    pen.text([0, -1.35, -0.7], `${T('below (Hz)')} ${digits(rows[0], 6)} … ${digits(rows[rows.length - 1], 6)}`, palette.ink, 'center');
+    pen.text([-1.35, 0, -0.7], `${T('above (Hz)')} ${digits(columns[0], 6)} … ${digits(columns[columns.length - 1], 6)}`, palette.ink, 'center');
+  };
+  view.draw();
+}

@@ -1,0 +1,202 @@
+//! HTML: blocks as a page of tables, and the report of a run as one page with its figures.
+//!
+//! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and findings are plain HTML that
+//! needs no script; the script draws figures from the JSON in the page and hides all tabs but one.
+
+mod page;
+mod summary;
+mod update;
+mod words;
+
+use super::{Align, Block, Cell, Column, Renderer, Table};
+
+pub use page::report_page;
+
+/// Renders blocks as a page of its own.
+pub struct Html;
+
+/// The style of every page.
+const STYLE: &str = include_str!("page.css");
+
+impl Renderer for Html {
+    fn name(&self) -> &'static str {
+        "html"
+    }
+
+    fn extension(&self) -> &'static str {
+        "html"
+    }
+
+    fn render(&self, blocks: &[Block]) -> String {
+        let title = blocks.iter().find_map(|block| match block {
+            Block::Heading(text) => Some(text.as_str()),
+            _ => None,
+        });
+        format!(
+            "<!doctype html>\n<html lang=\"en\">\n{}<body>\n<main class=\"plain\">\n{}</main>\n</body>\n</html>\n",
+            head(title.unwrap_or("modalign")),
+            fragment(blocks)
+        )
+    }
+}
+
+/// The head of a page.
+fn head(title: &str) -> String {
+    format!(
+        "<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n",
+        escape(title)
+    )
+}
+
+/// Blocks as HTML without a page around them.
+fn fragment(blocks: &[Block]) -> String {
+    blocks.iter().map(block_text).collect()
+}
+
+/// Text as it may stand between tags and in attributes.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+fn block_text(block: &Block) -> String {
+    match block {
+        Block::Heading(text) => format!("<h2>{}</h2>\n", escape(text)),
+        Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
+        Block::Table(table) => table_text(table),
+        Block::Findings(findings) if findings.is_empty() => String::new(),
+        Block::Findings(findings) => {
+            let item = |finding: &crate::finding::Finding| {
+                format!(
+                    "<li class=\"{0}\"><b>{0}</b> {1} <code>{2}</code></li>\n",
+                    finding.severity,
+                    escape(&finding.to_string()),
+                    finding.code.name()
+                )
+            };
+            let items: String = findings.iter().map(item).collect();
+            format!("<ul class=\"findings\">\n{items}</ul>\n")
+        }
+    }
+}
+
+fn class(column: &Column) -> &'static str {
+    match column.align {
+        Align::Left => "",
+        Align::Right => " class=\"n\"",
+    }
+}
+
+fn table_text(table: &Table) -> String {
+    let heads = table.columns.iter().map(|column| {
+        let text = escape(&column.head).replace('\n', "<br>");
+        format!("<th scope=\"col\"{}>{text}</th>", class(column))
+    });
+    let rows = table.rows.iter().map(|row| {
+        let cells = row.iter().zip(&table.columns);
+        let cells: String = cells
+            .map(|(cell, column)| cell_text(cell, column))
+            .collect();
+        format!("<tr>{cells}</tr>\n")
+    });
+    let notes = table
+        .footnotes
+        .iter()
+        .map(|note| format!("<p>{}</p>\n", escape(note)));
+    let notes: String = notes.collect();
+    let notes = match table.footnotes.len() {
+        0 => String::new(),
+        1..=3 => format!("<div class=\"notes\">{notes}</div>\n"),
+        count => {
+            format!("<details class=\"notes\"><summary>… ({count})</summary>\n{notes}</details>\n")
+        }
+    };
+    format!(
+        "<figure class=\"table\">\n<figcaption>{}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n<table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{notes}</figure>\n",
+        escape(&table.caption),
+        heads.collect::<String>(),
+        rows.collect::<String>(),
+    )
+}
+
+fn cell_text(cell: &Cell, column: &Column) -> String {
+    let text = escape(&cell.display()).replace('\n', "<br>");
+    match (cell, verdict_class(&cell.display())) {
+        (Cell::Text(_), Some(kind)) => {
+            format!(
+                "<td{}><span class=\"chip {kind}\">{text}</span></td>",
+                class(column)
+            )
+        }
+        _ => format!("<td{}>{text}</td>", class(column)),
+    }
+}
+
+/// Colour of a verdict, in either language; none for other text.
+fn verdict_class(text: &str) -> Option<&'static str> {
+    Some(match text {
+        "paired" | "已配对" | "identified" | "used" | "used (stated)" | "reproduced" | "met"
+        | "yes" => "good",
+        "ambiguous" | "不明确" | "at bound" | "missed-expected" | "漏检(预期)"
+        | "not checkable" => "fair",
+        "missed-unexpected" | "漏检(非预期)" | "extra" | "多余" | "left out"
+        | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
+        | "漏检(未判定)" => "bad",
+        "not-observable" | "不可观测" | "outside-band" | "频带外" | "not supported by the data" => {
+            "dim"
+        }
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::{Code, Finding, Place, Severity};
+
+    #[test]
+    fn tables_keep_their_heads_alignment_and_missing_fields() {
+        let table = Table {
+            caption: "a < b & \"c\"".to_owned(),
+            columns: vec![Column::text("mode"), Column::number("f\n(Hz)")],
+            rows: vec![
+                vec![Cell::text("f1"), Cell::number(Some(12.345), 2)],
+                vec![Cell::text("paired"), Cell::Missing],
+            ],
+            footnotes: vec!["<script>".to_owned()],
+        };
+        let page = Html.render(&[Block::Heading("Ü".to_owned()), Block::Table(table)]);
+        for part in [
+            "<title>Ü</title>",
+            "<figcaption>a &lt; b &amp; &quot;c&quot;</figcaption>",
+            "<th scope=\"col\" class=\"n\">f<br>(Hz)</th>",
+            "<td class=\"n\">12.35</td>",
+            "<td><span class=\"chip good\">paired</span></td><td class=\"n\">—</td>",
+            "<p>&lt;script&gt;</p>",
+        ] {
+            assert!(page.contains(part), "{part}\n{page}");
+        }
+        assert!(!page.contains("<script") && page.ends_with("</html>\n"));
+    }
+
+    #[test]
+    fn findings_carry_severity_and_code() {
+        let finding = Finding::new(Severity::Warning, Code::CloseModes, Place::Mode(12.0));
+        let text = fragment(&[Block::Findings(vec![finding]), Block::Findings(Vec::new())]);
+        assert!(
+            text.starts_with("<ul class=\"findings\">\n<li class=\"warning\">"),
+            "{text}"
+        );
+        assert!(text.contains("<code>close-modes</code>") && text.matches("<ul").count() == 1);
+    }
+}

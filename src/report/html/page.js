@@ -1,0 +1,80 @@
+// Tabs, theme, printing: what holds the page together.
+
+const DRAW = { errors: drawErrors, shapes: drawShapes, mac: drawMac, frf: drawFrf, poles: drawPoles, circles: drawCircles, energies: drawEnergies, update: drawUpdate };
+
+/** Draws what a part of the page holds, once. */
+function drawIn(part) {
+  for (const host of part.querySelectorAll('[data-draw]')) {
+    const draw = DRAW[host.dataset.draw];
+    delete host.dataset.draw;
+    host.removeAttribute('data-draw');
+    if (draw) draw(host);
+  }
+}
+
+const sections = [...document.querySelectorAll('main > section')];
+const tabs = [...document.querySelectorAll('nav [role=tab]')];
+
+function showTab(id, focus = false) {
+  const wanted = sections.find((own) => own.id === id) || sections[0];
+  for (const section of sections) section.hidden = section !== wanted;
+  for (const tab of tabs) {
+    const on = tab.hash === `#${wanted.id}`;
+    tab.setAttribute('aria-selected', String(on));
+    tab.tabIndex = on ? 0 : -1;
+    if (on && focus) tab.focus();
+    if (on) tab.parentNode.scrollLeft = Math.max(0, tab.offsetLeft - 60);
+  }
+  tip.hide();
+  drawIn(wanted);
+}
+
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  palette = PALETTES[name];
+  redrawAll();
+}
+
+function start() {
+  document.documentElement.classList.add('js');
+  const dark = matchMedia('(prefers-color-scheme: dark)');
+  setTheme(dark.matches ? 'dark' : 'light');
+  dark.addEventListener('change', () => setTheme(dark.matches ? 'dark' : 'light'));
+  document.getElementById('theme').addEventListener('click', () => setTheme(palette === PALETTES.dark ? 'light' : 'dark'));
+  for (const tab of tabs) {
+    tab.addEventListener('click', (event) => {
+      event.preventDefault();
+      history.replaceState(null, '', tab.hash);
+      showTab(tab.hash.slice(1));
+    });
+    tab.addEventListener('keydown', (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
+      showTab(next.hash.slice(1), true);
+    });
+  }
+  addEventListener('hashchange', () => showTab(location.hash.slice(1)));
+  let waiting = null;
+  addEventListener('resize', () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(redrawAll, 120);
+  });
+  let before = null;
+  addEventListener('beforeprint', () => {
+    before = palette === PALETTES.dark ? 'dark' : 'light';
+    document.documentElement.classList.add('printing');
+    for (const section of sections) section.hidden = false;
+    sections.forEach(drawIn);
+    setTheme('light');
+  });
+  addEventListener('afterprint', () => {
+    document.documentElement.classList.remove('printing');
+    setTheme(before || 'light');
+    showTab(location.hash.slice(1));
+  });
+  showTab(location.hash.slice(1));
+}
+
+start();

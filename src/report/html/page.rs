@@ -1,0 +1,233 @@
+//! The page of a run: summary first, a tab for each kind of result, the data of its figures as JSON.
+
+use serde_json::{Value, json};
+
+use super::super::Language;
+use super::super::json::RunReport;
+use super::words::{page_words, word};
+use super::{escape, fragment, head};
+use super::{summary, update};
+
+/// The script, in the order in which its parts need each other.
+pub(super) const SCRIPT: [&str; 10] = [
+    include_str!("base.js"),
+    include_str!("plot.js"),
+    include_str!("frf.js"),
+    include_str!("poles.js"),
+    include_str!("mac.js"),
+    include_str!("circles.js"),
+    include_str!("scene3d.js"),
+    include_str!("shapes.js"),
+    include_str!("bars.js"),
+    include_str!("page.js"),
+];
+
+/// One tab: its name in the page, its title, its content, and whether the script draws into it.
+struct Tab {
+    id: &'static str,
+    title: &'static str,
+    content: String,
+    drawn: bool,
+}
+
+/// The report of a run, with the result of updating (`update.json`) where there is one.
+pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
+    let tabs: Vec<Tab> = tabs(report, updated, language)
+        .into_iter()
+        .filter(|tab| tab.drawn || !tab.content.is_empty())
+        .collect();
+    let code = match language {
+        Language::English => "en",
+        Language::Chinese => "zh",
+    };
+    let data = json!({
+        "language": code,
+        "words": page_words(language),
+        "title": report.title,
+        "figures": report.figures,
+        "update": updated,
+    });
+    // A script element ends at the first `</`, whatever it is in.
+    let data = data.to_string().replace("</", "<\\/");
+    let w = |text| escape(word(language, text));
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"{code}\">\n{}<body>\n",
+        head(&report.title)
+    );
+    page += &format!(
+        "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{} · {}</p>\n</header>\n",
+        w("Skip to content"),
+        escape(&report.title),
+        w("Light or dark"),
+        w("Report of"),
+        escape(&report.provenance.producer)
+    );
+    page += &navigation(&tabs, language);
+    page += "<main id=\"content\">\n";
+    for tab in &tabs {
+        page += &format!(
+            "<section id=\"{0}\" role=\"tabpanel\" aria-labelledby=\"tab-{0}\" tabindex=\"-1\">\n<h2>{1}</h2>\n{2}",
+            tab.id,
+            w(tab.title),
+            tab.content
+        );
+        if tab.drawn {
+            page += &format!("<div class=\"drawn\" data-draw=\"{}\"></div>\n", tab.id);
+        }
+        page += "</section>\n";
+    }
+    page += &format!(
+        "</main>\n<noscript><p class=\"made\">{}</p></noscript>\n<script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n'use strict';\n{}</script>\n</body>\n</html>\n",
+        w("Figures need a script; tables do not."),
+        SCRIPT.concat()
+    );
+    page
+}
+
+fn navigation(tabs: &[Tab], language: Language) -> String {
+    let button = |tab: &Tab| {
+        format!(
+            "<a id=\"tab-{0}\" role=\"tab\" href=\"#{0}\" aria-controls=\"{0}\">{1}</a>\n",
+            tab.id,
+            escape(word(language, tab.title))
+        )
+    };
+    let buttons: String = tabs.iter().map(button).collect();
+    format!("<nav role=\"tablist\">\n{buttons}</nav>\n")
+}
+
+fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<Tab> {
+    let figures = &report.figures;
+    let any = |has: fn(&crate::scene::TestFigures) -> bool| figures.tests.iter().any(has);
+    let section = |id: &str| {
+        let own = report.sections.iter().filter(|own| own.id == id);
+        let blocks = own.flat_map(|own| own.blocks.clone()).collect();
+        fragment(&language.translated(blocks))
+    };
+    let tab = |id, title, content, drawn| Tab {
+        id,
+        title,
+        content,
+        drawn,
+    };
+    vec![
+        tab(
+            "summary",
+            "Summary",
+            summary::summary(report, updated, language),
+            false,
+        ),
+        tab("comparison", "Comparison", section("comparison"), false),
+        tab(
+            "shapes",
+            "Mode shapes",
+            String::new(),
+            any(|t| t.shapes.is_some()) || figures.theory.is_some(),
+        ),
+        tab("mac", "MAC", String::new(), any(|t| t.mac.is_some())),
+        tab("frf", "FRFs", String::new(), any(|t| t.frfs.is_some())),
+        tab(
+            "poles",
+            "Stabilisation",
+            String::new(),
+            any(|t| t.stabilization.is_some()),
+        ),
+        tab(
+            "circles",
+            "Circle fits",
+            String::new(),
+            any(|t| !t.circles.is_empty()),
+        ),
+        tab("modes", "Modes", section("modes"), false),
+        tab(
+            "energies",
+            "Energies",
+            section("energies"),
+            !figures.energies.is_empty(),
+        ),
+        tab(
+            "update",
+            "Update",
+            updated.map_or_else(String::new, |own| update::tables(own, language)),
+            updated.is_some(),
+        ),
+        tab(
+            "published",
+            "Published results",
+            section("published"),
+            false,
+        ),
+        tab("hits", "Hits", section("hits"), false),
+        tab(
+            "findings",
+            "Findings",
+            summary::findings(report, language),
+            false,
+        ),
+        tab(
+            "provenance",
+            "Provenance",
+            summary::provenance(report, language),
+            false,
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::json::{REPORT_SCHEMA, Section};
+    use crate::report::{Block, Column, Table};
+    use crate::scene::{Figures, Provenance, TestFigures};
+
+    fn report() -> RunReport {
+        RunReport {
+            schema: REPORT_SCHEMA.to_owned(),
+            title: "a </script><script>alert(1)</script>".to_owned(),
+            sections: vec![Section {
+                id: "comparison".to_owned(),
+                blocks: vec![Block::Table(Table {
+                    caption: "Summary".to_owned(),
+                    columns: vec![Column::text("mode")],
+                    ..Table::default()
+                })],
+            }],
+            findings: Vec::new(),
+            limits: Vec::new(),
+            figures: Figures {
+                tests: vec![TestFigures {
+                    name: "</SCRIPT>".to_owned(),
+                    ..TestFigures::default()
+                }],
+                ..Figures::default()
+            },
+            provenance: Provenance::default(),
+        }
+    }
+
+    #[test]
+    fn names_cannot_end_the_script_or_open_one() {
+        let page = report_page(&report(), None, Language::English);
+        assert_eq!(page.matches("<script").count(), 2, "data and code");
+        assert_eq!(page.matches("</script>").count(), 2);
+        assert!(!page.to_lowercase().contains("\"</script>"));
+        assert!(page.contains("a &lt;/script&gt;&lt;script&gt;alert(1)"));
+    }
+
+    #[test]
+    fn a_page_loads_nothing_and_leaves_empty_tabs_away() {
+        let page = report_page(&report(), None, Language::English);
+        for door in ["http://", "https://", "src=", "@import", "url("] {
+            let used = page.replace("http://www.w3.org/", "").replace("url(#", "");
+            assert!(!used.contains(door), "{door}");
+        }
+        assert!(page.contains("id=\"tab-comparison\"") && !page.contains("id=\"tab-frf\""));
+    }
+
+    #[test]
+    fn a_chinese_page_has_chinese_tabs_and_heads() {
+        let page = report_page(&report(), None, Language::Chinese);
+        assert!(page.contains("<html lang=\"zh\">"));
+        assert!(page.contains(">对比</a>") && page.contains("<th scope=\"col\">阶次</th>"));
+    }
+}

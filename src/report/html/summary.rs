@@ -1,0 +1,423 @@
+//! The first tab in words and numbers, the findings with their reasons, and what the run was made from.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::correlate::{Status, TestSummary};
+use crate::finding::{Code, Finding, Severity};
+use crate::scene::{Overview, SourceFile};
+
+use super::super::json::RunReport;
+use super::super::{Block, Cell, Column, Language, Table};
+use super::words::{sentence, word};
+use super::{escape, fragment};
+
+/// Findings of one code that are listed; more are counted.
+const LISTED: usize = 12;
+/// Roots that are named one by one.
+const NAMED: usize = 8;
+
+/// Cards of the tests, what was missed, what to change.
+pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
+    let Some(overview) = &report.figures.overview else {
+        return format!(
+            "<p class=\"lead\">{}</p>\n{}",
+            escape(word(language, "This run compared no test with a model.")),
+            limits(report, language)
+        );
+    };
+    let mut text = String::from("<div class=\"cards\">\n");
+    for test in &overview.tests {
+        text += &card(test, language);
+    }
+    text += "</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n<div class=\"two\">\n";
+    text += &format!(
+        "<div><h3>{}</h3>\n{}</div>\n",
+        word(language, "What was missed"),
+        list(&missed(overview, language))
+    );
+    let mut advice = advice(overview, updated, language);
+    let warnings = report.findings.iter().flat_map(|(_, own)| own);
+    let warnings = warnings
+        .filter(|own| own.severity >= Severity::Warning)
+        .count();
+    if warnings > 0 {
+        advice.push(sentence(
+            language,
+            "{} warnings are under Findings.",
+            &[warnings.to_string()],
+        ));
+    }
+    text += &format!(
+        "<div><h3>{}</h3>\n{}</div>\n</div>\n",
+        word(language, "What to change"),
+        list(&advice)
+    );
+    text + &limits(report, language)
+}
+
+fn card(test: &TestSummary, language: Language) -> String {
+    let w = |text| escape(word(language, text));
+    let percent =
+        |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |v| format!("{:.2} %", v.abs()));
+    let whole = test.paired + test.missed + test.not_observable;
+    let pairs = sentence(
+        language,
+        "{} of {} modes of the model in the band have a partner",
+        &[test.paired.to_string(), whole.to_string()],
+    );
+    let mac = test
+        .min_mac
+        .map_or_else(|| "—".to_owned(), |mac| format!("{mac:.3}"));
+    let counts = [
+        ("missed", test.missed),
+        ("not observable", test.not_observable),
+        ("ambiguous", test.ambiguous),
+        ("extra", test.extra),
+    ];
+    let counted = counts.iter().filter(|(_, count)| *count > 0);
+    let chips: String = counted
+        .map(|(name, count)| {
+            let kind = match *name {
+                "not observable" => "dim",
+                "ambiguous" => "fair",
+                _ => "bad",
+            };
+            format!("<span class=\"chip {kind}\">{count} {}</span> ", w(name))
+        })
+        .collect();
+    format!(
+        "<div class=\"card\"><h3>{}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
+        escape(&test.test),
+        percent(test.rms_error_percent),
+        w("rms frequency error"),
+        escape(&pairs),
+        w("largest"),
+        percent(test.max_error_percent),
+        w("smallest MAC"),
+        mac,
+    )
+}
+
+/// What has no partner, one sentence each; many are counted.
+fn missed(overview: &Overview, language: Language) -> Vec<String> {
+    let mut told = Vec::new();
+    let mut unseen: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in &overview.rows {
+        let hz = row
+            .theory_hz
+            .map_or_else(String::new, |hz| format!("{hz:.1}"));
+        for cell in &row.cells {
+            let reasons = cell.reasons.join("; ");
+            match cell.status {
+                Status::NotObservable => *unseen.entry(&cell.test).or_default() += 1,
+                Status::MissedExpected | Status::MissedUnexpected => told.push(sentence(
+                    language,
+                    "{}: model mode {} at {} Hz has no partner: {}",
+                    &[cell.test.clone(), row.label.clone(), hz.clone(), reasons],
+                )),
+                Status::Extra => told.push(sentence(
+                    language,
+                    "{}: test mode at {} Hz has no partner in the model",
+                    &[
+                        cell.test.clone(),
+                        cell.hz.map_or_else(String::new, |hz| format!("{hz:.1}")),
+                    ],
+                )),
+                Status::Paired | Status::Ambiguous | Status::OutsideBand => {}
+            }
+        }
+    }
+    let more = told.len().saturating_sub(NAMED);
+    told.truncate(NAMED);
+    if more > 0 {
+        told.push(format!("… + {more}"));
+    }
+    let unseen = unseen.iter().map(|(test, count)| {
+        let own = sentence(
+            language,
+            "{} roots could not be seen with these sensors and hits",
+            &[count.to_string()],
+        );
+        format!("{test}: {own}")
+    });
+    told.extend(unseen);
+    if told.is_empty() {
+        told.push(word(language, "Nothing inside the band was missed.").to_owned());
+    }
+    told
+}
+
+/// What an update found, else which way the model leans.
+fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> Vec<String> {
+    let parameters = updated.and_then(|own| own["parameters"].as_array());
+    if let Some(parameters) = parameters {
+        let identified = parameters
+            .iter()
+            .filter(|own| own["verdict"] == "identified");
+        let told: Vec<String> = identified.map(|own| changed(own, language)).collect();
+        if !told.is_empty() {
+            return told;
+        }
+    }
+    if let Some(factor) = overview.stiffness_factor {
+        let text = match factor < 1.0 {
+            true => {
+                "All paired frequencies of the test lie below the model's: it is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell."
+            }
+            false => {
+                "All paired frequencies of the test lie above the model's: it is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell."
+            }
+        };
+        return vec![sentence(language, text, &[format!("{factor:.3}")])];
+    }
+    let errors = overview.rows.iter().flat_map(|row| {
+        let cells = row.cells.iter();
+        cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
+    });
+    let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    let text = "The errors lie on both sides, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.";
+    let told = largest.map(|(row, cell, error)| {
+        let place = format!("{} ({})", row.label, cell.test);
+        sentence(language, text, &[format!("{error:+.2} %"), place])
+    });
+    told.into_iter().collect()
+}
+
+fn changed(own: &Value, language: Language) -> String {
+    let number = |key: &str| own[key].as_f64().map_or_else(|| "—".to_owned(), short);
+    let text = |key: &str| own[key].as_str().unwrap_or_default().to_owned();
+    let values = [
+        text("name"),
+        number("initial"),
+        number("updated"),
+        number("std"),
+        text("unit"),
+    ];
+    sentence(language, "{}: {} → {} ± {} {}", &values)
+}
+
+/// Four digits, with a power of ten where that is shorter.
+pub(super) fn short(value: f64) -> String {
+    let size = value.abs();
+    if size > 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let decimals = 3 - if size > 0.0 {
+        size.log10().floor() as i32
+    } else {
+        0
+    };
+    format!("{value:.*}", decimals.clamp(0, 6) as usize)
+}
+
+fn limits(report: &RunReport, language: Language) -> String {
+    if report.limits.is_empty() {
+        return String::new();
+    }
+    let missed = report.limits.iter().filter(|(_, met)| !met);
+    let missed: Vec<String> = missed
+        .map(|(what, _)| sentence(language, "Limit missed: {}", std::slice::from_ref(what)))
+        .collect();
+    match missed.is_empty() {
+        true => {
+            let count = report.limits.len().to_string();
+            let text = sentence(language, "All {} stated limits are met.", &[count]);
+            format!("<p class=\"verdict good\">{}</p>\n", escape(&text))
+        }
+        false => format!("<div class=\"verdict bad\">{}</div>\n", list(&missed)),
+    }
+}
+
+fn list(items: &[String]) -> String {
+    let items: String = items
+        .iter()
+        .map(|item| format!("<li>{}</li>\n", marked(item)))
+        .collect();
+    format!("<ul>\n{items}</ul>\n")
+}
+
+/// Text in which what stands between backticks is code.
+fn marked(text: &str) -> String {
+    let mut out = String::new();
+    for (index, part) in escape(text).split('`').enumerate() {
+        match index % 2 {
+            0 => out += part,
+            _ => out += &format!("<code>{part}</code>"),
+        }
+    }
+    out
+}
+
+/// All findings by test, worst first, those of one code together with its explanation.
+pub(super) fn findings(report: &RunReport, language: Language) -> String {
+    let mut text = String::new();
+    let several = report.findings.len() > 1;
+    for (test, findings) in &report.findings {
+        if findings.is_empty() {
+            continue;
+        }
+        if several {
+            let name = if test.is_empty() {
+                word(language, "whole run")
+            } else {
+                test
+            };
+            let _ = writeln!(text, "<h3>{}</h3>", escape(name));
+        }
+        text += &of_test(findings, language);
+    }
+    match text.is_empty() {
+        true => format!(
+            "<p>{}</p>\n",
+            word(language, "Nothing was found that needs saying.")
+        ),
+        false => text,
+    }
+}
+
+fn of_test(findings: &[Finding], language: Language) -> String {
+    let mut by_code: BTreeMap<(std::cmp::Reverse<Severity>, Code), Vec<String>> = BTreeMap::new();
+    for finding in findings {
+        let key = (std::cmp::Reverse(finding.severity), finding.code);
+        let told = by_code.entry(key).or_default();
+        let own = finding.to_string();
+        if !told.contains(&own) {
+            told.push(own);
+        }
+    }
+    let mut text = String::from("<div class=\"codes\">\n");
+    for ((severity, code), told) in by_code {
+        let severity = match severity.0 {
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        };
+        let items: String = told
+            .iter()
+            .take(LISTED)
+            .map(|own| format!("<li>{}</li>\n", escape(own)))
+            .collect();
+        let more = told.len().saturating_sub(LISTED);
+        let more = match more {
+            0 => String::new(),
+            _ => format!("<p>+ {more} {}</p>\n", word(language, "more of this code")),
+        };
+        text += &format!(
+            "<details class=\"{severity}\"{}><summary><span class=\"chip {severity}\">{}</span> {} <code>{}</code> <span class=\"count\">{}</span></summary>\n<p class=\"why\">{}</p>\n<ul>{items}</ul>\n{more}</details>\n",
+            if severity == "info" { "" } else { " open" },
+            word(language, severity),
+            escape(code.sentence()),
+            code.name(),
+            told.len(),
+            escape(code.explanation()),
+        );
+    }
+    text + "</div>\n"
+}
+
+/// Program, model, seeds, methods, files with fingerprints and, of those that state the run, their text.
+pub(super) fn provenance(report: &RunReport, language: Language) -> String {
+    let own = &report.provenance;
+    let mut facts = vec![(word(language, "Program").to_owned(), own.producer.clone())];
+    facts.extend(
+        own.model
+            .iter()
+            .map(|name| (word(language, "Model").to_owned(), name.clone())),
+    );
+    for (test, seed) in &own.seeds {
+        facts.push((
+            sentence(language, "Seed of {}", std::slice::from_ref(test)),
+            seed.to_string(),
+        ));
+    }
+    let facts: String = facts
+        .iter()
+        .map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value)))
+        .collect();
+    let table = |caption: &'static str, heads: [&'static str; 3], rows: &[[String; 3]]| {
+        let row = |row: &[String; 3]| row.iter().map(Cell::text).collect();
+        Block::Table(Table {
+            caption: word(language, caption).to_owned(),
+            columns: heads
+                .iter()
+                .map(|head| Column::text(word(language, head)))
+                .collect(),
+            rows: rows.iter().map(row).collect(),
+            footnotes: Vec::new(),
+        })
+    };
+    let mut tables = Vec::new();
+    if !own.searched.is_empty() {
+        tables.push(table(
+            "Identification",
+            ["test", "method", "band (Hz)"],
+            &own.searched,
+        ));
+    }
+    if !own.inputs.is_empty() {
+        tables.push(table("Data", ["test", "file", "SHA-256"], &own.inputs));
+    }
+    let files: String = own.stated.iter().map(stated).collect();
+    format!(
+        "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
+        fragment(&tables),
+        word(language, "Files that state the run")
+    )
+}
+
+fn stated(file: &SourceFile) -> String {
+    let head = format!(
+        "<code>{}</code> <small class=\"hash\">{}</small>",
+        escape(&file.path),
+        file.sha256
+    );
+    match &file.text {
+        Some(text) => format!(
+            "<details><summary>{head}</summary>\n<pre tabindex=\"0\">{}</pre></details>\n",
+            escape(text)
+        ),
+        None => format!("<p>{head}</p>\n"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        for (value, expected) in [
+            (0.0, "0.000"),
+            (1.0, "1.000"),
+            (123.456, "123.5"),
+            (-2.1e11, "-2.100e11"),
+            (5e-4, "5.000e-4"),
+        ] {
+            assert_eq!(short(value), expected);
+        }
+    }
+
+    #[test]
+    fn an_update_is_the_advice_where_there_is_one() {
+        let overview = Overview {
+            tests: Vec::new(),
+            of_theory: true,
+            rows: Vec::new(),
+            stiffness_factor: Some(0.96),
+        };
+        let told = advice(&overview, None, Language::English);
+        assert!(
+            told[0].contains("too stiff") && told[0].contains("0.960"),
+            "{told:?}"
+        );
+        let updated: Value = serde_json::from_str(
+            r#"{"parameters": [{"name": "mount", "unit": "N/m", "initial": 2e6, "updated": 1.5e6, "std": 1e4, "verdict": "identified"}, {"name": "gap", "verdict": "at bound"}]}"#,
+        )
+        .unwrap();
+        let told = advice(&overview, Some(&updated), Language::English);
+        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 1.000e4 N/m"]);
+    }
+}

@@ -1,0 +1,325 @@
+//! The words of the page in English and Chinese; those of tables are [`super::super::Language`]'s.
+
+use serde_json::{Map, Value};
+
+use super::super::Language;
+
+/// A text in a language; the text itself where it has no translation.
+pub(super) fn word(language: Language, text: &'static str) -> &'static str {
+    match language {
+        Language::English => text,
+        Language::Chinese => {
+            let found = WORDS
+                .iter()
+                .chain(SCRIPT_WORDS)
+                .find(|(own, _)| *own == text);
+            found.map_or(text, |(_, translated)| translated)
+        }
+    }
+}
+
+/// A sentence with `{}` filled by values, in order.
+pub(super) fn sentence(language: Language, text: &'static str, values: &[String]) -> String {
+    let mut filled = String::new();
+    let mut values = values.iter();
+    for (index, part) in word(language, text).split("{}").enumerate() {
+        if index > 0 {
+            filled += values.next().map_or("", String::as_str);
+        }
+        filled += part;
+    }
+    filled
+}
+
+/// The words that the script needs, by the English ones; none for an English page.
+pub(super) fn page_words(language: Language) -> Value {
+    match language {
+        Language::English => Value::Object(Map::new()),
+        Language::Chinese => {
+            let pairs = SCRIPT_WORDS.iter();
+            pairs
+                .map(|(from, to)| ((*from).to_owned(), Value::from(*to)))
+                .collect()
+        }
+    }
+}
+
+/// Tabs, summary, findings and provenance.
+const WORDS: &[(&str, &str)] = &[
+    ("Skip to content", "跳到正文"),
+    ("Light or dark", "浅色或深色"),
+    ("Report of", "报告生成:"),
+    (
+        "Figures need a script; tables do not.",
+        "图形需要脚本;表格不需要。",
+    ),
+    ("Summary", "摘要"),
+    ("Comparison", "对比"),
+    ("Mode shapes", "振型"),
+    ("MAC", "MAC"),
+    ("FRFs", "频响函数"),
+    ("Stabilisation", "稳定图"),
+    ("Circle fits", "圆拟合"),
+    ("Modes", "模态"),
+    ("Energies", "能量"),
+    ("Update", "模型修正"),
+    ("Published results", "文献结果"),
+    ("Hits", "锤击"),
+    ("Findings", "提示"),
+    ("Provenance", "来源"),
+    (
+        "{} of {} modes of the model in the band have a partner",
+        "频带内 {} / {} 阶模型模态已配对",
+    ),
+    ("rms frequency error", "频率误差均方根"),
+    ("largest", "最大"),
+    ("smallest MAC", "最小 MAC"),
+    ("missed", "漏检"),
+    ("not observable", "不可观测"),
+    ("extra", "多余"),
+    ("ambiguous", "不明确"),
+    ("What was missed", "漏检的模态"),
+    ("Nothing inside the band was missed.", "频带内无漏检。"),
+    ("What to change", "建议的修改"),
+    (
+        "{}: model mode {} at {} Hz has no partner: {}",
+        "{}:模型第 {} 阶({} Hz)无配对:{}",
+    ),
+    (
+        "{}: test mode at {} Hz has no partner in the model",
+        "{}:试验模态({} Hz)在模型中无配对",
+    ),
+    (
+        "{} roots could not be seen with these sensors and hits",
+        "{} 个根用这些测点和锤击点无法观测",
+    ),
+    (
+        "All paired frequencies of the test lie below the model's: it is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell.",
+        "试验的配对频率均低于模型:模型过刚或过轻。若所有刚度乘以 {},平均频率与试验一致;具体是哪个刚度,可用 `modalign update` 判断。",
+    ),
+    (
+        "All paired frequencies of the test lie above the model's: it is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell.",
+        "试验的配对频率均高于模型:模型过软或过重。若所有刚度乘以 {},平均频率与试验一致;具体是哪个刚度,可用 `modalign update` 判断。",
+    ),
+    (
+        "The errors lie on both sides, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.",
+        "误差有正有负,单一系数无法解释;最大为 {}({})。`modalign update` 可给出试验能识别的参数。",
+    ),
+    ("{}: {} → {} ± {} {}", "{}:{} → {} ± {} {}"),
+    ("Limit missed: {}", "超出限值:{}"),
+    ("All {} stated limits are met.", "{} 项限值全部满足。"),
+    ("{} warnings are under Findings.", "“提示”中有 {} 条警告。"),
+    (
+        "This run compared no test with a model.",
+        "本次运行没有试验与模型的对比。",
+    ),
+    ("Error of each mode", "各阶误差"),
+    (
+        "Nothing was found that needs saying.",
+        "没有需要说明的事项。",
+    ),
+    ("whole run", "整体"),
+    ("severity", "级别"),
+    ("finding", "内容"),
+    ("code", "代码"),
+    ("meaning", "含义"),
+    ("error", "错误"),
+    ("warning", "警告"),
+    ("info", "信息"),
+    ("more of this code", "条同类提示"),
+    ("Program", "程序"),
+    ("Model", "模型"),
+    ("Seed of {}", "{} 的随机种子"),
+    ("Files that state the run", "运行设置文件"),
+    ("Data", "数据"),
+    ("Identification", "识别"),
+    ("test", "试验"),
+    ("file", "文件"),
+    ("method", "方法"),
+    ("band (Hz)", "频带 (Hz)"),
+    ("Parameters of the model, updated", "修正后的模型参数"),
+    ("parameter", "参数"),
+    ("unit", "单位"),
+    ("before", "修正前"),
+    ("after", "修正后"),
+    ("std", "标准差"),
+    ("change (%)", "变化 (%)"),
+    ("verdict", "结论"),
+    ("Frequencies before and after", "修正前后的频率"),
+    ("mode", "阶次"),
+    ("test (Hz)", "试验 (Hz)"),
+    ("model (Hz)", "模型 (Hz)"),
+    ("error before (%)", "修正前误差 (%)"),
+    ("error after (%)", "修正后误差 (%)"),
+];
+
+/// Words of the script.
+const SCRIPT_WORDS: &[(&str, &str)] = &[
+    ("Test", "试验"),
+    ("Function", "函数"),
+    ("Mode", "模态"),
+    ("frequency", "频率"),
+    ("Frequency (Hz)", "频率 (Hz)"),
+    ("Magnitude", "幅值"),
+    ("Phase (°)", "相位 (°)"),
+    ("Coherence", "相干"),
+    ("Real part", "实部"),
+    ("Imaginary part", "虚部"),
+    ("data", "数据"),
+    ("fit", "拟合"),
+    (
+        "fit: identified modes and two residual terms",
+        "拟合:识别模态与两个剩余项",
+    ),
+    ("logarithmic frequency", "对数频率"),
+    ("Bode", "伯德图"),
+    ("Nyquist", "奈奎斯特图"),
+    ("Reset", "还原"),
+    ("Zoom in", "放大"),
+    ("Zoom out", "缩小"),
+    (
+        "drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows",
+        "拖动放大,双击还原;键盘:+ − 0 与方向键",
+    ),
+    (
+        "lines of each curve are shown: the extremes of each stretch",
+        "条谱线显示在每条曲线上:各段的极值",
+    ),
+    (
+        "functions are shown; the file has all",
+        "个函数已显示;文件中有全部",
+    ),
+    ("of", "/"),
+    ("Stabilisation", "稳定图"),
+    ("order", "阶数"),
+    ("Model order", "模型阶数"),
+    ("damping", "阻尼比"),
+    ("CMIF (m/(N s))", "CMIF (m/(N·s))"),
+    ("alone", "不稳定"),
+    ("stable", "稳定"),
+    ("chosen", "已选"),
+    ("picked by hand", "手选"),
+    (
+        "Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.",
+        "单击极点可选中或取消。键盘:方向键移动,回车选择。",
+    ),
+    ("Save selection.json", "保存 selection.json"),
+    ("Drop all", "全部取消"),
+    ("Pick the chosen", "选取已选极点"),
+    ("poles picked", "个极点已选"),
+    ("then", "然后"),
+    ("Poles of", "极点来自"),
+    (
+        "The modes of the run, dotted, come from a method without model orders.",
+        "点线为本次运行的模态,来自没有模型阶数的方法。",
+    ),
+    ("functions", "个函数"),
+    ("Theory (Hz)", "理论 (Hz)"),
+    ("theory", "理论"),
+    ("test", "试验"),
+    ("pair", "配对"),
+    ("degrees of freedom", "自由度"),
+    ("Play", "播放"),
+    ("Pause", "暂停"),
+    ("Speed", "速度"),
+    ("Amplitude", "幅度"),
+    ("over each other", "叠加"),
+    ("side by side", "并列"),
+    ("bodies", "物体"),
+    ("Front", "正视"),
+    ("Side", "侧视"),
+    ("Top", "俯视"),
+    ("Oblique", "斜视"),
+    ("without a partner", "无配对"),
+    ("theory alone", "仅理论"),
+    ("undeformed", "未变形"),
+    ("error", "误差"),
+    (
+        "drag to turn, wheel to zoom; with the keyboard the arrows and + −",
+        "拖动旋转,滚轮缩放;键盘:方向键与 + −",
+    ),
+    (
+        "No positions are known: the points stand in a row.",
+        "没有测点坐标:测点排成一行。",
+    ),
+    (
+        "degrees of freedom without position or direction are not drawn",
+        "个自由度没有位置或方向,未绘出",
+    ),
+    (
+        "Discs have the radius of gyration of their body.",
+        "圆盘半径为该物体的回转半径。",
+    ),
+    ("circle", "圆"),
+    ("resonance", "共振点"),
+    (
+        "Damping surface: damping ratio of each pair of lines",
+        "阻尼曲面:每对谱线的阻尼比",
+    ),
+    ("below (Hz)", "低侧 (Hz)"),
+    ("above (Hz)", "高侧 (Hz)"),
+    ("mean", "平均"),
+    ("std", "标准差"),
+    ("of which the window", "其中窗函数"),
+    (
+        "receptance without the other modes (m/N)",
+        "去除其他模态的位移导纳 (m/N)",
+    ),
+    ("Kinetic energy", "动能"),
+    ("Strain energy", "应变能"),
+    ("rigid-body mode", "刚体模态"),
+    ("other", "其他"),
+    ("Error (%)", "误差 (%)"),
+    ("Frequency error by mode", "各阶频率误差"),
+    ("missed", "漏检"),
+    ("Iteration", "迭代"),
+    ("Objective", "目标函数"),
+    ("before", "修正前"),
+    ("after", "修正后"),
+    ("Objective of the update by iteration", "修正的目标函数"),
+    ("refused step", "被拒绝的步"),
+    ("-fold", "重根"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_has_one_translation_with_its_values() {
+        for words in [WORDS, SCRIPT_WORDS] {
+            for (index, (from, to)) in words.iter().enumerate() {
+                let count = |text: &str| text.matches("{}").count();
+                assert_eq!(count(from), count(to), "{from}");
+                assert!(words[..index].iter().all(|(own, _)| own != from), "{from}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_word_of_the_script_is_translated() {
+        let script = super::super::page::SCRIPT.concat();
+        let mut used = Vec::new();
+        for part in script.split("T('").skip(1) {
+            used.push(part.split("')").next().unwrap());
+        }
+        assert!(used.len() > 40, "{}", used.len());
+        for text in used {
+            assert!(SCRIPT_WORDS.iter().any(|(own, _)| *own == text), "{text}");
+        }
+        for (own, _) in SCRIPT_WORDS {
+            assert!(script.contains(&format!("'{own}'")), "{own} is not used");
+        }
+    }
+
+    #[test]
+    fn values_stand_where_they_belong() {
+        let text = sentence(
+            Language::English,
+            "{}: {} → {} ± {} {}",
+            &["k", "1", "2", "0.1", "N/m"].map(str::to_owned),
+        );
+        assert_eq!(text, "k: 1 → 2 ± 0.1 N/m");
+        assert_eq!(word(Language::Chinese, "Modes"), "模态");
+    }
+}

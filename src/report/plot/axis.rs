@@ -1,0 +1,239 @@
+//! Axes: from values to places, ticks at 1, 2 and 5 or at powers of ten, frames.
+
+use super::canvas::{Anchor, Canvas, FAINT, GRID, INK};
+
+/// One axis of a plot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    lo: f64,
+    hi: f64,
+    log: bool,
+    from: f64,
+    to: f64,
+    /// Distance of ticks; round ones of its choice without it.
+    step: Option<f64>,
+}
+
+/// A tick with its label, which is empty for one between.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tick {
+    pub at: f64,
+    pub text: String,
+}
+
+impl Axis {
+    /// A linear axis over values, between two places, px.
+    pub fn linear((lo, hi): (f64, f64), (from, to): (f64, f64)) -> Self {
+        let (lo, hi) = if hi > lo {
+            (lo, hi)
+        } else {
+            (lo - 0.5, lo + 0.5)
+        };
+        Self {
+            lo,
+            hi,
+            log: false,
+            from,
+            to,
+            step: None,
+        }
+    }
+
+    /// A logarithmic one; values must be positive.
+    pub fn log((lo, hi): (f64, f64), (from, to): (f64, f64)) -> Self {
+        let (lo, hi) = if hi > lo && lo > 0.0 {
+            (lo, hi)
+        } else {
+            (1.0, 10.0)
+        };
+        Self {
+            lo,
+            hi,
+            log: true,
+            from,
+            to,
+            step: None,
+        }
+    }
+
+    /// Ticks at multiples of this step.
+    pub fn stepped(self, step: f64) -> Self {
+        Self {
+            step: Some(step),
+            ..self
+        }
+    }
+
+    /// The place of a value.
+    pub fn place(&self, value: f64) -> f64 {
+        let share = match self.log {
+            true => (value / self.lo).ln() / (self.hi / self.lo).ln(),
+            false => (value - self.lo) / (self.hi - self.lo),
+        };
+        self.from + share * (self.to - self.from)
+    }
+
+    /// The place of a value that the axis can show; a logarithmic one has none for 0 and below.
+    pub fn shown(&self, value: f64) -> Option<f64> {
+        (value.is_finite() && (!self.log || value > 0.0)).then(|| self.place(value))
+    }
+
+    /// About `count` ticks.
+    pub fn ticks(&self, count: f64) -> Vec<Tick> {
+        match self.log && self.hi / self.lo > 8.0 {
+            true => self.decades(),
+            false => self.steps(count),
+        }
+    }
+
+    fn steps(&self, count: f64) -> Vec<Tick> {
+        let step = self.step.unwrap_or_else(|| {
+            let raw = (self.hi - self.lo) / count.max(1.0);
+            let power = 10f64.powf(raw.log10().floor());
+            let steps = [1.0, 2.0, 5.0].map(|own| own * power);
+            let wide = steps.into_iter().find(|own| *own >= 0.999 * raw);
+            wide.unwrap_or(10.0 * power)
+        });
+        let first = (self.lo / step - 1e-9).ceil() as i64;
+        let last = (self.hi / step + 1e-9).floor() as i64;
+        let tick = |n: i64| Tick {
+            at: n as f64 * step,
+            text: number(n as f64 * step, step),
+        };
+        (first..=last).map(tick).collect()
+    }
+
+    fn decades(&self) -> Vec<Tick> {
+        let (first, last) = (
+            self.lo.log10().floor() as i32,
+            self.hi.log10().ceil() as i32,
+        );
+        let every = ((last - first) as f64 / 7.0).ceil().max(1.0) as i32;
+        let mut ticks = Vec::new();
+        for n in first..=last {
+            for m in 1..10 {
+                let at = f64::from(m) * 10f64.powi(n);
+                let inside = at >= self.lo * (1.0 - 1e-9) && at <= self.hi * (1.0 + 1e-9);
+                if inside {
+                    let told = m == 1 && n % every == 0;
+                    let text = if told { power_of_ten(n) } else { String::new() };
+                    ticks.push(Tick { at, text });
+                }
+            }
+        }
+        ticks
+    }
+}
+
+fn number(value: f64, step: f64) -> String {
+    let value = if value.abs() < 1e-9 * step {
+        0.0
+    } else {
+        value
+    };
+    let place = (step.log10() + 1e-9).floor();
+    if value.abs().max(step) >= 1e5 || step < 1e-4 {
+        if value == 0.0 {
+            return "0".to_owned();
+        }
+        let digits = ((value.abs().log10() + 1e-9).floor() - place).max(0.0) as usize;
+        return format!("{value:.digits$e}");
+    }
+    let decimals = (-place).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// `0.01` to `1000` as they are, else `10⁻⁶`.
+fn power_of_ten(n: i32) -> String {
+    if (-2..=3).contains(&n) {
+        return format!("{:.*}", usize::try_from(-n).unwrap_or(0), 10f64.powi(n));
+    }
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
+            [digit.to_digit(10).unwrap_or(0) as usize],
+    };
+    format!(
+        "10{}",
+        n.to_string().chars().map(raised).collect::<String>()
+    )
+}
+
+/// A frame with grid, ticks and labels around a plot of two axes; an empty label is of an axis whose numbers stand elsewhere.
+pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
+    let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
+    for tick in x.ticks((right - left) / 80.0) {
+        let at = x.place(tick.at);
+        canvas.line([at, top], [at, bottom], (GRID, 0.6));
+        if !x_label.is_empty() {
+            canvas.text([at, bottom + 15.0], &tick.text, (Anchor::Middle, INK));
+        }
+    }
+    for tick in y.ticks((bottom - top) / 40.0) {
+        let at = y.place(tick.at);
+        canvas.line([left, at], [right, at], (GRID, 0.6));
+        canvas.text([left - 6.0, at + 4.0], &tick.text, (Anchor::End, INK));
+    }
+    canvas.rect([left, top], [right, bottom], ("none", FAINT));
+    canvas.text(
+        [0.5 * (left + right), bottom + 32.0],
+        x_label,
+        (Anchor::Middle, INK),
+    );
+    canvas.turned(
+        [left - 48.0, 0.5 * (top + bottom)],
+        y_label,
+        (Anchor::Middle, INK),
+        -90.0,
+    );
+}
+
+/// Smallest and largest of the finite values; `None` of none.
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let finite = values.filter(|value| value.is_finite());
+    finite.fold(None, |range, value| match range {
+        None => Some((value, value)),
+        Some((lo, hi)) => Some((f64::min(lo, value), f64::max(hi, value))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis, count: f64) -> Vec<String> {
+        let ticks = axis.ticks(count).into_iter().map(|tick| tick.text);
+        ticks.filter(|text| !text.is_empty()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let axis = Axis::linear((-0.31, 1.04), (0.0, 100.0));
+        assert_eq!(labels(&axis, 5.0), ["0.0", "0.5", "1.0"]);
+        let axis = Axis::linear((60.0, 3200.0), (0.0, 100.0));
+        assert_eq!(labels(&axis, 6.0), ["1000", "2000", "3000"]);
+        let axis = Axis::linear((-2.6e-5, 1e-6), (0.0, 100.0));
+        assert_eq!(
+            labels(&axis, 6.0),
+            ["-2.5e-5", "-2.0e-5", "-1.5e-5", "-1.0e-5", "-5e-6", "0"]
+        );
+        let axis = Axis::log((2e-8, 3e-3), (100.0, 0.0));
+        assert_eq!(labels(&axis, 5.0), ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³"]);
+        assert!(
+            axis.ticks(5.0)
+                .iter()
+                .all(|tick| tick.at >= 2e-8 * 0.999 && tick.at <= 3e-3 * 1.001)
+        );
+    }
+
+    #[test]
+    fn places_run_from_end_to_end() {
+        let axis = Axis::log((1.0, 100.0), (200.0, 0.0));
+        for (value, place) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0)] {
+            assert!((axis.place(value) - place).abs() < 1e-9);
+        }
+        assert!(axis.shown(0.0).is_none() && axis.shown(f64::NAN).is_none());
+        let flat = Axis::linear((3.0, 3.0), (0.0, 10.0));
+        assert!((flat.place(3.0) - 5.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,129 @@
+//! Bars: frequency errors by mode, shares of energy by root.
+
+use crate::correlate::Status;
+use crate::scene::{EnergyBar, Overview, OverviewRow};
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+
+/// Kinds of bodies that have a colour of their own.
+const COLORED: usize = 6;
+
+/// Error of every root that a test of the band has, with its standard deviation; `None` where there is none.
+pub(super) fn errors(overview: &Overview) -> Option<String> {
+    let inside = |row: &&OverviewRow| {
+        let seen = row
+            .cells
+            .iter()
+            .any(|cell| cell.status != Status::OutsideBand);
+        row.theory_hz.is_some() && seen
+    };
+    let rows: Vec<&OverviewRow> = overview.rows.iter().filter(inside).collect();
+    let ends = rows.iter().flat_map(|row| &row.cells).filter_map(|cell| {
+        let spread = cell.error_std_percent.unwrap_or(0.0);
+        Some([cell.error_percent? - spread, cell.error_percent? + spread])
+    });
+    let (lo, hi) = range(ends.flatten().chain([0.0]))?;
+    if rows.is_empty() || hi <= lo {
+        return None;
+    }
+    let mut canvas = Canvas::new(735.0, 320.0);
+    let pad = 0.08 * (hi - lo);
+    let count = rows.len() as f64;
+    let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0));
+    let y = Axis::linear((lo - pad, hi + pad), (260.0, 34.0));
+    frame(&mut canvas, (&x, &y), ("", "Frequency error (%)"));
+    let tests: Vec<&str> = overview.tests.iter().map(|own| own.test.as_str()).collect();
+    let wide = 0.8 / tests.len().max(1) as f64;
+    let every = rows.len().div_ceil(24).max(1);
+    for (k, row) in rows.iter().enumerate() {
+        let middle = k as f64 + 1.0;
+        if k % every == 0 {
+            canvas.text([x.place(middle), 276.0], &row.label, (Anchor::Middle, INK));
+        }
+        for cell in &row.cells {
+            let Some(n) = tests.iter().position(|own| *own == cell.test) else {
+                continue;
+            };
+            let at = middle + (n as f64 - 0.5 * (tests.len() as f64 - 1.0)) * wide;
+            let Some(error) = cell.error_percent else {
+                continue;
+            };
+            let (a, b) = (x.place(at - 0.45 * wide), x.place(at + 0.45 * wide));
+            canvas.rect(
+                [a, y.place(0.0)],
+                [b, y.place(error)],
+                (COLORS[n % COLORS.len()], "none"),
+            );
+            if let Some(std) = cell.error_std_percent {
+                let x = x.place(at);
+                canvas.line(
+                    [x, y.place(error - std)],
+                    [x, y.place(error + std)],
+                    (INK, 1.0),
+                );
+            }
+        }
+    }
+    canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], (INK, 1.0));
+    let names: Vec<(&str, &str)> = tests
+        .iter()
+        .enumerate()
+        .map(|(n, name)| (*name, COLORS[n % COLORS.len()]))
+        .collect();
+    canvas.legend([70.0, 306.0], &names);
+    Some(canvas.finish())
+}
+
+/// Kinetic energy of every root by kind of body; `None` without roots.
+pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
+    if bars.is_empty() {
+        return None;
+    }
+    let mut totals: Vec<(&str, f64)> = Vec::new();
+    for (name, share) in bars.iter().flat_map(|bar| &bar.kinetic) {
+        match totals.iter_mut().find(|(own, _)| own == name) {
+            Some((_, total)) => *total += share,
+            None => totals.push((name, *share)),
+        }
+    }
+    totals.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let color = |name: &str| {
+        let place = totals.iter().position(|(own, _)| *own == name);
+        place
+            .filter(|place| *place < COLORED)
+            .map_or("#d0d0d0", |place| COLORS[place])
+    };
+    let bottom = 30.0 + 20.0 * bars.len() as f64;
+    let mut canvas = Canvas::new(735.0, bottom + 40.0);
+    canvas.text(
+        [110.0, 18.0],
+        "Share of the kinetic energy",
+        (Anchor::Start, INK),
+    );
+    for (k, bar) in bars.iter().enumerate() {
+        let top = 30.0 + 20.0 * k as f64;
+        canvas.text(
+            [102.0, top + 12.0],
+            &format!("{:.1} Hz", bar.hz),
+            (Anchor::End, INK),
+        );
+        let mut left = 110.0;
+        for (name, _) in &totals {
+            let Some((_, share)) = bar.kinetic.iter().find(|(own, _)| own == name) else {
+                continue;
+            };
+            let right = left + 600.0 * share;
+            canvas.rect([left, top], [right, top + 15.0], (color(name), "none"));
+            left = right;
+        }
+        canvas.rect([110.0, top], [710.0, top + 15.0], ("none", FAINT));
+    }
+    let names: Vec<(&str, &str)> = totals
+        .iter()
+        .take(COLORED)
+        .map(|(name, _)| (*name, color(name)))
+        .collect();
+    canvas.legend([110.0, bottom + 26.0], &names);
+    Some(canvas.finish())
+}

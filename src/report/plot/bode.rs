@@ -1,0 +1,126 @@
+//! Magnitude, phase and coherence of one function over each other, with the curve of the modes.
+
+use crate::scene::{Curve, FrfFigure, TestFigures};
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 700.0;
+/// Phases further apart than this are a wrap, degrees.
+const WRAP: f64 = 180.0;
+
+pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String {
+    let coherent = !curve.coherence.is_empty();
+    let bottoms = [260.0, 400.0, 490.0];
+    let last = if coherent { 2 } else { 1 };
+    let mut canvas = Canvas::new(RIGHT + 15.0, bottoms[last] + 44.0);
+    let hz: Vec<f64> = curve
+        .lines
+        .iter()
+        .map(|k| set.start_hz + *k as f64 * set.step_hz)
+        .collect();
+    let x = Axis::linear(
+        range(hz.iter().copied()).unwrap_or((0.0, 1.0)),
+        (LEFT, RIGHT),
+    );
+    let title = format!(
+        "{}: {} / {}, {}",
+        test.name, curve.response, curve.reference, curve.kind
+    );
+    canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
+    let fitted = !curve.fit_magnitude.is_empty();
+    let names: &[(&str, &str)] = &[("data", COLORS[0]), ("fit", COLORS[1])];
+    canvas.legend(
+        [RIGHT - 110.0, 18.0],
+        if fitted { names } else { &names[..1] },
+    );
+
+    let all = curve
+        .magnitude
+        .iter()
+        .copied()
+        .chain(curve.fit_magnitude.iter().flatten().copied());
+    let (lo, hi) = range(all.filter(|value| *value > 0.0)).unwrap_or((1.0, 10.0));
+    let y = Axis::log((lo / 1.4, 1.4 * hi), (bottoms[0], 28.0));
+    let label = |own: usize| if own == last { "Frequency (Hz)" } else { "" };
+    frame(
+        &mut canvas,
+        (&x, &y),
+        (label(0), &format!("Magnitude ({})", curve.unit)),
+    );
+    canvas.clip([LEFT, 28.0], [RIGHT, bottoms[0]]);
+    marks(&mut canvas, test, &x, (28.0, bottoms[0]));
+    let measured: Vec<Option<f64>> = curve.magnitude.iter().copied().map(Some).collect();
+    draw(&mut canvas, "magnitude", (&hz, &measured), (&x, &y), false);
+    draw(
+        &mut canvas,
+        "magnitude-fit",
+        (&hz, &curve.fit_magnitude),
+        (&x, &y),
+        false,
+    );
+    canvas.unclip();
+
+    let y = Axis::linear((-190.0, 190.0), (bottoms[1], 280.0)).stepped(90.0);
+    frame(&mut canvas, (&x, &y), (label(1), "Phase (°)"));
+    let measured: Vec<Option<f64>> = curve.phase_deg.iter().copied().map(Some).collect();
+    draw(&mut canvas, "phase", (&hz, &measured), (&x, &y), true);
+    draw(
+        &mut canvas,
+        "phase-fit",
+        (&hz, &curve.fit_phase_deg),
+        (&x, &y),
+        true,
+    );
+
+    if coherent {
+        let y = Axis::linear((0.0, 1.05), (bottoms[2], 420.0));
+        frame(&mut canvas, (&x, &y), (label(2), "Coherence"));
+        let points: Vec<Option<[f64; 2]>> = hz
+            .iter()
+            .zip(&curve.coherence)
+            .map(|(hz, value)| Some([x.place(*hz), y.place(*value)]))
+            .collect();
+        canvas.curve("coherence", &points, (COLORS[2], 1.0, ""));
+    }
+    canvas.finish()
+}
+
+fn marks(canvas: &mut Canvas, test: &TestFigures, x: &Axis, (top, bottom): (f64, f64)) {
+    for (index, mode) in test.modes.iter().enumerate() {
+        let at = x.place(mode.hz);
+        canvas.line([at, top], [at, bottom], (FAINT, 0.5));
+        canvas.text(
+            [at + 2.0, top + 10.0],
+            &(index + 1).to_string(),
+            (Anchor::Start, FAINT),
+        );
+    }
+}
+
+fn draw(
+    canvas: &mut Canvas,
+    class: &str,
+    (hz, values): (&[f64], &[Option<f64>]),
+    (x, y): (&Axis, &Axis),
+    wraps: bool,
+) {
+    let mut points = Vec::with_capacity(values.len());
+    let mut before: Option<f64> = None;
+    for (hz, value) in hz.iter().zip(values) {
+        let jump = value
+            .zip(before)
+            .is_some_and(|(value, before)| (value - before).abs() > WRAP);
+        if wraps && jump {
+            points.push(None);
+        }
+        before = *value;
+        points.push(value.and_then(|value| Some([x.place(*hz), y.shown(value)?])));
+    }
+    let style = match class.ends_with("fit") {
+        true => (COLORS[1], 1.3, "5 3"),
+        false => (COLORS[0], 1.1, ""),
+    };
+    canvas.curve(class, &points, style);
+}

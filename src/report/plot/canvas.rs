@@ -1,0 +1,164 @@
+//! SVG text, piece by piece.
+
+use std::fmt::Write;
+
+/// Colours that people who confuse red and green tell apart (Okabe and Ito 2008, Color universal design).
+pub(super) const COLORS: [&str; 8] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000",
+];
+/// Text and frames.
+pub(super) const INK: &str = "#1b1b1b";
+/// Grids and what stands behind.
+pub(super) const GRID: &str = "#e2e2e2";
+/// Between both.
+pub(super) const FAINT: &str = "#8a8a8a";
+
+/// Where a text stands against its place.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A figure that is being drawn.
+pub(super) struct Canvas {
+    width: f64,
+    height: f64,
+    body: String,
+    clips: usize,
+}
+
+impl Canvas {
+    /// An empty one of this size, px.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self {
+            width,
+            height,
+            body: String::new(),
+            clips: 0,
+        }
+    }
+
+    /// The file.
+    pub fn finish(self) -> String {
+        let (width, height) = (self.width, self.height);
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"11\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            self.body
+        )
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], (color, width): (&str, f64)) {
+        let _ = writeln!(
+            self.body,
+            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{color}\" stroke-width=\"{width}\"/>",
+            from[0], from[1], to[0], to[1]
+        );
+    }
+
+    /// A rectangle by two corners; `fill` and `stroke` may be `none`.
+    pub fn rect(&mut self, a: [f64; 2], b: [f64; 2], (fill, stroke): (&str, &str)) {
+        let _ = writeln!(
+            self.body,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\" stroke=\"{stroke}\"/>",
+            a[0].min(b[0]),
+            a[1].min(b[1]),
+            (b[0] - a[0]).abs(),
+            (b[1] - a[1]).abs()
+        );
+    }
+
+    /// A circle.
+    pub fn dot(&mut self, at: [f64; 2], radius: f64, (fill, stroke): (&str, &str)) {
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke=\"{stroke}\"/>",
+            at[0], at[1]
+        );
+    }
+
+    /// A curve; `None` lifts the pen.
+    pub fn curve(
+        &mut self,
+        class: &str,
+        points: &[Option<[f64; 2]>],
+        (color, width, dash): (&str, f64, &str),
+    ) {
+        let mut path = String::new();
+        let mut down = false;
+        for point in points {
+            if let Some([x, y]) = point {
+                let _ = write!(path, "{}{x:.1} {y:.1}", if down { 'L' } else { 'M' });
+            }
+            down = point.is_some();
+        }
+        if !path.is_empty() {
+            let _ = writeln!(
+                self.body,
+                "<path class=\"{class}\" d=\"{path}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-dasharray=\"{dash}\" stroke-linejoin=\"round\"/>"
+            );
+        }
+    }
+
+    /// A text.
+    pub fn text(&mut self, at: [f64; 2], text: &str, (anchor, color): (Anchor, &str)) {
+        self.turned(at, text, (anchor, color), 0.0);
+    }
+
+    /// A text turned about its place, degrees.
+    pub fn turned(
+        &mut self,
+        [x, y]: [f64; 2],
+        text: &str,
+        (anchor, color): (Anchor, &str),
+        degrees: f64,
+    ) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let turn = match degrees {
+            0.0 => String::new(),
+            _ => format!(" transform=\"rotate({degrees} {x:.1} {y:.1})\""),
+        };
+        let text = text
+            .replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('>', "&gt;");
+        let _ = writeln!(
+            self.body,
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{color}\"{turn}>{text}</text>"
+        );
+    }
+
+    /// What is drawn from here on is cut off outside two corners, until [`Canvas::unclip`].
+    pub fn clip(&mut self, a: [f64; 2], b: [f64; 2]) {
+        self.clips += 1;
+        let id = self.clips;
+        let _ = writeln!(
+            self.body,
+            "<clipPath id=\"c{id}\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>\n<g clip-path=\"url(#c{id})\">",
+            a[0].min(b[0]),
+            a[1].min(b[1]),
+            (b[0] - a[0]).abs(),
+            (b[1] - a[1]).abs()
+        );
+    }
+
+    /// Ends [`Canvas::clip`].
+    pub fn unclip(&mut self) {
+        self.body.push_str("</g>\n");
+    }
+
+    /// Names with their colours, in one row from a place on.
+    pub fn legend(&mut self, [mut x, y]: [f64; 2], names: &[(&str, &str)]) {
+        for (name, color) in names {
+            self.line([x, y - 4.0], [x + 16.0, y - 4.0], (color, 3.0));
+            self.text([x + 21.0, y], name, (Anchor::Start, INK));
+            x += 36.0 + 6.2 * name.chars().count() as f64;
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The circle of a mode in the complex plane, and its damping surface as a map.
+
+use crate::scene::CircleFigure;
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, INK};
+use super::mac::heat;
+
+const SIDE: f64 = 330.0;
+
+pub(super) fn circle(own: &CircleFigure) -> String {
+    let mut canvas = Canvas::new(860.0, 440.0);
+    let title = format!("Mode {}: {:.2} Hz, {}", own.mode, own.hz, own.function);
+    canvas.text([75.0, 20.0], &title, (Anchor::Start, INK));
+    plane(&mut canvas, own);
+    surface(&mut canvas, own);
+    canvas.finish()
+}
+
+fn plane(canvas: &mut Canvas, own: &CircleFigure) {
+    let with_circle = |values: &[f64], center: f64| {
+        let ends = [center - own.radius, center + own.radius];
+        range(values.iter().copied().chain(ends)).unwrap_or((0.0, 1.0))
+    };
+    let (re, im) = (
+        with_circle(&own.re, own.center[0]),
+        with_circle(&own.im, own.center[1]),
+    );
+    let half = 0.54 * f64::max(re.1 - re.0, im.1 - im.0);
+    let around = |(lo, hi): (f64, f64)| (0.5 * (lo + hi) - half, 0.5 * (lo + hi) + half);
+    let x = Axis::linear(around(re), (75.0, 75.0 + SIDE));
+    let y = Axis::linear(around(im), (40.0 + SIDE, 40.0));
+    frame(
+        canvas,
+        (&x, &y),
+        ("Real part (m/N)", "Imaginary part (m/N)"),
+    );
+    let turn = |k: usize| {
+        let angle = k as f64 * std::f64::consts::TAU / 90.0;
+        let re = own.center[0] + own.radius * angle.cos();
+        let im = own.center[1] + own.radius * angle.sin();
+        Some([x.place(re), y.place(im)])
+    };
+    let points: Vec<Option<[f64; 2]>> = (0..=90).map(turn).collect();
+    canvas.curve("circle", &points, (COLORS[1], 1.3, ""));
+    for (re, im) in own.re.iter().zip(&own.im) {
+        canvas.dot([x.place(*re), y.place(*im)], 2.4, (COLORS[0], "none"));
+    }
+    let [re, im] = own.resonance;
+    canvas.dot([x.place(re), y.place(im)], 4.5, ("none", COLORS[2]));
+    canvas.legend(
+        [75.0, 430.0],
+        &[
+            ("data without the other modes", COLORS[0]),
+            ("circle", COLORS[1]),
+            ("resonance", COLORS[2]),
+        ],
+    );
+}
+
+fn surface(canvas: &mut Canvas, own: &CircleFigure) {
+    let ends = |hz: &[f64]| range(hz.iter().copied());
+    let (Some(below), Some(above)) = (ends(&own.below_hz), ends(&own.above_hz)) else {
+        return;
+    };
+    let known = own.damping.iter().flatten().flatten().copied();
+    let Some((least, most)) = range(known) else {
+        return;
+    };
+    let steps = [own.below_hz.len(), own.above_hz.len()].map(|count| SIDE / count as f64);
+    let (left, top) = (490.0, 40.0);
+    for (i, row) in own.damping.iter().enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            let Some(value) = value else { continue };
+            let share = if most > least {
+                (value - least) / (most - least)
+            } else {
+                0.5
+            };
+            let corner = [left + i as f64 * steps[0], top + SIDE - j as f64 * steps[1]];
+            let other = [corner[0] + steps[0], corner[1] - steps[1]];
+            canvas.rect(corner, other, (&heat(0.1 + 0.8 * share), "none"));
+        }
+    }
+    canvas.rect([left, top], [left + SIDE, top + SIDE], ("none", INK));
+    let x = Axis::linear(below, (left, left + SIDE));
+    let y = Axis::linear(above, (top + SIDE, top));
+    let labels = ("Line below the resonance (Hz)", "Line above (Hz)");
+    for tick in x.ticks(4.0) {
+        canvas.text(
+            [x.place(tick.at), top + SIDE + 15.0],
+            &tick.text,
+            (Anchor::Middle, INK),
+        );
+    }
+    for tick in y.ticks(6.0) {
+        canvas.text(
+            [left - 6.0, y.place(tick.at) + 4.0],
+            &tick.text,
+            (Anchor::End, INK),
+        );
+    }
+    canvas.text(
+        [left + 0.5 * SIDE, top + SIDE + 32.0],
+        labels.0,
+        (Anchor::Middle, INK),
+    );
+    canvas.turned(
+        [left - 52.0, top + 0.5 * SIDE],
+        labels.1,
+        (Anchor::Middle, INK),
+        -90.0,
+    );
+    let told = format!(
+        "Damping ratio of each pair of lines: {:.4} % (light) to {:.4} % (dark)",
+        100.0 * least,
+        100.0 * most
+    );
+    canvas.text([left, 430.0], &told, (Anchor::Start, INK));
+}

@@ -1,0 +1,93 @@
+//! The MAC as a labelled heat map.
+
+use crate::scene::MacFigure;
+
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK};
+
+/// Colours from 0 to 1: white to dark blue.
+const SCALE: [[f64; 3]; 5] = [
+    [255.0, 255.0, 255.0],
+    [198.0, 219.0, 239.0],
+    [107.0, 174.0, 214.0],
+    [33.0, 113.0, 181.0],
+    [8.0, 48.0, 107.0],
+];
+
+/// The colour of a share, 0 to 1.
+pub(super) fn heat(share: f64) -> String {
+    let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    let low = (place.floor() as usize).min(SCALE.len() - 2);
+    let mixed = [0, 1, 2]
+        .map(|k| SCALE[low][k] + (place - low as f64) * (SCALE[low + 1][k] - SCALE[low][k]));
+    let [red, green, blue] = mixed.map(|part| part.round() as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+pub(super) fn mac(own: &MacFigure) -> String {
+    let (rows, columns) = (own.test_hz.len(), own.theory_hz.len());
+    let wide = (620.0 / columns.max(1) as f64).clamp(10.0, 44.0);
+    let high = 22.0;
+    let (left, top) = (90.0, 16.0);
+    let bottom = top + high * rows as f64;
+    let right = left + wide * columns as f64;
+    let mut canvas = Canvas::new(right + 70.0, bottom + 84.0);
+    for (i, row) in own.mac.iter().enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            let a = [left + j as f64 * wide, top + i as f64 * high];
+            let b = [a[0] + wide, a[1] + high];
+            let fill = value.map_or_else(|| "#f2f2f2".to_owned(), heat);
+            canvas.rect(a, b, (&fill, GRID));
+            if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
+                let ink = if value > 0.55 { "#ffffff" } else { INK };
+                let at = [a[0] + 0.5 * wide, a[1] + 0.5 * high + 4.0];
+                canvas.text(at, &format!("{value:.2}"), (Anchor::Middle, ink));
+            }
+        }
+    }
+    for [i, j] in &own.pairs {
+        let a = [left + *j as f64 * wide + 1.0, top + *i as f64 * high + 1.0];
+        canvas.rect(
+            a,
+            [a[0] + wide - 2.0, a[1] + high - 2.0],
+            ("none", COLORS[1]),
+        );
+    }
+    for (i, hz) in own.test_hz.iter().enumerate() {
+        let at = [left - 6.0, top + (i as f64 + 0.5) * high + 4.0];
+        canvas.text(at, &format!("{hz:.1}"), (Anchor::End, INK));
+    }
+    for (j, hz) in own.theory_hz.iter().enumerate() {
+        let at = [left + (j as f64 + 0.5) * wide + 4.0, bottom + 10.0];
+        canvas.turned(at, &format!("{hz:.1}"), (Anchor::End, INK), -60.0);
+    }
+    canvas.text(
+        [0.5 * (left + right), bottom + 76.0],
+        "Theory (Hz)",
+        (Anchor::Middle, INK),
+    );
+    canvas.turned(
+        [18.0, 0.5 * (top + bottom)],
+        "Test (Hz)",
+        (Anchor::Middle, INK),
+        -90.0,
+    );
+    scale(&mut canvas, right + 18.0, (top, top + 110.0));
+    canvas.finish()
+}
+
+fn scale(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64)) {
+    let step = (bottom - top) / 20.0;
+    for k in 0..20 {
+        let y = bottom - f64::from(k) * step;
+        canvas.rect(
+            [x, y],
+            [x + 12.0, y - step],
+            (&heat((f64::from(k) + 0.5) / 20.0), "none"),
+        );
+    }
+    canvas.rect([x, top], [x + 12.0, bottom], ("none", FAINT));
+    for (share, text) in [(0.0, "0"), (0.5, "0.5"), (1.0, "1")] {
+        let y = bottom + share * (top - bottom) + 4.0;
+        canvas.text([x + 17.0, y], text, (Anchor::Start, INK));
+    }
+}

@@ -1,0 +1,76 @@
+//! The stabilisation diagram over the CMIF.
+
+use crate::scene::{StabilizationFigure, TestFigures};
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = 720.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 420.0;
+/// The CMIF is shown down to this part of its peak.
+const LEAST: f64 = 1e-6;
+
+pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> String {
+    let mut canvas = Canvas::new(RIGHT + 16.0, BOTTOM + 64.0);
+    let orders = range(own.order.iter().map(|order| *order as f64)).unwrap_or((0.0, 1.0));
+    let pad = f64::max(1.0, 0.06 * (orders.1 - orders.0));
+    let x = Axis::linear((own.band_hz[0], own.band_hz[1]), (LEFT, RIGHT));
+    let y = Axis::linear((orders.0 - pad, orders.1 + pad), (BOTTOM, TOP));
+    canvas.text(
+        [LEFT, 18.0],
+        &format!("{}: poles of {} over the CMIF", test.name, own.method),
+        (Anchor::Start, INK),
+    );
+    frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
+    canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
+    indicator(&mut canvas, own, &x);
+    for mode in &test.modes {
+        let at = x.place(mode.hz);
+        canvas.line([at, TOP], [at, BOTTOM], (FAINT, 0.5));
+    }
+    let styles = [
+        (1.6, ("none", COLORS[6])),
+        (2.4, (COLORS[0], "none")),
+        (2.8, (COLORS[2], "none")),
+    ];
+    for (k, status) in own.status.iter().enumerate() {
+        let (radius, style) = styles[usize::from(*status).min(2)];
+        canvas.dot(
+            [x.place(own.hz[k]), y.place(own.order[k] as f64)],
+            radius,
+            style,
+        );
+    }
+    canvas.unclip();
+    let names = [
+        ("alone", COLORS[6]),
+        ("stable", COLORS[0]),
+        ("chosen", COLORS[2]),
+        ("identified modes", FAINT),
+        ("CMIF", "#b5b5b5"),
+    ];
+    canvas.legend([LEFT, BOTTOM + 56.0], &names);
+    canvas.finish()
+}
+
+fn indicator(canvas: &mut Canvas, own: &StabilizationFigure, x: &Axis) {
+    let all = own
+        .cmif
+        .values
+        .iter()
+        .flatten()
+        .copied()
+        .filter(|value| *value > 0.0);
+    let Some((lo, hi)) = range(all) else { return };
+    let lo = lo.max(LEAST * hi);
+    let y = Axis::log((lo, 1.3 * hi), (BOTTOM, TOP));
+    for course in &own.cmif.values {
+        let points = own.cmif.hz.iter().zip(course);
+        let points: Vec<Option<[f64; 2]>> = points
+            .map(|(hz, value)| Some([x.place(*hz), y.shown(value.max(lo))?]))
+            .collect();
+        canvas.curve("cmif", &points, ("#b5b5b5", 1.0, ""));
+    }
+}

@@ -1,0 +1,177 @@
+//! Mode shapes at their largest, a panel each: the test's on its points and, with a broken line, the theory's.
+
+use crate::scene::{Partner, ShapeFigure, ShapeValues};
+
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK};
+
+const WIDE: f64 = 240.0;
+const HIGH: f64 = 170.0;
+const COLUMNS: usize = 3;
+/// Largest displacement as a part of the half size of the structure.
+const AMPLITUDE: f64 = 0.35;
+
+/// Where points are on the page.
+struct View {
+    center: [f64; 3],
+    size: f64,
+    /// From above, for a plane that moves in itself; else from the front, turned and tilted.
+    above: bool,
+}
+
+impl View {
+    fn of(own: &ShapeFigure) -> Self {
+        let ends = |k: usize| {
+            let all = own.points.iter().map(|point| point.at_m[k]);
+            super::axis::range(all).unwrap_or((0.0, 0.0))
+        };
+        let bounds = [ends(0), ends(1), ends(2)];
+        let half = bounds
+            .iter()
+            .map(|(lo, hi)| 0.5 * (hi - lo))
+            .fold(0.0, f64::max);
+        let flat = bounds[2].1 - bounds[2].0 <= 1e-6 * half;
+        Self {
+            center: bounds.map(|(lo, hi)| 0.5 * (lo + hi)),
+            size: if half > 0.0 { half } else { 1.0 },
+            above: flat
+                && own
+                    .readings
+                    .iter()
+                    .all(|reading| reading.direction[2].abs() < 0.01),
+        }
+    }
+
+    fn place(&self, at: [f64; 3], [left, top]: [f64; 2]) -> [f64; 2] {
+        let [x, y, z] = [0, 1, 2].map(|k| (at[k] - self.center[k]) / self.size);
+        let (right, up) = match self.above {
+            true => (x, y),
+            false => (0.94 * x + 0.34 * y, 0.95 * z - 0.1 * x + 0.29 * y),
+        };
+        [
+            left + 0.5 * WIDE + 0.36 * WIDE * right,
+            top + 0.55 * HIGH - 0.36 * WIDE * up,
+        ]
+    }
+}
+
+pub(super) fn shapes(own: &ShapeFigure) -> String {
+    let view = View::of(own);
+    let rows = own.test.len().div_ceil(COLUMNS);
+    let mut canvas = Canvas::new(WIDE * COLUMNS as f64, HIGH * rows as f64 + 34.0);
+    for (k, shape) in own.test.iter().enumerate() {
+        let corner = [(k % COLUMNS) as f64 * WIDE, (k / COLUMNS) as f64 * HIGH];
+        let partner = own.partners.get(k).and_then(Option::as_ref);
+        panel(&mut canvas, own, (&view, corner), (k, shape, partner));
+    }
+    let names = [
+        ("test", COLORS[0]),
+        ("theory", COLORS[1]),
+        ("undeformed", FAINT),
+    ];
+    canvas.legend([14.0, HIGH * rows as f64 + 22.0], &names);
+    canvas.finish()
+}
+
+fn panel(
+    canvas: &mut Canvas,
+    own: &ShapeFigure,
+    (view, corner): (&View, [f64; 2]),
+    (index, shape, partner): (usize, &ShapeValues, Option<&Partner>),
+) {
+    let mac = partner
+        .and_then(|own| own.mac)
+        .map_or_else(String::new, |mac| format!(", MAC {mac:.3}"));
+    let title = format!("{}: {:.1} Hz{mac}", index + 1, shape.hz);
+    canvas.text(
+        [corner[0] + 14.0, corner[1] + 18.0],
+        &title,
+        (Anchor::Start, INK),
+    );
+    let test = at_its_largest(&complex(shape));
+    let theory = partner.and_then(|partner| sum(own, partner));
+    // Both at the phase at which the test's shape is largest.
+    let phase = test.1;
+    let theory = theory.map(|values| at_phase(&values, phase));
+    let moved = displacements(own, &test.0);
+    let largest = moved
+        .iter()
+        .map(|d| d.iter().map(|x| x * x).sum::<f64>().sqrt())
+        .fold(0.0, f64::max);
+    let scale = if largest > 0.0 {
+        AMPLITUDE * view.size / largest
+    } else {
+        0.0
+    };
+    let mut draw = |moved: Option<&[[f64; 3]]>, (color, width, dash): (&str, f64, &str)| {
+        let at = |n: usize| {
+            let point = &own.points[n];
+            let shift = moved.map_or([0.0; 3], |moved| moved[n]);
+            let at = [0, 1, 2].map(|k| point.at_m[k] + scale * shift[k]);
+            view.place(at, corner)
+        };
+        for [a, b] in &own.lines {
+            canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], (color, width, dash));
+        }
+        for n in 0..own.points.len() {
+            canvas.dot(at(n), 1.2 * width, (color, "none"));
+        }
+    };
+    draw(None, (GRID, 1.0, ""));
+    if let Some(theory) = theory {
+        draw(Some(&displacements(own, &theory)), (COLORS[1], 1.4, "4 3"));
+    }
+    draw(Some(&moved), (COLORS[0], 1.7, ""));
+}
+
+type Values = Vec<Option<[f64; 2]>>;
+
+fn complex(shape: &ShapeValues) -> Values {
+    let imaginary = |k: usize| shape.im.get(k).copied().unwrap_or(0.0);
+    let values = shape.re.iter().enumerate();
+    values
+        .map(|(k, re)| re.map(|re| [re, imaginary(k)]))
+        .collect()
+}
+
+/// Real values at the phase at which the largest component is largest, and that phase, rad.
+fn at_its_largest(values: &Values) -> (Vec<Option<f64>>, f64) {
+    let known = values.iter().flatten();
+    let largest = known.max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    let phase = largest.map_or(0.0, |[re, im]| -im.atan2(*re));
+    (at_phase(values, phase), phase)
+}
+
+fn at_phase(values: &Values, phase: f64) -> Vec<Option<f64>> {
+    let (sine, cosine) = phase.sin_cos();
+    let each = values.iter();
+    each.map(|value| value.map(|[re, im]| re * cosine - im * sine))
+        .collect()
+}
+
+/// The sum of the partner's modes with their factors; `None` where one is not shown.
+fn sum(own: &ShapeFigure, partner: &Partner) -> Option<Values> {
+    let mut total: Values = vec![Some([0.0; 2]); own.readings.len()];
+    for (j, re, im) in &partner.modes {
+        let shape = complex(own.theory.get(*j)?);
+        for (all, one) in total.iter_mut().zip(shape) {
+            *all = all.zip(one).map(|(all, one)| {
+                [
+                    all[0] + re * one[0] - im * one[1],
+                    all[1] + re * one[1] + im * one[0],
+                ]
+            });
+        }
+    }
+    Some(total)
+}
+
+fn displacements(own: &ShapeFigure, values: &[Option<f64>]) -> Vec<[f64; 3]> {
+    let mut moved = vec![[0.0; 3]; own.points.len()];
+    for (reading, value) in own.readings.iter().zip(values) {
+        let Some(value) = value else { continue };
+        for k in 0..3 {
+            moved[reading.point][k] += value * reading.direction[k];
+        }
+    }
+    moved
+}

@@ -1,0 +1,224 @@
+//! How the bodies of a model move: every place of a body that has coordinates, with its displacement and rotation in each mode.
+
+use serde::{Deserialize, Serialize};
+
+use crate::axis::Band;
+use crate::theory::{Coordinate, ModeOptions, Motion, TheoryModes, modes};
+
+use super::super::SceneError;
+use super::super::model::LoadedModel;
+use super::rounded;
+
+/// Numbers at most; a model of more is not drawn, but at the sensors.
+const MOST_NUMBERS: usize = 90_000;
+
+/// Coordinates of a sparse model above which it is not solved once more.
+const MOST_SPARSE: usize = 3000;
+
+/// The modes of a model over its bodies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TheoryMotion {
+    /// Places of bodies; a rigid body has one, a beam many.
+    pub nodes: Vec<BodyNode>,
+    /// Frequencies, Hz, in the order of the theory's modes.
+    pub hz: Vec<f64>,
+    /// For each mode: x, y, z displacement and rotation about x, y, z of every node, one after the other; m and rad for unit modal mass.
+    pub modes: Vec<Vec<f64>>,
+}
+
+/// A place of a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyNode {
+    /// Name of the body.
+    pub body: String,
+    /// Where it is, m.
+    pub at_m: [f64; 3],
+    /// Radius of gyration `√(J/m)`, m; `None` where it has no mass or no rotation, and for nodes of a beam.
+    pub radius_m: Option<f64>,
+    /// Axes about which it turns.
+    pub axes: Vec<[f64; 3]>,
+}
+
+/// The motion of a model in a band; `None` for one of too many coordinates, or whose coordinates have no place.
+pub(super) fn theory_motion(
+    model: &LoadedModel,
+    band: Option<Band>,
+) -> Result<Option<TheoryMotion>, SceneError> {
+    let sparse = model.model.sparse(&model.values)?;
+    if sparse
+        .as_ref()
+        .is_some_and(|own| own.coordinates.len() > MOST_SPARSE)
+    {
+        return Ok(None);
+    }
+    let options = ModeOptions {
+        band,
+        ..ModeOptions::default()
+    };
+    let solved = modes(model.model.as_ref(), &model.values, &[], &options)?;
+    let coordinates = &solved.coordinates;
+    let places = places(coordinates);
+    let count =
+        places.iter().map(|(_, _, own)| own.len()).sum::<usize>() * 6 * solved.omega_rad_s.len();
+    if places.is_empty() || count > MOST_NUMBERS || placeless(&places) {
+        return Ok(None);
+    }
+    let masses = match sparse {
+        Some(_) => None,
+        None => Some(model.model.assemble(&model.values)?.mass),
+    };
+    let mass = |c: usize| masses.as_ref().map(|own| own[(c, c)]);
+    let several = |body: &str| places.iter().filter(|(own, ..)| *own == body).count() > 1;
+    let nodes = places.iter().map(|(body, at_m, own)| {
+        let of = |motion: Motion| {
+            own.iter()
+                .filter(move |c| coordinates[**c].motion == motion)
+        };
+        let heaviest = of(Motion::Translation)
+            .filter_map(|c| mass(*c))
+            .fold(0.0, f64::max);
+        let inertia = of(Motion::Rotation)
+            .filter_map(|c| mass(*c))
+            .fold(0.0, f64::max);
+        let radius = (heaviest > 0.0 && inertia > 0.0 && !several(body))
+            .then(|| (inertia / heaviest).sqrt());
+        let turning = of(Motion::Rotation).chain(of(Motion::Arc));
+        BodyNode {
+            body: (*body).to_owned(),
+            at_m: *at_m,
+            radius_m: radius.map(|radius| rounded(radius, 4)),
+            axes: if several(body) {
+                Vec::new()
+            } else {
+                turning.map(|c| coordinates[*c].axis).collect()
+            },
+        }
+    });
+    Ok(Some(TheoryMotion {
+        nodes: nodes.collect(),
+        hz: solved
+            .omega_rad_s
+            .iter()
+            .map(|w| rounded(w / std::f64::consts::TAU, 7))
+            .collect(),
+        modes: (0..solved.omega_rad_s.len())
+            .map(|j| motion(&solved, &places, j))
+            .collect(),
+    }))
+}
+
+/// Body, place and the indices of the coordinates there, in the order of the model.
+type PlaceOf<'a> = (&'a str, [f64; 3], Vec<usize>);
+
+fn places(coordinates: &[Coordinate]) -> Vec<PlaceOf<'_>> {
+    let mut all: Vec<PlaceOf> = Vec::new();
+    for (index, own) in coordinates.iter().enumerate() {
+        let bits = |at: &[f64; 3]| at.map(f64::to_bits);
+        let known = all
+            .iter_mut()
+            .find(|(body, at, _)| *body == own.body && bits(at) == bits(&own.at_m));
+        match known {
+            Some((_, _, members)) => members.push(index),
+            None => all.push((&own.body, own.at_m, vec![index])),
+        }
+    }
+    all
+}
+
+/// Several bodies that are all at one place were never given any, unless they turn about it.
+fn placeless(places: &[PlaceOf<'_>]) -> bool {
+    let first = places[0].1;
+    let far = |at: &[f64; 3]| at.iter().zip(&first).any(|(a, b)| (a - b).abs() > 1e-12);
+    places.len() > 12 && !places.iter().any(|(_, at, _)| far(at))
+}
+
+fn motion(solved: &TheoryModes, places: &[PlaceOf<'_>], mode: usize) -> Vec<f64> {
+    let mut all = Vec::with_capacity(6 * places.len());
+    for (_, _, members) in places {
+        let mut own = [0.0; 6];
+        for &c in members {
+            let coordinate = &solved.coordinates[c];
+            let offset = match coordinate.motion {
+                Motion::Translation => 0,
+                Motion::Rotation | Motion::Arc => 3,
+            };
+            for (k, part) in coordinate.axis.iter().enumerate() {
+                own[offset + k] += part * solved.vectors[(c, mode)];
+            }
+        }
+        all.extend(own.map(|value| rounded(value, 4)));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::LumpedModel;
+
+    /// Two discs; the first turns and moves along y, the second only moves.
+    fn discs(at_m: f64) -> LoadedModel {
+        let text = format!(
+            r#"
+[[body]]
+name = "disc"
+mass_kg = 2.0
+inertia_kg_m2 = 0.08
+free = ["y", "rz"]
+[[body]]
+name = "block"
+at_m = [{at_m}, 0.0, 0.0]
+mass_kg = 1.0
+free = ["y"]
+[[point]]
+name = "rim"
+body = "disc"
+at_m = [0.1, 0.0, 0.0]
+[[point]]
+name = "top"
+body = "block"
+at_m = [{at_m}, 0.0, 0.0]
+[[spring]]
+name = "link"
+from = "rim"
+to = "top"
+direction = [0.0, 1.0, 0.0]
+stiffness_n_per_m = 1e6
+"#
+        );
+        let model = LumpedModel::new(toml::from_str(&text).unwrap()).unwrap();
+        LoadedModel {
+            model: Box::new(model),
+            sensors: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_body_has_the_radius_of_its_inertia_and_moves_as_its_mode() {
+        let own = theory_motion(&discs(0.3), None).unwrap().unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-3 * b.abs().max(1e-9), "{a} {b}");
+        assert_eq!(own.nodes.len(), 2);
+        near(own.nodes[0].radius_m.unwrap(), 0.2);
+        assert_eq!((own.nodes[1].radius_m, own.nodes[1].axes.len()), (None, 0));
+        assert_eq!(own.nodes[0].axes, [[0.0, 0.0, 1.0]]);
+        // 1/m + r²/J + 1/m' per unit stiffness: 0.5 + 0.01/0.08 + 1.
+        let elastic = own.hz.len() - 1;
+        near(
+            own.hz[elastic],
+            (1e6f64 * 1.625).sqrt() / std::f64::consts::TAU,
+        );
+        let motion = &own.modes[elastic];
+        assert_eq!(motion.len(), 12);
+        // Momentum and moment of momentum stay 0: 2 y + y' = 0, 0.08 θ = 0.2 y.
+        near(motion[7], -2.0 * motion[1]);
+        near(motion[5], 2.0 * motion[1] * 0.1 / 0.08);
+    }
+
+    #[test]
+    fn a_band_leaves_the_modes_outside_away() {
+        let band = Band::new(1.0, 1e5).unwrap();
+        let own = theory_motion(&discs(0.3), Some(band)).unwrap().unwrap();
+        assert_eq!((own.hz.len(), own.modes.len()), (1, 1));
+    }
+}

@@ -1,0 +1,223 @@
+//! What the figures of a report show, computed once: curves thinned to what a screen can show, fits, poles, shapes.
+//!
+//! Whoever draws it ([`crate::report`]) computes nothing. Everything here is plain numbers that a JSON file holds, rounded to
+//! what a figure shows; results proper are in the other files of a run.
+
+mod bodies;
+mod circles;
+mod curves;
+mod overview;
+mod poles;
+mod provenance;
+mod shapes;
+#[cfg(test)]
+mod shapes_tests;
+
+use serde::{Deserialize, Serialize};
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+
+use super::SceneError;
+use super::plan::Scene;
+use super::result::{SceneResult, TestResult};
+
+pub use bodies::{BodyNode, TheoryMotion};
+pub use circles::CircleFigure;
+pub use curves::{Curve, FrfFigure};
+pub use overview::{Overview, OverviewCell, OverviewRow};
+pub use poles::{CmifCurve, StabilizationFigure};
+pub use provenance::{Provenance, SourceFile};
+pub use shapes::{MacFigure, Partner, Reading, ShapeFigure, ShapePoint, ShapeValues};
+
+/// Points of all FRF curves of a report together: with six numbers each, about 2 MB.
+const MOST_POINTS: usize = 36_000;
+
+/// All that a report shows beside its tables.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Figures {
+    /// How far apart test and theory are; `None` without a comparison.
+    pub overview: Option<Overview>,
+    /// Of every test.
+    pub tests: Vec<TestFigures>,
+    /// The motion of the model's bodies; `None` for finished modes, and without a model.
+    pub theory: Option<TheoryMotion>,
+    /// Energies of the model's roots.
+    pub energies: Vec<EnergyBar>,
+}
+
+/// The figures of one test.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct TestFigures {
+    /// Its name.
+    pub name: String,
+    /// Its file of FRFs in the folder of the run; `None` for a test of finished modes.
+    pub frf_file: Option<String>,
+    /// Its modes.
+    pub modes: Vec<ModeMark>,
+    /// Bode and Nyquist diagrams.
+    pub frfs: Option<FrfFigure>,
+    /// Poles of all orders over the CMIF.
+    pub stabilization: Option<StabilizationFigure>,
+    /// A circle fit of each mode.
+    pub circles: Vec<CircleFigure>,
+    /// MAC with the theory.
+    pub mac: Option<MacFigure>,
+    /// Shapes on the test's points.
+    pub shapes: Option<ShapeFigure>,
+}
+
+/// A mode as figures mark it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModeMark {
+    /// Natural frequency, Hz.
+    pub hz: f64,
+    /// Its standard deviation, Hz.
+    pub hz_std: Option<f64>,
+    /// Damping ratio, a fraction.
+    pub damping_ratio: Option<f64>,
+    /// Its standard deviation.
+    pub damping_std: Option<f64>,
+    /// Modal phase collinearity.
+    pub mpc: Option<f64>,
+}
+
+/// Where the energy of a root of the model is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnergyBar {
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Number of modes that share it.
+    pub multiplicity: usize,
+    /// Kind of motion in the model's words.
+    pub class: Option<String>,
+    /// Shares of the kinetic energy by kind of body, largest first.
+    pub kinetic: Vec<(String, f64)>,
+    /// Shares of the strain energy by spring or part.
+    pub strain: Vec<(String, f64)>,
+}
+
+/// The figures of a scene that was run, and what it was made from.
+///
+/// `frf_files` are the names under which the FRFs of the tests are written, in their order.
+///
+/// # Errors
+/// [`SceneError`] of the model, and of files that can no longer be read.
+pub fn figures(
+    scene: &Scene,
+    result: &SceneResult,
+    frf_files: &[Option<String>],
+) -> Result<(Figures, Provenance), SceneError> {
+    let counts = result.tests.iter().map(|test| functions_shown(&test.frfs));
+    let functions = counts.sum::<usize>().max(1);
+    let model = match &scene.model {
+        Some(table) => super::table_model(table, &scene.folder, &scene.path)?,
+        None => None,
+    };
+    let sensors = match &model {
+        Some(model) => model.sensors_with(&scene.sensors),
+        None => scene.sensors.clone(),
+    };
+    let band = super::chain::theory_band(scene, &result.tests);
+    let motion = match &model {
+        Some(model) => bodies::theory_motion(model, band)?,
+        None => None,
+    };
+    let mut tests = Vec::with_capacity(result.tests.len());
+    for (index, test) in result.tests.iter().enumerate() {
+        let shown = shapes::Shown {
+            test,
+            theory: &result.theory,
+            pairing: result.pairings.get(index),
+            sensors: &sensors,
+            motion: motion.as_ref(),
+        };
+        tests.push(TestFigures {
+            name: test.name.clone(),
+            frf_file: frf_files.get(index).cloned().flatten(),
+            modes: marks(test),
+            frfs: one_set(&test.frfs)
+                .and_then(|set| curves::frf_figure(set, &test.modes, MOST_POINTS / functions)),
+            stabilization: poles::stabilization_figure(scene, test),
+            circles: circles::circle_figures(test),
+            mac: shapes::mac_figure(&shown),
+            shapes: shapes::shape_figure(&shown),
+        });
+    }
+    let figures = Figures {
+        overview: result.table.as_ref().map(overview::overview),
+        tests,
+        theory: motion,
+        energies: energies(result, band),
+    };
+    Ok((figures, provenance::provenance(scene, result)?))
+}
+
+fn marks(test: &TestResult) -> Vec<ModeMark> {
+    let modes = test.modes.modes.iter();
+    let mark = modes.map(|mode| ModeMark {
+        hz: mode.frequency_hz,
+        hz_std: mode.frequency_std_hz,
+        damping_ratio: mode.damping_ratio,
+        damping_std: mode.damping_std,
+        mpc: mode.mpc,
+    });
+    mark.collect()
+}
+
+fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
+    let hz = |omega: f64| omega / std::f64::consts::TAU;
+    let roots = result.theory.roots.iter();
+    let inside = roots.filter(|root| band.is_none_or(|band| band.contains(hz(root.omega_rad_s))));
+    let shares = |own: &[(String, f64)]| -> Vec<(String, f64)> {
+        let told = own.iter().filter(|(_, share)| *share >= 5e-4);
+        told.map(|(name, share)| (name.clone(), rounded(*share, 4)))
+            .collect()
+    };
+    let bar = inside.map(|root| EnergyBar {
+        hz: rounded(hz(root.omega_rad_s), 7),
+        multiplicity: root.modes.len(),
+        class: root.class.clone(),
+        kinetic: shares(&root.energy_by_kind()),
+        strain: shares(&root.strain_energy),
+    });
+    bar.collect()
+}
+
+/// The only set of a test; a test on several axes is not fitted and not drawn.
+fn one_set(sets: &[FrfSet]) -> Option<&FrfSet> {
+    match sets {
+        [set] => Some(set),
+        _ => None,
+    }
+}
+
+fn functions_shown(sets: &[FrfSet]) -> usize {
+    one_set(sets).map_or(0, |set| set.len().min(curves::MOST_FUNCTIONS))
+}
+
+/// A number with so many significant digits.
+fn rounded(value: f64, digits: usize) -> f64 {
+    let text = format!("{value:.*e}", digits - 1);
+    text.parse().unwrap_or(value)
+}
+
+/// A number with so many decimals.
+fn to_decimals(value: f64, decimals: i32) -> f64 {
+    let scale = 10f64.powi(decimals);
+    (value * scale).round() / scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_and_stay_what_they_are() {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-15 * b.abs();
+        assert!(near(rounded(1.234_567e-9, 4), 1.235e-9));
+        assert!(near(rounded(-98_765.0, 3), -98_800.0));
+        assert!(near(rounded(0.0, 3), 0.0) && rounded(f64::NAN, 3).is_nan());
+        assert!(near(to_decimals(-0.123_4, 2), -0.12));
+    }
+}

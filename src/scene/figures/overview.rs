@@ -1,0 +1,169 @@
+//! The answer in short: how many modes met, how far apart they are, which were missed, and where the model leans.
+
+use serde::{Deserialize, Serialize};
+
+use crate::correlate::{ComparisonTable, ErrorReference, Row, Status, TestCell, TestSummary};
+
+use super::rounded;
+
+/// Fewest pairs whose errors tell which way the model leans.
+const FEWEST_LEANING: usize = 3;
+
+/// What the first screen of a report says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Overview {
+    /// How each test fared.
+    pub tests: Vec<TestSummary>,
+    /// Whether errors are a part of the theory's frequency (else of the test's).
+    pub of_theory: bool,
+    /// Every root with what each test has of it, then test modes without a partner.
+    pub rows: Vec<OverviewRow>,
+    /// One factor on all stiffnesses that would bring the mean frequency of all pairs to the tests: the square of the mean ratio of
+    /// test to theory. `None` unless the pairs, three or more, are all off to one side.
+    pub stiffness_factor: Option<f64>,
+}
+
+/// A root of the theory, or a test mode without a partner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OverviewRow {
+    /// `f1`, `f2`, ... or `x1`, `x2`, ...
+    pub label: String,
+    /// The theory's frequency, Hz.
+    pub theory_hz: Option<f64>,
+    /// Number of modes that share it.
+    pub multiplicity: usize,
+    /// A cell of each test that has one.
+    pub cells: Vec<OverviewCell>,
+}
+
+/// What a test has of a root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OverviewCell {
+    /// Name of the test.
+    pub test: String,
+    /// Its frequency, Hz.
+    pub hz: Option<f64>,
+    /// Signed error, percent.
+    pub error_percent: Option<f64>,
+    /// Standard deviation of that from the test's frequency, percent.
+    pub error_std_percent: Option<f64>,
+    /// MAC.
+    pub mac: Option<f64>,
+    /// What became of it.
+    pub status: Status,
+    /// Why.
+    pub reasons: Vec<String>,
+}
+
+pub(super) fn overview(table: &ComparisonTable) -> Overview {
+    let rows = table.rows.iter().map(row).collect();
+    Overview {
+        tests: table.summary.clone(),
+        of_theory: table.error_reference == ErrorReference::Theory,
+        rows,
+        stiffness_factor: stiffness_factor(table),
+    }
+}
+
+fn row(row: &Row) -> OverviewRow {
+    let theory_hz = row.theory.as_ref().map(|own| own.hz);
+    OverviewRow {
+        label: row.label.clone(),
+        theory_hz: theory_hz.map(|hz| rounded(hz, 7)),
+        multiplicity: row.theory.as_ref().map_or(1, |own| own.modes.len()),
+        cells: row
+            .tests
+            .iter()
+            .map(|cell| own_cell(cell, theory_hz))
+            .collect(),
+    }
+}
+
+fn own_cell(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
+    let reference_hz = theory_hz.or(cell.hz);
+    let relative = |hz: f64| {
+        reference_hz
+            .filter(|own| *own > 0.0)
+            .map(|own| 100.0 * hz / own)
+    };
+    OverviewCell {
+        test: cell.test.clone(),
+        hz: cell.hz.map(|hz| rounded(hz, 7)),
+        error_percent: cell.error_percent.map(|error| rounded(error, 5)),
+        error_std_percent: cell.hz_std.and_then(relative).map(|std| rounded(std, 3)),
+        mac: cell.mac.map(|mac| rounded(mac, 4)),
+        status: cell.status,
+        reasons: cell.reasons.clone(),
+    }
+}
+
+/// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1.
+fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
+    let mut ratios = Vec::new();
+    for row in &table.rows {
+        let Some(theory) = &row.theory else { continue };
+        let paired = row.tests.iter().filter(|cell| cell.error_percent.is_some());
+        ratios.extend(paired.filter_map(|cell| Some(cell.hz? / theory.hz)));
+    }
+    let one_side = ratios.iter().all(|r| *r > 1.0) || ratios.iter().all(|r| *r < 1.0);
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    (one_side && ratios.len() >= FEWEST_LEANING).then(|| rounded(mean * mean, 4))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlate::TheoryCell;
+
+    fn table(pairs: &[(f64, f64)]) -> ComparisonTable {
+        let cell = |hz: f64| TestCell {
+            test: "bar".to_owned(),
+            modes: vec![1],
+            hz: Some(hz),
+            hz_std: Some(0.5),
+            error_percent: Some(1.0),
+            error_hz: None,
+            normalised_error: None,
+            damping_ratio: None,
+            damping_std: None,
+            mac: Some(0.987_654),
+            angles_deg: None,
+            status: Status::Paired,
+            reasons: Vec::new(),
+            observability: None,
+        };
+        let row = |(theory, test): &(f64, f64)| Row {
+            label: "f1".to_owned(),
+            theory: Some(TheoryCell {
+                modes: vec![1],
+                hz: *theory,
+            }),
+            tests: vec![cell(*test)],
+        };
+        ComparisonTable {
+            error_reference: ErrorReference::Theory,
+            rows: pairs.iter().map(row).collect(),
+            summary: Vec::new(),
+            dofs_used: 3,
+            footnotes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_model_that_leans_to_one_side_has_a_factor_and_no_other() {
+        let leaning = overview(&table(&[(100.0, 97.0), (200.0, 196.0), (400.0, 396.0)]));
+        let factor = ((0.97f64 + 0.98 + 0.99) / 3.0).powi(2);
+        assert!((leaning.stiffness_factor.unwrap() - factor).abs() < 1e-4);
+        let cell = &leaning.rows[1].cells[0];
+        assert_eq!(
+            (cell.mac, cell.error_std_percent),
+            (Some(0.9877), Some(0.25))
+        );
+        for pairs in [
+            &[(100.0, 97.0), (200.0, 196.0), (400.0, 404.0)][..],
+            &[(100.0, 97.0), (200.0, 196.0)],
+        ] {
+            assert_eq!(overview(&table(pairs)).stiffness_factor, None);
+        }
+    }
+}

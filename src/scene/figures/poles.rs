@@ -1,0 +1,160 @@
+//! The stabilisation diagram over the complex mode indicator function.
+
+use serde::{Deserialize, Serialize};
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+use crate::identify::{
+    ESTIMATORS, IdentifyOptions, PoleAtOrder, PoleStatus, cmif_at, identification,
+};
+
+use super::super::plan::Scene;
+use super::super::result::TestResult;
+use super::curves::{chosen, kept_lines};
+use super::{one_set, rounded};
+
+/// Method whose poles are shown where the test's own has no model orders.
+const WITH_ORDERS: &str = "lscf";
+/// Lines of the indicator.
+const LINES: usize = 1200;
+/// Singular values that are shown.
+const VALUES: usize = 3;
+/// Functions of a set above which the poles are those of the functions that are shown.
+const MOST_FUNCTIONS: usize = 64;
+/// Poles at most; the lowest orders are left out first.
+const MOST_POLES: usize = 4000;
+
+/// Poles of all model orders.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StabilizationFigure {
+    /// Method that gave the poles.
+    pub method: String,
+    /// Whether it is the method that the test's modes come from.
+    pub own_method: bool,
+    /// Highest model order, where the scene states it.
+    pub max_order: Option<usize>,
+    /// Functions that the poles rest on.
+    pub functions: usize,
+    /// Band, Hz.
+    pub band_hz: [f64; 2],
+    /// Model order of each pole.
+    pub order: Vec<usize>,
+    /// Natural frequency, Hz.
+    pub hz: Vec<f64>,
+    /// Damping ratio.
+    pub damping: Vec<f64>,
+    /// `alone`, `stable` or `chosen` as 0, 1 or 2.
+    pub status: Vec<u8>,
+    /// The indicator behind them.
+    pub cmif: CmifCurve,
+}
+
+/// Singular values of the mobilities over frequency.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct CmifCurve {
+    /// Frequency of each line, Hz.
+    pub hz: Vec<f64>,
+    /// First, second, ... value at these lines, m/(N s).
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Poles of the test's own method, else of polyreference LSCF; `None` where neither gives any.
+pub(super) fn stabilization_figure(
+    scene: &Scene,
+    test: &TestResult,
+) -> Option<StabilizationFigure> {
+    let set = one_set(&test.frfs)?;
+    let band = test
+        .modes
+        .band
+        .or(set.valid_band)
+        .or_else(|| set.axis().band())?;
+    let own_method = !test.stabilization.is_empty();
+    let (poles, method, functions) = match own_method {
+        true => {
+            let method = scene.method.clone().unwrap_or_else(|| "auto".to_owned());
+            (test.stabilization.clone(), method, set.len())
+        }
+        false => {
+            let (poles, functions) = poles_of_orders(set, band);
+            (poles, WITH_ORDERS.to_owned(), functions)
+        }
+    };
+    let cmif = cmif_curve(set, band)?;
+    let inside = poles.iter().filter(|own| {
+        let damping = own.pole.damping_ratio();
+        damping > 0.0 && damping < 1.0 && band.contains(own.pole.natural_frequency_hz())
+    });
+    let mut told: Vec<&PoleAtOrder> = inside.collect();
+    if told.len() > MOST_POLES {
+        told.sort_by_key(|own| std::cmp::Reverse(own.order));
+        told.truncate(MOST_POLES);
+        told.reverse();
+    }
+    Some(StabilizationFigure {
+        method,
+        own_method,
+        max_order: scene.order.filter(|_| own_method),
+        functions,
+        band_hz: [band.lo_hz, band.hi_hz],
+        order: told.iter().map(|own| own.order).collect(),
+        hz: told
+            .iter()
+            .map(|own| rounded(own.pole.natural_frequency_hz(), 8))
+            .collect(),
+        damping: told
+            .iter()
+            .map(|own| rounded(own.pole.damping_ratio(), 5))
+            .collect(),
+        status: told.iter().map(|own| status(own.status)).collect(),
+        cmif,
+    })
+}
+
+fn status(status: PoleStatus) -> u8 {
+    match status {
+        PoleStatus::Alone => 0,
+        PoleStatus::Stable => 1,
+        PoleStatus::Chosen => 2,
+    }
+}
+
+/// Poles of all orders with the number of functions that they rest on; none where the method refuses the set.
+fn poles_of_orders(set: &FrfSet, band: Band) -> (Vec<PoleAtOrder>, usize) {
+    debug_assert!(
+        ESTIMATORS
+            .iter()
+            .any(|own| own.name == WITH_ORDERS && own.has_order)
+    );
+    let part =
+        (set.len() > MOST_FUNCTIONS).then(|| set.part(&chosen(set, &set.axis().lines(&band))));
+    let set = part.as_ref().unwrap_or(set);
+    let options = IdentifyOptions {
+        method: WITH_ORDERS.to_owned(),
+        band: Some(band),
+        ..IdentifyOptions::default()
+    };
+    let found = identification(set, &options).map(|own| own.stabilization);
+    (found.unwrap_or_default(), set.len())
+}
+
+fn cmif_curve(set: &FrfSet, band: Band) -> Option<CmifCurve> {
+    let axis = set.axis();
+    let mut lines = axis.lines(&band);
+    lines.start = lines.start.max(usize::from(axis.start_hz <= 0.0));
+    let mut sum = vec![0.0; axis.len];
+    for (i, function) in set.functions().iter().enumerate() {
+        let d = 1 - function.kind.derivative_order();
+        for k in lines.clone() {
+            sum[k] += set.values(i)[k].norm() * axis.rad_s(k).powi(d);
+        }
+    }
+    let kept = kept_lines(&sum, lines, LINES);
+    let values = cmif_at(set, &kept).ok()?;
+    let count = values.first().map_or(0, Vec::len).min(VALUES);
+    let course = |j: usize| values.iter().map(|own| rounded(own[j], 4)).collect();
+    Some(CmifCurve {
+        hz: kept.iter().map(|k| rounded(axis.hz(*k), 7)).collect(),
+        values: (0..count).map(course).collect(),
+    })
+}

@@ -1,0 +1,407 @@
+//! Mode shapes on the points of a test, each with the theory's that it was paired with, and the MAC of all of them.
+
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+use crate::correlate::Pairing;
+use crate::dof::Dof;
+use crate::geometry::{Geometry, Sensor, Target, unit};
+use crate::linalg::{Vector3, complex_matrix, least_squares};
+use crate::modal::ModeShape;
+
+use super::super::model::Theory;
+use super::super::result::TestResult;
+use super::bodies::TheoryMotion;
+use super::{rounded, to_decimals};
+
+/// Modes of the theory that are shown at the sensors.
+const MOST_THEORY: usize = 60;
+/// Numbers of shapes at most.
+const MOST_NUMBERS: usize = 60_000;
+/// Points of a mesh that is drawn at most.
+const MOST_POINTS: usize = 3000;
+
+/// MAC of every test mode (row) with every theory mode (column).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MacFigure {
+    /// Frequencies of the test's modes, Hz.
+    pub test_hz: Vec<f64>,
+    /// Frequencies of the theory's modes, Hz.
+    pub theory_hz: Vec<f64>,
+    /// MAC.
+    pub mac: Vec<Vec<Option<f64>>>,
+    /// Degrees of freedom it rests on.
+    pub dofs: usize,
+    /// Pairs: test mode and theory mode, from 0; of a repeated root all its modes.
+    pub pairs: Vec<[usize; 2]>,
+}
+
+/// Shapes on points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShapeFigure {
+    /// The points.
+    pub points: Vec<ShapePoint>,
+    /// Whether no position is known, so that points stand in a row.
+    pub in_a_row: bool,
+    /// Degrees of freedom that have no position or no direction and are not drawn.
+    pub not_drawn: usize,
+    /// Lines between points.
+    pub lines: Vec<[usize; 2]>,
+    /// What is read at the points.
+    pub readings: Vec<Reading>,
+    /// Shapes of the test.
+    pub test: Vec<ShapeValues>,
+    /// Shapes of the theory at the same readings.
+    pub theory: Vec<ShapeValues>,
+    /// What each mode of the test was paired with; `None` for one without a partner.
+    pub partners: Vec<Option<Partner>>,
+}
+
+/// A point of a test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShapePoint {
+    /// Its name.
+    pub name: String,
+    /// Where it is, m.
+    pub at_m: [f64; 3],
+    /// The body that it is on.
+    pub body: Option<String>,
+}
+
+/// A displacement that is read at a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Its degree of freedom, on the positive axis.
+    pub dof: String,
+    /// Its point, from 0.
+    pub point: usize,
+    /// Unit vector along which it is positive.
+    pub direction: [f64; 3],
+}
+
+/// A shape at the readings; `None` where it has no value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShapeValues {
+    /// Natural frequency, Hz.
+    pub hz: f64,
+    /// Real parts.
+    pub re: Vec<Option<f64>>,
+    /// Imaginary parts; empty for a real shape.
+    pub im: Vec<f64>,
+}
+
+/// The theory's side of a pair.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Partner {
+    /// Theory modes, from 0, with the factors (real, imaginary) with which their sum comes nearest to the test's shape.
+    pub modes: Vec<(usize, f64, f64)>,
+    /// MAC; with the subspace of a repeated root.
+    pub mac: Option<f64>,
+    /// Signed frequency error, percent.
+    pub error_percent: f64,
+}
+
+/// What a figure of shapes is made from.
+pub(super) struct Shown<'a> {
+    pub test: &'a TestResult,
+    pub theory: &'a Theory,
+    pub pairing: Option<&'a Pairing>,
+    pub sensors: &'a [Sensor],
+    pub motion: Option<&'a TheoryMotion>,
+}
+
+pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
+    let pairing = shown.pairing?;
+    let hz = |model: &crate::modal::ModalModel| -> Vec<f64> {
+        model
+            .modes
+            .iter()
+            .map(|mode| rounded(mode.frequency_hz, 6))
+            .collect()
+    };
+    let row = |row: &Vec<Option<f64>>| {
+        row.iter()
+            .map(|own| own.map(|mac| to_decimals(mac, 3)))
+            .collect()
+    };
+    let pairs = pairing.pairs.iter().flat_map(|pair| {
+        let partners = pair.partners.iter();
+        partners.flat_map(move |own| pair.theory.iter().map(move |theory| [own.test, *theory]))
+    });
+    let any = pairing.mac.iter().flatten().any(Option::is_some);
+    any.then(|| MacFigure {
+        test_hz: hz(&shown.test.modes),
+        theory_hz: hz(&shown.theory.modes),
+        mac: pairing.mac.iter().map(row).collect(),
+        dofs: pairing.map.pairs.len(),
+        pairs: pairs.collect(),
+    })
+}
+
+/// Of a test with shapes; `None` for one without.
+pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
+    let modes = &shown.test.modes.modes;
+    let dofs: std::collections::BTreeSet<Dof> = modes
+        .iter()
+        .flat_map(|mode| {
+            mode.shape
+                .iter()
+                .map(|(dof, _)| dof.positive().with_repeat(1))
+        })
+        .collect();
+    if dofs.is_empty() || dofs.len() * modes.len() > MOST_NUMBERS {
+        return None;
+    }
+    let mut geometry = shown.test.geometry.clone();
+    geometry.add(&shown.theory.geometry);
+    let known = |dof: &Dof| Some((dof.clone(), place(dof, shown, &geometry)?));
+    let mut placed: Vec<(Dof, Placed)> = dofs.iter().filter_map(known).collect();
+    let in_a_row = placed.is_empty();
+    if in_a_row {
+        placed = row_of(&dofs);
+    }
+    let mut points: Vec<ShapePoint> = Vec::new();
+    let mut readings = Vec::with_capacity(placed.len());
+    for (dof, own) in &placed {
+        let point = points.iter().position(|point| point.name == dof.point());
+        let point = point.unwrap_or_else(|| {
+            points.push(ShapePoint {
+                name: dof.point().to_owned(),
+                at_m: own.at_m.map(|x| rounded(x, 6)),
+                body: own.body.clone(),
+            });
+            points.len() - 1
+        });
+        readings.push(Reading {
+            dof: dof.to_string(),
+            point,
+            direction: own.direction.map(|x| to_decimals(x, 5)),
+        });
+    }
+    let own = |shape: &ModeShape, hz: f64| values(shape, hz, &placed);
+    let lines = lines(&geometry, &mut points);
+    let theory = shown.theory.modes.modes.iter().take(MOST_THEORY);
+    Some(ShapeFigure {
+        not_drawn: dofs.len() - placed.len(),
+        test: modes
+            .iter()
+            .map(|mode| own(&mode.shape, mode.frequency_hz))
+            .collect(),
+        theory: theory
+            .map(|mode| own(&mode.shape, mode.frequency_hz))
+            .collect(),
+        partners: (0..modes.len()).map(|i| partner(shown, i)).collect(),
+        points,
+        in_a_row,
+        lines,
+        readings,
+    })
+}
+
+/// Where a reading is and along what.
+struct Placed {
+    at_m: [f64; 3],
+    direction: [f64; 3],
+    body: Option<String>,
+}
+
+/// By the scene's sensor, a coordinate of the model, or the nodes of the files.
+fn place(dof: &Dof, shown: &Shown<'_>, geometry: &Geometry) -> Option<Placed> {
+    let same = |sensor: &&Sensor| sensor.dof.positive() == *dof;
+    match shown.sensors.iter().find(same).map(|sensor| &sensor.target) {
+        Some(Target::BodyPoint {
+            body,
+            at_m,
+            direction,
+        }) => {
+            let along = unit(*direction).filter(|_| !dof.axis().is_rotation())?;
+            Some(Placed {
+                at_m: *at_m,
+                direction: along.into(),
+                body: Some(body.clone()),
+            })
+        }
+        _ => {
+            let along = dof
+                .axis()
+                .unit_vector()
+                .filter(|_| !dof.axis().is_rotation())?;
+            let node = geometry.node(dof.point());
+            let body = || {
+                let mut nodes = shown.motion.iter().flat_map(|motion| &motion.nodes);
+                nodes.find(|node| node.body == dof.point())
+            };
+            let at_m = match node {
+                Some(node) => node.at_m.into(),
+                None => body()?.at_m,
+            };
+            let turned = node.and_then(|node| {
+                let system = geometry.system(node.displacement_system?)?;
+                let axes = system.unit_vectors_at(node.at_m);
+                let parts = axes.iter().zip(along).map(|(axis, part)| axis * part);
+                Some(parts.sum::<Vector3>().into())
+            });
+            Some(Placed {
+                at_m,
+                direction: turned.unwrap_or(along),
+                body: body().map(|node| node.body.clone()),
+            })
+        }
+    }
+}
+
+/// Points without positions, in a row along x at distances of 1; scalars move along z.
+fn row_of(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, Placed)> {
+    let mut points: Vec<&str> = dofs.iter().map(Dof::point).collect();
+    points.dedup();
+    let place = |dof: &Dof| {
+        let number = points.iter().position(|own| *own == dof.point())?;
+        let along = dof.axis().unit_vector().unwrap_or([0.0, 0.0, 1.0]);
+        let placed = Placed {
+            at_m: [number as f64, 0.0, 0.0],
+            direction: along,
+            body: None,
+        };
+        (!dof.axis().is_rotation()).then(|| (dof.clone(), placed))
+    };
+    dofs.iter().filter_map(place).collect()
+}
+
+fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
+    let unit = shape.largest().map_or(1.0, |(_, value)| value.norm());
+    let own: Vec<Option<Complex64>> = placed
+        .iter()
+        .map(|(dof, _)| shape.along_positive(dof))
+        .collect();
+    let imaginary = |value: &Option<Complex64>| value.map_or(0.0, |v| v.im);
+    let real = own
+        .iter()
+        .all(|value| imaginary(value).abs() <= 1e-6 * unit);
+    ShapeValues {
+        hz: rounded(hz, 7),
+        re: own
+            .iter()
+            .map(|value| value.map(|v| rounded(v.re, 4)))
+            .collect(),
+        im: match real {
+            true => Vec::new(),
+            false => own
+                .iter()
+                .map(|value| rounded(imaginary(value), 4))
+                .collect(),
+        },
+    }
+}
+
+/// Trace lines and edges of elements between points that are there; points that only lines have are added while there are few.
+/// Without any, points that stand on one line are joined along it.
+fn lines(geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Vec<[usize; 2]> {
+    let mut found = Vec::new();
+    let mut join = |a: &str, b: &str, points: &mut Vec<ShapePoint>| {
+        let ends = [a, b].map(|name| index_of(name, geometry, points));
+        if let [Some(a), Some(b)] = ends
+            && a != b
+        {
+            found.push([a.min(b), a.max(b)]);
+        }
+    };
+    for line in &geometry.lines {
+        for two in line.points.windows(2) {
+            if let [Some(a), Some(b)] = two {
+                join(a, b, points);
+            }
+        }
+    }
+    for element in &geometry.elements {
+        for two in element.points.windows(2) {
+            join(&two[0], &two[1], points);
+        }
+        if let [first, _, .., last] = element.points.as_slice() {
+            join(last, first, points);
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    match found.is_empty() {
+        true => along_one_line(points),
+        false => found,
+    }
+}
+
+fn index_of(name: &str, geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Option<usize> {
+    if let Some(known) = points.iter().position(|point| point.name == name) {
+        return Some(known);
+    }
+    let node = geometry.node(name).filter(|_| points.len() < MOST_POINTS)?;
+    points.push(ShapePoint {
+        name: name.to_owned(),
+        at_m: node.at_m.into(),
+        body: None,
+    });
+    Some(points.len() - 1)
+}
+
+fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
+    let at = |i: usize| Vector3::from(points[i].at_m);
+    let Some(far) = (1..points.len())
+        .max_by(|a, b| (at(*a) - at(0)).norm().total_cmp(&(at(*b) - at(0)).norm()))
+    else {
+        return Vec::new();
+    };
+    let along = at(far) - at(0);
+    let length = along.norm();
+    let beside = |i: usize| (at(i) - at(0)).cross(&along).norm() / length.max(f64::MIN_POSITIVE);
+    if length <= 0.0 || (0..points.len()).any(|i| beside(i) > 1e-6 * length) {
+        return Vec::new();
+    }
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let place = |i: usize| (at(i) - at(0)).dot(&along);
+    order.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
+    order.windows(2).map(|two| [two[0], two[1]]).collect()
+}
+
+/// The modes of the root that a test mode was paired with, with the factors that bring their sum nearest to it.
+fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
+    let pairing = shown.pairing?;
+    let paired = pairing.pairs.iter().find_map(|pair| {
+        let own = pair.partners.iter().find(|own| own.test == test)?;
+        Some((pair, own))
+    });
+    let (pair, own) = paired?;
+    let theory: Vec<&ModeShape> = pair
+        .theory
+        .iter()
+        .map(|j| &shown.theory.modes.modes[*j].shape)
+        .collect();
+    let shape = &shown.test.modes.modes[test].shape;
+    let mut rows: Vec<(Vec<Complex64>, Complex64)> = Vec::new();
+    for dofs in &pairing.map.pairs {
+        let values: Option<Vec<Complex64>> = theory
+            .iter()
+            .map(|own| own.along_positive(&dofs.theory))
+            .collect();
+        if let (Some(values), Some(value)) = (values, shape.along_positive(&dofs.test)) {
+            rows.push((values, value));
+        }
+    }
+    let count = theory.len();
+    let factors =
+        match rows.len() >= count && rows.iter().any(|(v, _)| v.iter().any(|v| v.norm() > 0.0)) {
+            false => vec![Complex64::ONE; count],
+            true => {
+                let left = complex_matrix(rows.len(), count, |i, j| rows[i].0[j]);
+                let right = complex_matrix(rows.len(), 1, |i, _| rows[i].1);
+                let solved = least_squares(&left, &right);
+                (0..count).map(|j| solved[(j, 0)]).collect()
+            }
+        };
+    let finite = factors.iter().all(|factor| factor.is_finite());
+    let modes = pair.theory.iter().zip(factors);
+    finite.then(|| Partner {
+        modes: modes
+            .map(|(j, factor)| (*j, rounded(factor.re, 5), rounded(factor.im, 5)))
+            .collect(),
+        mac: own.mac.map(|mac| to_decimals(mac, 4)),
+        error_percent: rounded(100.0 * own.frequency_error, 4),
+    })
+}

@@ -1,0 +1,248 @@
+//! The HTML report: written with a run, built again from its folder, and what its data are good for.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::command::{fail, json, succeed, write};
+
+/// The beam's scene run into a folder that nobody writes into, and its page.
+fn beam() -> (&'static Path, &'static str) {
+    static RUN: OnceLock<(TempDir, String)> = OnceLock::new();
+    let (folder, page) = RUN.get_or_init(|| {
+        let out = tempfile::tempdir().unwrap();
+        let folder = out.path().to_str().unwrap();
+        succeed(["run", "measurements/free-free-beam", "-q", "-o", folder]);
+        let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+        (out, page)
+    });
+    (folder.path(), page)
+}
+
+/// The data of a page.
+fn data(page: &str) -> Value {
+    let start = "<script type=\"application/json\" id=\"data\">";
+    let (_, rest) = page.split_once(start).unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let all = value.as_array().unwrap().iter();
+    all.filter_map(Value::as_f64).collect()
+}
+
+#[test]
+fn a_run_writes_a_page_with_everything_in_it() {
+    let (out, page) = beam();
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    for part in [
+        "6 of 6 modes of the model in the band have a partner",
+        "All 6 stated limits are met.",
+        "<figcaption>Summary</figcaption>",
+        "id=\"tab-poles\"",
+        "Seed of roving hammer",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    let hash = modalign::io::sha256_hex(
+        &crate::command::root().join("measurements/free-free-beam/scene.toml"),
+    );
+    assert!(page.contains(&hash.unwrap()));
+    let test = &data(page)["figures"]["tests"][0];
+    let curves = test["frfs"]["curves"].as_array().unwrap();
+    assert_eq!(curves.len(), 11);
+    assert_eq!(test["circles"].as_array().unwrap().len(), 6);
+    assert_eq!(test["mac"]["pairs"].as_array().unwrap().len(), 6);
+    let figures: Vec<String> = std::fs::read_dir(out.join("figures"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    // Eleven functions, six circles, stabilisation, MAC, shapes, errors, energies.
+    assert_eq!(figures.len(), 22, "{figures:?}");
+}
+
+#[test]
+fn curves_of_the_page_show_the_fit_and_its_circles_the_damping() {
+    let (_, page) = beam();
+    let test = &data(page)["figures"]["tests"][0];
+    for curve in test["frfs"]["curves"].as_array().unwrap() {
+        let (measured, fit) = (
+            &curve["magnitude"],
+            curve["fit_magnitude"].as_array().unwrap(),
+        );
+        let measured = numbers(measured);
+        let largest = measured.iter().copied().fold(0.0, f64::max);
+        // The noise of the recording, 3 % of the peak and less, is what the fit leaves.
+        for (value, fit) in measured.iter().zip(fit) {
+            let Some(fit) = fit.as_f64() else { continue };
+            assert!(
+                (value - fit).abs() < 0.05 * largest,
+                "{value} {fit} of {largest}"
+            );
+        }
+        assert!(
+            numbers(&curve["phase_deg"])
+                .iter()
+                .all(|phase| phase.abs() <= 180.0)
+        );
+        assert!(
+            numbers(&curve["coherence"])
+                .iter()
+                .all(|value| (0.0..=1.0).contains(value))
+        );
+    }
+    for (circle, mode) in test["circles"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(test["modes"].as_array().unwrap())
+    {
+        let surface: Vec<f64> = circle["damping"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(numbers)
+            .collect();
+        let mean = surface.iter().sum::<f64>() / surface.len() as f64;
+        let known =
+            mode["damping_ratio"].as_f64().unwrap() + circle["window_damping"].as_f64().unwrap();
+        assert!((mean / known - 1.0).abs() < 0.2, "{mean} {known}");
+        assert!(
+            (circle["resonance_hz"].as_f64().unwrap() / mode["hz"].as_f64().unwrap() - 1.0).abs()
+                < 1e-3
+        );
+    }
+}
+
+#[test]
+fn a_report_is_built_again_as_it_was_and_in_the_other_language() {
+    let (run, page) = beam();
+    let out = tempfile::tempdir().unwrap();
+    std::fs::copy(run.join("report.json"), out.path().join("report.json")).unwrap();
+    let folder = out.path().to_str().unwrap();
+    let path = out.path().join("report.html");
+    let told = succeed(["report", folder]);
+    assert_eq!(told.trim(), path.to_str().unwrap());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), page);
+    succeed(["report", folder, "--lang", "zh"]);
+    let chinese = std::fs::read_to_string(&path).unwrap();
+    for part in [
+        "<html lang=\"zh\">",
+        "频带内 6 / 6 阶模型模态已配对",
+        "<th scope=\"col\">阶次</th>",
+        "稳定图",
+    ] {
+        assert!(chinese.contains(part), "{part}");
+    }
+    let update = r#"{"parameters": [{"name": "youngs_modulus", "unit": "Pa", "initial": 2.1e11, "updated": 2.05e11, "std": 1e8, "verdict": "identified"}], "history": []}"#;
+    write(out.path(), &[("update.json", update)]);
+    succeed(["report", folder]);
+    let updated = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        updated.contains("id=\"tab-update\"")
+            && updated.contains("youngs_modulus: 2.100e11 → 2.050e11")
+    );
+}
+
+#[test]
+fn a_folder_without_a_report_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = fail(["report", folder.path().to_str().unwrap()]);
+    assert!(message.contains("report.json"), "{message}");
+    write(
+        folder.path(),
+        &[("report.json", r#"{"schema": "modalign-modes/1"}"#)],
+    );
+    let message = fail(["report", folder.path().to_str().unwrap()]);
+    assert!(message.contains("report.json:1"), "{message}");
+}
+
+#[test]
+fn poles_of_the_page_are_a_selection_that_identify_takes() {
+    let (run, page) = beam();
+    let out = tempfile::tempdir().unwrap();
+    let test = &data(page)["figures"]["tests"][0];
+    let own = &test["stabilization"];
+    let (order, hz, damping) = (
+        numbers(&own["order"]),
+        numbers(&own["hz"]),
+        numbers(&own["damping"]),
+    );
+    let status = numbers(&own["status"]);
+    let truth = json(&run.join("roving-hammer.truth.modes.json"));
+    let wanted = truth["modes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|mode| mode["frequency_hz"].as_f64());
+    let wanted: Vec<f64> = wanted.filter(|hz| (60.0..3200.0).contains(hz)).collect();
+    let mut poles = Vec::new();
+    for wanted in &wanted {
+        let chosen = (0..hz.len()).filter(|k| status[*k] > 1.5);
+        let nearest = chosen
+            .min_by(|a, b| (hz[*a] - wanted).abs().total_cmp(&(hz[*b] - wanted).abs()))
+            .unwrap();
+        poles.push(format!(
+            r#"{{"frequency_hz": {}, "damping_ratio": {}, "order": {}}}"#,
+            hz[nearest], damping[nearest], order[nearest]
+        ));
+    }
+    let text = format!(
+        r#"{{"schema": "modalign-selection/1", "poles": [{}]}}"#,
+        poles.join(", ")
+    );
+    write(out.path(), &[("selection.json", &text)]);
+    let path = |folder: &Path, name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let frfs = path(run, test["frf_file"].as_str().unwrap());
+    let (selection, modes) = (
+        path(out.path(), "selection.json"),
+        path(out.path(), "modes.json"),
+    );
+    let method = own["method"].as_str().unwrap();
+    succeed([
+        "identify",
+        &frfs,
+        "--method",
+        method,
+        "--band",
+        "60:3200",
+        "--selection",
+        &selection,
+        "-o",
+        &modes,
+    ]);
+    let found = json(Path::new(&modes));
+    let found = found["modes"].as_array().unwrap();
+    assert_eq!((found.len(), wanted.len()), (6, 6));
+    for (mode, wanted) in found.iter().zip(wanted) {
+        let off = mode["frequency_hz"].as_f64().unwrap() / wanted - 1.0;
+        assert!(off.abs() < 5e-4, "{off} at {wanted} Hz");
+    }
+}
+
+#[test]
+fn correlate_writes_a_page_too() {
+    let (run, _) = beam();
+    let out = tempfile::tempdir().unwrap();
+    let path = |folder: &Path, name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (modes, table) = (
+        path(run, "roving-hammer.modes.json"),
+        path(out.path(), "table.html"),
+    );
+    succeed([
+        "correlate",
+        "--test",
+        &modes,
+        "--theory",
+        "measurements/free-free-beam",
+        "-o",
+        &table,
+    ]);
+    let page = std::fs::read_to_string(&table).unwrap();
+    assert!(
+        page.starts_with("<!doctype html>")
+            && page.contains("<span class=\"chip good\">paired</span>")
+    );
+}
