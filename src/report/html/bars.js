@@ -63,7 +63,7 @@ function drawEnergies(host) {
         const row = el('div', { class: 'share', tabindex: '0', role: 'img', 'aria-label': `${digits(root.hz, 5)} Hz: ${root[part].map(([name, share]) => `${name} ${percent(share)}`).join(', ')}` });
         const sorted = [...root[part]].sort((a, b) => names.indexOf(a[0]) - names.indexOf(b[0]));
         for (const [name, share] of sorted) {
-          row.append(el('i', { style: `width:${100 * share}%;background:${color(name)}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }));
+          row.append(el('i', { class: share > 0.14 ? 'told' : null, style: `width:${100 * share}%;background:${color(name)}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }, share > 0.14 ? name : ''));
         }
         const told = root.hz > 0 ? `${digits(root.hz, 5)} Hz${root.multiplicity > 1 ? ` (${root.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
         return el('div', { class: 'root' }, el('span', { class: 'n' }, told), row, el('small', {}, root.class || ''));
@@ -87,7 +87,7 @@ function drawUpdate(host) {
     host.append(el('h3', {}, T('Objective of the update by iteration')));
     const series = [{ name: T('Objective'), x: of(taken, 'k'), y: of(taken, 'objective'), color: 0, width: 2 }, { name: 'χ²', x: of(taken, 'k'), y: of(taken, 'chi_square'), color: 1, dash: '5 3' }];
     if (refused.length) series.push({ name: T('refused step'), kind: 'points', open: true, x: of(refused, 'k'), y: of(refused, 'objective'), color: 6 });
-    new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5 }, y: { label: T('Objective'), log: true } });
+    new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5, ticks: steps.filter((own, k) => k % Math.ceil(steps.length / 20) === 0).map((own) => ({ at: own.k, text: String(own.k), main: true })) }, y: { label: T('Objective'), log: true } });
   }
   const before = (update.before && update.before.rows) || [];
   const after = (update.after && update.after.rows) || [];

@@ -113,6 +113,9 @@ function tick(label, on, change) {
 const button = (label, click, more = {}) => el('button', { type: 'button', onclick: click, ...more }, label);
 const bar = (...parts) => el('div', { class: 'bar' }, ...parts);
 
+/** The test that was chosen last; the tabs that are opened next begin with it. */
+let chosenTest = null;
+
 /** Tests whose figures have something, with the choice between them when there are several. */
 function ofTests(host, has, draw) {
   const tests = figures.tests.filter(has);
@@ -121,9 +124,17 @@ function ofTests(host, has, draw) {
     body.replaceChildren();
     draw(body, tests[index]);
   };
-  if (tests.length > 1) host.append(bar(choice(T('Test'), tests.map((test) => test.name), show)));
+  const first = Math.max(0, tests.findIndex((test) => test.name === chosenTest));
+  if (tests.length > 1) {
+    const select = choice(T('Test'), tests.map((test) => test.name), (index) => {
+      chosenTest = tests[index].name;
+      show(index);
+    });
+    select.querySelector('select').selectedIndex = first;
+    host.append(bar(select));
+  }
   host.append(body);
-  show(0);
+  show(first);
 }
 
 /** Drawings that follow the theme and the width of the window, while they are in the page. */

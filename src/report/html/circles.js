@@ -33,7 +33,10 @@ function drawCircle(host, test, own) {
   surface(right, test, own);
 }
 
-/** The damping surface as bars over the lines below and above the resonance, seen from an angle; flat when the circle is one. */
+/** The name of an axis with its ends. */
+const span = (name, hz) => `${name}: ${digits(hz[0], 6)} … ${digits(hz[hz.length - 1], 6)} Hz`;
+
+/** The damping surface over the lines below and above the resonance, seen from an angle; flat when the circle is one. */
 function surface(host, test, own) {
   const values = own.damping.flat().filter((value) => value !== null);
   if (!values.length) return;
@@ -42,7 +45,7 @@ function surface(host, test, own) {
   const window = own.window_damping ? `, ${T('of which the window')} ${percent(own.window_damping)}` : '';
   host.append(el('h4', {}, T('Damping surface: damping ratio of each pair of lines')));
   const canvasHost = el('div', { class: 'plot' });
-  host.append(canvasHost, el('p', { class: 'note' }, `${T('mean')} ${percent(mean)}, ${T('std')} ${percent(std, 2)}${window}`));
+  host.append(canvasHost, el('p', { class: 'note' }, `${T('mean')} ${percent(mean)}, ${T('std')} ${percent(std, 2)}${window}. ${span(T('below'), own.below_hz)}, ${span(T('above'), own.above_hz)}`));
   const view = new View3d(canvasHost, { height: 380, label: T('Damping surface: damping ratio of each pair of lines'), turn: [-0.7, 0.55], fit: 0.6 });
   const [rows, columns] = [own.below_hz, own.above_hz];
   const top = Math.max(...values, 1.5 * mean);
@@ -61,11 +64,11 @@ function surface(host, test, own) {
   view.scene = (pen) => {
     pen.lines([...floor, floor[0]], palette.axis, 1);
     pen.tiles(tiles, (tile) => heat(0.15 + 0.85 * tile.share));
-    const edge = [floor[1], [floor[1][0], floor[1][1], spot(0, 0, top)[2]]];
+    const edge = [floor[2], [floor[2][0], floor[2][1], spot(0, 0, top)[2]]];
     pen.lines(edge, palette.axis, 1);
-    for (const share of [0, 0.5, 1]) pen.text([edge[0][0], edge[0][1] - 0.08, spot(0, 0, share * top)[2]], percent(share * top, 3), palette.faint, 'right');
-    pen.text([0, -1.35, -0.7], `${T('below (Hz)')} ${digits(rows[0], 6)} … ${digits(rows[rows.length - 1], 6)}`, palette.ink, 'center');
-    pen.text([-1.35, 0, -0.7], `${T('above (Hz)')} ${digits(columns[0], 6)} … ${digits(columns[columns.length - 1], 6)}`, palette.ink, 'center');
+    for (const share of [0, 0.5, 1]) pen.text([edge[0][0] + 0.08, edge[0][1] + 0.04, spot(0, 0, share * top)[2]], percent(share * top, 3), palette.faint, 'left');
+    pen.text([0, -1.12, -0.75], T('below'), palette.ink, 'right');
+    pen.text([-1.12, 0, -0.75], T('above'), palette.ink, 'right');
   };
   view.draw();
 }

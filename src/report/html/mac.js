@@ -12,7 +12,7 @@ class MacMap {
     this.svg = svg('svg', { role: 'img', tabindex: '0', 'aria-label': `MAC: ${T('test')} × ${T('theory')}` });
     this.host.append(this.svg);
     host.append(this.host, el('div', { class: 'under' },
-      el('span', { class: 'note' }, `MAC = |a^H b|²/(a^H a · b^H b), ${this.own.dofs} ${T('degrees of freedom')}; □ ${T('pair')}`),
+      el('span', { class: 'note' }, `MAC = |a^H b|²/(a^H a · b^H b), ${this.own.dofs} ${T('degrees of freedom')}; □ ${T('pair')}${this.own.still ? `; ${this.own.still} ${T('modes of the theory that stand still at the sensors are left out')}` : ''}`),
       el('span', { class: 'tools' }, button('SVG', () => save(`${test.name}-mac.svg`, 'image/svg+xml', this.text())), button('PNG', () => this.png(`${test.name}-mac.png`)))));
     this.svg.addEventListener('pointermove', (event) => this.hover(event));
     this.svg.addEventListener('pointerleave', () => tip.hide());
@@ -83,7 +83,7 @@ class MacMap {
     const { mac, test_hz: rows, theory_hz: columns } = this.own;
     const { margin, cell, high } = this.cell;
     for (const [key, value] of Object.entries({ x: margin.left + j * cell, y: margin.top + i * high, width: cell, height: high, visibility: 'visible' })) this.ring.setAttribute(key, value);
-    const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${j + 1}: ${digits(columns[j], 6)} Hz`];
+    const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${this.own.theory_modes[j]}: ${digits(columns[j], 6)} Hz`];
     if (this.own.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(T('pair'));
     tip.show(x, y, lines);
   }

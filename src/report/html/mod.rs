@@ -145,16 +145,19 @@ fn cell_text(cell: &Cell, column: &Column) -> String {
 /// Colour of a verdict, in either language; none for other text.
 fn verdict_class(text: &str) -> Option<&'static str> {
     Some(match text {
-        "paired" | "已配对" | "identified" | "used" | "used (stated)" | "reproduced" | "met"
-        | "yes" => "good",
-        "ambiguous" | "不明确" | "at bound" | "missed-expected" | "漏检(预期)"
+        "paired" | "已配对" | "identified" | "可识别" | "used" | "used (stated)" | "reproduced"
+        | "met" | "yes" => "good",
+        "ambiguous" | "不明确" | "at bound" | "位于边界" | "missed-expected" | "漏检(预期)"
         | "not checkable" => "fair",
         "missed-unexpected" | "漏检(非预期)" | "extra" | "多余" | "left out"
         | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
         | "漏检(未判定)" => "bad",
-        "not-observable" | "不可观测" | "outside-band" | "频带外" | "not supported by the data" => {
-            "dim"
-        }
+        "not-observable"
+        | "不可观测"
+        | "outside-band"
+        | "频带外"
+        | "not supported by the data"
+        | "数据不支持" => "dim",
         _ => return None,
     })
 }

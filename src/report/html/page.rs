@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::super::Language;
 use super::super::json::RunReport;
-use super::words::{page_words, word};
+use super::words::{page_words, sentence, word};
 use super::{escape, fragment, head};
 use super::{summary, update};
 
@@ -55,12 +55,15 @@ pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Langua
         head(&report.title)
     );
     page += &format!(
-        "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{} · {}</p>\n</header>\n",
+        "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{}</p>\n</header>\n",
         w("Skip to content"),
         escape(&report.title),
         w("Light or dark"),
-        w("Report of"),
-        escape(&report.provenance.producer)
+        escape(&sentence(
+            language,
+            "Made by {}",
+            std::slice::from_ref(&report.provenance.producer)
+        ))
     );
     page += &navigation(&tabs, language);
     page += "<main id=\"content\">\n";

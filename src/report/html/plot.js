@@ -1,6 +1,6 @@
 // One plot: axes with ticks, lines and marks, zoom, values under the pointer, saving as SVG or PNG.
 
-const MARGIN = { left: 64, right: 14, top: 10, bottom: 40 };
+const MARGIN = { left: 72, right: 22, top: 10, bottom: 40 };
 
 /** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. */
 function linearTicks(lo, hi, count) {
@@ -40,7 +40,7 @@ function logTicks(lo, hi) {
       if (main || decades < 8) ticks.push({ at, main, text: told ? power(m, n) : '' });
     }
   }
-  return ticks.filter((own) => own.text).length > 1 ? ticks : linearTicks(lo, hi, 5);
+  return decades > 0.7 && ticks.filter((own) => own.text).length > 1 ? ticks : linearTicks(lo, hi, 5);
 }
 
 function power(m, n) {

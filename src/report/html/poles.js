@@ -29,7 +29,7 @@ class PolePicker {
 
   source() {
     const { own } = this;
-    const text = `${T('Poles of')} ${own.method}, ${own.functions} ${T('functions')}`;
+    const text = `${T('Poles of')} ${own.method}, ${T('functions')}: ${own.functions}`;
     return own.own_method ? text : `${text}. ${T('The modes of the run, dotted, come from a method without model orders.')}`;
   }
 

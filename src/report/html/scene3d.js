@@ -94,7 +94,7 @@ class View3d {
     this.size = 1;
     const spots = points.map((point) => this.project(point, width));
     const reach = (k, middle) => Math.max(1, ...spots.map((spot) => Math.abs(spot[k] - middle)));
-    this.size = Math.min((0.41 * width) / reach(0, width / 2), (0.33 * this.height) / reach(1, this.height / 2), 3);
+    this.size = Math.min((0.41 * width) / reach(0, width / 2), (0.39 * this.height) / reach(1, this.height / 2), 3);
   }
 
   /** From space, about -1 to 1, to the screen: x, y, depth. */

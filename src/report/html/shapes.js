@@ -9,9 +9,18 @@ function drawShapes(host) {
     body.replaceChildren();
     new ShapeViewer(body, tests[index] || null);
   };
-  if (names.length > 1) host.append(bar(choice(T('Test'), names, show)));
+  // The test that shows most of the shapes, unless another was chosen.
+  const count = (test) => test.shapes.readings.length;
+  const chosen = tests.findIndex((test) => test.name === chosenTest);
+  const most = tests.findIndex((test) => count(test) === Math.max(...tests.map(count)));
+  const first = Math.max(0, chosen >= 0 ? chosen : most);
+  if (names.length > 1) {
+    const select = choice(T('Test'), names, show);
+    select.querySelector('select').selectedIndex = first;
+    host.append(bar(select));
+  }
   host.append(body);
-  show(0);
+  show(first);
 }
 
 /** Points and readings of a test, or none for the theory alone. */

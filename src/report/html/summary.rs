@@ -46,7 +46,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     if warnings > 0 {
         advice.push(sentence(
             language,
-            "{} warnings are under Findings.",
+            "Warnings among the findings: {}.",
             &[warnings.to_string()],
         ));
     }
@@ -138,7 +138,7 @@ fn missed(overview: &Overview, language: Language) -> Vec<String> {
     let unseen = unseen.iter().map(|(test, count)| {
         let own = sentence(
             language,
-            "{} roots could not be seen with these sensors and hits",
+            "roots that these sensors and hits could not see: {}",
             &[count.to_string()],
         );
         format!("{test}: {own}")
@@ -283,7 +283,9 @@ fn of_test(findings: &[Finding], language: Language) -> String {
     for finding in findings {
         let key = (std::cmp::Reverse(finding.severity), finding.code);
         let told = by_code.entry(key).or_default();
-        let own = finding.to_string();
+        // The sentence of the code stands above them all.
+        let own = finding.to_string().replace(finding.code.sentence(), "");
+        let own = own.replacen(": ", " ", 1).trim().to_owned();
         if !told.contains(&own) {
             told.push(own);
         }
@@ -306,7 +308,7 @@ fn of_test(findings: &[Finding], language: Language) -> String {
             _ => format!("<p>+ {more} {}</p>\n", word(language, "more of this code")),
         };
         text += &format!(
-            "<details class=\"{severity}\"{}><summary><span class=\"chip {severity}\">{}</span> {} <code>{}</code> <span class=\"count\">{}</span></summary>\n<p class=\"why\">{}</p>\n<ul>{items}</ul>\n{more}</details>\n",
+            "<details class=\"{severity}\"{}><summary><span class=\"chip {severity}\">{}</span> {} <code>{}</code> <span class=\"count\">× {}</span></summary>\n<p class=\"why\">{}</p>\n<ul>{items}</ul>\n{more}</details>\n",
             if severity == "info" { "" } else { " open" },
             word(language, severity),
             escape(code.sentence()),

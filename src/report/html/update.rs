@@ -7,6 +7,15 @@ use super::fragment;
 use super::summary::short;
 use super::words::word;
 
+/// What the data say of a parameter, in a language.
+fn verdict(own: Option<&str>, language: Language) -> Cell {
+    let known = ["identified", "at bound", "not supported by the data"];
+    match known.iter().find(|word| Some(**word) == own) {
+        Some(known) => Cell::text(word(language, known)),
+        None => own.map_or(Cell::Missing, Cell::text),
+    }
+}
+
 /// Parameters before and after with their verdicts, frequencies before and after.
 pub(super) fn tables(updated: &Value, language: Language) -> String {
     let w = |text| word(language, text);
@@ -30,7 +39,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
                 change.map(|(before, after)| 100.0 * (after / before - 1.0)),
                 2,
             ),
-            text(own, "verdict"),
+            verdict(own["verdict"].as_str(), language),
         ]
     };
     let columns = |texts: &[&'static str], numbers: &[&'static str]| -> Vec<Column> {

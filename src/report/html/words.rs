@@ -46,9 +46,12 @@ pub(super) fn page_words(language: Language) -> Value {
 
 /// Tabs, summary, findings and provenance.
 const WORDS: &[(&str, &str)] = &[
+    ("identified", "可识别"),
+    ("at bound", "位于边界"),
+    ("not supported by the data", "数据不支持"),
     ("Skip to content", "跳到正文"),
     ("Light or dark", "浅色或深色"),
-    ("Report of", "报告生成:"),
+    ("Made by {}", "由 {} 生成"),
     (
         "Figures need a script; tables do not.",
         "图形需要脚本;表格不需要。",
@@ -90,8 +93,8 @@ const WORDS: &[(&str, &str)] = &[
         "{}:试验模态({} Hz)在模型中无配对",
     ),
     (
-        "{} roots could not be seen with these sensors and hits",
-        "{} 个根用这些测点和锤击点无法观测",
+        "roots that these sensors and hits could not see: {}",
+        "用这些测点和锤击点无法观测的根:{} 个",
     ),
     (
         "All paired frequencies of the test lie below the model's: it is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell.",
@@ -108,7 +111,7 @@ const WORDS: &[(&str, &str)] = &[
     ("{}: {} → {} ± {} {}", "{}:{} → {} ± {} {}"),
     ("Limit missed: {}", "超出限值:{}"),
     ("All {} stated limits are met.", "{} 项限值全部满足。"),
-    ("{} warnings are under Findings.", "“提示”中有 {} 条警告。"),
+    ("Warnings among the findings: {}.", "“提示”中的警告:{} 条。"),
     (
         "This run compared no test with a model.",
         "本次运行没有试验与模型的对比。",
@@ -213,12 +216,16 @@ const SCRIPT_WORDS: &[(&str, &str)] = &[
         "The modes of the run, dotted, come from a method without model orders.",
         "点线为本次运行的模态,来自没有模型阶数的方法。",
     ),
-    ("functions", "个函数"),
+    ("functions", "函数数"),
     ("Theory (Hz)", "理论 (Hz)"),
     ("theory", "理论"),
     ("test", "试验"),
     ("pair", "配对"),
     ("degrees of freedom", "自由度"),
+    (
+        "modes of the theory that stand still at the sensors are left out",
+        "阶在测点处静止的理论模态未列出",
+    ),
     ("Play", "播放"),
     ("Pause", "暂停"),
     ("Speed", "速度"),
@@ -256,8 +263,8 @@ const SCRIPT_WORDS: &[(&str, &str)] = &[
         "Damping surface: damping ratio of each pair of lines",
         "阻尼曲面:每对谱线的阻尼比",
     ),
-    ("below (Hz)", "低侧 (Hz)"),
-    ("above (Hz)", "高侧 (Hz)"),
+    ("below", "低于共振的谱线"),
+    ("above", "高于共振的谱线"),
     ("mean", "平均"),
     ("std", "标准差"),
     ("of which the window", "其中窗函数"),

@@ -122,6 +122,8 @@ mod tests {
             mac: Some(MacFigure {
                 test_hz: vec![2.0],
                 theory_hz: vec![1.9, 4.0],
+                theory_modes: vec![1, 3],
+                still: 1,
                 mac: vec![vec![Some(0.98), None]],
                 dofs: 4,
                 pairs: vec![[0, 0]],

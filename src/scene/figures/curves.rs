@@ -1,5 +1,6 @@
 //! FRF curves: which functions of a set are shown, which of their lines, and the curve of the identified modes.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use num_complex::Complex64;
@@ -16,6 +17,10 @@ use super::{rounded, to_decimals};
 pub(super) const MOST_FUNCTIONS: usize = 24;
 /// Lines on which the residual terms are fitted.
 const FITTED_LINES: usize = 1000;
+/// Lines around the circle of a mode.
+const ARC_STEPS: usize = 31;
+/// Angle from the resonance up to which they go, rad.
+const WIDEST: f64 = 0.9 * std::f64::consts::PI;
 /// How far beside the band curves go on, as a share of its width.
 const BESIDE: f64 = 0.15;
 
@@ -115,7 +120,11 @@ fn curve(
     let function = &set.functions()[i];
     let values = set.values(i);
     let magnitude: Vec<f64> = values.iter().map(|h| h.norm()).collect();
-    let kept = kept_lines(&magnitude, lines.clone(), points);
+    let arcs = arc_lines(set, modes, lines, points / 2);
+    let mut kept = kept_lines(&magnitude, lines.clone(), points - arcs.len());
+    kept.extend(arcs);
+    kept.sort_unstable();
+    kept.dedup();
     let fit = fit((set, i), modes, fitted, &kept);
     let of_fit = |part: fn(Complex64) -> f64| {
         let each = fit.iter().map(|value| value.map(part));
@@ -138,6 +147,29 @@ fn curve(
         coherence: coherence.unwrap_or_default(),
         lines: kept,
     }
+}
+
+/// Lines at even angles around the circle of each mode, `ω = ω_d + σ tan(θ/2)`, so that a Nyquist diagram of thinned lines stays round:
+/// no more than `points` together, and none where all lines are kept anyway.
+fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usize) -> Vec<usize> {
+    let steps = (points / modes.modes.len().max(1)).min(ARC_STEPS);
+    if lines.len() <= 2 * points || steps < 4 {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for pole in modes.modes.iter().filter_map(|mode| mode.pole()) {
+        let decay = set.added_damping_rad_s - pole.lambda.re;
+        for n in 0..steps {
+            let angle = WIDEST * (2.0 * n as f64 / (steps - 1) as f64 - 1.0);
+            let hz = (pole.lambda.im + decay * (0.5 * angle).tan()) / TAU;
+            let line = (hz - set.axis().start_hz) / set.axis().step_hz;
+            found.extend((line >= 0.0).then(|| line.round() as usize));
+        }
+    }
+    found.retain(|line| lines.contains(line));
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// All lines where they are few; else of each stretch the lines of the largest and of the smallest value, and both ends.
@@ -289,6 +321,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn circles_of_thinned_curves_keep_lines_all_around() {
+        let (set, model) = measured(0.0);
+        let figure = frf_figure(&set, &model, 120).unwrap();
+        let curve = &figure.curves[0];
+        assert!(curve.lines.len() <= 120, "{}", curve.lines.len());
+        // Half-power width of the mode at 220 Hz: 4.4 Hz, 17 lines, of which 60 points could keep 2.
+        let near = curve
+            .lines
+            .iter()
+            .filter(|k| (AXIS.hz(**k) - 220.0).abs() <= 2.2);
+        assert!(near.count() >= 12);
     }
 
     #[test]

@@ -26,13 +26,17 @@ const MOST_POINTS: usize = 3000;
 pub struct MacFigure {
     /// Frequencies of the test's modes, Hz.
     pub test_hz: Vec<f64>,
-    /// Frequencies of the theory's modes, Hz.
+    /// Frequencies of the theory's modes that move at the sensors, Hz.
     pub theory_hz: Vec<f64>,
+    /// Their numbers among all its modes, from 1.
+    pub theory_modes: Vec<usize>,
+    /// Modes of the theory that stand still at the sensors, and are left out.
+    pub still: usize,
     /// MAC.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Degrees of freedom it rests on.
     pub dofs: usize,
-    /// Pairs: test mode and theory mode, from 0; of a repeated root all its modes.
+    /// Pairs: row and column, from 0; of a repeated root all its modes.
     pub pairs: Vec<[usize; 2]>,
 }
 
@@ -112,29 +116,38 @@ pub(super) struct Shown<'a> {
 
 pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
     let pairing = shown.pairing?;
-    let hz = |model: &crate::modal::ModalModel| -> Vec<f64> {
-        model
-            .modes
-            .iter()
-            .map(|mode| rounded(mode.frequency_hz, 6))
-            .collect()
+    let theory = &shown.theory.modes.modes;
+    let moves = |j: &usize| {
+        let paired = pairing.pairs.iter().any(|pair| pair.theory.contains(j));
+        paired || pairing.mac.iter().any(|row| row[*j].is_some())
     };
-    let row = |row: &Vec<Option<f64>>| {
-        row.iter()
+    let columns: Vec<usize> = (0..theory.len()).filter(moves).collect();
+    let row = |row: &Vec<Option<f64>>| -> Vec<Option<f64>> {
+        let shown = columns.iter().map(|j| row[*j]);
+        shown
             .map(|own| own.map(|mac| to_decimals(mac, 3)))
             .collect()
     };
-    let pairs = pairing.pairs.iter().flat_map(|pair| {
-        let partners = pair.partners.iter();
-        partners.flat_map(move |own| pair.theory.iter().map(move |theory| [own.test, *theory]))
-    });
+    let mut pairs = Vec::new();
+    for pair in &pairing.pairs {
+        for own in &pair.partners {
+            let places = pair
+                .theory
+                .iter()
+                .filter_map(|j| columns.iter().position(|own| own == j));
+            pairs.extend(places.map(|column| [own.test, column]));
+        }
+    }
+    let hz = |mode: &crate::modal::Mode| rounded(mode.frequency_hz, 6);
     let any = pairing.mac.iter().flatten().any(Option::is_some);
     any.then(|| MacFigure {
-        test_hz: hz(&shown.test.modes),
-        theory_hz: hz(&shown.theory.modes),
+        test_hz: shown.test.modes.modes.iter().map(hz).collect(),
+        theory_hz: columns.iter().map(|j| hz(&theory[*j])).collect(),
+        theory_modes: columns.iter().map(|j| j + 1).collect(),
+        still: theory.len() - columns.len(),
         mac: pairing.mac.iter().map(row).collect(),
         dofs: pairing.map.pairs.len(),
-        pairs: pairs.collect(),
+        pairs,
     })
 }
 
