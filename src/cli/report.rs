@@ -28,13 +28,26 @@ const UPDATE: &str = "update.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let path = args.folder.join(DATA);
-    let report = report_from_json(&read_text(&path)?, &path.display().to_string())?;
-    for (name, bytes) in pages(&report, (&args.folder, output.language()))? {
-        write_whole(&args.folder.join(name), bytes)?;
-    }
+    build(&args.folder, output.language())?;
     output.text(&args.folder.join(PAGE).display().to_string());
     Ok(Outcome::Done)
+}
+
+/// Builds the page of a folder again that has one, for what another verb has put beside it.
+pub(super) fn rebuild(folder: &Path, language: Language) -> Result<(), Error> {
+    match folder.join(DATA).exists() {
+        true => build(folder, language),
+        false => Ok(()),
+    }
+}
+
+fn build(folder: &Path, language: Language) -> Result<(), Error> {
+    let path = folder.join(DATA);
+    let report = report_from_json(&read_text(&path)?, &path.display().to_string())?;
+    for (name, bytes) in pages(&report, (folder, language))? {
+        write_whole(&folder.join(name), bytes)?;
+    }
+    Ok(())
 }
 
 /// The files of the report of a run that goes into a folder.

@@ -8,6 +8,7 @@ use crate::scene::{Scene, update_scene};
 use super::Outcome;
 use super::args::UpdateArgs;
 use super::output::Output;
+use super::report::rebuild;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
 pub fn update(
@@ -48,6 +49,7 @@ pub fn update(
             .collect();
         let _writing = output.writing();
         write_all_whole(folder, &files)?;
+        rebuild(folder, output.language())?;
     }
     output.translated(&blocks);
     output.json(|| json::update_to_json(&own));

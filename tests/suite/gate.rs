@@ -157,6 +157,6 @@ fn theory_and_test_modes_are_compared_without_a_scene() {
     );
     assert!(
         fail(arguments.iter().copied().chain(["-o", &path("table.doc")]))
-            .contains(".md or .csv or .tex or .txt or .json")
+            .contains(".md or .csv or .tex or .txt or .html or .json")
     );
 }
