@@ -62,16 +62,20 @@ function start() {
     waiting = setTimeout(redrawAll, 120);
   });
   let before = null;
+  let opened = [];
   addEventListener('beforeprint', () => {
     before = palette === PALETTES.dark ? 'dark' : 'light';
     document.documentElement.classList.add('printing');
     for (const section of sections) section.hidden = false;
+    opened = [...document.querySelectorAll('details.notes:not([open]), .codes details:not([open])')];
+    for (const own of opened) own.open = true;
     sections.forEach(drawIn);
     setTheme('light');
   });
   addEventListener('afterprint', () => {
     document.documentElement.classList.remove('printing');
     setTheme(before || 'light');
+    for (const own of opened) own.open = false;
     showTab(location.hash.slice(1));
   });
   showTab(location.hash.slice(1));

@@ -113,11 +113,19 @@ fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<
         content,
         drawn,
     };
+    // A run without a comparison begins with what there is: what a publication says of the model, else the modes.
+    let (mut published, mut modes) = (section("published"), section("modes"));
+    let compared = figures.overview.is_some();
+    let instead = match (compared, published.is_empty()) {
+        (true, _) => String::new(),
+        (false, false) => std::mem::take(&mut published),
+        (false, true) => std::mem::take(&mut modes),
+    };
     vec![
         tab(
             "summary",
             "Summary",
-            summary::summary(report, updated, language),
+            summary::summary(report, updated, language) + &instead,
             false,
         ),
         tab("comparison", "Comparison", section("comparison"), false),
@@ -141,7 +149,7 @@ fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<
             String::new(),
             any(|t| !t.circles.is_empty()),
         ),
-        tab("modes", "Modes", section("modes"), false),
+        tab("modes", "Modes", modes, false),
         tab(
             "energies",
             "Energies",
@@ -154,12 +162,7 @@ fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<
             updated.map_or_else(String::new, |own| update::tables(own, language)),
             updated.is_some(),
         ),
-        tab(
-            "published",
-            "Published results",
-            section("published"),
-            false,
-        ),
+        tab("published", "Published results", published, false),
         tab("hits", "Hits", section("hits"), false),
         tab(
             "findings",

@@ -169,8 +169,8 @@ fn displacements(own: &ShapeFigure, values: &[Option<f64>]) -> Vec<[f64; 3]> {
     let mut moved = vec![[0.0; 3]; own.points.len()];
     for (reading, value) in own.readings.iter().zip(values) {
         let Some(value) = value else { continue };
-        for k in 0..3 {
-            moved[reading.point][k] += value * reading.direction[k];
+        for (part, along) in moved[reading.point].iter_mut().zip(&reading.direction) {
+            *part += value * along;
         }
     }
     moved
