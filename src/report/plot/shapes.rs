@@ -6,6 +6,8 @@ use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK};
 
 const WIDE: f64 = 240.0;
 const HIGH: f64 = 170.0;
+/// Height of a title, px.
+const TITLE: f64 = 10.0;
 const COLUMNS: usize = 3;
 /// Largest displacement as a part of the half size of the structure.
 const AMPLITUDE: f64 = 0.35;
@@ -16,6 +18,8 @@ struct View {
     size: f64,
     /// From above, for a plane that moves in itself; else from the front, turned and tilted.
     above: bool,
+    /// Pixels for the half size.
+    unit: f64,
 }
 
 impl View {
@@ -30,7 +34,7 @@ impl View {
             .map(|(lo, hi)| 0.5 * (hi - lo))
             .fold(0.0, f64::max);
         let flat = bounds[2].1 - bounds[2].0 <= 1e-6 * half;
-        Self {
+        let mut view = Self {
             center: bounds.map(|(lo, hi)| 0.5 * (lo + hi)),
             size: if half > 0.0 { half } else { 1.0 },
             above: flat
@@ -38,18 +42,33 @@ impl View {
                     .readings
                     .iter()
                     .all(|reading| reading.direction[2].abs() < 0.01),
+            unit: 1.0,
+        };
+        let reach = |k: usize| {
+            let all = own
+                .points
+                .iter()
+                .map(|point| view.turned(point.at_m)[k].abs());
+            all.fold(0.0, f64::max) + AMPLITUDE
+        };
+        view.unit = f64::min(0.48 * WIDE / reach(0), (0.48 * HIGH - TITLE) / reach(1));
+        view
+    }
+
+    /// To the right and up, in parts of the half size.
+    fn turned(&self, at: [f64; 3]) -> [f64; 2] {
+        let [x, y, z] = [0, 1, 2].map(|k| (at[k] - self.center[k]) / self.size);
+        match self.above {
+            true => [x, y],
+            false => [0.94 * x + 0.34 * y, 0.95 * z - 0.1 * x + 0.29 * y],
         }
     }
 
     fn place(&self, at: [f64; 3], [left, top]: [f64; 2]) -> [f64; 2] {
-        let [x, y, z] = [0, 1, 2].map(|k| (at[k] - self.center[k]) / self.size);
-        let (right, up) = match self.above {
-            true => (x, y),
-            false => (0.94 * x + 0.34 * y, 0.95 * z - 0.1 * x + 0.29 * y),
-        };
+        let [right, up] = self.turned(at);
         [
-            left + 0.5 * WIDE + 0.36 * WIDE * right,
-            top + 0.55 * HIGH - 0.36 * WIDE * up,
+            left + 0.5 * WIDE + self.unit * right,
+            top + 0.5 * HIGH + TITLE - self.unit * up,
         ]
     }
 }
@@ -113,6 +132,8 @@ fn panel(
             canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], (color, width, dash));
         }
         for n in 0..own.points.len() {
+            let from = view.place(own.points[n].at_m, corner);
+            canvas.line(from, at(n), (color, 0.4));
             canvas.dot(at(n), 1.2 * width, (color, "none"));
         }
     };
