@@ -1,7 +1,13 @@
 // Words, numbers, colours and elements that every figure needs.
 
-const page = JSON.parse(document.getElementById('data').textContent);
-const figures = page.figures;
+/** The data of the page, read after it has been painted. */
+let page = null;
+let figures = null;
+function readData() {
+  if (page) return;
+  page = JSON.parse(document.getElementById('data').textContent);
+  figures = page.figures;
+}
 
 /** A word of the page in its language. */
 const T = (text) => page.words[text] || text;

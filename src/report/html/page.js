@@ -2,8 +2,12 @@
 
 const DRAW = { errors: drawErrors, shapes: drawShapes, mac: drawMac, frf: drawFrf, poles: drawPoles, circles: drawCircles, energies: drawEnergies, update: drawUpdate };
 
+/** Whether the page has been painted; figures come after it. */
+let painted = false;
+
 /** Draws what a part of the page holds, once. */
 function drawIn(part) {
+  readData();
   for (const host of part.querySelectorAll('[data-draw]')) {
     const draw = DRAW[host.dataset.draw];
     delete host.dataset.draw;
@@ -26,7 +30,7 @@ function showTab(id, focus = false) {
     if (on) tab.parentNode.scrollLeft = Math.max(0, tab.offsetLeft - 60);
   }
   tip.hide();
-  drawIn(wanted);
+  if (painted) drawIn(wanted);
 }
 
 function setTheme(name) {
@@ -79,6 +83,10 @@ function start() {
     showTab(location.hash.slice(1));
   });
   showTab(location.hash.slice(1));
+  requestAnimationFrame(() => setTimeout(() => {
+    painted = true;
+    showTab(location.hash.slice(1));
+  }));
 }
 
 start();
