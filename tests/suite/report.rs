@@ -74,11 +74,11 @@ fn curves_of_the_page_show_the_fit_and_its_circles_the_damping() {
         );
         let measured = numbers(measured);
         let largest = measured.iter().copied().fold(0.0, f64::max);
-        // The noise of the recording, 3 % of the peak and less, is what the fit leaves.
+        // What two residual terms leave of the mode right above the band, 2 % of the peak.
         for (value, fit) in measured.iter().zip(fit) {
             let Some(fit) = fit.as_f64() else { continue };
             assert!(
-                (value - fit).abs() < 0.05 * largest,
+                (value - fit).abs() < 0.03 * largest,
                 "{value} {fit} of {largest}"
             );
         }
@@ -108,10 +108,11 @@ fn curves_of_the_page_show_the_fit_and_its_circles_the_damping() {
         let mean = surface.iter().sum::<f64>() / surface.len() as f64;
         let known =
             mode["damping_ratio"].as_f64().unwrap() + circle["window_damping"].as_f64().unwrap();
-        assert!((mean / known - 1.0).abs() < 0.2, "{mean} {known}");
+        // The surface rests on one function, the mode's ratio on all.
+        assert!((mean / known - 1.0).abs() < 0.03, "{mean} {known}");
         assert!(
             (circle["resonance_hz"].as_f64().unwrap() / mode["hz"].as_f64().unwrap() - 1.0).abs()
-                < 1e-3
+                < 1e-4
         );
     }
 }
@@ -218,7 +219,7 @@ fn poles_of_the_page_are_a_selection_that_identify_takes() {
     assert_eq!((found.len(), wanted.len()), (6, 6));
     for (mode, wanted) in found.iter().zip(wanted) {
         let off = mode["frequency_hz"].as_f64().unwrap() / wanted - 1.0;
-        assert!(off.abs() < 5e-4, "{off} at {wanted} Hz");
+        assert!(off.abs() < 1e-4, "{off} at {wanted} Hz");
     }
 }
 
