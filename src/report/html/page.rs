@@ -47,8 +47,8 @@ pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Langua
         "figures": report.figures,
         "update": updated,
     });
-    // A script element ends at the first `</`, whatever it is in.
-    let data = data.to_string().replace("</", "<\\/");
+    // A script element ends at the first `</`, and `<!--` changes what ends it, whatever they stand in.
+    let data = data.to_string().replace('<', "\\u003c");
     let w = |text| escape(word(language, text));
     let mut page = format!(
         "<!doctype html>\n<html lang=\"{code}\">\n{}<body>\n",

@@ -420,6 +420,6 @@ mod tests {
         )
         .unwrap();
         let told = advice(&overview, Some(&updated), Language::English);
-        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 1.000e4 N/m"]);
+        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 10000 N/m"]);
     }
 }
