@@ -54,9 +54,14 @@ class ShapeViewer {
     return list;
   }
 
+  /** Whether there is a theory that a mode could have a partner in. */
+  compared() {
+    return this.own.theory.length > 0 || this.bodies !== null;
+  }
+
   label(own) {
     if (own.test === null) return `${T('theory')}: ${digits(own.hz, 5)} Hz`;
-    return `${own.test + 1}: ${digits(own.hz, 5)} Hz${own.partner ? '' : ` (${T('without a partner')})`}`;
+    return `${own.test + 1}: ${digits(own.hz, 5)} Hz${own.partner || !this.compared() ? '' : ` (${T('without a partner')})`}`;
   }
 
   controls() {
@@ -154,7 +159,7 @@ class ShapeViewer {
       parts.push(`${T('theory')} ${own.partner.modes.map((part) => digits(theory[part[0]], 5)).join(', ')} Hz`);
       if (own.partner.error_percent !== null) parts.push(`${T('error')} ${signed(own.partner.error_percent)} %`);
       if (own.partner.mac !== null) parts.push(`MAC ${own.partner.mac.toFixed(3)}`);
-    } else parts.push(T('without a partner'));
+    } else if (this.compared()) parts.push(T('without a partner'));
     this.said.textContent = parts.join(' · ');
     this.draw();
   }
