@@ -228,6 +228,11 @@ pub fn thin_qr(a: &ComplexMatrix) -> ThinQr {
     }
 }
 
+/// The triangle `R` of `A = Q R` of a tall real matrix: `|R x| = |A x|` for every `x`.
+pub fn upper_triangle(a: &RealMatrix) -> RealMatrix {
+    a.qr().thin_R().to_owned()
+}
+
 /// Inverse of an upper triangle; zero rows where a diagonal vanishes.
 pub fn inverse_upper(upper: &ComplexMatrix) -> ComplexMatrix {
     let n = upper.ncols();

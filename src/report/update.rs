@@ -1,7 +1,7 @@
 //! An update as tables: parameters, what the data know, convergence, fit before and after, single changes.
 
 use crate::scene::SceneUpdate;
-use crate::update::{Change, Explanation, Fit, UpdateResult};
+use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};
 
 use super::comparison::{error_head, whole_comparison};
 use super::{Block, Cell, Column, Table};
@@ -61,13 +61,8 @@ fn parameters(own: &SceneUpdate) -> Block {
         "Weights: the test's standard deviations, and beside them {} % of every frequency granted to the model (assumed).",
         short(100.0 * own.options.frequency_floor)
     )];
-    footnotes.push(match own.options.shape_floor {
-        Some(floor) => format!(
-            "Shapes count with {} % of their root mean square beside the test's deviations (assumed); complex ones are turned to where they are most real.",
-            short(100.0 * floor)
-        ),
-        None => "Shapes pair and follow modes, and do not count.".to_owned(),
-    });
+    footnotes.extend(shapes(own));
+    footnotes.extend(residuals(own));
     footnotes.push(misfit(&own.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: not seen by the test even with all others known.".to_owned());
     Block::Table(Table {
@@ -76,6 +71,54 @@ fn parameters(own: &SceneUpdate) -> Block {
         rows: own.result.parameters.iter().map(row).collect(),
         footnotes,
     })
+}
+
+/// What the deviations of shapes are.
+fn shapes(own: &SceneUpdate) -> Vec<String> {
+    let Some(floor) = own.options.shape_floor else {
+        return vec!["Shapes pair and follow modes, and do not count.".to_owned()];
+    };
+    let mut all = vec![format!(
+        "Shapes count with the test's deviations, and beside them {} % of their root mean square granted to the model (assumed); complex ones are turned to where they are most real.",
+        short(100.0 * floor)
+    )];
+    let rows = &own.result.after.rows;
+    let assumed = |row: &&FitRow| row.shape_weights == Some(ShapeWeights::Assumed);
+    let labels: Vec<&str> = rows
+        .iter()
+        .filter(assumed)
+        .map(|row| row.label.as_str())
+        .collect();
+    if !labels.is_empty() {
+        let which = if labels.len() == rows.len() {
+            "all modes".to_owned()
+        } else {
+            labels.join(", ")
+        };
+        all.push(format!(
+            "The test states no deviations of the shapes of {which}: {} % of their root mean square is assumed.",
+            short(100.0 * own.options.assumed_shape_std)
+        ));
+    }
+    all
+}
+
+/// What was compared, where it was not modes.
+fn residuals(own: &SceneUpdate) -> Option<String> {
+    let floor = short(100.0 * own.options.frf_floor);
+    let frfs = |what: &str| {
+        format!(
+            "Residuals: {what} of the FRFs, each divided by its deviation and {floor} % of its magnitude granted to the model (assumed), from where frequencies and shapes end. Chi-square is theirs. Damping is as identified, and is not updated."
+        )
+    };
+    match own.options.residuals {
+        Residuals::Modes => None,
+        Residuals::ModalDynamic => Some(
+            "Residuals: what the measured modes leave of the equations of motion, weighed by the deviations of frequency and shape.".to_owned(),
+        ),
+        Residuals::FrfComplex => Some(frfs("real and imaginary parts")),
+        Residuals::FrfLogMagnitude => Some(frfs("logarithms of the magnitudes")),
+    }
 }
 
 /// What the remaining misfit says of the deviations.

@@ -308,10 +308,18 @@ pub struct UpdateTable {
     pub published: bool,
     /// Modes in this band alone count, `[lo, hi]` in Hz; the others are held against the result.
     pub band_hz: Option<[f64; 2]>,
+    /// What is compared: `modes` (not stated), `modal-dynamic`, `frf-complex` or `frf-log-magnitude`.
+    pub residuals: Option<String>,
     /// Deviation of every frequency that the model is granted, a fraction.
     pub frequency_floor: Option<f64>,
     /// The same of shape components, as a part of their root mean square.
     pub shape_floor: Option<f64>,
+    /// Deviation of shape components for which the test states none, as such a part.
+    pub assumed_shape_std: Option<f64>,
+    /// Deviation of every value of an FRF that the model is granted, a fraction of its magnitude.
+    pub frf_floor: Option<f64>,
+    /// Most lines of an FRF that count.
+    pub frf_lines: Option<usize>,
     /// Whether shapes count (they do when not stated); they pair and follow modes all the same.
     pub shapes: Option<bool>,
     /// Prior deviation of parameters that state none, as a part of their value.

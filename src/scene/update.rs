@@ -3,12 +3,13 @@
 use crate::axis::Band;
 use crate::correlate::ComparisonTable;
 use crate::finding::Finding;
+use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::theory::{ModeOptions, coordinate_sensors};
 use crate::update::{
-    Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
-    check_always, explain, update,
+    Explanation, MeasuredModes, ParameterChoice, Prior, Residuals, UpdateOptions, UpdateProblem,
+    UpdateResult, check_always, explain, update,
 };
 
 use super::SceneError;
@@ -67,7 +68,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let tests = counted_tests(scene, &stated)?;
     let measured = measured(scene, &stated, &tests)?;
     let sensors = sensors(&model, scene)?;
-    let options = options(scene, &stated);
+    let options = options(scene, &stated)?;
     let choices = choices(&stated, &model, &scene.path)?;
     let band = band(&stated, &scene.path)?;
     let in_band: Vec<Measured> = measured.iter().map(|own| own.inside(band)).collect();
@@ -127,6 +128,16 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
         let expected = "explain = true beside it, the trials that it is for";
         return Err(value_error(path, "[update] always", &got, expected));
     }
+    let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
+    if !stated.residuals.as_ref().is_some_and(of_frfs) {
+        let floor = stated.frf_floor.map(|floor| ("frf_floor", floor));
+        let lines = stated.frf_lines.map(|lines| ("frf_lines", lines as f64));
+        if let Some((key, got)) = floor.or(lines) {
+            let expected = "residuals of FRFs beside it, which alone it is for";
+            let key = format!("[update] {key}");
+            return Err(value_error(path, &key, &format!("{got}"), expected));
+        }
+    }
     if let Some(floor) = stated.shape_floor.filter(|_| stated.shapes == Some(false)) {
         let expected = "no shape_floor beside shapes = false";
         let got = format!("{floor}");
@@ -160,6 +171,7 @@ struct Measured {
     modes: ModalModel,
     /// Number of each mode, by which labels name it whatever counts.
     numbers: Vec<usize>,
+    frfs: Vec<FrfSet>,
 }
 
 impl Measured {
@@ -168,6 +180,7 @@ impl Measured {
             name: test.name.clone(),
             modes: test.modes.clone(),
             numbers: (1..=test.modes.modes.len()).collect(),
+            frfs: test.frfs.clone(),
         }
     }
 
@@ -177,6 +190,7 @@ impl Measured {
             name: PUBLISHED.to_owned(),
             modes: ModalModel::default(),
             numbers: Vec::new(),
+            frfs: Vec::new(),
         };
         let elastic = expected.roots.iter().filter(|root| root.omega_rad_s > 0.0);
         for (number, root) in (first_root..).zip(elastic) {
@@ -207,9 +221,11 @@ impl Measured {
             name: self.name.clone(),
             modes: ModalModel {
                 modes,
+                band: band.or(self.modes.band),
                 ..self.modes.clone()
             },
             numbers,
+            frfs: self.frfs.clone(),
         }
     }
 
@@ -218,6 +234,7 @@ impl Measured {
             name: &self.name,
             modes: &self.modes,
             numbers: &self.numbers,
+            frfs: &self.frfs,
         }
     }
 }
@@ -263,10 +280,15 @@ fn sensors(model: &LoadedModel, scene: &Scene) -> Result<Vec<Sensor>, SceneError
     Ok(coordinate_sensors(&matrices.coordinates))
 }
 
-fn options(scene: &Scene, stated: &UpdateTable) -> UpdateOptions {
+fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneError> {
     let default = UpdateOptions::default();
     let floor = stated.shape_floor.or(default.shape_floor);
-    UpdateOptions {
+    let or = |stated: Option<f64>, default: f64| stated.unwrap_or(default);
+    Ok(UpdateOptions {
+        residuals: residuals(stated, &scene.path)?,
+        assumed_shape_std: or(stated.assumed_shape_std, default.assumed_shape_std),
+        frf_floor: or(stated.frf_floor, default.frf_floor),
+        frf_lines: stated.frf_lines.unwrap_or(default.frf_lines),
         frequency_floor: stated.frequency_floor.unwrap_or(default.frequency_floor),
         shape_floor: floor.filter(|_| stated.shapes != Some(false)),
         prior_std: stated.prior_std.unwrap_or(default.prior_std),
@@ -274,7 +296,18 @@ fn options(scene: &Scene, stated: &UpdateTable) -> UpdateOptions {
         seed: stated.seed.unwrap_or(default.seed),
         max_iterations: stated.max_iterations.unwrap_or(default.max_iterations),
         pair: scene.pair.clone(),
-    }
+    })
+}
+
+fn residuals(stated: &UpdateTable, path: &str) -> Result<Residuals, SceneError> {
+    let Some(name) = &stated.residuals else {
+        return Ok(Residuals::Modes);
+    };
+    Residuals::from_name(name).ok_or_else(|| {
+        let known = Residuals::ALL.map(Residuals::name).join(", ");
+        let (got, expected) = (format!("{name:?}"), format!("one of {known}"));
+        value_error(path, "[update] residuals", &got, &expected)
+    })
 }
 
 /// The parameters that are named; where none is, all of the model above 0 but numbers of parts.

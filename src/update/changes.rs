@@ -1,9 +1,11 @@
 //! Which single change explains the misfit: parameters freed alone, in pairs and in growing sets, ranked; and whether the
 //! set that is proposed foretells a mode that was left out.
 //!
-//! Every trial solves the problem with some parameters free and all others where they are. Its remaining error is
-//! `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 + k ln N` with `k` free parameters
-//! and `N` residuals, the deviations being taken as known.
+//! Every trial solves the problem with some parameters free and all others where they are. It is a fit to the data alone: what
+//! explains a misfit may lie far outside the prior, and BIC asks for the maximum of the likelihood. The prior's rows weigh a
+//! thousandth, which pulls a parameter that the data know by a millionth, and leaves one that they do not know where it was.
+//! Its remaining error is `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 + k ln N` with
+//! `k` free parameters and `N` residuals, the deviations being taken as known.
 //!
 //! # Reference
 //! Schwarz (1978), Estimating the dimension of a model, Annals of Statistics 6, 461.
@@ -16,6 +18,8 @@ use super::{UpdateError, UpdateProblem};
 
 /// Pairs are tried among this many of the best single parameters.
 const PAIRED_PARAMETERS: usize = 8;
+/// Weight of the prior's rows in trials.
+const PRIOR_WEIGHT: f64 = 1e-3;
 /// Largest number of parameters in a set.
 const LARGEST_SET: usize = 6;
 
@@ -121,8 +125,8 @@ pub fn check_always(problem: &UpdateProblem<'_>, always: &[String]) -> Result<()
     Trials::new(problem, always).map(|_| ())
 }
 
-struct Trials<'a, 'b> {
-    problem: &'a UpdateProblem<'b>,
+struct Trials<'b> {
+    problem: UpdateProblem<'b>,
     /// Places in the problem's list of free parameters.
     always: Vec<usize>,
     candidates: Vec<usize>,
@@ -130,8 +134,8 @@ struct Trials<'a, 'b> {
 
 type Ranked = Vec<(Vec<usize>, Change)>;
 
-impl<'a, 'b> Trials<'a, 'b> {
-    fn new(problem: &'a UpdateProblem<'b>, always: &[String]) -> Result<Self, UpdateError> {
+impl<'b> Trials<'b> {
+    fn new(problem: &UpdateProblem<'b>, always: &[String]) -> Result<Self, UpdateError> {
         let error = |name: &String, reason| UpdateError::Parameter {
             name: name.clone(),
             reason,
@@ -150,7 +154,7 @@ impl<'a, 'b> Trials<'a, 'b> {
         let rest = (0..problem.free.len()).filter(|j| !always.contains(j));
         Ok(Self {
             candidates: rest.collect(),
-            problem,
+            problem: problem.with_prior_weight(PRIOR_WEIGHT),
             always,
         })
     }

@@ -83,6 +83,28 @@ pub enum UpdateError {
         /// The mode.
         label: String,
     },
+    /// A mode without shapes, which has no modal dynamic residual.
+    #[error(
+        "{label}: modal dynamic residuals need a shape at two or more sensors of the model, and shape_floor above 0; this mode has none"
+    )]
+    NoShapes {
+        /// The mode.
+        label: String,
+    },
+    /// No FRF that can be compared.
+    #[error(
+        "no FRF has both ends at sensors of the model, lines in the band and an uncertainty, expected at least one for residuals of FRFs"
+    )]
+    NoFrfs,
+    /// FRFs of a test none of whose modes has a damping ratio.
+    #[error(
+        "residuals of FRFs: no mode of test {} that is paired has a damping ratio, expected one",
+        test + 1
+    )]
+    NoDamping {
+        /// Index of the test.
+        test: usize,
+    },
     /// A derivative of the residuals that is not a finite number.
     #[error(
         "update parameter {name:?}: at {value} the residuals have no finite derivative by it, expected one; bounds may keep it away from there"

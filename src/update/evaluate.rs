@@ -1,7 +1,6 @@
 //! The model at one set of parameters: its modes, its links to the test, its residuals.
 
-use crate::linalg::RealMatrix;
-use crate::theory::TheoryModes;
+use crate::theory::{SystemMatrices, TheoryModes};
 
 use super::Link;
 
@@ -20,7 +19,7 @@ pub struct Evaluation {
     pub residual: Vec<f64>,
     /// How many of them are of data.
     pub data_rows: usize,
-    pub(super) mass: RealMatrix,
+    pub(super) matrices: SystemMatrices,
 }
 
 impl Evaluation {

@@ -7,9 +7,13 @@
 
 mod bounded;
 mod changes;
+mod data;
+mod dynamic;
 mod error;
 mod evaluate;
 mod findings;
+mod frfs;
+mod graduated;
 mod history;
 mod identifiability;
 mod links;
@@ -26,6 +30,10 @@ mod changes_tests;
 #[cfg(test)]
 mod cycloid_tests;
 #[cfg(test)]
+mod dynamic_tests;
+#[cfg(test)]
+mod frfs_tests;
+#[cfg(test)]
 mod problem_tests;
 #[cfg(test)]
 mod result_tests;
@@ -33,6 +41,8 @@ mod result_tests;
 mod solve_tests;
 #[cfg(test)]
 mod test_models;
+#[cfg(test)]
+mod weights_tests;
 
 pub use changes::{Change, Explanation, Foretold, check_always, explain, single_changes};
 pub use error::UpdateError;
@@ -40,9 +50,9 @@ pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};
 pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
 pub use links::Link;
-pub use options::UpdateOptions;
+pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use problem::UpdateProblem;
 pub use result::{Fit, FitRow, Starts, UpdateResult, UpdatedParameter, update};
 pub use solve::{MultiStart, Solution, solve, solve_from_starts};
-pub use target::{MeasuredModes, Target};
+pub use target::{MeasuredModes, ShapeWeights, Target};

@@ -1,18 +1,73 @@
 //! Options of updating.
 
+use serde::{Deserialize, Serialize};
+
 use crate::correlate::PairOptions;
 
 use super::UpdateError;
 
+/// What of a test is held against the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Residuals {
+    /// Frequencies and shapes of its modes.
+    Modes,
+    /// What its modes leave of the equations of motion.
+    ModalDynamic,
+    /// Real and imaginary parts of its FRFs, from where the modes end.
+    FrfComplex,
+    /// Logarithms of the magnitudes of its FRFs, from where the modes end.
+    FrfLogMagnitude,
+}
+
+impl Residuals {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Modes,
+        Self::ModalDynamic,
+        Self::FrfComplex,
+        Self::FrfLogMagnitude,
+    ];
+
+    /// The name in scenes and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Modes => "modes",
+            Self::ModalDynamic => "modal-dynamic",
+            Self::FrfComplex => "frf-complex",
+            Self::FrfLogMagnitude => "frf-log-magnitude",
+        }
+    }
+
+    /// The kind of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|own| own.name() == name)
+    }
+
+    /// Whether FRFs are compared.
+    pub fn of_frfs(self) -> bool {
+        matches!(self, Self::FrfComplex | Self::FrfLogMagnitude)
+    }
+}
+
 /// Options of updating.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpdateOptions {
+    /// What is held against the model.
+    pub residuals: Residuals,
     /// Deviation of every frequency that the model itself is granted beside the test's, a fraction: what no value of its
     /// parameters mends. 0 trusts the model as far as the test.
     pub frequency_floor: f64,
     /// The same of every shape component, as a part of the root mean square of the shape's components; `None` leaves
     /// shapes out of the objective (they still pair and follow modes).
     pub shape_floor: Option<f64>,
+    /// Deviation of a shape component for which the test states none, as such a part.
+    pub assumed_shape_std: f64,
+    /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the damping, which is not updated, and
+    /// the calibration.
+    pub frf_floor: f64,
+    /// Most lines of a function that count, evenly thinned.
+    pub frf_lines: usize,
     /// Prior deviation of a parameter for which none is stated: of its logarithm, or of its value as a part of it.
     pub prior_std: f64,
     /// Number of starts; the first one is the model as it stands.
@@ -26,11 +81,17 @@ pub struct UpdateOptions {
 }
 
 impl Default for UpdateOptions {
-    /// Floors of 0.1 % in frequency and 5 % in shape, priors of 30 %, 20 starts of at most 100 iterations.
+    /// Modes; floors of 0.1 % in frequency, 2 % in shape and FRFs (to which sensors are calibrated), 5 % for shapes without deviations,
+    /// 400 lines,
+    /// priors of 30 %, 20 starts of at most 100 iterations.
     fn default() -> Self {
         Self {
+            residuals: Residuals::Modes,
             frequency_floor: 1e-3,
-            shape_floor: Some(0.05),
+            shape_floor: Some(0.02),
+            assumed_shape_std: 0.05,
+            frf_floor: 0.02,
+            frf_lines: 400,
             prior_std: 0.3,
             starts: 20,
             seed: 1,
@@ -57,6 +118,24 @@ impl UpdateOptions {
                 "a fraction of 0 or more",
             ),
             ("shape_floor", floor, positive(floor), "a fraction above 0"),
+            (
+                "assumed_shape_std",
+                self.assumed_shape_std,
+                positive(self.assumed_shape_std),
+                "a fraction above 0",
+            ),
+            (
+                "frf_floor",
+                self.frf_floor,
+                positive(self.frf_floor) || self.frf_floor == 0.0,
+                "a fraction of 0 or more",
+            ),
+            (
+                "frf_lines",
+                self.frf_lines as f64,
+                self.frf_lines > 0,
+                "at least one",
+            ),
             (
                 "prior_std",
                 self.prior_std,

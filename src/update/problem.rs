@@ -1,22 +1,25 @@
 //! The problem: model, free parameters, targets; residuals and their derivatives at any point.
 
+use std::sync::Arc;
+
 use crate::axis::Band;
 use crate::correlate::PairOptions;
+use crate::dof::Dof;
 use crate::geometry::Sensor;
-use crate::linalg::{RealMatrix, real_matrix};
-use crate::modal::ModalModel;
+use crate::modal::{ModalModel, Mode};
 use crate::theory::{
     ModeDerivatives, ModeOptions, TheoreticalModel, TheoryError, check_values, mode_derivatives,
     modes, modes_of_matrices,
 };
 
+use super::frfs::FrfTarget;
 use super::links::{PairedModes, follow, with_whole_roots};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ShapeRows, targets_of};
 use super::{
-    Evaluation, FreeParameter, Link, MeasuredModes, ParameterChoice, Target, UpdateError,
-    UpdateOptions,
+    Evaluation, FreeParameter, Link, MeasuredModes, ParameterChoice, Residuals, Target,
+    UpdateError, UpdateOptions,
 };
 
 /// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within twice the frequency.
@@ -25,8 +28,8 @@ const START_GATE: f64 = 1.0;
 /// A model to be brought to measured modes.
 #[derive(Clone, Debug)]
 pub struct UpdateProblem<'a> {
-    model: &'a dyn TheoreticalModel,
-    sensors: &'a [Sensor],
+    pub(super) model: &'a dyn TheoreticalModel,
+    pub(super) sensors: &'a [Sensor],
     /// Values of all parameters at the start.
     pub initial: Vec<f64>,
     /// The parameters that may change.
@@ -37,7 +40,13 @@ pub struct UpdateProblem<'a> {
     pub left_out: Vec<(String, f64)>,
     /// Options.
     pub options: UpdateOptions,
-    tests: Vec<PairedModes>,
+    pub(super) tests: Vec<PairedModes>,
+    /// Weight of the prior's rows.
+    pub(super) prior_weight: f64,
+    /// The functions, where the options ask for them.
+    pub(super) frfs: Arc<Vec<FrfTarget>>,
+    /// Whether they are the residuals now.
+    pub(super) compares_frfs: bool,
 }
 
 impl<'a> UpdateProblem<'a> {
@@ -58,11 +67,7 @@ impl<'a> UpdateProblem<'a> {
         let free = free_parameters(model, values, choices, &options)?;
         let mut targets = Vec::new();
         for (test, own) in measured.iter().enumerate() {
-            let floor = options.shape_floor;
-            let rows = floor
-                .map(|floor| ShapeRows::new((model, values), sensors, own.modes, &options, floor))
-                .transpose()?;
-            targets.extend(targets_of(test, own, rows.as_ref(), &options)?);
+            targets.extend(targets_of(test, own, options.frequency_floor)?);
         }
         let mut problem = Self {
             model,
@@ -73,9 +78,47 @@ impl<'a> UpdateProblem<'a> {
             left_out: Vec::new(),
             options,
             tests: Vec::new(),
+            prior_weight: 1.0,
+            frfs: Arc::default(),
+            compares_frfs: false,
         };
         problem.keep_paired(measured)?;
+        problem.weigh(measured)?;
+        if problem.options.residuals == Residuals::ModalDynamic {
+            let start = problem.start(&vec![0.0; problem.free.len()])?;
+            problem.prepare_dynamic(&start.modes, &start.links)?;
+        }
+        if problem.options.residuals.of_frfs() {
+            problem.prepare_frfs(measured)?;
+        }
         Ok(problem)
+    }
+
+    /// Frequencies and shapes with their deviations, the model's floor shared by the tests that measure a root.
+    fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
+        let links = self.links(&self.initial, &self.options.pair)?;
+        let place = (self.model, self.initial.as_slice());
+        let rows = measured.iter().map(|own| {
+            let rows = |floor| ShapeRows::new(place, self.sensors, own.modes, &self.options, floor);
+            self.options.shape_floor.map(rows).transpose()
+        });
+        let rows = rows.collect::<Result<Vec<_>, _>>()?;
+        for t in 0..self.targets.len() {
+            let others = others_of(t, &links, &self.targets);
+            let floor = self.options.frequency_floor;
+            let target = &mut self.targets[t];
+            target.weigh(floor, 1 + others.len())?;
+            let Some(own) = &rows[target.test] else {
+                continue;
+            };
+            let reads = |test: usize, dof: &Dof| rows[test].as_ref().is_some_and(|r| r.reads(dof));
+            let tests = |dof: &Dof| 1 + others.iter().filter(|&&test| reads(test, dof)).count();
+            let model = measured[target.test].modes;
+            let modes: Vec<&Mode> = target.modes.iter().map(|&i| &model.modes[i]).collect();
+            let shapes = own.of(&modes, tests);
+            (target.shapes, target.shape_weights) = shapes.unzip();
+        }
+        Ok(())
     }
 
     /// Leaves out what has no partner at the start.
@@ -112,6 +155,25 @@ impl<'a> UpdateProblem<'a> {
             free: places.iter().map(|&j| self.free[j].clone()).collect(),
             ..self.clone()
         }
+    }
+
+    /// The same problem with another weight of the prior's rows.
+    pub(super) fn with_prior_weight(&self, prior_weight: f64) -> Self {
+        Self {
+            prior_weight,
+            ..self.clone()
+        }
+    }
+
+    /// The same problem with shapes of another weight.
+    pub(super) fn with_shape_weight(&self, weight: f64) -> Self {
+        let mut own = self.clone();
+        for target in &mut own.targets {
+            if let Some(shapes) = &mut target.shapes {
+                *shapes = shapes.scaled(weight);
+            }
+        }
+        own
     }
 
     /// The same problem without one of its targets.
@@ -198,7 +260,7 @@ impl<'a> UpdateProblem<'a> {
     /// # Errors
     /// [`UpdateError::Linalg`].
     pub fn follow(&self, z: &[f64], from: &Evaluation) -> Result<Option<Evaluation>, UpdateError> {
-        let followed = |modes: &_| follow(&from.links, &from.modes, &from.mass, modes);
+        let followed = |modes: &_| follow(&from.links, &from.modes, &from.matrices.mass, modes);
         match self.evaluate(z, followed) {
             Ok(own) => Ok(Some(own)),
             Err(UpdateError::Theory(
@@ -220,13 +282,9 @@ impl<'a> UpdateProblem<'a> {
         let matrices = self.model.assemble(&values)?;
         let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
         let links = with_whole_roots(links(&modes), &self.targets, &modes);
-        let mut residual = Vec::new();
-        for link in &links {
-            residual.extend(LinkResidual::new(link, &self.targets, &modes).values());
-        }
-        residual.extend(self.unpaired(&links).flat_map(unexplained));
+        let mut residual = self.data_residuals(&matrices, &modes, &links);
         let data_rows = residual.len();
-        residual.extend(z);
+        residual.extend(z.iter().map(|z| self.prior_weight * z));
         Ok(Evaluation {
             z: z.to_vec(),
             values,
@@ -234,12 +292,12 @@ impl<'a> UpdateProblem<'a> {
             modes,
             residual,
             data_rows,
-            mass: matrices.mass,
+            matrices,
         })
     }
 
     /// Targets without a partner.
-    fn unpaired<'b>(&'b self, links: &'b [Link]) -> impl Iterator<Item = &'b Target> {
+    pub(super) fn unpaired<'b>(&'b self, links: &'b [Link]) -> impl Iterator<Item = &'b Target> {
         let alone = |t: &usize| !links.iter().any(|link| link.targets.contains(t));
         (0..self.targets.len())
             .filter(alone)
@@ -282,41 +340,6 @@ impl<'a> UpdateProblem<'a> {
         Ok(all)
     }
 
-    /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
-    ///
-    /// # Errors
-    /// [`UpdateError::Theory`], [`UpdateError::Linalg`]; [`UpdateError::Derivative`] where one is not finite.
-    pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
-        let residuals = self.residuals(at);
-        let by = self.derivatives(at, &residuals)?;
-        let data = at.data_rows;
-        let mut jacobian = real_matrix(data + by.len(), by.len(), |row, j| {
-            if row == data + j { 1.0 } else { 0.0 }
-        });
-        for (j, (by, slope)) in by.iter().enumerate() {
-            let pairs = residuals.iter().zip(by);
-            let column = pairs.flat_map(|(residual, own)| residual.derivatives(own));
-            for (row, value) in column.enumerate() {
-                jacobian[(row, j)] = value * slope;
-            }
-            if (0..data).any(|row| !jacobian[(row, j)].is_finite()) {
-                let own = &self.free[j];
-                return Err(UpdateError::Derivative {
-                    name: own.name.clone(),
-                    value: at.values[own.index],
-                });
-            }
-        }
-        Ok(jacobian)
-    }
-
-    /// Number of residuals of data that say something.
-    pub fn data_count(&self, at: &Evaluation) -> usize {
-        let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
-        let unpaired = self.unpaired(&at.links).map(Target::informative);
-        at.links.iter().map(link).sum::<usize>() + unpaired.sum::<usize>()
-    }
-
     /// Frequency of the model (Hz) and MAC of each target; `None` for one without a partner.
     pub fn fits(&self, at: &Evaluation) -> Vec<Option<(f64, Option<f64>)>> {
         let mut fits = vec![None; self.targets.len()];
@@ -330,9 +353,17 @@ impl<'a> UpdateProblem<'a> {
     }
 }
 
-/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes with a MAC of 0, which is
-/// more than any partner leaves.
-fn unexplained(target: &Target) -> impl Iterator<Item = f64> {
-    let vectors = target.shapes.iter().flat_map(|shapes| &shapes.vectors);
-    std::iter::once(target.relative_std.recip()).chain(vectors.flatten().copied())
+/// The other tests that measure a mode of the model that a target measures.
+fn others_of(target: usize, links: &[Link], targets: &[Target]) -> Vec<usize> {
+    let test = |link: &Link| targets[link.targets[0]].test;
+    let of_target = links.iter().find(|link| link.targets.contains(&target));
+    let Some(own) = of_target else {
+        return Vec::new();
+    };
+    let meets = |link: &&Link| link.modes.iter().any(|mode| own.modes.contains(mode));
+    let mut others: Vec<usize> = links.iter().filter(meets).map(test).collect();
+    others.retain(|&other| other != targets[target].test);
+    others.sort_unstable();
+    others.dedup();
+    others
 }

@@ -12,7 +12,7 @@
 //! # Reference
 //! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
 
-use crate::linalg::{RealMatrix, real_matrix};
+use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 use crate::theory::{ModeDerivatives, TheoryModes};
 
 use super::target::TargetShapes;
@@ -21,6 +21,9 @@ use super::{Link, Target, UpdateError};
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// A vector of which less than this part is independent of those before adds no direction.
 const DEPENDENT: f64 = 1e-8;
+/// Measured shapes tell the branches of a root apart when the smallest singular value of their coefficients is not below this
+/// part of the largest.
+const TOLD_APART: f64 = 0.2;
 
 /// One link with what it needs.
 pub(super) struct LinkResidual<'a> {
@@ -39,7 +42,7 @@ impl<'a> LinkResidual<'a> {
         let targets: Vec<&Target> = link.targets.iter().map(|&t| &targets[t]).collect();
         let projection = |target: &&Target| {
             let shapes = target.shapes.as_ref()?;
-            Some(Projection::new(shapes, modes, &own))
+            Some(Projection::of_modes(shapes, modes, &own))
         };
         Self {
             projections: targets.iter().map(projection).collect(),
@@ -137,12 +140,19 @@ impl<'a> LinkResidual<'a> {
     }
 
     /// Turns the derivatives of a repeated root by all parameters, each with its weight, to one basis, so that the
-    /// diagonals of `projected` are those of its branches, ascending, as a mixture of all parameters grows. Where the
-    /// parameters split the root into the same shapes, they are the branches of each parameter by itself, too.
+    /// diagonals of `projected` are those of its branches: those whose shapes the targets measured, in their order, where the
+    /// shapes tell; else, ascending, as a mixture of all parameters grows. Where the parameters split the root into the same
+    /// shapes, these are the branches of each parameter by itself, too.
     pub fn split(&self, by: &mut [(&mut ModeDerivatives, f64)]) -> Result<(), UpdateError> {
         let m = self.own.len();
         let bits = |k: usize| self.modes.omega_rad_s[self.own[k]].to_bits();
         if m < 2 || (1..m).any(|k| bits(k) != bits(0)) {
+            return Ok(());
+        }
+        if let Some(basis) = self.measured_basis()? {
+            for (own, _) in by {
+                own.projected = basis.transpose() * &own.projected * &basis;
+            }
             return Ok(());
         }
         let mut mixture = real_matrix(m, m, |_, _| 0.0);
@@ -160,6 +170,36 @@ impl<'a> LinkResidual<'a> {
             own.projected = basis.transpose() * &own.projected * &basis;
         }
         Ok(())
+    }
+
+    /// The orthonormal basis of a root next to the measured shapes, one column for each of them: `C (C^T C)^(-1/2)` with
+    /// the shapes' coefficients `C` over the modes. `None` unless as many were measured as there are modes, and told apart.
+    fn measured_basis(&self) -> Result<Option<RealMatrix>, UpdateError> {
+        let m = self.own.len();
+        let of_shapes = |(shapes, projection): (&TargetShapes, &Projection)| {
+            let vectors = shapes.vectors.iter();
+            let own = vectors
+                .map(|v| (projection.columns.len() == m).then(|| projection.coefficients(v)));
+            own.collect::<Vec<_>>()
+        };
+        let columns: Option<Vec<Vec<f64>>> = self.shapes().flat_map(of_shapes).collect();
+        let Some(columns) = columns.filter(|columns| columns.len() == m) else {
+            return Ok(None);
+        };
+        let unit = |column: &Vec<f64>| {
+            let length = dot(column, column).sqrt();
+            column.iter().map(|x| x / length).collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = columns.iter().map(unit).collect();
+        let c = real_matrix(m, m, |i, j| columns[j][i]);
+        let (values, v) = right_singular_vectors(&c)?;
+        if values[m - 1] < TOLD_APART * values[0] {
+            return Ok(None);
+        }
+        let half = real_matrix(m, m, |i, j| {
+            (0..m).map(|k| v[(i, k)] * v[(j, k)] / values[k]).sum()
+        });
+        Ok(Some(&c * &half))
     }
 
     fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Projection)> {
@@ -186,7 +226,7 @@ impl<'a> LinkResidual<'a> {
 }
 
 /// The model's shapes `Phi = Q R` at the sensors; columns without a direction of their own are left out.
-struct Projection {
+pub(super) struct Projection {
     q: Vec<Vec<f64>>,
     /// Columns of the upper triangle.
     r: Vec<Vec<f64>>,
@@ -195,19 +235,28 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(shapes: &TargetShapes, modes: &TheoryModes, own: &[usize]) -> Self {
+    /// Of the shapes of modes of the model at the sensors of a target.
+    pub fn of_modes(shapes: &TargetShapes, modes: &TheoryModes, own: &[usize]) -> Self {
         let (d, n) = (shapes.rows.nrows(), shapes.rows.ncols());
+        let column = |&mode: &usize| {
+            let reading = |row: usize| -> f64 {
+                let parts = (0..n).map(|i| shapes.rows[(row, i)] * modes.vectors[(i, mode)]);
+                parts.sum()
+            };
+            (0..d).map(reading).collect()
+        };
+        Self::of_columns(own.iter().map(column))
+    }
+
+    /// Of any columns.
+    pub fn of_columns(columns: impl Iterator<Item = Vec<f64>>) -> Self {
         let mut projection = Self {
             q: Vec::new(),
             r: Vec::new(),
             columns: Vec::new(),
         };
-        for (k, &mode) in own.iter().enumerate() {
-            let reading = |row: usize| -> f64 {
-                let parts = (0..n).map(|i| shapes.rows[(row, i)] * modes.vectors[(i, mode)]);
-                parts.sum()
-            };
-            projection.add(k, (0..d).map(reading).collect());
+        for (k, column) in columns.enumerate() {
+            projection.add(k, column);
         }
         projection
     }
@@ -234,7 +283,7 @@ impl Projection {
     }
 
     /// `(I - Q Q^T) v`.
-    fn rest(&self, v: &[f64]) -> Vec<f64> {
+    pub fn rest(&self, v: &[f64]) -> Vec<f64> {
         let mut rest = v.to_vec();
         for q in &self.q {
             let part = dot(q, &rest);
@@ -243,17 +292,23 @@ impl Projection {
         rest
     }
 
-    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the rest of `v`.
-    fn derivative(&self, v: &[f64], change: &RealMatrix) -> Vec<f64> {
-        let m = self.q.len();
-        let (rest, d) = (self.rest(v), v.len());
+    /// `R^-1 Q^T v`.
+    pub fn coefficients(&self, v: &[f64]) -> Vec<f64> {
         let mut c: Vec<f64> = self.q.iter().map(|q| dot(q, v)).collect();
-        for k in (0..m).rev() {
+        for k in (0..c.len()).rev() {
             c[k] /= self.r[k][k];
             for i in 0..k {
                 c[i] -= self.r[k][i] * c[k];
             }
         }
+        c
+    }
+
+    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the rest of `v`.
+    pub fn derivative(&self, v: &[f64], change: &RealMatrix) -> Vec<f64> {
+        let m = self.q.len();
+        let (rest, d) = (self.rest(v), v.len());
+        let c = self.coefficients(v);
         let column = |row: usize, k: usize| change[(row, self.columns[k])];
         let moved: Vec<f64> = (0..d)
             .map(|row| (0..m).map(|k| column(row, k) * c[k]).sum())
@@ -275,6 +330,6 @@ impl Projection {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

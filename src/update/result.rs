@@ -6,12 +6,14 @@ use crate::theory::ParameterStatus;
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
 use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
-use super::{Evaluation, UpdateError, UpdateProblem};
+use super::{Evaluation, ShapeWeights, UpdateError, UpdateProblem};
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
 /// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)` above `nu`.
 const DEVIATIONS: f64 = 2.0;
+/// How often FRFs are fitted, each time with the damping that fits the frequencies found before.
+const FRF_ROUNDS: usize = 2;
 /// Two-sided 95 % of a normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
@@ -64,6 +66,8 @@ pub struct FitRow {
     pub error_percent: Option<f64>,
     /// Weighted MAC.
     pub mac: Option<f64>,
+    /// Where the deviations of its shape come from; `None` where shapes take no part.
+    pub shape_weights: Option<ShapeWeights>,
 }
 
 /// The model against all targets.
@@ -166,6 +170,47 @@ pub(super) fn largest_chi_square(nu: f64) -> f64 {
 /// As [`solve_from_starts`].
 pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> {
     let found = solve_from_starts(problem)?;
+    if problem.options.residuals.of_frfs() && !problem.compares_frfs {
+        return of_frfs(problem, found);
+    }
+    from_starts(problem, found)
+}
+
+/// From where the modes end, with FRFs for residuals: twice, the damping of the second time being that of the frequencies
+/// which the first time found.
+fn of_frfs(problem: &UpdateProblem<'_>, found: MultiStart) -> Result<UpdateResult, UpdateError> {
+    let modal = found.best.at.z.clone();
+    let mut best = found.best;
+    let mut with_frfs = problem.with_frfs(&best.at)?;
+    for round in 0..FRF_ROUNDS {
+        if round > 0 {
+            with_frfs = problem.with_frfs(&best.at)?;
+        }
+        let mut next = solve(&with_frfs, &best.at.z)?;
+        next.history.splice(..0, best.history);
+        next.pairing_changes.splice(..0, best.pairing_changes);
+        best = next;
+    }
+    // The starts are those of the modes: an end that was the best optimum there leads to the one end here.
+    let ends = found.ends.into_iter();
+    let ends = ends.map(|end| end.map(|z| moved_with(&z, &modal, &best.at.z)));
+    let found = MultiStart {
+        objectives: found.objectives,
+        ends: ends.collect(),
+        best,
+    };
+    from_starts(&with_frfs, found)
+}
+
+fn moved_with(z: &[f64], from: &[f64], to: &[f64]) -> Vec<f64> {
+    let parts = z.iter().zip(from).zip(to);
+    parts.map(|((z, from), to)| z - from + to).collect()
+}
+
+fn from_starts(
+    problem: &UpdateProblem<'_>,
+    found: MultiStart,
+) -> Result<UpdateResult, UpdateError> {
     let first = data_jacobian(&found.best);
     let seen = Identifiability::new(&first, &problem.free)?;
     let starts = starts(problem, &found, &seen);
@@ -322,6 +367,7 @@ pub(super) fn fit(
             model_std_hz,
             error_percent: fit.map(|(hz, _)| 100.0 * reference.error(target.hz, hz)),
             mac: fit.and_then(|(_, mac)| mac),
+            shape_weights: target.shape_weights,
         })
         .collect();
     let errors: Vec<f64> = rows.iter().filter_map(|row| row.error_percent).collect();

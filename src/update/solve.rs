@@ -3,7 +3,7 @@
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the parameters stay between
 //! their bounds; the box grows where the model foretells the decrease and shrinks where it does not. The prior's rows
 //! give `J` full column rank. When no step is left, test and model are paired anew at the result; where the iteration
-//! from there ends lower, that is taken.
+//! from there ends lower, that is taken. Where a misfit remains, `graduated` tries from the same start in other ways.
 //!
 //! # Reference
 //! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and bounds).
@@ -12,9 +12,10 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::linalg::RealMatrix;
+use crate::linalg::{RealMatrix, real_matrix, upper_triangle};
 
 use super::bounded::bounded_least_squares;
+use super::graduated::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model};
 use super::history::{Iteration, PairingChange, StopReason};
 use super::{Evaluation, Link, UpdateError, UpdateProblem};
 
@@ -66,7 +67,28 @@ pub struct MultiStart {
 /// # Errors
 /// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] and [`UpdateError::Derivative`] on the way.
 pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateError> {
-    let mut run = Run::new(problem, problem.start(z)?)?;
+    let start = problem.start(z)?;
+    let mut best = solve_from(problem, start.clone())?;
+    for way in [with_own_pairs, with_pairs_of_the_model] {
+        if !leaves_a_misfit(problem, &best.at) {
+            break;
+        }
+        let own = way(problem, &start)?;
+        let least = LEAST_DECREASE * best.at.objective().max(1.0);
+        let lower = |own: &Solution| own.at.objective() < best.at.objective() - least;
+        if let Some(own) = own.filter(lower) {
+            best = own;
+        }
+    }
+    Ok(best)
+}
+
+/// The lowest objective from a point with its pairs, and with those that test and model have where that ends.
+pub(super) fn solve_from(
+    problem: &UpdateProblem<'_>,
+    at: Evaluation,
+) -> Result<Solution, UpdateError> {
+    let mut run = Run::new(problem, at)?;
     let mut stop_reason = run.descend()?;
     for _ in 1..PAIRINGS {
         let Some((other, reason)) = run.paired_anew()? else {
@@ -139,27 +161,52 @@ struct Run<'a, 'b> {
     problem: &'a UpdateProblem<'b>,
     at: Evaluation,
     jacobian: RealMatrix,
+    /// The triangle of `[J r]`, which has the norms of the linear model, and few rows.
+    triangle: RealMatrix,
     history: Vec<Iteration>,
     pairing_changes: Vec<PairingChange>,
 }
 
+/// Derivatives of the residuals, and the triangle of `[J r]`.
+fn linearised(
+    problem: &UpdateProblem<'_>,
+    at: &Evaluation,
+) -> Result<(RealMatrix, RealMatrix), UpdateError> {
+    let jacobian = problem.jacobian(at)?;
+    let (rows, n) = (jacobian.nrows(), jacobian.ncols());
+    let all = real_matrix(rows.max(n + 1), n + 1, |i, j| match i {
+        i if i >= rows => 0.0,
+        i if j < n => jacobian[(i, j)],
+        i => at.residual[i],
+    });
+    Ok((jacobian, upper_triangle(&all)))
+}
+
 impl<'a, 'b> Run<'a, 'b> {
     fn new(problem: &'a UpdateProblem<'b>, at: Evaluation) -> Result<Self, UpdateError> {
+        let (jacobian, triangle) = linearised(problem, &at)?;
         Ok(Self {
-            jacobian: problem.jacobian(&at)?,
             problem,
             at,
+            jacobian,
+            triangle,
             history: Vec::new(),
             pairing_changes: Vec::new(),
         })
+    }
+
+    fn move_to(&mut self, at: Evaluation) -> Result<(), UpdateError> {
+        (self.jacobian, self.triangle) = linearised(self.problem, &at)?;
+        self.at = at;
+        Ok(())
     }
 
     /// Steps until one of the reasons to stop.
     fn descend(&mut self) -> Result<StopReason, UpdateError> {
         let mut radius = 1.0;
         while self.history.len() < self.problem.options.max_iterations {
-            let step = self.step(radius);
-            let foretold = self.at.objective() - self.foretold(&step);
+            let (step, after) = self.step(radius);
+            let foretold = self.at.objective() - after;
             if foretold <= LEAST_DECREASE * self.at.objective().max(1.0) {
                 return Ok(StopReason::NoDecrease);
             }
@@ -176,9 +223,9 @@ impl<'a, 'b> Run<'a, 'b> {
             let accepted = next.filter(|_| share > 0.0);
             let taken = accepted.is_some();
             if let Some(next) = accepted {
-                self.note_changes(&next.links, true);
-                self.at = next;
-                self.jacobian = self.problem.jacobian(&self.at)?;
+                let links = std::mem::take(&mut self.at.links);
+                self.move_to(next)?;
+                self.note_changes(&links, true);
             }
             self.record(radius, taken);
             if radius < LEAST_RADIUS {
@@ -188,8 +235,8 @@ impl<'a, 'b> Run<'a, 'b> {
         Ok(StopReason::IterationLimit)
     }
 
-    /// The step of the linear model inside the box and the bounds.
-    fn step(&self, radius: f64) -> Vec<f64> {
+    /// The step of the linear model inside the box and the bounds, and the objective that the model foretells after it.
+    fn step(&self, radius: f64) -> (Vec<f64>, f64) {
         let bounds: Vec<(f64, f64)> = self
             .problem
             .free
@@ -202,18 +249,17 @@ impl<'a, 'b> Run<'a, 'b> {
                 ((lower - z).clamp(-most, 0.0), (upper - z).clamp(0.0, most))
             })
             .collect();
-        let against: Vec<f64> = self.at.residual.iter().map(|r| -r).collect();
-        bounded_least_squares(&self.jacobian, &against, &bounds)
-    }
-
-    /// Objective of the linear model after a step.
-    fn foretold(&self, step: &[f64]) -> f64 {
-        let j = &self.jacobian;
+        let small = &self.triangle;
+        let n = small.ncols() - 1;
+        let against: Vec<f64> = (0..small.nrows()).map(|i| -small[(i, n)]).collect();
+        let columns = real_matrix(small.nrows(), n, |i, j| small[(i, j)]);
+        let step = bounded_least_squares(&columns, &against, &bounds);
         let row = |i: usize| {
-            let parts = step.iter().enumerate().map(|(k, s)| j[(i, k)] * s);
-            self.at.residual[i] + parts.sum::<f64>()
+            let parts = step.iter().enumerate().map(|(k, s)| columns[(i, k)] * s);
+            parts.sum::<f64>() - against[i]
         };
-        (0..j.nrows()).map(|i| row(i).powi(2)).sum()
+        let foretold = (0..small.nrows()).map(|i| row(i).powi(2)).sum();
+        (step, foretold)
     }
 
     /// From the result with test and model paired anew there; `None` unless that is another pairing and ends lower.
@@ -222,29 +268,25 @@ impl<'a, 'b> Run<'a, 'b> {
         if paired.links == self.at.links {
             return Ok(None);
         }
-        let mut other = Self {
-            history: self.history.clone(),
-            pairing_changes: self.pairing_changes.clone(),
-            jacobian: self.problem.jacobian(&paired)?,
-            problem: self.problem,
-            at: self.at.clone(),
-        };
-        other.note_changes(&paired.links, false);
-        other.at = paired;
+        let mut other = Self::new(self.problem, paired)?;
+        other.history.clone_from(&self.history);
+        other.pairing_changes.clone_from(&self.pairing_changes);
+        other.note_changes(&self.at.links, false);
         let reason = other.descend()?;
         let least = LEAST_DECREASE * self.at.objective().max(1.0);
         let lower = other.at.objective() < self.at.objective() - least;
         Ok(lower.then_some((other, reason)))
     }
 
-    fn note_changes(&mut self, links: &[Link], followed: bool) {
+    /// Notes what meets other modes than by the links before.
+    fn note_changes(&mut self, before: &[Link], followed: bool) {
         let numbers = |links: &[Link], target: usize| -> Vec<usize> {
             let own = links.iter().filter(|link| link.targets.contains(&target));
             own.flat_map(|link| link.modes.iter().map(|mode| mode + 1))
                 .collect()
         };
         for (t, target) in self.problem.targets.iter().enumerate() {
-            let (from, to) = (numbers(&self.at.links, t), numbers(links, t));
+            let (from, to) = (numbers(before, t), numbers(&self.at.links, t));
             if from != to {
                 self.pairing_changes.push(PairingChange {
                     label: target.label.clone(),

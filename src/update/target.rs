@@ -1,16 +1,17 @@
 //! What was measured, as residuals need it: frequencies and shapes with their uncertainty.
 
-use std::collections::BTreeMap;
-
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::correlate::DofMap;
 use crate::dof::Dof;
+use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::modal::{ModalModel, Mode};
 use crate::theory::TheoreticalModel;
 
+use super::dynamic::DynamicTarget;
 use super::{UpdateError, UpdateOptions};
 
 /// The modes of a test, or a list of published frequencies: modes without shapes, several of one group number for a root
@@ -23,6 +24,8 @@ pub struct MeasuredModes<'a> {
     pub modes: &'a ModalModel,
     /// Number of each mode in labels; none for their places, from 1.
     pub numbers: &'a [usize],
+    /// The FRFs that the modes are of; none where these are not at hand.
+    pub frfs: &'a [FrfSet],
 }
 
 impl<'a> MeasuredModes<'a> {
@@ -32,6 +35,7 @@ impl<'a> MeasuredModes<'a> {
             name,
             modes,
             numbers: &[],
+            frfs: &[],
         }
     }
 
@@ -51,15 +55,43 @@ pub struct Target {
     pub modes: Vec<usize>,
     /// Frequency, Hz.
     pub hz: f64,
+    /// Mean damping ratio of its modes; `None` where none is known.
+    pub damping_ratio: Option<f64>,
     /// Deviation of that as the test states it, Hz.
     pub hz_std: Option<f64>,
-    /// Deviation that the residual is divided by, a fraction: the test's and the floor's, as independent.
+    /// Deviation that the residual is divided by, a fraction: the test's and the floor's, as independent. The floor is the
+    /// model's, so that its variance is shared by all tests that measure the root: each of `k` is given `k` times it.
     pub relative_std: f64,
+    /// Where the deviations of its shapes come from; `None` where shapes take no part.
+    pub shape_weights: Option<ShapeWeights>,
     /// Shapes, where they take part.
     pub(super) shapes: Option<TargetShapes>,
+    /// What its modal dynamic residuals need, where these are asked for.
+    pub(super) dynamic: Option<DynamicTarget>,
+}
+
+/// Where the deviations of measured shapes come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShapeWeights {
+    /// From the test.
+    Test,
+    /// The test states none for some component: [`UpdateOptions::assumed_shape_std`] stands for it.
+    Assumed,
 }
 
 impl Target {
+    /// With the model's floor counted for `tests` tests that measure its root.
+    pub(super) fn weigh(&mut self, floor: f64, tests: usize) -> Result<(), UpdateError> {
+        let own = self.hz_std.unwrap_or(0.0) / self.hz;
+        self.relative_std = own.hypot(floor * (tests as f64).sqrt());
+        if self.relative_std.is_finite() && self.relative_std > 0.0 {
+            return Ok(());
+        }
+        let label = self.label.clone();
+        Err(UpdateError::NoUncertainty { label })
+    }
+
     /// How many of its residuals say something where it has as many modes of the model as its own: its frequency, and its
     /// shapes less their free directions.
     pub(super) fn informative(&self) -> usize {
@@ -78,10 +110,35 @@ pub(super) struct TargetShapes {
     pub vectors: Vec<Vec<f64>>,
 }
 
+impl TargetShapes {
+    /// With deviations divided by a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let (rows, vectors) = (&self.rows, self.vectors.iter());
+        let scaled = |v: &Vec<f64>| v.iter().map(|x| factor * x).collect();
+        Self {
+            rows: real_matrix(rows.nrows(), rows.ncols(), |i, j| factor * rows[(i, j)]),
+            vectors: vectors.map(scaled).collect(),
+        }
+    }
+}
+
 /// What ties the shapes of a test to a model.
 pub(super) struct ShapeRows {
-    pairs: Vec<(Dof, f64, Vec<f64>)>,
+    pairs: Vec<ShapeRow>,
     floor: f64,
+    assumed: f64,
+}
+
+/// A degree of freedom that a test and the model share.
+struct ShapeRow {
+    /// As the test names it.
+    test: Dof,
+    /// As the model's sensor has it.
+    sensor: Dof,
+    /// Sign and weight.
+    factor: f64,
+    /// Observation row, weighted.
+    row: Vec<f64>,
 }
 
 impl ShapeRows {
@@ -106,55 +163,78 @@ impl ShapeRows {
             let turns = pair.test.axis().is_rotation();
             let weight = if turns { length.unwrap_or(1.0) } else { 1.0 };
             let row = model.observation_row(values, &sensor.target)?;
-            let row = row.iter().map(|part| weight * part).collect();
-            pairs.push((pair.test.clone(), pair.sign * weight, row));
+            pairs.push(ShapeRow {
+                test: pair.test.clone(),
+                sensor: pair.theory.clone(),
+                factor: pair.sign * weight,
+                row: row.iter().map(|part| weight * part).collect(),
+            });
         }
-        Ok(Self { pairs, floor })
+        Ok(Self {
+            pairs,
+            floor,
+            assumed: options.assumed_shape_std,
+        })
+    }
+
+    /// Whether it has a sensor of the model.
+    pub fn reads(&self, sensor: &Dof) -> bool {
+        self.pairs.iter().any(|own| own.sensor == *sensor)
     }
 
     /// The shapes of some modes of one root; `None` where fewer than two degrees of freedom are common to all of them and
-    /// the model: a MAC over one says nothing.
-    fn of(&self, modes: &[&Mode]) -> Option<TargetShapes> {
+    /// the model: a MAC over one says nothing. `tests` counts the tests that measure the root at a sensor.
+    pub fn of(
+        &self,
+        modes: &[&Mode],
+        tests: impl Fn(&Dof) -> usize,
+    ) -> Option<(TargetShapes, ShapeWeights)> {
         let all = |dof: &Dof| modes.iter().all(|mode| mode.shape.get(dof).is_some());
-        let kept: Vec<&(Dof, f64, Vec<f64>)> =
-            self.pairs.iter().filter(|(dof, _, _)| all(dof)).collect();
+        let kept: Vec<&ShapeRow> = self.pairs.iter().filter(|own| all(&own.test)).collect();
         if kept.len() < 2 {
             return None;
         }
         let values = |mode: &&Mode| -> Vec<Complex64> {
-            let value = |(dof, weight, _): &&(Dof, f64, Vec<f64>)| {
-                mode.shape.get(dof).unwrap_or_default() * *weight
-            };
+            let value =
+                |own: &&ShapeRow| mode.shape.get(&own.test).unwrap_or_default() * own.factor;
             kept.iter().map(value).collect()
         };
         let real: Vec<Option<(Vec<f64>, f64)>> =
             modes.iter().map(|mode| real_shape(&values(mode))).collect();
         let real: Vec<(Vec<f64>, f64)> = real.into_iter().collect::<Option<_>>()?;
-        let deviation = |d: usize| -> f64 {
-            let (dof, weight, _) = kept[d];
-            let of_mode = |(mode, (_, scale)): (&&Mode, &(Vec<f64>, f64))| {
-                let std = std_at(mode.shape_std.as_ref(), dof);
-                (std * weight * scale).powi(2)
-            };
-            let pairs = modes.iter().zip(&real);
-            let variance = pairs.map(of_mode).sum::<f64>() / modes.len() as f64;
-            (variance + self.floor * self.floor).sqrt()
+        let mut weights = ShapeWeights::Test;
+        let mut deviation = |own: &ShapeRow| -> f64 {
+            let mut variance = 0.0;
+            for (mode, (_, scale)) in modes.iter().zip(&real) {
+                let stated = stated_std(mode, &own.test).map(|std| std * own.factor * scale);
+                if stated.is_none() {
+                    weights = ShapeWeights::Assumed;
+                }
+                variance += stated.unwrap_or(self.assumed).powi(2) / modes.len() as f64;
+            }
+            (variance + tests(&own.sensor) as f64 * self.floor * self.floor).sqrt()
         };
-        let std: Vec<f64> = (0..kept.len()).map(deviation).collect();
-        let columns = kept[0].2.len();
+        let std: Vec<f64> = kept.iter().map(|own| deviation(own)).collect();
+        let columns = kept[0].row.len();
         let vectors = real.iter().map(|(values, _)| {
             let whitened = values.iter().zip(&std);
             whitened.map(|(value, std)| value / std).collect()
         });
-        Some(TargetShapes {
-            rows: real_matrix(kept.len(), columns, |d, i| kept[d].2[i] / std[d]),
+        let shapes = TargetShapes {
+            rows: real_matrix(kept.len(), columns, |d, i| kept[d].row[i] / std[d]),
             vectors: vectors.collect(),
-        })
+        };
+        Some((shapes, weights))
     }
 }
 
-fn std_at(stds: Option<&BTreeMap<Dof, f64>>, dof: &Dof) -> f64 {
-    stds.and_then(|stds| stds.get(dof)).copied().unwrap_or(0.0)
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let all: Vec<f64> = values.collect();
+    (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+}
+
+fn stated_std(mode: &Mode, dof: &Dof) -> Option<f64> {
+    mode.shape_std.as_ref()?.get(dof).copied()
 }
 
 /// A complex shape turned to where it is most real and scaled to components of root mean square 1, with that scale: an
@@ -169,12 +249,11 @@ fn real_shape(values: &[Complex64]) -> Option<(Vec<f64>, f64)> {
     scale.is_finite().then_some((scaled, scale))
 }
 
-/// The targets of one test.
+/// The targets of one test, as if no other measured their roots; without shapes.
 pub(super) fn targets_of(
     test: usize,
     measured: &MeasuredModes<'_>,
-    rows: Option<&ShapeRows>,
-    options: &UpdateOptions,
+    floor: f64,
 ) -> Result<Vec<Target>, UpdateError> {
     let model = measured.modes;
     let elastic = |own: &Vec<usize>| model.modes[own[0]].frequency_hz > 0.0;
@@ -182,24 +261,24 @@ pub(super) fn targets_of(
     let target = |own: Vec<usize>| {
         let modes: Vec<&Mode> = own.iter().map(|&i| &model.modes[i]).collect();
         let hz = modes.iter().map(|m| m.frequency_hz).sum::<f64>() / modes.len() as f64;
-        let label = format!("{} f{}", measured.name, measured.number(own[0]));
         let hz_std = modes
             .iter()
             .filter_map(|m| m.frequency_uncertainty_hz())
             .reduce(f64::max);
-        let relative_std = (hz_std.unwrap_or(0.0) / hz).hypot(options.frequency_floor);
-        if !(relative_std.is_finite() && relative_std > 0.0) {
-            return Err(UpdateError::NoUncertainty { label });
-        }
-        Ok(Target {
-            label,
+        let mut target = Target {
+            label: format!("{} f{}", measured.name, measured.number(own[0])),
             test,
-            shapes: rows.and_then(|rows| rows.of(&modes)),
             modes: own,
             hz,
             hz_std,
-            relative_std,
-        })
+            damping_ratio: mean(modes.iter().filter_map(|m| m.damping_ratio)),
+            relative_std: 0.0,
+            shape_weights: None,
+            shapes: None,
+            dynamic: None,
+        };
+        target.weigh(floor, 1)?;
+        Ok(target)
     };
     roots.map(target).collect()
 }

@@ -6,7 +6,7 @@ use crate::theory::{
     LumpedFile, LumpedModel, ModeOptions, TheoreticalModel, coordinate_sensors, modes,
 };
 
-use super::ParameterChoice;
+use super::{ParameterChoice, UpdateProblem};
 
 /// A chain of masses of 1 kg on springs `k1`, `k2`, ..., fixed at the first: `stiffness` of each, N/m, and a spring named
 /// `extra` of 0 mean effect where it is asked for.
@@ -90,4 +90,28 @@ pub fn free(names: &[&str]) -> Vec<ParameterChoice> {
         ..ParameterChoice::default()
     };
     names.iter().map(choice).collect()
+}
+
+/// Largest distance of the derivatives from central differences, as a part of the column's largest entry.
+pub fn against_differences(problem: &UpdateProblem<'_>, z: &[f64]) -> f64 {
+    let at = problem.start(z).unwrap();
+    let jacobian = problem.jacobian(&at).unwrap();
+    let mut worst = 0.0f64;
+    for j in 0..z.len() {
+        let h = 1e-4;
+        let moved = |h: f64| {
+            let mut z = z.to_vec();
+            z[j] += h;
+            problem.follow(&z, &at).unwrap().unwrap().residual
+        };
+        let (up, down) = (moved(h), moved(-h));
+        let (up2, down2) = (moved(2.0 * h), moved(-2.0 * h));
+        // Differences at h and 2 h, extrapolated: what is left is of order h^4 and rounding.
+        let slope = |i: usize| (8.0 * (up[i] - down[i]) - (up2[i] - down2[i])) / (12.0 * h);
+        let scale = (0..up.len()).map(|i| slope(i).abs()).fold(1.0, f64::max);
+        for i in 0..up.len() {
+            worst = worst.max((slope(i) - jacobian[(i, j)]).abs() / scale);
+        }
+    }
+    worst
 }

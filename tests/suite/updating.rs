@@ -5,10 +5,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use modalign::io::{Block, ColumnName, ColumnRole, Hints, TableColumn, TableSpec, open_path};
+use modalign::report::json::{UPDATE_SCHEMA, update_from_json};
+use modalign::update::{Residuals, Verdict};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::command::{fail, json, shared_data, succeed, write};
+use crate::command::{fail, json, root, shared_data, succeed, write};
 use crate::twins::{Tally, Twin, lumped, torsional, twin};
 
 /// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the ground.
@@ -123,6 +125,80 @@ fn modes_keep_their_numbers_when_a_band_counts_some_of_them() {
     assert_eq!(file["after"]["paired"], 1);
 }
 
+/// The committed scene of the bar: its synthetic test against the model, whose E and sensor mass are wrong.
+#[test]
+fn the_committed_bar_gets_its_modulus_and_its_sensor_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let path = out.to_str().unwrap();
+    succeed([
+        "update",
+        "measurements/free-free-beam",
+        "--quiet",
+        "-o",
+        path,
+    ]);
+    let text = std::fs::read_to_string(out.join("update.json")).unwrap();
+    let file = update_from_json(&text).unwrap();
+    assert_eq!(file.schema, UPDATE_SCHEMA);
+    assert_eq!((file.residuals, file.after.paired), (Residuals::Modes, 6));
+    // What synth.toml says.
+    for (own, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
+        let (lower, upper) = own.interval_95;
+        assert!(lower < truth && truth < upper, "{own:?}");
+        assert_eq!(own.verdict, Verdict::Identified, "{own:?}");
+    }
+    assert!(file.before.largest_percent.unwrap() > 1.0);
+    assert!(
+        file.after.largest_percent.unwrap() < 0.1,
+        "{:?}",
+        file.after
+    );
+    assert!(file.stop_reason.converged() && file.fits);
+    // The reader has everything that was written.
+    let again = serde_json::to_string_pretty(&file).unwrap() + "\n";
+    assert_eq!(again, text);
+    let other = text.replace(UPDATE_SCHEMA, "modalign-update/9");
+    let error = update_from_json(&other).unwrap_err().to_string();
+    assert!(
+        error.contains("modalign-update/9") && error.contains(UPDATE_SCHEMA),
+        "{error}"
+    );
+}
+
+/// The same scene with other residuals.
+#[test]
+fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
+    let source = root().join("measurements/free-free-beam");
+    for kind in ["modal-dynamic", "frf-complex", "frf-log-magnitude"] {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["scene.toml", "model.toml", "synth.toml"] {
+            let text = std::fs::read_to_string(source.join(name)).unwrap();
+            let update = format!("[update]\nstarts = 3\nresiduals = \"{kind}\"\n");
+            write(
+                folder.path(),
+                &[(name, &text.replace("[update]\n", &update))],
+            );
+        }
+        let out = folder.path().join("out");
+        let path = |path: &Path| path.to_str().unwrap().to_owned();
+        succeed(["update", &path(folder.path()), "-o", &path(&out)]);
+        let text = std::fs::read_to_string(out.join("update.json")).unwrap();
+        let file = update_from_json(&text).unwrap();
+        assert_eq!(file.residuals.name(), kind);
+        for (own, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
+            assert!((own.updated / truth - 1.0).abs() < 0.05, "{kind}: {own:?}");
+        }
+        assert!(
+            file.after.largest_percent.unwrap() < 0.2,
+            "{kind}: {:?}",
+            file.after
+        );
+        let words = std::fs::read_to_string(out.join("update.md")).unwrap();
+        assert!(words.contains("Residuals: "), "{words}");
+    }
+}
+
 #[test]
 fn an_ill_posed_scene_ends_with_what_the_data_know_in_words() {
     // One frequency for three springs.
@@ -172,6 +248,10 @@ fn a_scene_that_cannot_be_meant_says_why() {
     assert!(always.contains("explain = true"), "{always}");
     let twice = refused("[update]\nexplain = true\nalways = [\"k1\", \"k1\"]\n");
     assert!(twice.contains("named twice"), "{twice}");
+    let kind = refused("[update]\nresiduals = \"frf\"\n");
+    assert!(kind.contains("frf-complex"), "{kind}");
+    let lines = refused("[update]\nfrf_lines = 10\n");
+    assert!(lines.contains("residuals of FRFs"), "{lines}");
     let floor = refused("[update]\nshapes = false\nshape_floor = 0.1\n");
     assert!(floor.contains("shapes = false"), "{floor}");
 }
@@ -244,7 +324,7 @@ fn two_modes_of_the_four_storey_frame_foretell_the_other_two() {
         .zip(&shapes)
         .map(|(&hz, shape)| (hz, None, shape[..3].to_vec()))
         .collect();
-    let mut update = "[pair]\nmin_mac = 0.3\nmin_dofs = 3\n[update]\nband_hz = [0.5, 3.5]\nfrequency_floor = 0.005\nshape_floor = 0.05\nstarts = 1000\nmax_iterations = 200\n".to_owned();
+    let mut update = "[pair]\nmin_mac = 0.3\nmin_dofs = 3\n[update]\nband_hz = [0.5, 3.5]\nfrequency_floor = 0.005\nshape_floor = 0.001\nstarts = 1000\nmax_iterations = 200\n".to_owned();
     for n in 1..=4 {
         update += &format!(
             "[[update.parameter]]\nname = \"k{n}\"\nprior = \"normal\"\nprior_std = 1.0\n"

@@ -1,5 +1,6 @@
 //! `comparison.json`, schema `modalign-comparison/1`.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -15,7 +16,7 @@ use super::placement::{limits_value, placements_value};
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
 
-/// Why a text is not a `comparison.json`.
+/// Why a text is not a `comparison.json` or an `update.json`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum JsonError {
     /// It does not parse or misses a key.
@@ -29,10 +30,12 @@ pub enum JsonError {
         message: String,
     },
     /// Another schema.
-    #[error("got schema {got:?}, expected {COMPARISON_SCHEMA:?}")]
+    #[error("got schema {got:?}, expected {expected:?}")]
     Schema {
         /// The text found.
         got: String,
+        /// The one of the file that was asked for.
+        expected: &'static str,
     },
 }
 
@@ -173,16 +176,23 @@ pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String 
 /// # Errors
 /// [`JsonError`] with line and column, or the schema that was found.
 pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
-    let file: ComparisonFile = serde_json::from_str(text).map_err(|error| JsonError::Parse {
+    let file: ComparisonFile = parsed(text)?;
+    if file.schema == COMPARISON_SCHEMA {
+        return Ok(file);
+    }
+    Err(JsonError::Schema {
+        got: file.schema,
+        expected: COMPARISON_SCHEMA,
+    })
+}
+
+/// A file of any schema.
+pub(super) fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
+    serde_json::from_str(text).map_err(|error| JsonError::Parse {
         line: error.line(),
         column: error.column(),
         message: error.to_string(),
-    })?;
-    if file.schema == COMPARISON_SCHEMA {
-        Ok(file)
-    } else {
-        Err(JsonError::Schema { got: file.schema })
-    }
+    })
 }
 
 fn row_file(row: &Row) -> RowFile {

@@ -24,4 +24,8 @@ pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use run::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};
-pub use update::{UPDATE_SCHEMA, update_to_json};
+pub use update::{
+    AssumedFile, ChangeFile, ExplanationFile, FitFile, FitRowFile, ForetoldFile, IterationFile,
+    LeftOutFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile, update_file,
+    update_from_json, update_to_json,
+};

@@ -1,149 +1,269 @@
 //! `update.json`, schema `modalign-update/1`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
-    Change, Combination, Explanation, Fit, PairingChange, StopReason, UpdatedParameter, Verdict,
+    Change, Combination, Explanation, Fit, Iteration, PairingChange, Residuals, ShapeWeights,
+    StopReason, UpdatedParameter, Verdict,
 };
+
+use super::comparison::{JsonError, parsed};
 
 /// The schema of [`update_to_json`].
 pub const UPDATE_SCHEMA: &str = "modalign-update/1";
 
-#[derive(Serialize)]
-struct UpdateFile<'a> {
-    schema: &'static str,
-    parameters: Vec<ParameterFile<'a>>,
-    combinations: &'a [Combination],
-    correlation: &'a [Vec<f64>],
-    stop_reason: StopReason,
-    starts: StartsFile,
-    before: FitFile<'a>,
-    after: FitFile<'a>,
-    degrees_of_freedom: f64,
-    reduced_chi_square: f64,
-    fits: bool,
-    left_out: Vec<LeftOutFile<'a>>,
-    pairing_changes: &'a [PairingChange],
-    history: Vec<IterationFile<'a>>,
-    explanation: Option<ExplanationFile<'a>>,
-    assumed: AssumedFile,
+/// The file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UpdateFile {
+    /// [`UPDATE_SCHEMA`].
+    pub schema: String,
+    /// What was held against the model; frequencies and shapes where the file does not say.
+    #[serde(default = "of_modes")]
+    pub residuals: Residuals,
+    /// The free parameters.
+    pub parameters: Vec<UpdatedParameterFile>,
+    /// What the data know, best known first.
+    pub combinations: Vec<Combination>,
+    /// Correlation of the posterior errors of the free parameters.
+    pub correlation: Vec<Vec<f64>>,
+    /// Why the best start ended.
+    pub stop_reason: StopReason,
+    /// How the starts ended.
+    pub starts: StartsFile,
+    /// The model as it stood.
+    pub before: FitFile,
+    /// The model after.
+    pub after: FitFile,
+    /// Residuals less the combinations of parameters that they determine.
+    pub degrees_of_freedom: f64,
+    /// Chi-square per degree of freedom.
+    pub reduced_chi_square: f64,
+    /// Whether that is no more than noise explains.
+    pub fits: bool,
+    /// Measured modes without a partner at the start.
+    pub left_out: Vec<LeftOutFile>,
+    /// Measured roots that met other modes on the way.
+    pub pairing_changes: Vec<PairingChange>,
+    /// Every step.
+    pub history: Vec<IterationFile>,
+    /// Which change explains the misfit, where it was asked for.
+    pub explanation: Option<ExplanationFile>,
+    /// What the weights rest on beside the test.
+    pub assumed: AssumedFile,
 }
 
-#[derive(Serialize)]
-struct ParameterFile<'a> {
-    name: &'a str,
-    unit: &'a str,
-    status: ParameterStatus,
-    initial: f64,
-    updated: f64,
-    std: f64,
-    interval_95: (f64, f64),
-    prior_std: f64,
-    posterior_over_prior: f64,
-    lower: Option<f64>,
-    upper: Option<f64>,
-    verdict: Verdict,
-    held: bool,
+fn of_modes() -> Residuals {
+    Residuals::Modes
 }
 
-#[derive(Serialize)]
-struct StartsFile {
-    count: usize,
-    reached: usize,
-    failed: usize,
-    seed: u64,
+/// A parameter before and after, as [`UpdatedParameter`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UpdatedParameterFile {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Where the model's value came from.
+    pub status: ParameterStatus,
+    /// Where it started.
+    pub initial: f64,
+    /// Where it ended.
+    pub updated: f64,
+    /// Its posterior deviation.
+    pub std: f64,
+    /// 95 % interval.
+    pub interval_95: (f64, f64),
+    /// Prior deviation.
+    pub prior_std: f64,
+    /// Posterior over prior deviation on the scale of the prior.
+    pub posterior_over_prior: f64,
+    /// Lower bound; `null` without one.
+    pub lower: Option<f64>,
+    /// Upper bound; `null` without one.
+    pub upper: Option<f64>,
+    /// What the data say of it.
+    pub verdict: Verdict,
+    /// Whether it was held where it started.
+    pub held: bool,
 }
 
-#[derive(Serialize)]
-struct FitFile<'a> {
-    paired: usize,
-    chi_square: f64,
-    data_count: usize,
-    rms_percent: Option<f64>,
-    largest_percent: Option<f64>,
-    rows: Vec<RowFile<'a>>,
+/// How the starts ended, as [`Starts`](crate::update::Starts).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StartsFile {
+    /// How many there were.
+    pub count: usize,
+    /// How many ended at the best optimum.
+    pub reached: usize,
+    /// How many could not be built or solved.
+    pub failed: usize,
+    /// Seed.
+    pub seed: u64,
 }
 
-#[derive(Serialize)]
-struct RowFile<'a> {
-    label: &'a str,
-    test_hz: f64,
-    test_std_hz: f64,
-    model_hz: Option<f64>,
-    model_std_hz: Option<f64>,
-    error_percent: Option<f64>,
-    mac: Option<f64>,
+/// The model against all targets, as [`Fit`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FitFile {
+    /// Roots that have a partner in the model.
+    pub paired: usize,
+    /// `sum r^2` of the data.
+    pub chi_square: f64,
+    /// Number of residuals that say something.
+    pub data_count: usize,
+    /// Root mean square of the frequency errors, percent.
+    pub rms_percent: Option<f64>,
+    /// The largest of them in magnitude, percent.
+    pub largest_percent: Option<f64>,
+    /// One row for each measured root.
+    pub rows: Vec<FitRowFile>,
 }
 
-#[derive(Serialize)]
-struct LeftOutFile<'a> {
-    label: &'a str,
-    hz: f64,
+/// One measured root against the model, as [`FitRow`](crate::update::FitRow).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FitRowFile {
+    /// Label of the measured root.
+    pub label: String,
+    /// Measured frequency, Hz.
+    pub test_hz: f64,
+    /// Deviation that its residual is divided by, Hz.
+    pub test_std_hz: f64,
+    /// The model's; `null` without a partner.
+    pub model_hz: Option<f64>,
+    /// Deviation of the model's from the uncertain parameters, Hz.
+    pub model_std_hz: Option<f64>,
+    /// Error of frequency, percent.
+    pub error_percent: Option<f64>,
+    /// Weighted MAC.
+    pub mac: Option<f64>,
+    /// Where the deviations of its shape come from; `null` where shapes take no part.
+    #[serde(default)]
+    pub shape_weights: Option<ShapeWeights>,
 }
 
-#[derive(Serialize)]
-struct IterationFile<'a> {
-    objective: f64,
-    chi_square: f64,
-    radius: f64,
-    accepted: bool,
-    values: &'a [f64],
+/// A measured mode without a partner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeftOutFile {
+    /// Label of the measured root.
+    pub label: String,
+    /// Frequency, Hz.
+    pub hz: f64,
 }
 
-#[derive(Serialize)]
-struct ExplanationFile<'a> {
-    none: ChangeFile<'a>,
-    single: Vec<ChangeFile<'a>>,
-    pairs: Vec<ChangeFile<'a>>,
-    proposed: ChangeFile<'a>,
-    foretold: Vec<ForetoldFile<'a>>,
+/// A step, as [`Iteration`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IterationFile {
+    /// Objective after it: data and prior.
+    pub objective: f64,
+    /// `sum r^2` of the data.
+    pub chi_square: f64,
+    /// Radius of the region in which the next step is trusted.
+    pub radius: f64,
+    /// Whether it was taken.
+    pub accepted: bool,
+    /// Values of the free parameters after it.
+    pub values: Vec<f64>,
 }
 
-#[derive(Serialize)]
-struct ChangeFile<'a> {
-    parameters: &'a [String],
-    values: &'a [f64],
-    free: usize,
-    chi_square: f64,
-    bic: f64,
-    rms_percent: Option<f64>,
-    largest_percent: Option<f64>,
-    explains: bool,
+/// What explains the misfit, as [`Explanation`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExplanationFile {
+    /// With the always free parameters alone, or nothing.
+    pub none: ChangeFile,
+    /// Each parameter alone, smallest remaining error first.
+    pub single: Vec<ChangeFile>,
+    /// Pairs among the best of them.
+    pub pairs: Vec<ChangeFile>,
+    /// The set that is proposed.
+    pub proposed: ChangeFile,
+    /// Leave-one-out check of that set.
+    pub foretold: Vec<ForetoldFile>,
 }
 
-#[derive(Serialize)]
-struct ForetoldFile<'a> {
-    label: &'a str,
-    before_percent: f64,
-    after_percent: f64,
+/// One set of parameters freed, as [`Change`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChangeFile {
+    /// Names; those that are always free are not among them.
+    pub parameters: Vec<String>,
+    /// Values of the free parameters after it.
+    pub values: Vec<f64>,
+    /// Number of parameters that were free in all.
+    pub free: usize,
+    /// `sum r^2` of the data.
+    pub chi_square: f64,
+    /// `chi^2 + k ln N`.
+    pub bic: f64,
+    /// Root mean square of the frequency errors, percent.
+    pub rms_percent: Option<f64>,
+    /// The largest of them in magnitude, percent.
+    pub largest_percent: Option<f64>,
+    /// Whether the residual is down to its uncertainty.
+    pub explains: bool,
 }
 
-/// What the weights rest on beside the test.
-#[derive(Serialize)]
-struct AssumedFile {
-    frequency_floor: f64,
-    shape_floor: Option<f64>,
-    prior_std: f64,
+/// A mode left out, as [`Foretold`](crate::update::Foretold).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForetoldFile {
+    /// Label of the measured root.
+    pub label: String,
+    /// Error of the model as it stood, percent.
+    pub before_percent: f64,
+    /// Error of the model updated without it, percent.
+    pub after_percent: f64,
+}
+
+/// Deviations that the test did not state; of those that play no part, none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AssumedFile {
+    /// Deviation of every frequency that the model is granted, a fraction.
+    pub frequency_floor: f64,
+    /// The same of shape components; `null` where shapes do not count.
+    pub shape_floor: Option<f64>,
+    /// Deviation of shape components for which the test states none; `null` where it states all.
+    #[serde(default)]
+    pub shape_std: Option<f64>,
+    /// Deviation of every value of an FRF; `null` where FRFs are not compared.
+    #[serde(default)]
+    pub frf_floor: Option<f64>,
+    /// Prior deviation.
+    pub prior_std: f64,
+}
+
+/// Reads `update.json`.
+///
+/// # Errors
+/// [`JsonError`] with line and column, or the schema that was found.
+pub fn update_from_json(text: &str) -> Result<UpdateFile, JsonError> {
+    let file: UpdateFile = parsed(text)?;
+    if file.schema == UPDATE_SCHEMA {
+        return Ok(file);
+    }
+    Err(JsonError::Schema {
+        got: file.schema,
+        expected: UPDATE_SCHEMA,
+    })
 }
 
 /// The text of an update, ending in a newline.
 pub fn update_to_json(own: &SceneUpdate) -> String {
+    let text = serde_json::to_string_pretty(&update_file(own));
+    text.expect("plain data has no key that is not text") + "\n"
+}
+
+/// An update as it stands in the file.
+pub fn update_file(own: &SceneUpdate) -> UpdateFile {
     let result = &own.result;
-    let history = result.history.iter().map(|step| IterationFile {
-        objective: step.objective,
-        chi_square: step.chi_square,
-        radius: step.radius,
-        accepted: step.accepted,
-        values: &step.values,
-    });
     let left_out = result.left_out.iter();
-    let file = UpdateFile {
-        schema: UPDATE_SCHEMA,
+    let left_out = left_out.map(|(label, hz)| LeftOutFile {
+        label: label.clone(),
+        hz: *hz,
+    });
+    UpdateFile {
+        schema: UPDATE_SCHEMA.to_owned(),
+        residuals: own.options.residuals,
         parameters: result.parameters.iter().map(parameter).collect(),
-        combinations: &result.combinations,
-        correlation: &result.correlation,
+        combinations: result.combinations.clone(),
+        correlation: result.correlation.clone(),
         stop_reason: result.stop_reason,
         starts: StartsFile {
             count: result.starts.count,
@@ -156,26 +276,42 @@ pub fn update_to_json(own: &SceneUpdate) -> String {
         degrees_of_freedom: result.degrees_of_freedom(),
         reduced_chi_square: result.reduced_chi_square(),
         fits: result.fits(),
-        left_out: left_out
-            .map(|(label, hz)| LeftOutFile { label, hz: *hz })
-            .collect(),
-        pairing_changes: &result.pairing_changes,
-        history: history.collect(),
+        left_out: left_out.collect(),
+        pairing_changes: result.pairing_changes.clone(),
+        history: result.history.iter().map(iteration).collect(),
         explanation: own.explanation.as_ref().map(explanation),
-        assumed: AssumedFile {
-            frequency_floor: own.options.frequency_floor,
-            shape_floor: own.options.shape_floor,
-            prior_std: own.options.prior_std,
-        },
-    };
-    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
-    text + "\n"
+        assumed: assumed(own),
+    }
 }
 
-fn parameter(own: &UpdatedParameter) -> ParameterFile<'_> {
-    ParameterFile {
-        name: &own.name,
-        unit: &own.unit,
+fn assumed(own: &SceneUpdate) -> AssumedFile {
+    let options = &own.options;
+    let rows = own.result.after.rows.iter();
+    let counts = rows.filter(|row| row.shape_weights == Some(ShapeWeights::Assumed));
+    let frf_floor = options.residuals.of_frfs().then_some(options.frf_floor);
+    AssumedFile {
+        frequency_floor: options.frequency_floor,
+        shape_floor: options.shape_floor,
+        shape_std: (counts.count() > 0).then_some(options.assumed_shape_std),
+        frf_floor,
+        prior_std: options.prior_std,
+    }
+}
+
+fn iteration(step: &Iteration) -> IterationFile {
+    IterationFile {
+        objective: step.objective,
+        chi_square: step.chi_square,
+        radius: step.radius,
+        accepted: step.accepted,
+        values: step.values.clone(),
+    }
+}
+
+fn parameter(own: &UpdatedParameter) -> UpdatedParameterFile {
+    UpdatedParameterFile {
+        name: own.name.clone(),
+        unit: own.unit.clone(),
         status: own.status,
         initial: own.initial,
         updated: own.updated,
@@ -190,15 +326,16 @@ fn parameter(own: &UpdatedParameter) -> ParameterFile<'_> {
     }
 }
 
-fn fit(own: &Fit) -> FitFile<'_> {
-    let row = own.rows.iter().map(|row| RowFile {
-        label: &row.label,
+fn fit(own: &Fit) -> FitFile {
+    let row = own.rows.iter().map(|row| FitRowFile {
+        label: row.label.clone(),
         test_hz: row.test_hz,
         test_std_hz: row.test_std_hz,
         model_hz: row.model_hz,
         model_std_hz: row.model_std_hz,
         error_percent: row.error_percent,
         mac: row.mac,
+        shape_weights: row.shape_weights,
     });
     FitFile {
         paired: own.paired(),
@@ -210,10 +347,10 @@ fn fit(own: &Fit) -> FitFile<'_> {
     }
 }
 
-fn change(own: &Change) -> ChangeFile<'_> {
+fn change(own: &Change) -> ChangeFile {
     ChangeFile {
-        parameters: &own.parameters,
-        values: &own.values,
+        parameters: own.parameters.clone(),
+        values: own.values.clone(),
         free: own.free,
         chi_square: own.fit.chi_square,
         bic: own.bic,
@@ -223,9 +360,9 @@ fn change(own: &Change) -> ChangeFile<'_> {
     }
 }
 
-fn explanation(own: &Explanation) -> ExplanationFile<'_> {
+fn explanation(own: &Explanation) -> ExplanationFile {
     let foretold = own.foretold.iter().map(|row| ForetoldFile {
-        label: &row.label,
+        label: row.label.clone(),
         before_percent: row.before_percent,
         after_percent: row.after_percent,
     });

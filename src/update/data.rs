@@ -1,0 +1,227 @@
+//! Which residuals of the data a problem has: those of modes, of the equations of motion, or of FRFs; and their derivatives.
+
+use std::sync::Arc;
+
+use crate::dof::Dof;
+use crate::linalg::{RealMatrix, real_matrix};
+use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
+
+use super::dynamic::DynamicTarget;
+use super::frfs::{Choice, FrfTarget};
+use super::residual::LinkResidual;
+use super::{
+    Evaluation, Link, MeasuredModes, Residuals, Target, UpdateError, UpdateOptions, UpdateProblem,
+};
+
+impl UpdateProblem<'_> {
+    /// Residuals of the data.
+    pub(super) fn data_residuals(
+        &self,
+        matrices: &SystemMatrices,
+        modes: &TheoryModes,
+        links: &[Link],
+    ) -> Vec<f64> {
+        if self.compares_frfs {
+            return self
+                .frfs
+                .iter()
+                .flat_map(|own| own.values(matrices))
+                .collect();
+        }
+        if self.options.residuals == Residuals::ModalDynamic {
+            let of_target = |(shapes, own): DynamicPair<'_>| own.values(shapes, matrices);
+            return self.dynamic().flat_map(of_target).collect();
+        }
+        let of_link = |link| LinkResidual::new(link, &self.targets, modes).values();
+        let mut all: Vec<f64> = links.iter().flat_map(of_link).collect();
+        all.extend(self.unpaired(links).flat_map(unexplained));
+        all
+    }
+
+    /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
+    ///
+    /// # Errors
+    /// [`UpdateError::Theory`], [`UpdateError::Linalg`]; [`UpdateError::Derivative`] where one is not finite.
+    pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
+        let columns = if self.compares_frfs {
+            let by = self.system_derivatives(at)?;
+            let parts = self.frfs.iter();
+            joined(
+                parts
+                    .map(|own| own.derivatives(&at.matrices, &by))
+                    .collect(),
+            )
+        } else if self.options.residuals == Residuals::ModalDynamic {
+            let by = self.system_derivatives(at)?;
+            let of_target =
+                |(shapes, own): DynamicPair<'_>| own.derivatives(shapes, &at.matrices, &by);
+            joined(self.dynamic().map(of_target).collect())
+        } else {
+            let residuals = self.residuals(at);
+            let by = self.derivatives(at, &residuals)?;
+            let column = |(by, _): &(Vec<crate::theory::ModeDerivatives>, f64)| {
+                let pairs = residuals.iter().zip(by);
+                pairs.flat_map(|(own, by)| own.derivatives(by)).collect()
+            };
+            by.iter().map(column).collect()
+        };
+        self.with_prior(at, &columns)
+    }
+
+    /// The derivatives by `z` from those by the parameters, and the rows of the prior.
+    fn with_prior(&self, at: &Evaluation, columns: &[Vec<f64>]) -> Result<RealMatrix, UpdateError> {
+        let data = at.data_rows;
+        let n = self.free.len();
+        let mut jacobian = real_matrix(data + n, n, |_, _| 0.0);
+        for (j, (own, column)) in self.free.iter().zip(columns).enumerate() {
+            let value = at.values[own.index];
+            let slope = own.slope(value);
+            for (row, by) in column.iter().enumerate() {
+                jacobian[(row, j)] = by * slope;
+            }
+            if (0..data).any(|row| !jacobian[(row, j)].is_finite()) {
+                let name = own.name.clone();
+                return Err(UpdateError::Derivative { name, value });
+            }
+            jacobian[(data + j, j)] = self.prior_weight;
+        }
+        Ok(jacobian)
+    }
+
+    fn system_derivatives(&self, at: &Evaluation) -> Result<Vec<SystemDerivative>, UpdateError> {
+        let by = self.free.iter();
+        let own = by.map(|own| Ok(self.model.derivative(&at.values, own.index)?));
+        own.collect()
+    }
+
+    /// Number of residuals of data that say something.
+    pub fn data_count(&self, at: &Evaluation) -> usize {
+        if self.compares_frfs {
+            return self.frfs.iter().map(FrfTarget::len).sum();
+        }
+        if self.options.residuals == Residuals::ModalDynamic {
+            // The motion of all coordinates is free, and takes as many residuals as the force has.
+            let rows = self.dynamic();
+            return rows
+                .map(|(own, _)| own.vectors.len() * own.rows.nrows())
+                .sum();
+        }
+        let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
+        let unpaired = self.unpaired(&at.links).map(Target::informative);
+        at.links.iter().map(link).sum::<usize>() + unpaired.sum::<usize>()
+    }
+
+    fn dynamic(&self) -> impl Iterator<Item = DynamicPair<'_>> {
+        let own = self.targets.iter();
+        own.filter_map(|own| own.shapes.as_ref().zip(own.dynamic.as_ref()))
+    }
+
+    /// Modal dynamic residuals of the targets, weighed at these links.
+    pub(super) fn prepare_dynamic(
+        &mut self,
+        modes: &TheoryModes,
+        links: &[Link],
+    ) -> Result<(), UpdateError> {
+        for (t, target) in self.targets.iter_mut().enumerate() {
+            let link = links.iter().find(|link| link.targets.contains(&t));
+            let at = (target.hz, target.relative_std);
+            target.dynamic = target
+                .shapes
+                .as_ref()
+                .zip(link)
+                .and_then(|(shapes, link)| DynamicTarget::new(at, shapes, modes, &link.modes));
+            if target.dynamic.is_none() {
+                let label = target.label.clone();
+                return Err(UpdateError::NoShapes { label });
+            }
+        }
+        Ok(())
+    }
+
+    /// The functions of the tests that the sensors of the model read.
+    pub(super) fn prepare_frfs(
+        &mut self,
+        measured: &[MeasuredModes<'_>],
+    ) -> Result<(), UpdateError> {
+        let row = |sensor: &crate::geometry::Sensor| {
+            let row = self.model.observation_row(&self.initial, &sensor.target)?;
+            Ok((sensor.dof.positive(), row))
+        };
+        let rows = self.sensors.iter().map(row);
+        let sensors: Vec<(Dof, Vec<f64>)> = rows.collect::<Result<_, UpdateError>>()?;
+        let mut all = Vec::new();
+        for (test, own) in measured.iter().enumerate() {
+            let choice = choice(&self.options, own);
+            let sets = own.frfs.iter();
+            let found = sets.filter_map(|set| FrfTarget::new(test, set, &sensors, &choice));
+            all.extend(found);
+        }
+        if all.is_empty() {
+            return Err(UpdateError::NoFrfs);
+        }
+        self.frfs = Arc::new(all);
+        Ok(())
+    }
+
+    /// The same problem with FRFs for residuals, damped as the modes at a point say.
+    ///
+    /// # Errors
+    /// [`UpdateError::NoDamping`].
+    pub(super) fn with_frfs(&self, at: &Evaluation) -> Result<Self, UpdateError> {
+        let mut frfs = self.frfs.as_ref().clone();
+        for own in &mut frfs {
+            let ratios = self.damping_ratios(own.test, at)?;
+            own.damp(&at.matrices.mass, &at.modes, &ratios);
+        }
+        Ok(Self {
+            frfs: Arc::new(frfs),
+            compares_frfs: true,
+            ..self.clone()
+        })
+    }
+
+    /// A damping ratio for every mode of the model: that of what it meets in a test, else their mean.
+    fn damping_ratios(&self, test: usize, at: &Evaluation) -> Result<Vec<f64>, UpdateError> {
+        let of_test = |t: &&usize| self.targets[**t].test == test;
+        let mean = |targets: &mut dyn Iterator<Item = &usize>| {
+            let known = targets.filter(of_test);
+            let known: Vec<f64> = known
+                .filter_map(|&t| self.targets[t].damping_ratio)
+                .collect();
+            let count = known.len() as f64;
+            (!known.is_empty()).then(|| known.iter().sum::<f64>() / count)
+        };
+        let all = mean(&mut at.links.iter().flat_map(|link| &link.targets));
+        let all = all.ok_or(UpdateError::NoDamping { test })?;
+        let of_mode = |r: usize| {
+            let own = at.links.iter().filter(|link| link.modes.contains(&r));
+            mean(&mut own.flat_map(|link| &link.targets)).unwrap_or(all)
+        };
+        Ok((0..at.modes.omega_rad_s.len()).map(of_mode).collect())
+    }
+}
+
+type DynamicPair<'a> = (&'a super::target::TargetShapes, &'a DynamicTarget);
+
+/// The columns of several parts, one part below the other.
+fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {
+    let count = parts.first().map_or(0, Vec::len);
+    let column = |j: usize| parts.iter().flat_map(|part| part[j].clone()).collect();
+    (0..count).map(column).collect()
+}
+
+fn choice(options: &UpdateOptions, own: &MeasuredModes<'_>) -> Choice {
+    Choice {
+        band: own.modes.band,
+        most_lines: options.frf_lines,
+        floor: options.frf_floor,
+        logarithms: options.residuals == Residuals::FrfLogMagnitude,
+    }
+}
+
+/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes with a MAC of 0, which is
+/// more than any partner leaves.
+fn unexplained(target: &Target) -> impl Iterator<Item = f64> {
+    let vectors = target.shapes.iter().flat_map(|shapes| &shapes.vectors);
+    std::iter::once(target.relative_std.recip()).chain(vectors.flatten().copied())
+}

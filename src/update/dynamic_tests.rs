@@ -1,0 +1,106 @@
+//! Modal dynamic residuals: their size, their derivatives against differences, and round trips.
+
+use crate::modal::{ModalModel, ModeShape};
+use crate::theory::{built_in, nominal_values};
+
+use super::test_models::{against_differences, chain, free, measured, sensors};
+use super::*;
+
+fn options() -> UpdateOptions {
+    let mut options = UpdateOptions {
+        residuals: Residuals::ModalDynamic,
+        frequency_floor: 1e-4,
+        starts: 1,
+        prior_std: 1.0,
+        ..UpdateOptions::default()
+    };
+    options.pair.rotation_length_m = Some(0.1);
+    options
+}
+
+#[test]
+fn a_frequency_that_is_off_leaves_its_error_over_its_deviation() {
+    // Shapes as they are, frequencies 0.1 % too high with a deviation of 0.1 %; chi-square of one for each mode.
+    let start = [100.0, 200.0, 300.0];
+    let model = chain(&start);
+    let mut test = measured(&model, &start, 1e-3, true);
+    test.modes
+        .iter_mut()
+        .for_each(|mode| mode.frequency_hz *= 1.001);
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let kind = UpdateOptions {
+        frequency_floor: 0.0,
+        ..options()
+    };
+    let problem = UpdateProblem::new(&model, &start, &free(&["k1"]), &own, &sensors, kind).unwrap();
+    let at = problem.start(&[0.0]).unwrap();
+    // To first order in 0.1 %, and in what the shape's deviations let the motion give way.
+    assert!(
+        (at.chi_square() / 3.0 - 1.0).abs() < 5e-3,
+        "{}",
+        at.chi_square()
+    );
+    // Three shapes at three sensors.
+    assert_eq!(problem.data_count(&at), 9);
+}
+
+#[test]
+fn derivatives_are_those_of_differences_for_repeated_roots_too() {
+    let model = built_in("torsional-planetary").unwrap();
+    let start = nominal_values(model.parameters());
+    let mut truth = start.clone();
+    truth[4] *= 1.2;
+    let test = measured(model.as_ref(), &truth, 1e-3, true);
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(model.as_ref(), &start);
+    let chosen = free(&["k_r", "k_s", "m_p"]);
+    let problem =
+        UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &sensors, options()).unwrap();
+    let worst = against_differences(&problem, &[0.1, -0.1, 0.05]);
+    assert!(worst < 1e-6, "{worst}");
+}
+
+#[test]
+fn the_equations_of_motion_give_the_stiffnesses_back() {
+    let (start, truth) = ([100.0, 200.0, 300.0], [130.0, 180.0, 310.0]);
+    let model = chain(&start);
+    let test = measured(&model, &truth, 1e-4, true);
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let chosen = free(&["k1", "k2", "k3"]);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let result = update(&problem).unwrap();
+    for (own, truth) in result.parameters.iter().zip(truth) {
+        // The prior pulls by its square of the deviation.
+        assert!((own.updated / truth - 1.0).abs() < 1e-6, "{own:?}");
+        assert_eq!(own.verdict, Verdict::Identified);
+    }
+    // With frequencies and shapes the same stiffnesses are known about as well.
+    let modal = UpdateOptions {
+        residuals: Residuals::Modes,
+        ..options()
+    };
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, modal).unwrap();
+    let modal = update(&problem).unwrap();
+    for (a, b) in result.parameters.iter().zip(&modal.parameters) {
+        assert!((a.std / b.std - 1.0).abs() < 0.1, "{} {}", a.std, b.std);
+    }
+}
+
+#[test]
+fn a_mode_without_a_shape_is_refused() {
+    let start = [100.0, 200.0];
+    let model = chain(&start);
+    let test: ModalModel = measured(&model, &start, 1e-3, false);
+    assert!(
+        test.modes
+            .iter()
+            .all(|mode| mode.shape == ModeShape::default())
+    );
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let problem = UpdateProblem::new(&model, &start, &free(&["k1"]), &own, &sensors, options());
+    let label = "t f1".to_owned();
+    assert_eq!(problem.unwrap_err(), UpdateError::NoShapes { label });
+}

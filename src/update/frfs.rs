@@ -1,0 +1,239 @@
+//! Residuals of FRFs: measured functions against those of the model, line by line.
+//!
+//! The model's are `H = s^d b_y Z^-1 b_f^T` with `Z = s^2 M + s C + K`, the observation rows of response and hit, and
+//! `s = a + i omega` for an exponential window of rate `a` that the functions still carry. Damping is not updated: `C` is
+//! `M Phi diag(2 zeta omega) Phi^T M` of the model where modes alone are brought to the test, with the measured ratios (of a mode
+//! that was not measured their mean), and stays. With the motions `X = Z^-1 B^T` the derivatives are
+//! `dH = -s^d x_y^T (dK + s^2 dM) x_f`.
+//!
+//! Complex residuals are `(H - H_t)/sigma` in real and imaginary part, `sigma^2 = (var + (floor |H_t|)^2)/2`; residuals of the
+//! logarithm are `ln|H/H_t|/sigma`, `sigma^2 = (var/|H_t|^2 + floor^2)/2`.
+//!
+//! # Reference
+//! Lin and Ewins (1990), Proc. IMAC 8, 141 (sensitivity of receptances); Friswell and Mottershead (1995), sections 5.2 and 8.2
+//! (FRF residuals, logarithms).
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::frf::FrfSet;
+use crate::linalg::{ComplexMatrix, RealMatrix, complex_matrix, least_squares, real_matrix};
+use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
+
+/// Lines at which a function stands less than this over its variance (a power, 10 dB) have no logarithm to speak of: noise
+/// biases it.
+const OVER_NOISE: f64 = 10.0;
+
+/// The functions of one set that the model's sensors read, at the lines that count.
+#[derive(Clone, Debug)]
+pub(super) struct FrfTarget {
+    /// Index of the test.
+    pub test: usize,
+    /// `s` of every line.
+    lines: Vec<Complex64>,
+    /// Observation rows of all responses and hits, one row each.
+    rows: RealMatrix,
+    functions: Vec<Measured>,
+    logarithms: bool,
+    /// `C`.
+    damping: RealMatrix,
+}
+
+#[derive(Clone, Debug)]
+struct Measured {
+    /// Rows of response and hit.
+    places: (usize, usize),
+    sign: f64,
+    order: i32,
+    values: Vec<Complex64>,
+    /// Deviation of each residual; `None` where a line has none.
+    std: Vec<Option<f64>>,
+}
+
+/// What decides on functions and lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Choice {
+    pub band: Option<Band>,
+    pub most_lines: usize,
+    pub floor: f64,
+    pub logarithms: bool,
+}
+
+impl FrfTarget {
+    /// `None` where no function has both ends at sensors of the model, or no line counts.
+    pub fn new(
+        test: usize,
+        set: &FrfSet,
+        sensors: &[(Dof, Vec<f64>)],
+        choice: &Choice,
+    ) -> Option<Self> {
+        let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
+        let lines = chosen_lines(set, choice);
+        let measured = |i: usize| {
+            let function = &set.functions()[i];
+            let places = place(&function.response).zip(place(&function.reference))?;
+            let values: Vec<Complex64> = lines.iter().map(|&k| set.values(i)[k]).collect();
+            let variance = |k: usize| set.variance(i).map_or(0.0, |own| own[k]);
+            let pairs = lines.iter().zip(&values);
+            let std: Vec<Option<f64>> = pairs.map(|(&k, h)| choice.std(*h, variance(k))).collect();
+            let function = Measured {
+                places,
+                sign: function.response.sign() * function.reference.sign(),
+                order: function.kind.derivative_order(),
+                values,
+                std,
+            };
+            function.std.iter().any(Option::is_some).then_some(function)
+        };
+        let functions: Vec<Measured> = (0..set.len()).filter_map(measured).collect();
+        let n = sensors.first().map_or(0, |(_, row)| row.len());
+        let s = |&k: &usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
+        (!functions.is_empty()).then(|| Self {
+            test,
+            lines: lines.iter().map(s).collect(),
+            rows: real_matrix(sensors.len(), n, |i, j| sensors[i].1[j]),
+            functions,
+            logarithms: choice.logarithms,
+            damping: real_matrix(n, n, |_, _| 0.0),
+        })
+    }
+
+    /// Damping that gives the modes of the model these ratios.
+    pub fn damp(&mut self, mass: &RealMatrix, modes: &TheoryModes, ratios: &[f64]) {
+        let moved = mass * &modes.vectors;
+        let (n, m) = (moved.nrows(), moved.ncols());
+        let scaled = real_matrix(n, m, |i, r| {
+            2.0 * ratios[r] * modes.omega_rad_s[r] * moved[(i, r)]
+        });
+        self.damping = &scaled * moved.transpose();
+    }
+
+    /// Number of residuals.
+    pub fn len(&self) -> usize {
+        let parts = if self.logarithms { 1 } else { 2 };
+        let stds = self.functions.iter().flat_map(|own| &own.std);
+        parts * stds.flatten().count()
+    }
+
+    /// The residuals, line by line.
+    pub fn values(&self, matrices: &SystemMatrices) -> Vec<f64> {
+        let of_line = |line: usize| {
+            let x = self.motions(line, matrices);
+            let mut all = Vec::new();
+            for (own, std) in self.at(line) {
+                let h = self.reading(own, line, &x);
+                all.extend(self.parts(h, own.values[line], std));
+            }
+            all
+        };
+        self.each(of_line).into_iter().flatten().collect()
+    }
+
+    /// Their derivatives by parameters, one column for each.
+    pub fn derivatives(&self, matrices: &SystemMatrices, by: &[SystemDerivative]) -> Vec<Vec<f64>> {
+        let of_line = |line: usize| self.derivatives_at(line, matrices, by);
+        let lines = self.each(of_line);
+        let column = |j: usize| lines.iter().flat_map(|own| own[j].clone()).collect();
+        (0..by.len()).map(column).collect()
+    }
+
+    fn derivatives_at(
+        &self,
+        line: usize,
+        matrices: &SystemMatrices,
+        by: &[SystemDerivative],
+    ) -> Vec<Vec<f64>> {
+        let x = self.motions(line, matrices);
+        let s = self.lines[line];
+        let (n, m) = (x.nrows(), x.ncols());
+        let of = |by: &SystemDerivative| {
+            let change =
+                complex_matrix(n, n, |i, j| by.stiffness[(i, j)] + s * s * by.mass[(i, j)]);
+            let loads = &change * &x;
+            let mut all = Vec::new();
+            for (own, std) in self.at(line) {
+                let (response, hit) = own.places;
+                debug_assert!(response < m && hit < m);
+                let product: Complex64 = (0..n).map(|i| x[(i, response)] * loads[(i, hit)]).sum();
+                let slope = -own.sign * s.powi(own.order) * product;
+                all.extend(self.slopes(slope, self.reading(own, line, &x), std));
+            }
+            all
+        };
+        by.iter().map(of).collect()
+    }
+
+    /// `Z^-1 B^T` at a line.
+    fn motions(&self, line: usize, matrices: &SystemMatrices) -> ComplexMatrix {
+        let s = self.lines[line];
+        let n = self.damping.nrows();
+        let dynamic = complex_matrix(n, n, |i, j| {
+            s * s * matrices.mass[(i, j)] + s * self.damping[(i, j)] + matrices.stiffness[(i, j)]
+        });
+        let rows = &self.rows;
+        let forces = complex_matrix(n, rows.nrows(), |i, j| rows[(j, i)].into());
+        least_squares(&dynamic, &forces)
+    }
+
+    /// The model's function at a line.
+    fn reading(&self, own: &Measured, line: usize, x: &ComplexMatrix) -> Complex64 {
+        let (response, hit) = own.places;
+        let parts = (0..x.nrows()).map(|i| self.rows[(response, i)] * x[(i, hit)]);
+        own.sign * self.lines[line].powi(own.order) * parts.sum::<Complex64>()
+    }
+
+    /// The functions that count at a line.
+    fn at(&self, line: usize) -> impl Iterator<Item = (&Measured, f64)> {
+        let own = self.functions.iter();
+        own.filter_map(move |own| Some((own, own.std[line]?)))
+    }
+
+    fn parts(&self, h: Complex64, measured: Complex64, std: f64) -> Vec<f64> {
+        if self.logarithms {
+            return vec![(h.norm() / measured.norm()).ln() / std];
+        }
+        let rest = h - measured;
+        vec![rest.re / std, rest.im / std]
+    }
+
+    fn slopes(&self, slope: Complex64, h: Complex64, std: f64) -> Vec<f64> {
+        if self.logarithms {
+            return vec![(slope / h).re / std];
+        }
+        vec![slope.re / std, slope.im / std]
+    }
+
+    /// What every line gives, in their order, in the caller's pool.
+    fn each<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        (0..self.lines.len()).into_par_iter().map(of).collect()
+    }
+}
+
+impl Choice {
+    /// Deviation of the residuals of a line; `None` where they say nothing.
+    fn std(&self, h: Complex64, variance: f64) -> Option<f64> {
+        let (power, floor) = (h.norm_sqr(), self.floor * self.floor);
+        let square = if self.logarithms {
+            (power >= OVER_NOISE * variance).then(|| variance / power + floor)?
+        } else {
+            variance + floor * power
+        };
+        let std = (0.5 * square).sqrt();
+        (std > 0.0 && std.is_finite()).then_some(std)
+    }
+}
+
+/// The lines above 0 Hz in the band, evenly thinned to the most that are wanted.
+fn chosen_lines(set: &FrfSet, choice: &Choice) -> Vec<usize> {
+    let axis = set.axis();
+    let inside = |k: &usize| {
+        let hz = axis.hz(*k);
+        let bands = [choice.band, set.valid_band];
+        hz > 0.0 && bands.iter().flatten().all(|band| band.contains(hz))
+    };
+    let all: Vec<usize> = (0..axis.len).filter(inside).collect();
+    let step = all.len().div_ceil(choice.most_lines.max(1)).max(1);
+    all.into_iter().step_by(step).collect()
+}

@@ -1,0 +1,59 @@
+//! Other ways from a start whose end leaves a misfit: frequencies first, and the pairs of the model as it stands.
+//!
+//! Shapes make the objective rough: far from the optimum a mode may look like another, and the iteration ends beside the point
+//! or at bounds. Frequencies are smooth. Here shapes begin with little weight, which grows to what they have; with the pairs
+//! of the start, and with those of the model as it stands.
+//!
+//! # Reference
+//! Blake and Zisserman (1987), Visual Reconstruction, chapter 7 (graduated non-convexity).
+
+use super::result::largest_chi_square;
+use super::solve::{Solution, solve_from};
+use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
+
+/// Weights of shapes, one after the other, before their own.
+const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
+
+/// Whether a problem with shapes ends above what noise explains.
+pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
+    let of_modes = problem.options.residuals != Residuals::ModalDynamic && !problem.compares_frfs;
+    let shaped = problem.targets.iter().any(|own| own.shapes.is_some());
+    let nu = problem
+        .data_count(at)
+        .saturating_sub(problem.free.len())
+        .max(1) as f64;
+    of_modes && shaped && at.chi_square() > largest_chi_square(nu)
+}
+
+/// From the pairs of the start.
+pub(super) fn with_own_pairs(
+    problem: &UpdateProblem<'_>,
+    start: &Evaluation,
+) -> Result<Option<Solution>, UpdateError> {
+    graduated(problem, start)
+}
+
+/// With the pairs of the model as it stands, by the numbers of its modes; `None` where these are the pairs of the start.
+pub(super) fn with_pairs_of_the_model(
+    problem: &UpdateProblem<'_>,
+    start: &Evaluation,
+) -> Result<Option<Solution>, UpdateError> {
+    let links = problem.start(&vec![0.0; start.z.len()])?.links;
+    if links == start.links {
+        return Ok(None);
+    }
+    graduated(problem, &problem.at_links(&start.z, links)?)
+}
+
+fn graduated(
+    problem: &UpdateProblem<'_>,
+    start: &Evaluation,
+) -> Result<Option<Solution>, UpdateError> {
+    let (mut z, mut links) = (start.z.clone(), start.links.clone());
+    for weight in WEIGHTS {
+        let own = problem.with_shape_weight(weight);
+        let end = solve_from(&own, own.at_links(&z, links)?)?;
+        (z, links) = (end.at.z, end.at.links);
+    }
+    solve_from(problem, problem.at_links(&z, links)?).map(Some)
+}
