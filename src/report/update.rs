@@ -222,6 +222,15 @@ fn convergence(own: &UpdateResult) -> String {
         );
     }
     text += ".";
+    if let Some(first) = own.starts.others.first() {
+        let objective = own.history.last().map_or(f64::NAN, |step| step.objective);
+        text += &format!(
+            " Others end in {} other optima; the lowest has an objective of {:.4} ({} starts), against {objective:.4}.",
+            own.starts.others.len(),
+            first.objective,
+            first.count
+        );
+    }
     for (label, hz) in &own.left_out {
         text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");
     }

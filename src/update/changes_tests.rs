@@ -36,3 +36,30 @@ fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out()
     }
     assert_eq!(check_always(&problem, &["k1".to_owned()]), Ok(()));
 }
+
+#[test]
+fn a_change_far_outside_the_prior_is_found_as_large_as_it_is() {
+    // 30 % more of one stiffness, to which the prior gives 2 %: an update is pulled back, what explains the misfit is not.
+    let (start, truth) = ([100.0, 200.0], [100.0, 260.0]);
+    let model = chain(&start);
+    let test = measured(&model, &truth, 1e-2, false);
+    let own = [MeasuredModes::new("t", &test)];
+    let options = UpdateOptions {
+        frequency_floor: 0.0,
+        prior_std: 0.02,
+        starts: 1,
+        ..UpdateOptions::default()
+    };
+    let chosen = free(&["k1", "k2"]);
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &[], options).unwrap();
+    let pulled = update(&problem).unwrap();
+    assert!(pulled.parameters[1].updated < 250.0);
+    let found = single_changes(&problem, &[]).unwrap();
+    assert_eq!(found[0].parameters, ["k2"]);
+    // The prior's rows weigh a thousandth: a pull of 13 deviations is one of 1e-6 of that.
+    assert!((found[0].values[0] / 260.0 - 1.0).abs() < 1e-4, "{found:?}");
+    assert!(found[0].fit.chi_square < 1e-6);
+    // BIC of one parameter and two residuals.
+    let bic = found[0].fit.chi_square + 2.0f64.ln();
+    assert!((found[0].bic - bic).abs() < 1e-12);
+}

@@ -14,15 +14,12 @@ use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
 /// Weights of shapes, one after the other, before their own.
 const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
 
-/// Whether a problem with shapes ends above what noise explains.
+/// Whether residuals of modes end above what noise explains.
 pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
     let of_modes = problem.options.residuals != Residuals::ModalDynamic && !problem.compares_frfs;
-    let shaped = problem.targets.iter().any(|own| own.shapes.is_some());
-    let nu = problem
-        .data_count(at)
-        .saturating_sub(problem.free.len())
-        .max(1) as f64;
-    of_modes && shaped && at.chi_square() > largest_chi_square(nu)
+    let free = problem.free.len();
+    let nu = problem.data_count(at).saturating_sub(free).max(1) as f64;
+    of_modes && at.chi_square() > largest_chi_square(nu)
 }
 
 /// From the pairs of the start.
@@ -49,6 +46,9 @@ fn graduated(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,
 ) -> Result<Option<Solution>, UpdateError> {
+    if problem.targets.iter().all(|own| own.shapes.is_none()) {
+        return Ok(None);
+    }
     let (mut z, mut links) = (start.z.clone(), start.links.clone());
     for weight in WEIGHTS {
         let own = problem.with_shape_weight(weight);

@@ -241,7 +241,8 @@ impl<'a> UpdateProblem<'a> {
         self.options.pair.max_frequency_error.max(START_GATE)
     }
 
-    /// The model at `z`, paired with the test there from half the frequency to twice: a start may be far off.
+    /// The model at `z`, paired with the test there; where that leaves a target alone, from half the frequency to twice: a start
+    /// may be far off.
     ///
     /// # Errors
     /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
@@ -251,7 +252,10 @@ impl<'a> UpdateProblem<'a> {
             max_frequency_error: self.start_gate(),
             ..self.options.pair.clone()
         };
-        let links = self.links(&values, &wide)?;
+        let mut links = self.links(&values, &self.options.pair)?;
+        if self.unpaired(&links).next().is_some() {
+            links = self.links(&values, &wide)?;
+        }
         self.evaluate(z, |_| links)
     }
 

@@ -104,6 +104,19 @@ pub struct Starts {
     pub failed: usize,
     /// Seed.
     pub seed: u64,
+    /// Where the others ended, lowest objective first.
+    pub others: Vec<OtherOptimum>,
+}
+
+/// Where some starts ended, above the best optimum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherOptimum {
+    /// Objective; that of modes, where FRFs were compared.
+    pub objective: f64,
+    /// How many starts ended there.
+    pub count: usize,
+    /// Values of the free parameters.
+    pub values: Vec<f64>,
 }
 
 /// The result of updating.
@@ -296,16 +309,47 @@ fn data_jacobian(solution: &Solution) -> RealMatrix {
 
 /// An end belongs to the best optimum when no parameter is further off than a tenth of its posterior deviation.
 fn starts(problem: &UpdateProblem<'_>, found: &MultiStart, known: &Identifiability) -> Starts {
-    let best = &found.best.at;
-    let near = |z: &Vec<f64>| {
-        let mut pairs = z.iter().zip(&best.z).zip(&known.ratio);
-        pairs.all(|((z, best), std)| (z - best).abs() <= SAME_OPTIMUM * std)
+    let near = |a: &[f64], b: &[f64]| {
+        let mut pairs = a.iter().zip(b).zip(&known.ratio);
+        pairs.all(|((a, b), std)| (a - b).abs() <= SAME_OPTIMUM * std)
     };
+    let values = |z: &[f64]| -> Vec<f64> {
+        let free = problem.free.iter().zip(z);
+        free.map(|(own, z)| own.value(*z)).collect()
+    };
+    let mut ends: Vec<(f64, &Vec<f64>)> = found
+        .objectives
+        .iter()
+        .zip(&found.ends)
+        .filter_map(|(objective, z)| Some(((*objective)?, z.as_ref()?)))
+        .collect();
+    let count = ends.len();
+    ends.retain(|(_, z)| !near(z, &found.best.at.z));
+    let reached = count - ends.len();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut others: Vec<(&Vec<f64>, OtherOptimum)> = Vec::new();
+    for (objective, z) in ends {
+        match others.iter_mut().find(|(own, _)| near(own, z)) {
+            Some((_, own)) => own.count += 1,
+            None => {
+                let values = values(z);
+                others.push((
+                    z,
+                    OtherOptimum {
+                        objective,
+                        count: 1,
+                        values,
+                    },
+                ));
+            }
+        }
+    }
     Starts {
         count: found.ends.len(),
-        reached: found.ends.iter().flatten().filter(|z| near(z)).count(),
-        failed: found.ends.iter().filter(|z| z.is_none()).count(),
+        reached,
+        failed: found.ends.len() - count,
         seed: problem.options.seed,
+        others: others.into_iter().map(|(_, own)| own).collect(),
     }
 }
 

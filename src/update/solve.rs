@@ -2,8 +2,9 @@
 //!
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the parameters stay between
 //! their bounds; the box grows where the model foretells the decrease and shrinks where it does not. The prior's rows
-//! give `J` full column rank. When no step is left, test and model are paired anew at the result; where the iteration
-//! from there ends lower, that is taken. Where a misfit remains, `graduated` tries from the same start in other ways.
+//! give `J` full column rank. When no step is left and a misfit remains, test and model are paired anew at the result; where
+//! the iteration from there ends lower, that is taken. Where it still remains, `graduated` tries from the same start in other
+//! ways.
 //!
 //! # Reference
 //! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and bounds).
@@ -19,8 +20,9 @@ use super::graduated::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model}
 use super::history::{Iteration, PairingChange, StopReason};
 use super::{Evaluation, Link, UpdateError, UpdateProblem};
 
-/// A decrease below this part of the objective (of 1 where it is less) is rounding.
-const LEAST_DECREASE: f64 = 1e-10;
+/// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no parameter by more than a
+/// ten-thousandth of its posterior deviation.
+const LEAST_DECREASE: f64 = 1e-8;
 /// A radius below this is as small as rounding of `z` allows.
 const LEAST_RADIUS: f64 = 1e-9;
 /// Share of the foretold decrease below which the box shrinks.
@@ -91,6 +93,9 @@ pub(super) fn solve_from(
     let mut run = Run::new(problem, at)?;
     let mut stop_reason = run.descend()?;
     for _ in 1..PAIRINGS {
+        if !leaves_a_misfit(problem, &run.at) {
+            break;
+        }
         let Some((other, reason)) = run.paired_anew()? else {
             break;
         };

@@ -8,6 +8,7 @@ mod close_pairs;
 mod efficiency;
 mod finding;
 mod found;
+mod gears;
 mod hits;
 mod identification;
 mod judge;

@@ -331,13 +331,18 @@ fn two_modes_of_the_four_storey_frame_foretell_the_other_two() {
         );
     }
     let (file, folder) = updated(&model, &modes_json(&modes), &update);
-    // One optimum has the most of 1,000 starts by far; the others end in its neighbours.
-    assert_eq!(file["starts"]["count"], 1000);
-    assert!(
-        file["starts"]["reached"].as_u64().unwrap() > 600,
-        "{}",
-        file["starts"]
+    // One optimum has the most of 1,000 starts by far; the others are optima, too, and fit a hundred times worse.
+    let starts = &file["starts"];
+    assert_eq!(starts["count"], 1000);
+    assert!(starts["reached"].as_u64().unwrap() > 850, "{starts}");
+    let best = file["history"].as_array().unwrap().last().unwrap()["objective"].as_f64();
+    let others = starts["others"].as_array().unwrap();
+    println!(
+        "{} of 1000 starts at {best:?}, others: {others:?}",
+        starts["reached"]
     );
+    let first = others[0]["objective"].as_f64().unwrap();
+    assert!(first > 100.0 * best.unwrap(), "{starts}");
     assert_eq!(file["after"]["rows"].as_array().unwrap().len(), 2);
     // Of the theory; 12.0 % of the test, as published.
     let before = file["before"]["largest_percent"].as_f64().unwrap();

@@ -26,6 +26,6 @@ pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};
 pub use update::{
     AssumedFile, ChangeFile, ExplanationFile, FitFile, FitRowFile, ForetoldFile, IterationFile,
-    LeftOutFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile, update_file,
-    update_from_json, update_to_json,
+    LeftOutFile, OtherOptimumFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile,
+    update_file, update_from_json, update_to_json,
 };

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
-    Change, Combination, Explanation, Fit, Iteration, PairingChange, Residuals, ShapeWeights,
-    StopReason, UpdatedParameter, Verdict,
+    Change, Combination, Explanation, Fit, Iteration, OtherOptimum, PairingChange, Residuals,
+    ShapeWeights, Starts, StopReason, UpdatedParameter, Verdict,
 };
 
 use super::comparison::{JsonError, parsed};
@@ -89,7 +89,7 @@ pub struct UpdatedParameterFile {
     pub held: bool,
 }
 
-/// How the starts ended, as [`Starts`](crate::update::Starts).
+/// How the starts ended, as [`Starts`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartsFile {
     /// How many there were.
@@ -100,6 +100,20 @@ pub struct StartsFile {
     pub failed: usize,
     /// Seed.
     pub seed: u64,
+    /// Where the others ended, lowest objective first.
+    #[serde(default)]
+    pub others: Vec<OtherOptimumFile>,
+}
+
+/// Where some starts ended, as [`OtherOptimum`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OtherOptimumFile {
+    /// Objective.
+    pub objective: f64,
+    /// How many starts ended there.
+    pub count: usize,
+    /// Values of the free parameters.
+    pub values: Vec<f64>,
 }
 
 /// The model against all targets, as [`Fit`].
@@ -265,12 +279,7 @@ pub fn update_file(own: &SceneUpdate) -> UpdateFile {
         combinations: result.combinations.clone(),
         correlation: result.correlation.clone(),
         stop_reason: result.stop_reason,
-        starts: StartsFile {
-            count: result.starts.count,
-            reached: result.starts.reached,
-            failed: result.starts.failed,
-            seed: result.starts.seed,
-        },
+        starts: starts(&result.starts),
         before: fit(&result.before),
         after: fit(&result.after),
         degrees_of_freedom: result.degrees_of_freedom(),
@@ -281,6 +290,21 @@ pub fn update_file(own: &SceneUpdate) -> UpdateFile {
         history: result.history.iter().map(iteration).collect(),
         explanation: own.explanation.as_ref().map(explanation),
         assumed: assumed(own),
+    }
+}
+
+fn starts(own: &Starts) -> StartsFile {
+    let other = |own: &OtherOptimum| OtherOptimumFile {
+        objective: own.objective,
+        count: own.count,
+        values: own.values.clone(),
+    };
+    StartsFile {
+        count: own.count,
+        reached: own.reached,
+        failed: own.failed,
+        seed: own.seed,
+        others: own.others.iter().map(other).collect(),
     }
 }
 
