@@ -2,7 +2,7 @@
 //!
 //! Shapes make the objective rough: far from the optimum a mode may look like another, and the iteration ends beside the point
 //! or at bounds. Frequencies are smooth. Here shapes begin with little weight, which grows to what they have; with the pairs
-//! of the start, and with those of the model as it stands.
+//! of the start, and with those of the model as it stands, followed by shape along the line from there to the start.
 //!
 //! # Reference
 //! Blake and Zisserman (1987), Visual Reconstruction, chapter 7 (graduated non-convexity).
@@ -13,6 +13,8 @@ use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
 
 /// Weights of shapes, one after the other, before their own.
 const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
+/// Steps on the line from the model as it stands to a start.
+const STEPS: usize = 20;
 
 /// Whether residuals of modes end above what noise explains.
 pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
@@ -30,16 +32,25 @@ pub(super) fn with_own_pairs(
     graduated(problem, start)
 }
 
-/// With the pairs of the model as it stands, by the numbers of its modes; `None` where these are the pairs of the start.
+/// With the pairs of the model as it stands, followed by shape; `None` where its modes cannot be followed, or these are the pairs of
+/// the start. The numbers of the modes would not do: modes that the test does not see cross those that it does.
 pub(super) fn with_pairs_of_the_model(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,
 ) -> Result<Option<Solution>, UpdateError> {
-    let links = problem.start(&vec![0.0; start.z.len()])?.links;
-    if links == start.links {
+    let mut at = problem.start(&vec![0.0; start.z.len()])?;
+    for step in 1..=STEPS {
+        let part = step as f64 / STEPS as f64;
+        let z: Vec<f64> = start.z.iter().map(|z| part * z).collect();
+        match problem.follow(&z, &at)? {
+            Some(next) => at = next,
+            None => return Ok(None),
+        }
+    }
+    if at.links == start.links {
         return Ok(None);
     }
-    graduated(problem, &problem.at_links(&start.z, links)?)
+    graduated(problem, &at)
 }
 
 fn graduated(
