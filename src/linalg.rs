@@ -13,7 +13,7 @@ use faer::{Mat, Side, c64};
 use num_complex::Complex64;
 
 pub use lanczos::{SparseModes, Wanted, sparse_modes};
-pub use products::{add_square, adjoint_product};
+pub use products::{add_square, adjoint_product, by_column, less_product};
 pub use sparse::SparseMatrix;
 
 /// Vector of three, for positions and directions.
@@ -24,6 +24,8 @@ pub type Matrix3 = nalgebra::Matrix3<f64>;
 pub type RealMatrix = Mat<f64>;
 /// Dense complex matrix.
 pub type ComplexMatrix = Mat<c64>;
+/// Rows or columns of one.
+pub type ComplexView<'a> = faer::MatRef<'a, c64>;
 
 /// Why a matrix problem has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -279,7 +279,7 @@ fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Opti
         (0..of.ncols()).map(column).collect()
     };
     let (a, b) = (squares(rows), squares(columns));
-    let products = adjoint_product(rows, columns);
+    let products = adjoint_product(rows, columns.as_ref());
     let mac = |i: usize, j: usize| {
         let known = a[i] > 0.0 && b[j] > 0.0;
         known.then(|| (products[(i, j)].norm_sqr() / a[i] / b[j]).min(1.0))

@@ -161,7 +161,7 @@ impl Fit {
             value.map_or(Complex64::ZERO, |value| value / deviation)
         });
         let lower = complex_matrix(modes, modes, |i, j| qr.r[(j, i)].conj());
-        let solution = solve_lower_adjoint(&lower, &adjoint_product(&qr.q, &right));
+        let solution = solve_lower_adjoint(&lower, &adjoint_product(&qr.q, right.as_ref()));
         Self {
             coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
             lower,
@@ -188,7 +188,7 @@ impl Fit {
         let right = complex_matrix(points, 1, |k, _| shape[k]);
         let weights = solve_lower_adjoint(&lower, &solve_lower(&lower, &right));
         let weighted = complex_matrix(points, modes, |p, c| columns[c][p] * reach[c].powi(2));
-        let solution = adjoint_product(&weighted, &weights);
+        let solution = adjoint_product(&weighted, weights.as_ref());
         Self {
             coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
             lower,

@@ -22,25 +22,27 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use crate::axis::Band;
 use crate::frf::FrfSet;
-use crate::linalg::{self, ComplexMatrix};
 
-use super::block::Measured;
 use super::correlation::Correlation;
+use super::far::Rest;
 use super::indicator::Indicator;
 use super::pruning::{Change, Judge, less};
 use super::reasons::{Dropped, Evidence, Reason};
 use super::receptance::Receptances;
-use super::refine::{Far, Stop, apart, refine, unsettle};
+use super::refine::{Stop, apart, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
 use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
-use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, misfit, standings};
+use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, missed, standings};
 use super::tries::WORTHWHILE;
+use super::window::Window;
 use super::{Candidate, IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
 
 /// Roots may lie outside the lines by this share of their range.
@@ -49,6 +51,8 @@ const OUTSIDE: f64 = 0.05;
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
 const DOUBTS: usize = 30;
+/// Relative change of a variance that is none.
+const SAME_NOISE: f64 = 0.1;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
 const SEVERAL: usize = 2;
 /// Factor of what the model misses from which on a dropped root is needed.
@@ -82,17 +86,26 @@ impl PoleEstimator for Automatic {
         let mut fit = Fit::new(data, sides, self.options);
         fit.seed(&found)?;
         fit.settle(Stop::Coarse);
-        for _ in 0..SEARCHES {
-            fit.measure_noise();
+        for round in 0..=SEARCHES {
+            let other = fit.measure_noise();
             fit.settle(Stop::Judging);
-            let Some(gain) = fit.search() else { break };
+            if round == SEARCHES {
+                break;
+            }
+            let before = fit.roots.clone();
+            let gain = fit.search();
+            // The noise of the same roots is the same.
+            if gain.is_none() && !other && fit.roots == before {
+                break;
+            }
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
-            if gain < WORTHWHILE && fit.misses_data(&fit.doubts()) {
+            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
+            if gain.is_none() || !worthwhile && fit.misses_data(&fit.doubts()) {
+                fit.measure_noise();
+                fit.settle(Stop::Judging);
                 break;
             }
         }
-        fit.measure_noise();
-        fit.settle(Stop::Judging);
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
@@ -114,6 +127,8 @@ pub(super) struct Fit {
     pub listing: Vec<PoleAtOrder>,
     /// Whether poles stay where they are and residues alone are fitted.
     pub fixed: bool,
+    /// Of the last refinement.
+    windows: Vec<Window>,
 }
 
 impl Fit {
@@ -126,6 +141,7 @@ impl Fit {
             dropped: Vec::new(),
             listing: Vec::new(),
             fixed: false,
+            windows: Vec::new(),
         }
     }
 
@@ -179,9 +195,9 @@ impl Fit {
 
     pub fn refine(&mut self, stop: Stop) {
         let stop = if self.fixed { Stop::Residues } else { stop };
-        let measured = measured(&self.data, &self.sides);
-        let roots = std::mem::take(&mut self.roots);
-        self.roots = refine(&self.data, &measured, roots, (self.limits(), stop));
+        let (roots, limits) = (std::mem::take(&mut self.roots), self.limits());
+        let on = (&self.data, &self.sides);
+        self.roots = refine(on, &mut self.windows, roots, (limits, stop));
     }
 
     /// The residues of all roots, of which none is dropped; modes of the very same pole become one root. Poles that merely lie close
@@ -289,10 +305,10 @@ impl Fit {
     /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two
     /// roots in one resonance explain what one does not, whatever made it.
     fn restore(&mut self, tried: &[(Root, f64)]) {
-        let rest = self.rest();
+        let described = self.data.far().beside(&self.data, &self.roots);
         let needed = |(root, before): &&(Root, f64)| {
             let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
-            let now = misfit(&self.data, &rest, root);
+            let now = missed(&self.data, &described, root);
             root.multiplicity() == 1 && away && now > NEEDED * before.max(1.0)
         };
         let needed: Vec<Root> = tried
@@ -336,28 +352,38 @@ impl Fit {
     }
 
     pub fn standings(&self) -> Vec<Standing> {
-        let measured = measured(&self.data, &self.sides);
-        standings(&self.data, &measured, &self.roots)
+        standings((&self.data, &self.sides), &self.roots)
     }
 
     /// How large the noise is, as far as the data do not state it, and how it hangs together over the lines: from what the fit leaves
-    /// over.
-    pub fn measure_noise(&mut self) {
+    /// over. Whether that changed anything.
+    pub fn measure_noise(&mut self) -> bool {
         unsettle(&mut self.roots);
-        let rest = self.rest();
-        self.data.measure_noise(&rest);
-        let rest = self.rest();
+        let (levels, correlation) = (self.levels(), self.data.correlation.clone());
+        let mut rest = self.rest();
+        self.data.measure_noise(&mut rest);
         if let Some(own) = Correlation::of_rest(&rest) {
             self.data.correlation = own;
         }
         self.data.shared = self.data.shared.of_rest(&self.data, &rest);
+        let changed = |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > SAME_NOISE;
+        self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
     }
 
-    /// What roots and background leave over, over the noise: lines × functions.
-    pub fn rest(&self) -> ComplexMatrix {
-        let measured = measured(&self.data, &self.sides);
-        let far = Far::new(&self.data, &measured);
-        far.left_over(&self.data, &measured, &self.roots)
+    /// Mean variance of every function.
+    fn levels(&self) -> Vec<f64> {
+        let level = |f: usize| self.data.mean_variance(f, 0..self.data.lines());
+        (0..self.data.functions())
+            .into_par_iter()
+            .map(level)
+            .collect()
+    }
+
+    /// What roots and background leave over.
+    pub fn rest(&self) -> Rest {
+        let far = self.data.far();
+        let described = far.beside(&self.data, &self.roots);
+        described.left_over(0..self.data.lines())
     }
 
     /// Standard deviations of the parts of a root's residues: from the noise of every function and how it hangs together over the lines.
@@ -409,14 +435,5 @@ impl Fit {
             findings: evidence.findings(),
             stabilization: self.listing.clone(),
         }
-    }
-}
-
-pub(super) fn measured<'a>(data: &'a Receptances, sides: &'a Sides) -> Measured<'a> {
-    Measured {
-        outside: &data.outside,
-        omega: &data.omega,
-        values: linalg::complex_matrix(data.lines(), data.functions(), |k, f| data.values[f][k]),
-        sides,
     }
 }

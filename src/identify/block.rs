@@ -7,8 +7,8 @@
 //! that all functions share, then the shapes ψ. What remains depends on λ and L alone, to which Gauss-Newton is applied with the
 //! Jacobian of Kaufman (1975). The model is analytic in all unknowns, so that the steps are complex least squares.
 //!
-//! The first QR takes in `1, x, g_j, g_j'` with `g_j = σ_j/(iω − λ_j)`: the data of all functions are compressed to as many
-//! numbers as there are columns, and nothing that a step needs is lost.
+//! The data of all functions are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j = σ_j/(iω − λ_j)`
+//! ([`window`](super::window)): as many numbers as there are columns, and nothing that a step needs is lost.
 //!
 //! At the end the matrix of the normal equations is the Fisher information of (λ, L) with all linear unknowns profiled out:
 //! its inverse holds the Cramér-Rao bounds, twice the variance of real and imaginary part.
@@ -23,12 +23,13 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::background::{Background, Outside};
-use super::linearised::{Compressed, Linearised, Pattern, Problem, patterns};
-use super::noise_profile::Profile;
+use super::far::courses;
+use super::linearised::{Linearised, Pattern, Problem, patterns};
+use super::receptance::Receptances;
 use super::roots::{Root, in_reach};
 use super::sides::Sides;
 use super::strength::{Strength, Strengths};
+use super::window::{Near, Window};
 
 pub(super) use super::linearised::Unknown;
 
@@ -43,18 +44,6 @@ const MOST_DAMPING: f64 = 1e6;
 const SMALL: f64 = 1e-2;
 /// Rounding of the cost, relative to the energy of the data.
 const ROUNDING: f64 = 1e-14;
-
-/// Measured receptances, as the fit sees them.
-pub(super) struct Measured<'a> {
-    /// Lines, rad/s.
-    pub omega: &'a [f64],
-    /// Lines × functions, m/N.
-    pub values: ComplexMatrix,
-    /// Outputs and inputs.
-    pub sides: &'a Sides,
-    /// What is known of modes outside the lines.
-    pub outside: &'a Outside,
-}
 
 /// Modes that are fitted together.
 #[derive(Clone, Debug)]
@@ -85,17 +74,31 @@ pub(super) struct Fitted {
     pub next: Vec<Complex64>,
 }
 
-/// Fits a block with so many steps at most; none finds the residues alone.
+/// What a block is fitted in.
+pub(super) struct Surroundings<'a> {
+    pub data: &'a Receptances,
+    pub sides: &'a Sides,
+    /// All roots, and their residues.
+    pub roots: &'a [Root],
+    pub residues: &'a ComplexMatrix,
+    /// Coordinates of the background of all lines, where it is taken out first.
+    pub far: Option<&'a ComplexMatrix>,
+}
+
+/// Fits a block with so many steps at most; none finds the residues alone. The window is left as the last step needed it.
 pub(super) fn fit(
-    measured: &Measured,
-    roots: &[Root],
+    around: &Surroundings,
     block: &Block,
-    (profile, steps): (&Profile, usize),
+    (window, steps): (&mut Option<Window>, usize),
 ) -> Fitted {
-    let window = Window::new(measured, roots, block, profile);
-    let mut members: Vec<Root> = block.members.iter().map(|j| roots[*j].clone()).collect();
+    let mut members: Vec<Root> = block
+        .members
+        .iter()
+        .map(|j| around.roots[*j].clone())
+        .collect();
     let unknowns = unknowns(&members, &block.free);
-    let mut here = window.linearised(&members, &unknowns);
+    let mut problem = Windowed::new(around, block, window);
+    let mut here = problem.linearised(&members, &unknowns);
     let mut damping = FIRST_DAMPING;
     let mut taken = 0;
     while taken < steps && damping < MOST_DAMPING {
@@ -104,8 +107,8 @@ pub(super) fn fit(
             damping *= 10.0;
             continue;
         }
-        let there = window.linearised(&trial, &unknowns);
-        if there.cost <= here.cost + ROUNDING * window.energy {
+        let there = problem.linearised(&trial, &unknowns);
+        if there.cost <= here.cost + ROUNDING * problem.near.energy {
             (members, here) = (trial, there);
             taken += 1;
             damping = (0.1 * damping).max(LEAST_DAMPING);
@@ -116,6 +119,7 @@ pub(super) fn fit(
             damping *= 10.0;
         }
     }
+    let misfit = here.cost / problem.freedom(&members, &unknowns);
     for (root, residues) in members.iter_mut().zip(here.residues) {
         root.residues = residues;
     }
@@ -128,7 +132,7 @@ pub(super) fn fit(
     } else {
         Vec::new()
     };
-    let misfit = here.cost / window.freedom(&members, &unknowns);
+    *window = Some(problem.window);
     Fitted {
         misfit,
         next,
@@ -161,55 +165,72 @@ fn moved(
     (moved, longest)
 }
 
-/// The data of a block: what is known subtracted, over the course of the noise.
-struct Window<'a> {
-    measured: &'a Measured<'a>,
-    profile: &'a Profile,
-    omega: &'a [f64],
-    background: Background<'a>,
-    patterns: Vec<Pattern>,
-    /// Lines × functions.
-    data: ComplexMatrix,
-    /// Of the data, over the noise of each function.
+/// The problem of a block in its window.
+struct Windowed<'a> {
+    around: &'a Surroundings<'a>,
+    window: Window,
+    /// Courses of all roots and their conjugates that the members do not stand for, lines × twice the roots.
+    known: ComplexMatrix,
+    /// The values without them, and their energy.
+    near: Near,
     energy: f64,
+    patterns: Vec<Pattern>,
 }
 
-impl<'a> Window<'a> {
-    fn new(measured: &'a Measured, roots: &[Root], block: &Block, profile: &'a Profile) -> Self {
-        let omega = &measured.omega[block.lines.clone()];
-        let known = known_terms(omega, roots, &block.members);
-        let functions = measured.values.ncols();
-        let data = linalg::complex_matrix(omega.len(), functions, |k, f| {
-            let value = measured.values[(block.lines.start + k, f)] - known[(k, f)];
-            value / profile.course[k]
-        });
-        let energy = |f: usize| {
-            let own = data.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
-            own / (profile.level[f] * profile.level[f])
+impl<'a> Windowed<'a> {
+    fn new(around: &'a Surroundings, block: &Block, window: &mut Option<Window>) -> Self {
+        let poles: Vec<Complex64> = block
+            .members
+            .iter()
+            .map(|j| around.roots[*j].lambda)
+            .collect();
+        let window = match window.take() {
+            Some(mut own) => {
+                if !own.serves(&poles) {
+                    own.follow(around.data, poles);
+                }
+                own
+            }
+            None => Window::new(around.data, &block.lines, poles),
         };
+        let known = known_courses(&around.data.omega[block.lines.clone()], around.roots, block);
         Self {
-            measured,
-            profile,
-            omega,
-            background: Background::new(measured.omega, &block.lines, measured.outside),
-            patterns: patterns(measured.sides, profile),
-            energy: (0..functions).map(energy).sum(),
-            data,
+            near: window.near(around, &known),
+            energy: window.energy(around, &known),
+            patterns: patterns(around.sides, window.profile()),
+            around,
+            window,
+            known,
         }
     }
 
     /// Complex values less complex unknowns, 1 at least.
     fn freedom(&self, members: &[Root], unknowns: &[Unknown]) -> f64 {
         let shapes: usize = members.iter().map(Root::multiplicity).sum();
-        let functions = self.measured.values.ncols();
-        let fitted = self.background.columns() * functions
-            + shapes * self.measured.sides.outputs.len()
+        let functions = self.around.data.functions();
+        let fitted = self.window.background() * functions
+            + shapes * self.around.sides.outputs.len()
             + unknowns.len();
-        (self.omega.len() * functions).saturating_sub(fitted).max(1) as f64
+        (self.known.nrows() * functions)
+            .saturating_sub(fitted)
+            .max(1) as f64
     }
 
-    fn linearised(&self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
-        let (data, explained) = self.compressed(members, unknowns);
+    /// At some poles; the window follows where they leave what it serves.
+    fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
+        let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
+        if !self.window.serves(&poles) {
+            self.window.follow(self.around.data, poles);
+            self.near = self.window.near(self.around, &self.known);
+        }
+        let moving: Vec<usize> = unknowns
+            .iter()
+            .filter_map(|unknown| match unknown {
+                Unknown::Pole(j) => Some(*j),
+                Unknown::Factor(..) => None,
+            })
+            .collect();
+        let (data, explained) = self.window.compressed(&self.near, (members, &moving));
         let columns: Vec<(usize, usize)> = (0..members.len())
             .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
             .collect();
@@ -224,70 +245,13 @@ impl<'a> Window<'a> {
             problem.linearised()
         };
         let parts: Vec<Linearised> = self.patterns.par_iter().map(of_pattern).collect();
-        let functions = self.measured.values.ncols();
+        let functions = self.around.data.functions();
         let mut sums = Linearised::none(members, unknowns.len(), functions);
         sums.cost = self.energy - explained;
         for part in parts {
             sums.add(part);
         }
         sums
-    }
-
-    /// The data in the coordinates of background, courses and those derivatives that are wanted, and the energy that these
-    /// can explain.
-    fn compressed(&self, members: &[Root], unknowns: &[Unknown]) -> (Compressed, f64) {
-        let (count, lines) = (members.len(), self.omega.len());
-        let first = self.background.columns();
-        let moving: Vec<usize> = unknowns
-            .iter()
-            .filter_map(|unknown| match unknown {
-                Unknown::Pole(j) => Some(*j),
-                Unknown::Factor(..) => None,
-            })
-            .collect();
-        let value = |k: usize, column: usize| {
-            let pole = |j: usize| {
-                let lambda = members[j].lambda;
-                lambda.re.abs() / (Complex64::new(0.0, self.omega[k]) - lambda)
-            };
-            let value = if column < first {
-                self.background.value(column, self.omega, k)
-            } else if column < first + count {
-                pole(column - first)
-            } else {
-                let own = pole(moving[column - first - count]);
-                own * own
-            };
-            value / self.profile.course[k]
-        };
-        let columns = first + count + moving.len();
-        let qr = linalg::thin_qr(&linalg::complex_matrix(lines, columns, value));
-        let z = linalg::adjoint_product(&qr.q, &self.data);
-        let energy = |f: usize| {
-            let own = z.col(f).iter().map(Complex64::norm_sqr).sum::<f64>();
-            own / (self.profile.level[f] * self.profile.level[f])
-        };
-        let explained = (0..z.ncols()).map(energy).sum();
-        let rows = qr.q.ncols() - first;
-        let below = |matrix: &ComplexMatrix, columns: usize, column: &dyn Fn(usize) -> usize| {
-            linalg::complex_matrix(rows, columns, |i, j| matrix[(first + i, column(j))])
-        };
-        let mut courses = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
-        for i in 0..rows {
-            for j in 0..count {
-                courses[(i, j)] = qr.r[(first + i, first + j)];
-            }
-            for (place, &j) in moving.iter().enumerate() {
-                courses[(i, count + j)] = qr.r[(first + i, first + count + place)];
-            }
-        }
-        let compressed = Compressed {
-            z: below(&z, z.ncols(), &|j| j),
-            g: below(&qr.r, count, &|j| first + j),
-            squares: courses.adjoint() * &courses,
-            courses,
-        };
-        (compressed, explained)
     }
 }
 
@@ -303,37 +267,13 @@ fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
     unknowns
 }
 
-/// What the other roots and all conjugates put into the window: lines × functions.
-fn known_terms(omega: &[f64], roots: &[Root], members: &[usize]) -> ComplexMatrix {
-    let outside: Vec<&Root> = (0..roots.len())
-        .filter(|j| members.binary_search(j).is_err())
-        .map(|j| &roots[j])
-        .collect();
-    let count = outside.len();
-    let of = |place: usize| match place.checked_sub(count) {
-        None => (outside[place], false),
-        Some(conjugate) => (&roots[conjugate], true),
-    };
-    let total = count + roots.len();
-    let courses = linalg::complex_matrix(omega.len(), total, |k, place| {
-        let (root, conjugate) = of(place);
-        let lambda = if conjugate {
-            root.lambda.conj()
-        } else {
-            root.lambda
-        };
-        (Complex64::new(0.0, omega[k]) - lambda).inv()
-    });
-    let functions = roots.first().map_or(0, |root| root.residues.len());
-    let residues = linalg::complex_matrix(total, functions, |place, f| {
-        let (root, conjugate) = of(place);
-        if conjugate {
-            root.residues[f].conj()
-        } else {
-            root.residues[f]
-        }
-    });
-    courses * residues
+/// Courses of the other roots and of all conjugates; 0 for the members: lines × twice the roots.
+fn known_courses(omega: &[f64], roots: &[Root], block: &Block) -> ComplexMatrix {
+    let mut known = courses(omega, roots);
+    for j in &block.members {
+        known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
+    }
+    known
 }
 
 /// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is no information.

@@ -16,8 +16,9 @@
 use std::ops::Range;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
-use crate::linalg::ComplexMatrix;
+use super::far::Rest;
 
 /// Stretches of the band that are looked at each by itself.
 const STRETCHES: usize = 16;
@@ -27,7 +28,7 @@ const FEWEST_LINES: usize = 32;
 const QUIET: f64 = 2.0;
 /// Fewest quiet stretches, as a share of all.
 const ENOUGH: f64 = 0.2;
-/// Correlation by a window below which lags are left out.
+/// Correlation below which lags are left out.
 const LEAST: f64 = 0.02;
 /// Least mean square of a second difference that is believed.
 const LEAST_DIFFERENCE: f64 = 0.1;
@@ -71,17 +72,15 @@ impl Correlation {
         }
     }
 
-    /// Of what a fit leaves over, over the noise: lines × functions. `None` where it is more than noise nearly everywhere.
-    pub fn of_rest(rest: &ComplexMatrix) -> Option<Self> {
-        let (lines, functions) = (rest.nrows(), rest.ncols());
+    /// Of what a fit leaves over. `None` where it is more than noise nearly everywhere.
+    pub fn of_rest(rest: &Rest) -> Option<Self> {
+        let (lines, functions) = (rest.lines.len(), rest.values.ncols());
         let count = (lines / FEWEST_LINES).clamp(1, STRETCHES);
         let length = lines / count;
         let power = |stretch: &Range<usize>| {
             let of = |f: usize| {
-                stretch
-                    .clone()
-                    .map(|k| rest[(k, f)].norm_sqr())
-                    .sum::<f64>()
+                let own = rest.values.col_as_slice(f)[stretch.clone()].iter();
+                own.map(Complex64::norm_sqr).sum::<f64>()
             };
             (0..functions).map(of).sum::<f64>() / (length * functions) as f64
         };
@@ -93,21 +92,23 @@ impl Correlation {
             return None;
         }
         let phases: Vec<Vec<Complex64>> = (0..functions)
-            .map(|f| rest.col(f).iter().map(|r| phase(*r)).collect())
+            .into_par_iter()
+            .map(|f| rest.values.col_as_slice(f).iter().map(phase).collect())
             .collect();
         let values = (quiet.len() * length * functions) as f64;
         let limit = CERTAIN * (OF_MEDIAN / (2.0 * values)).sqrt();
         let mut lags = Vec::new();
         for lag in 1..=(LONGEST * length as f64) as usize {
             let products: Vec<Complex64> = quiet
-                .iter()
+                .par_iter()
                 .map(|stretch| mean_product(&phases, stretch.clone(), lag))
                 .collect();
             let own = Complex64::new(
                 median(products.iter().map(|p| p.re).collect()),
                 median(products.iter().map(|p| p.im).collect()),
             );
-            // What comes after the first that chance makes is chance.
+            // What comes after the first that chance makes is chance, and a fit of many columns leaves a little of its own.
+            let limit = limit.max(LEAST);
             if own.re.abs() < limit && own.im.abs() < limit {
                 break;
             }
@@ -173,8 +174,8 @@ impl Correlation {
     }
 }
 
-fn phase(value: Complex64) -> Complex64 {
-    let size = value.norm();
+fn phase(value: &Complex64) -> Complex64 {
+    let size = value.norm_sqr().sqrt();
     if size > 0.0 && size.is_finite() {
         value / size
     } else {
@@ -231,7 +232,7 @@ mod tests {
     use crate::linalg;
 
     /// Spectra of noise that decays as `e^(−at)` over a record of `lines` samples: lines × functions.
-    fn decaying(lines: usize, functions: usize, at_end: f64) -> ComplexMatrix {
+    fn decaying(lines: usize, functions: usize, at_end: f64) -> linalg::ComplexMatrix {
         let plan = ComplexPlan::inverse(lines);
         let mut scratch = plan.scratch();
         let columns: Vec<Vec<Complex64>> = (0..functions)
@@ -254,6 +255,7 @@ mod tests {
     fn white_noise_has_no_correlation() {
         let noise: Vec<Vec<Complex64>> = (0..4).map(|f| white_noise(2000, 1.0, 3 + f)).collect();
         let rest = linalg::complex_matrix(2000, 4, |k, f| noise[f][k]);
+        let rest = Rest::of_all(rest);
         assert_eq!(Correlation::of_rest(&rest), Some(Correlation::WHITE));
     }
 
@@ -264,7 +266,7 @@ mod tests {
         let noise = decaying(8192, 6, at_end);
         let size = 1.0 / noise.norm_l2() * ((8192 * 6) as f64).sqrt();
         let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&rest).unwrap();
+        let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
         let (step, decay) = (std::f64::consts::TAU, 3.0 * at_end);
         // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ, and with (1 − u)² for the pole.
         let q: f64 = 1.0 + at_end / decay;
@@ -281,7 +283,7 @@ mod tests {
     fn what_is_more_than_noise_says_nothing_of_it() {
         let rest =
             linalg::complex_matrix(400, 2, |k, _| Complex64::new(0.0, 0.1 * k as f64) - 40.0);
-        assert_eq!(Correlation::of_rest(&rest), None);
+        assert_eq!(Correlation::of_rest(&Rest::of_all(rest)), None);
     }
 
     #[test]

@@ -8,8 +8,9 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg;
 
+use super::far::Rest;
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
 use super::roots::Root;
@@ -32,7 +33,7 @@ const BESIDE: f64 = 0.25;
 pub(super) fn roots_to_double(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
-    rest: &ComplexMatrix,
+    rest: &Rest,
     chance: f64,
 ) -> Vec<(usize, Root)> {
     if roots.is_empty() {
@@ -66,7 +67,7 @@ pub(super) fn roots_to_double(
 fn second_terms(
     data: &Receptances,
     (roots, j): (&[Root], usize),
-    rest: &ComplexMatrix,
+    rest: &Rest,
 ) -> Option<Vec<Complex64>> {
     let lines = lines_around(data, &roots[j], REACH);
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
@@ -102,10 +103,10 @@ fn second_terms(
     let term = |f: usize| -> Complex64 {
         let products = lines
             .clone()
-            .map(|k| own[(k - lines.start, 0)].conj() * rest[(k, f)]);
+            .map(|k| own[(k - lines.start, 0)].conj() * rest.at(f, k));
         products.sum::<Complex64>() / norm
     };
-    Some((0..rest.ncols()).map(term).collect())
+    Some((0..data.functions()).map(term).collect())
 }
 
 #[cfg(test)]
@@ -118,7 +119,7 @@ mod tests {
     const SENSORS: usize = 8;
 
     /// One mode, its root, and noise that the fit leaves over.
-    fn fitted(seed: u64) -> (Receptances, Sides, Root, ComplexMatrix) {
+    fn fitted(seed: u64) -> (Receptances, Sides, Root, Rest) {
         let axis = FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.05,
@@ -141,6 +142,7 @@ mod tests {
             .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
             .collect();
         let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
+        let rest = Rest::of_all(rest);
         (data, Sides::new(set.functions()), root, rest)
     }
 
@@ -154,8 +156,9 @@ mod tests {
         // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole explains it.
         let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
-            noise[(k, f)] + sign * second(k)
+            noise.at(f, k) + sign * second(k)
         });
+        let rest = Rest::of_all(rest);
         let found = roots_to_double((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
         let [(place, beside)] = &found[..] else {
             panic!("{} roots", found.len());

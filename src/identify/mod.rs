@@ -42,6 +42,7 @@ mod close_tests;
 mod correlation;
 mod doubled;
 mod error;
+mod far;
 #[cfg(test)]
 mod hump_tests;
 mod indicator;
@@ -102,6 +103,7 @@ mod synthetic;
 mod transforms;
 mod tries;
 mod unexplained;
+mod window;
 
 use num_complex::Complex64;
 

@@ -20,6 +20,9 @@ use super::noise_course::{self, Estimated, Smooth};
 const HOP: usize = 32;
 /// Lines on either side that a running median looks at.
 const REACH: usize = 64;
+/// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
+/// room for chance.
+const MOST_SCATTER: f64 = 0.035;
 /// Relative floor of a variance, so that data without any noise can still be divided by it.
 const FLOOR: f64 = 1e-24;
 
@@ -54,9 +57,8 @@ pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
     }
     let of_function = |i: usize| {
         let values = &set.values(i)[lines.clone()];
-        let told = measured.remove(&i);
-        let measured = told.is_some();
-        let mut own = told.unwrap_or_else(|| Smooth {
+        let told: Option<&Smooth> = measured.get(&i);
+        let mut own = told.cloned().unwrap_or_else(|| Smooth {
             variance: from_second_differences(values),
             by_force: vec![0.0; values.len()],
         });
@@ -64,10 +66,10 @@ pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
         Noise {
             variance: own.variance,
             by_force: own.by_force,
-            measured,
+            measured: told.is_some(),
         }
     };
-    (0..set.len()).map(of_function).collect()
+    (0..set.len()).into_par_iter().map(of_function).collect()
 }
 
 /// The variances that the data bring of a function.
@@ -110,28 +112,53 @@ pub(super) struct LeftOver {
 /// all resonances together tells it, better than the variances of a few hits do. The mean square of the second difference of unit
 /// noise is `by_lines`, 6 for white noise; `alike` lines count for one.
 pub(super) fn of_rest(functions: &[LeftOver], (by_lines, alike): (f64, f64)) -> Vec<Smooth> {
-    let left = |function: &LeftOver| {
-        let LeftOver {
-            values,
-            rest,
-            stated,
-        } = function;
-        let own = stated.clone().unwrap_or_else(|| {
-            let even = from_second_differences(rest);
-            let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
-            raise_to_floor(&mut own, values);
-            own
-        });
-        Estimated {
-            variance: rest.iter().map(Complex64::norm_sqr).collect(),
-            power: values.iter().map(Complex64::norm_sqr).collect(),
-            degrees_of_freedom: Some(2.0),
-            alike,
-            own: Some(own),
-        }
+    let even = |function: &LeftOver| {
+        let even = from_second_differences(&function.rest);
+        let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
+        raise_to_floor(&mut own, &function.values);
+        own
     };
-    let estimated: Vec<Estimated> = functions.par_iter().map(left).collect();
+    let unstated: Vec<&LeftOver> = functions.iter().filter(|f| f.stated.is_none()).collect();
+    let mut own: Vec<Vec<f64>> = unstated.into_par_iter().map(even).collect();
+    share_course(&mut own);
+    let mut own = own.into_iter();
+    let own: Vec<Option<Vec<f64>>> = functions
+        .iter()
+        .map(|function| function.stated.clone().or_else(|| own.next()))
+        .collect();
+    let left = |(LeftOver { values, rest, .. }, own): (&LeftOver, Option<Vec<f64>>)| Estimated {
+        variance: rest.iter().map(Complex64::norm_sqr).collect(),
+        power: values.iter().map(Complex64::norm_sqr).collect(),
+        degrees_of_freedom: Some(2.0),
+        alike,
+        own,
+    };
+    let estimated: Vec<Estimated> = functions.par_iter().zip(own).map(left).collect();
     noise_course::smooth(&estimated.iter().collect::<Vec<_>>())
+}
+
+/// Functions whose variances differ from a common course by no more than such estimates scatter have that course, each with a level of
+/// its own: the scatter of each by itself would look like power that noise does not have where there are many.
+fn share_course(own: &mut [Vec<f64>]) {
+    let lines = own.first().map_or(0, Vec::len);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / lines as f64;
+    let levels: Vec<f64> = own.iter().map(|values| mean(values)).collect();
+    let mut course = vec![0.0; lines];
+    for (values, level) in own.iter().zip(&levels) {
+        for (sum, v) in course.iter_mut().zip(values) {
+            *sum += v / (level * levels.len() as f64);
+        }
+    }
+    let course = &course;
+    own.par_iter_mut().zip(levels).for_each(|(values, level)| {
+        let apart = |(v, c): (&f64, &f64)| (v / (level * c)).ln().powi(2);
+        let scatter = values.iter().zip(course).map(apart).sum::<f64>() / lines as f64;
+        if scatter <= MOST_SCATTER {
+            for (v, c) in values.iter_mut().zip(course) {
+                *v = level * c;
+            }
+        }
+    });
 }
 
 fn raise_to_floor(variance: &mut [f64], values: &[Complex64]) {

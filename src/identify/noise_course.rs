@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use pulp::Arch;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -20,10 +21,10 @@ const STRETCHES: usize = 16;
 /// Rounds of weighting for `a`.
 const ROUNDS: usize = 3;
 /// Values of b that are tried: from that of noise of the force alone downwards, each so much below the last.
-const TRIED: usize = 24;
-const RATIO: f64 = 1.6;
+const TRIED: usize = 12;
+const RATIO: f64 = 2.5;
 /// Steps between two of them, each of which leaves two thirds.
-const THIRDS: usize = 10;
+const THIRDS: usize = 12;
 /// Largest b that what a fit leaves over may tell: 5 % of the response. A pole that moves from function to function leaves over more in
 /// its resonance, and that is no noise.
 const MOST_LEFT_OVER: f64 = 2.5e-3;
@@ -124,10 +125,15 @@ fn between(values: &[f64], place: f64) -> f64 {
 /// it speaks against that.
 fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> {
     let most: Vec<f64> = functions.iter().map(|own| own.most()).collect();
-    let likelihood = |n: usize, b: f64| -> f64 {
-        let own = functions.iter().zip(&most);
-        own.map(|(own, most)| own.likelihood(stretches[n].clone(), b, *most))
-            .sum()
+    let likelihoods = |n: usize, tried: &[f64]| -> Vec<f64> {
+        let mut sums = vec![0.0; tried.len()];
+        for (own, most) in functions.iter().zip(&most) {
+            let told = own.likelihoods(stretches[n].clone(), tried, *most);
+            sums.iter_mut()
+                .zip(told)
+                .for_each(|(sum, told)| *sum += told);
+        }
+        sums
     };
     let left_over = functions.iter().any(|own| own.own.is_some());
     let limit = if left_over {
@@ -143,22 +149,26 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
         let means = functions.iter().map(|own| mean(n, own));
         let most = means.filter(|b| b.is_finite()).fold(0.0, f64::max);
         let tried = (0..TRIED).map(|step| most * RATIO * RATIO.powi(-(step as i32)));
-        let best = tried.map(|b| (likelihood(n, b), b));
-        let (own, b) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        if own <= likelihood(n, 0.0) + GAIN {
+        let tried: Vec<f64> = std::iter::once(0.0).chain(tried).collect();
+        let told = likelihoods(n, &tried);
+        let best = (1..tried.len()).max_by(|a, b| told[*a].total_cmp(&told[*b]))?;
+        // Between two that are tried there may be twice the gain.
+        if told[best] <= told[0] + 0.5 * GAIN {
             return None;
         }
-        let (mut low, mut high) = (b / RATIO, b * RATIO);
+        let (mut low, mut high) = (tried[best] / RATIO, tried[best] * RATIO);
         for _ in 0..THIRDS {
             let third = (high - low) / 3.0;
-            if likelihood(n, low + third) < likelihood(n, high - third) {
+            let told = likelihoods(n, &[low + third, high - third]);
+            if told[0] < told[1] {
                 low += third;
             } else {
                 high -= third;
             }
         }
         let b = 0.5 * (low + high);
-        (b <= limit).then_some(b)
+        let gain = likelihoods(n, &[b])[0] - told[0];
+        (gain > GAIN && b <= limit).then_some(b)
     };
     let told: Vec<Option<f64>> = (0..stretches.len())
         .into_par_iter()
@@ -168,7 +178,8 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
         told[n].or_else(|| {
             let others = (0..told.len()).filter_map(|m| Some((m.abs_diff(n), told[m]?)));
             let (_, near) = others.min_by_key(|(distance, _)| *distance)?;
-            (likelihood(n, near) > likelihood(n, 0.0) - GAIN).then_some(near)
+            let told = likelihoods(n, &[0.0, near]);
+            (told[1] > told[0] - GAIN).then_some(near)
         })
     };
     (0..told.len())
@@ -221,25 +232,25 @@ impl Estimated {
         a
     }
 
-    fn likelihood(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
+    /// Of every b that is tried.
+    fn likelihoods(&self, lines: Range<usize>, tried: &[f64], most: f64) -> Vec<f64> {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
-        let sum = match &self.own {
-            Some(own) => {
-                let own = &own[lines];
-                deviance((own, variance, power), b, most)
-            }
-            None => {
-                let a = self.even(lines, b, most);
-                deviance((&vec![a; variance.len()], variance, power), b, most)
-            }
+        let even = |b: f64| vec![self.even(lines.clone(), b, most); variance.len()];
+        let of = |b: &f64| {
+            let own = self.own.as_ref().map(|own| &own[lines.clone()]);
+            let sum = match own {
+                Some(own) => deviance((own, variance, power), *b, most),
+                None => deviance((&even(*b), variance, power), *b, most),
+            };
+            -0.5 * self.freedom() / self.alike * sum
         };
-        -0.5 * self.freedom() / self.alike * sum
+        tried.iter().map(of).collect()
     }
 }
 
 /// Lines that are reckoned with at once, and so often before the product of their mantissas could overflow.
-const LANES: usize = 4;
-const FACTORS: usize = 512;
+const LANES: usize = 8;
+const FACTORS: usize = 256;
 
 /// `Σ ln(a + b p) + min(v/(a + b p), most)` over lines of a, v and p; 0 where all a are 0: nothing is known of such noise.
 ///
@@ -249,26 +260,33 @@ fn deviance((own, variance, power): (&[f64], &[f64], &[f64]), b: f64, most: f64)
     if !own.iter().any(|a| *a > 0.0) {
         return 0.0;
     }
-    let chunk = LANES * FACTORS;
-    let chunks = own.chunks(chunk).zip(variance.chunks(chunk));
-    let chunks = chunks.zip(power.chunks(chunk));
-    let of_chunk = |((own, variance), power): ((&[f64], &[f64]), &[f64])| {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || sum_of_deviances((own, variance, power), b, most),
+    )
+}
+
+#[inline(always)]
+fn sum_of_deviances((own, variance, power): (&[f64], &[f64], &[f64]), b: f64, most: f64) -> f64 {
+    let mut total = 0.0;
+    for start in (0..own.len()).step_by(LANES * FACTORS) {
+        let lines = start..(start + LANES * FACTORS).min(own.len());
         let mut sums = Lanes::new();
-        let (own, last_own) = own.as_chunks::<LANES>();
-        let (variance, last_variance) = variance.as_chunks::<LANES>();
-        let (power, last_power) = power.as_chunks::<LANES>();
+        let (own, last_own) = own[lines.clone()].as_chunks::<LANES>();
+        let (variance, last_variance) = variance[lines.clone()].as_chunks::<LANES>();
+        let (power, last_power) = power[lines].as_chunks::<LANES>();
         for ((own, variance), power) in own.iter().zip(variance).zip(power) {
             for lane in 0..LANES {
                 sums.add(lane, own[lane] + b * power[lane], (variance[lane], most));
             }
         }
-        let last = last_own.iter().zip(last_variance).zip(last_power);
-        for (lane, ((a, v), p)) in last.enumerate() {
-            sums.add(lane, a + b * p, (*v, most));
+        for lane in 0..last_own.len() {
+            let expected = last_own[lane] + b * last_power[lane];
+            sums.add(lane, expected, (last_variance[lane], most));
         }
-        sums.total()
-    };
-    chunks.map(of_chunk).sum()
+        total += sums.total();
+    }
+    total
 }
 
 /// Sums of logarithms and ratios, lane by lane.
@@ -287,6 +305,7 @@ impl Lanes {
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, lane: usize, expected: f64, (variance, most): (f64, f64)) {
         let expected = expected.max(f64::MIN_POSITIVE);
         let (mantissa, exponent) = parts(expected);
@@ -303,6 +322,7 @@ impl Lanes {
 }
 
 /// A positive normal number as `m 2^e`, m from 1 up to 2.
+#[inline(always)]
 fn parts(value: f64) -> (f64, i64) {
     const MANTISSA: u64 = (1 << 52) - 1;
     let bits = value.to_bits();

@@ -6,11 +6,11 @@
 
 use num_complex::Complex64;
 
-use super::automatic::{Fit, measured};
+use super::automatic::Fit;
 use super::background::{Course, Outside};
-use super::block::Measured;
+use super::far::Far;
 use super::receptance::Receptances;
-use super::refine::{Far, Stop, unsettle};
+use super::refine::{Stop, unsettle};
 use super::roots::{Quality, Root};
 
 /// Rounds in which courses and roots follow each other, most.
@@ -43,7 +43,7 @@ impl Fit {
         }
         let enough = !self.needs_outside() && self.roots.len() >= before.len();
         if !enough {
-            self.data.outside = Outside::Anywhere;
+            self.data.set_outside(Outside::Anywhere);
             self.roots = before;
             self.dropped.truncate(told);
         }
@@ -55,7 +55,7 @@ impl Fit {
         let mut count = courses.len();
         for _ in 0..ROUNDS {
             let before: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
-            self.data.outside = Outside::Courses(courses);
+            self.data.set_outside(Outside::Courses(courses));
             unsettle(&mut self.roots);
             self.refine(Stop::Judging);
             let moved = |(root, before): (&Root, &Complex64)| {
@@ -72,26 +72,16 @@ impl Fit {
 
     /// Courses of what the roots leave over: as many as noise does not explain, and so many at most.
     fn strongest(&self, most: usize) -> Vec<Course> {
-        let own = Measured {
-            outside: &Outside::Anywhere,
-            ..measured(&self.data, &self.sides)
-        };
-        let far = Far::new(&self.data, &own);
-        far.strongest((&own, &self.roots), self.data.correlation.alike(), most)
+        let far = Far::new(&self.data, &Outside::Anywhere);
+        far.strongest(&self.roots, self.data.correlation.alike(), most)
     }
 
     /// Whether free poles outside explain more of what the roots leave over than they would of white noise: where lines share noise they
     /// do, and stay, and the deviations count them.
     fn needs_outside(&self) -> bool {
-        let explained = |outside: &Outside| {
-            let own = Measured {
-                outside,
-                ..measured(&self.data, &self.sides)
-            };
-            Far::new(&self.data, &own).explained(&own, &self.roots)
-        };
-        let (with, many) = explained(&Outside::Anywhere);
-        let (without, few) = explained(&self.data.outside);
+        let all = Far::new(&self.data, &Outside::Anywhere);
+        let (with, many) = all.explained(&self.roots);
+        let (without, few) = self.data.far().explained(&self.roots);
         // Two real numbers of variance 1/2 for each unknown.
         let unknowns = (many - few) as f64;
         with - without > unknowns + unknowns.sqrt()
@@ -106,13 +96,13 @@ impl Fit {
     /// With free poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`, and by what was left away. Beyond what noise does
     /// once in twenty times the error is `√(|δ|² − E|δ|²)` along `δ`, else none is told.
     pub fn reckon_with_outside(&mut self) {
-        let Outside::Courses(courses) = self.data.outside.clone() else {
+        let Outside::Courses(courses) = self.data.outside().clone() else {
             return;
         };
         let free = self.with_free_poles();
         if free.len() != self.roots.len() {
             // A pole that free poles outside do not leave in its place leans on them.
-            self.data.outside = Outside::Anywhere;
+            self.data.set_outside(Outside::Anywhere);
             self.settle(Stop::Fine);
             return;
         }
@@ -124,13 +114,11 @@ impl Fit {
 
     /// The roots where they are, as a fit with free poles outside sees them.
     fn with_free_poles(&mut self) -> Vec<Root> {
-        let (own, roots) = (
-            std::mem::replace(&mut self.data.outside, Outside::Anywhere),
-            self.roots.clone(),
-        );
+        let own = self.data.set_outside(Outside::Anywhere);
+        let roots = self.roots.clone();
         unsettle(&mut self.roots);
         self.refine(Stop::Residues);
-        self.data.outside = own;
+        self.data.set_outside(own);
         std::mem::replace(&mut self.roots, roots)
     }
 }
@@ -220,7 +208,7 @@ mod tests {
         let mut fit = Fit::new(data, sides, MethodOptions::default());
         let one = [Complex64::ONE];
         fit.roots = truth().map(|lambda| Root::single(lambda, &one, 8)).to_vec();
-        fit.data.outside = outside;
+        fit.data.set_outside(outside);
         fit.refine(Stop::Fine);
         fit
     }
@@ -260,7 +248,7 @@ mod tests {
         let mut fit = fitted(50.0, 3, Outside::Anywhere);
         let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.look_outside();
-        let Outside::Courses(courses) = &fit.data.outside else {
+        let Outside::Courses(courses) = fit.data.outside() else {
             panic!("free poles stay");
         };
         assert!((1..=2).contains(&courses.len()), "{}", courses.len());

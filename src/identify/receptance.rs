@@ -6,15 +6,20 @@
 //! `λ = λ_true − a`: an ordinary receptance whose poles carry the window's damping. Everything behind this file works
 //! on that and never meets `a` again.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, OnceLock};
+
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::axis::Band;
-use crate::frf::FrfSet;
-use crate::linalg::ComplexMatrix;
+use crate::frf::{FrfSet, Function};
+use crate::linalg::{self, ComplexMatrix};
 
 use super::IdentifyError;
 use super::background::Outside;
 use super::correlation::Correlation;
+use super::far::{Far, Rest};
 use super::noise::{self, LeftOver, Noise};
 use super::noise_course::Smooth;
 use super::shared::Shared;
@@ -26,14 +31,37 @@ const FEWEST_LINES: usize = 8;
 /// Dynamic range of a set, beyond any converter's: least noise over the largest response.
 const RANGE: f64 = 1e-10;
 
+/// Values of functions: lines × functions.
+pub(super) struct Values(ComplexMatrix);
+
+impl Values {
+    /// All of them.
+    pub fn matrix(&self) -> &ComplexMatrix {
+        &self.0
+    }
+
+    /// By function.
+    pub fn iter(&self) -> impl Iterator<Item = &[Complex64]> {
+        (0..self.0.ncols()).map(|f| &self[f])
+    }
+}
+
+impl std::ops::Index<usize> for Values {
+    type Output = [Complex64];
+
+    fn index(&self, function: usize) -> &[Complex64] {
+        self.0.col_as_slice(function)
+    }
+}
+
 /// Receptances on the lines of a band.
 pub(super) struct Receptances {
     /// Angular frequency of every line, rad/s.
     pub omega: Vec<f64>,
     /// Spacing of the lines, rad/s.
     pub step: f64,
-    /// Values, m/N, one vector per function.
-    pub values: Vec<Vec<Complex64>>,
+    /// Values, m/N.
+    pub values: Values,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
     pub variance: Vec<Vec<f64>>,
     /// Part of every variance that the force makes, as far as it is known.
@@ -41,13 +69,19 @@ pub(super) struct Receptances {
     /// Variances of each function as they came with the data, where they did.
     stated: Vec<Option<Smooth>>,
     /// What is known of modes outside the lines.
-    pub outside: Outside,
+    outside: Outside,
+    /// What follows from it, while it and the variances stay.
+    far: OnceLock<Far>,
+    /// How often both changed.
+    version: u64,
     /// How the noise of neighbouring lines hangs together, as far as it is known.
     pub correlation: Correlation,
     /// How functions of one hit point err together, as far as it is known.
     pub shared: Shared,
+    /// Least variance of each function, as measured.
+    floors: Vec<f64>,
     /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
-    pub measured_scale: Vec<Vec<f64>>,
+    pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
 impl Receptances {
@@ -79,51 +113,73 @@ impl Receptances {
     }
 
     fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
-        let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
-        let mut data = Self {
-            step: std::f64::consts::TAU * set.axis().step_hz,
-            values: Vec::with_capacity(set.len()),
-            variance: Vec::with_capacity(set.len()),
-            by_force: Vec::with_capacity(set.len()),
-            stated: Vec::with_capacity(set.len()),
-            outside: Outside::Anywhere,
-            correlation: Correlation::of_window(
-                set.added_damping_rad_s,
-                (std::f64::consts::TAU * set.axis().step_hz, lines.len()),
-            ),
-            shared: Shared::unknown(set.functions()),
-            measured_scale: Vec::with_capacity(set.len()),
-            omega,
-        };
         for i in 0..set.len() {
             check_finite(set, i, lines.clone())?;
         }
-        for (i, noise) in noise::of_set(set, &lines).into_iter().enumerate() {
-            data.push(set, i, &set.values(i)[lines.clone()], noise);
-        }
+        let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
+        let step = std::f64::consts::TAU * set.axis().step_hz;
+        let scales = Scales::new(set, &omega);
+        let noise = noise::of_set(set, &lines);
+        let by_force = noise.iter().map(|own| own.by_force.clone()).collect();
+        let of_receptance = |(i, noise): (usize, Noise)| {
+            let (_, scale) = scales.of(set, i);
+            let variance = noise.variance.iter().zip(scale.iter());
+            let own = Smooth {
+                variance: variance.map(|(v, s)| v / (s * s)).collect(),
+                by_force: noise.by_force,
+            };
+            let variance = own.variance.clone();
+            (variance, noise.measured.then_some(own))
+        };
+        let noise = noise.into_par_iter().enumerate().map(of_receptance);
+        let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
+        let value = |k: usize, i: usize| scales.of(set, i).0[k] * set.values(i)[lines.start + k];
+        let mut data = Self {
+            step,
+            values: Values(linalg::complex_matrix(omega.len(), set.len(), value)),
+            variance,
+            by_force,
+            stated,
+            outside: Outside::Anywhere,
+            far: OnceLock::new(),
+            version: 0,
+            correlation: Correlation::of_window(set.added_damping_rad_s, (step, lines.len())),
+            shared: Shared::unknown(set.functions()),
+            floors: Vec::new(),
+            measured_scale: (0..set.len())
+                .map(|i| Arc::clone(&scales.of(set, i).1))
+                .collect(),
+            omega,
+        };
+        data.floors = data.floors();
         data.raise_variances();
         Ok(data)
     }
 
     /// No function is better known than [`RANGE`] of the strongest response: what is far below it (directions that symmetry keeps
     /// still) is no response, whatever its own noise. The floor is even in what was measured, as noise is.
-    pub fn raise_variances(&mut self) {
-        let lines = self.lines();
-        let strongest: Vec<f64> = (0..lines)
-            .map(|k| {
-                self.values
-                    .iter()
-                    .map(|h| h[k].norm_sqr())
-                    .fold(0.0, f64::max)
-            })
-            .collect();
-        for (variance, scale) in self.variance.iter_mut().zip(&self.measured_scale) {
-            let powers = strongest.iter().zip(scale).map(|(p, s)| p * s * s);
-            let floor = RANGE * RANGE * powers.sum::<f64>() / lines as f64;
-            for (v, s) in variance.iter_mut().zip(scale) {
-                *v = v.max(floor / (s * s));
+    fn raise_variances(&mut self) {
+        let (floors, scales) = (&self.floors, &self.measured_scale);
+        let raise = |(f, variance): (usize, &mut Vec<f64>)| {
+            for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
+                *v = v.max(floors[f] / (s * s));
+            }
+        };
+        self.variance.par_iter_mut().enumerate().for_each(raise);
+    }
+
+    fn floors(&self) -> Vec<f64> {
+        let mut strongest = vec![0.0f64; self.lines()];
+        for values in self.values.iter() {
+            for (most, h) in strongest.iter_mut().zip(values) {
+                *most = most.max(h.norm_sqr());
             }
         }
+        let floor = |scale: &Arc<Vec<f64>>| {
+            let powers = strongest.iter().zip(scale.iter()).map(|(p, s)| p * s * s);
+            RANGE * RANGE * powers.sum::<f64>() / self.lines() as f64
+        };
+        self.measured_scale.par_iter().map(floor).collect()
     }
 
     /// Whether the variances of all functions came with the data.
@@ -131,17 +187,19 @@ impl Receptances {
         self.stated.iter().all(Option::is_some)
     }
 
-    /// The noise of all functions from what a fit leaves over of them: lines × functions, over the noise so far. To variances that came
-    /// with the data it adds noise of the force that they do not tell.
-    pub fn measure_noise(&mut self, rest: &ComplexMatrix) {
+    /// The noise of all functions from what a fit leaves over of them, which is then over that noise. To variances that came with the
+    /// data it adds noise of the force that they do not tell.
+    pub fn measure_noise(&mut self, rest: &mut Rest) {
         let how = (
             self.correlation.of_second_difference(),
             self.correlation.alike(),
         );
+        let before = self.variance.clone();
         for group in self.shared.groups().to_vec() {
-            let functions: Vec<_> = group.iter().map(|f| self.left_over(*f, rest)).collect();
-            for (f, told) in group.into_iter().zip(noise::of_rest(&functions, how)) {
-                let variance = told.variance.iter().zip(&self.measured_scale[f]);
+            let left = group.par_iter().map(|f| self.left_over(*f, rest));
+            let told = noise::of_rest(&left.collect::<Vec<_>>(), how);
+            for (f, told) in group.into_iter().zip(told) {
+                let variance = told.variance.iter().zip(self.measured_scale[f].iter());
                 self.variance[f] = variance.map(|(v, s)| v / (s * s)).collect();
                 self.by_force[f] = match &self.stated[f] {
                     Some(stated) => force_part(stated, &self.variance[f]),
@@ -150,49 +208,55 @@ impl Receptances {
             }
         }
         self.raise_variances();
+        rest.over(&before, &self.variance);
+        self.renew();
     }
 
-    fn left_over(&self, f: usize, rest: &ComplexMatrix) -> LeftOver {
+    fn renew(&mut self) {
+        self.far = OnceLock::new();
+        self.version += 1;
+    }
+
+    /// A number that tells whether the noise, or what is known of modes outside, changed since.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// What is known of modes outside the lines.
+    pub fn outside(&self) -> &Outside {
+        &self.outside
+    }
+
+    /// Takes over what is known of modes outside the lines; what was known before.
+    pub fn set_outside(&mut self, outside: Outside) -> Outside {
+        self.renew();
+        std::mem::replace(&mut self.outside, outside)
+    }
+
+    /// The background of all lines.
+    pub fn far(&self) -> &Far {
+        self.far.get_or_init(|| Far::new(self, &self.outside))
+    }
+
+    fn left_over(&self, f: usize, rest: &Rest) -> LeftOver {
         let scale = &self.measured_scale[f];
-        let left = |k: usize| rest[(k, f)] * self.deviation(f, k) * scale[k];
+        let left = |k: usize| rest.at(f, k) * self.deviation(f, k) * scale[k];
         let stated = self.stated[f].as_ref();
         let squared = |(v, s): (&f64, &f64)| v * s * s;
         LeftOver {
             values: self.values[f]
                 .iter()
-                .zip(scale)
+                .zip(scale.iter())
                 .map(|(h, s)| h * s)
                 .collect(),
             rest: (0..self.lines()).map(left).collect(),
-            stated: stated.map(|own| own.variance.iter().zip(scale).map(squared).collect()),
+            stated: stated.map(|own| own.variance.iter().zip(scale.iter()).map(squared).collect()),
         }
-    }
-
-    fn push(&mut self, set: &FrfSet, i: usize, values: &[Complex64], noise: Noise) {
-        let order = set.functions()[i].kind.derivative_order();
-        let factor = |omega: &f64| {
-            Complex64::new(set.added_damping_rad_s, *omega)
-                .powi(order)
-                .inv()
-        };
-        let scaled = self.omega.iter().zip(values).map(|(w, h)| factor(w) * h);
-        self.values.push(scaled.collect());
-        let variance = self.omega.iter().zip(&noise.variance);
-        let variance = variance.map(|(w, v)| factor(w).norm_sqr() * v);
-        let own = Smooth {
-            variance: variance.collect(),
-            by_force: noise.by_force,
-        };
-        self.variance.push(own.variance.clone());
-        self.by_force.push(own.by_force.clone());
-        self.stated.push(noise.measured.then_some(own));
-        let scale = self.omega.iter().map(|w| factor(w).norm().recip());
-        self.measured_scale.push(scale.collect());
     }
 
     /// Number of functions.
     pub fn functions(&self) -> usize {
-        self.values.len()
+        self.values.0.ncols()
     }
 
     /// Number of lines.
@@ -221,6 +285,31 @@ impl Receptances {
         let count = lines.len().max(1) as f64;
         self.variance[function][lines].iter().sum::<f64>() / count
     }
+}
+
+/// What turns measured values into receptances, line by line, and the magnitude of its inverse: for each order of derivative.
+struct Scales(BTreeMap<i32, (Vec<Complex64>, Arc<Vec<f64>>)>);
+
+impl Scales {
+    fn new(set: &FrfSet, omega: &[f64]) -> Self {
+        let of_order = |order: i32| {
+            let factor = |w: &f64| Complex64::new(set.added_damping_rad_s, *w).powi(-order);
+            let factors: Vec<Complex64> = omega.iter().map(factor).collect();
+            let scale = factors.iter().map(|factor| factor.norm().recip()).collect();
+            (factors, Arc::new(scale))
+        };
+        let orders = set.functions().iter().map(order_of);
+        let orders: BTreeSet<i32> = orders.collect();
+        Self(orders.into_iter().map(|n| (n, of_order(n))).collect())
+    }
+
+    fn of(&self, set: &FrfSet, function: usize) -> &(Vec<Complex64>, Arc<Vec<f64>>) {
+        &self.0[&order_of(&set.functions()[function])]
+    }
+}
+
+fn order_of(function: &Function) -> i32 {
+    function.kind.derivative_order()
 }
 
 /// The whole usable band of a set: from its first line above 0 Hz to its last.

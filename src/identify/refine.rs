@@ -13,11 +13,12 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::background::{Background, Course, EVERYWHERE};
-use super::block::{Block, Fitted, Measured, Unknown, fit};
-use super::noise_profile::Profile;
+use super::block::{Block, Fitted, Surroundings, Unknown, fit};
+use super::far::residues;
 use super::receptance::Receptances;
 use super::roots::{Progress, Quality, Root, combined};
+use super::sides::Sides;
+use super::window::Window;
 
 /// Half of a window, half-power widths.
 const REACH: f64 = 20.0;
@@ -56,31 +57,33 @@ pub(super) enum Stop {
 /// Moves all roots to the maximum of the likelihood and returns them in ascending frequency. `limits` is where they may lie,
 /// rad/s; what leaves them, or becomes unstable, is gone.
 ///
-/// A block is fitted while one of its members moves; when none does, all are fitted once more, for what far roots changed.
+/// A block is fitted while one of its members moves; when none does, all are fitted once more, for what far roots changed. Windows are
+/// kept for the next refinement.
 pub(super) fn refine(
-    data: &Receptances,
-    measured: &Measured,
+    (data, sides): (&Receptances, &Sides),
+    windows: &mut Vec<Window>,
     mut roots: Vec<Root>,
     (limits, stop): ((f64, f64), Stop),
 ) -> Vec<Root> {
     let mut whole = false;
-    let mut plan: Option<Vec<Block>> = None;
-    let far = Far::new(data, measured);
-    let mut near: Option<Measured> = None;
+    let mut plan: Option<Vec<Task>> = None;
+    let far = data.far();
+    let mut beyond: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
+    windows.retain(|window| window.is_of(data));
     for _ in 0..SWEEPS {
         let fresh = roots
             .iter()
             .any(|root| matches!(root.progress, Progress::Fresh(_)));
         // Windows that followed every step would let the roots follow the windows.
-        let blocks = plan.take().unwrap_or_else(|| {
+        let mut tasks = plan.take().unwrap_or_else(|| {
             roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
-            blocks(data, &roots, fresh)
+            tasks(windows, blocks((data, windows), &roots, fresh))
         });
         let moving = |root: &usize| roots[*root].progress != Progress::Settled;
-        let active: Vec<&Block> = blocks
-            .iter()
-            .filter(|block| whole || block.members.iter().any(moving))
+        let mut active: Vec<&mut Task> = tasks
+            .iter_mut()
+            .filter(|task| whole || task.block.members.iter().any(moving))
             .collect();
         let steps = if fresh || stop == Stop::Residues {
             0
@@ -90,28 +93,34 @@ pub(super) fn refine(
         // What is far changes little from sweep to sweep, and the last look at all blocks has it anew.
         if !fresh {
             if whole || sweep == next {
-                near = Some(far.taken_out(measured, &roots));
+                beyond = Some(far.of_rest(&roots));
                 next = 2 * sweep + 1;
             }
             sweep += 1;
         }
-        let measured = near.as_ref().unwrap_or(measured);
+        let around = Surroundings {
+            data,
+            sides,
+            roots: &roots,
+            residues: &residues(&roots, data.functions()),
+            far: beyond.as_ref(),
+        };
         let fitted: Vec<Fitted> = active
-            .par_iter()
-            .map(|block| {
-                let profile = Profile::new(data, block.lines.clone());
-                fit(measured, &roots, block, (&profile, steps))
-            })
+            .par_iter_mut()
+            .map(|task| fit(&around, &task.block, (&mut task.window, steps)))
             .collect();
-        for (block, fitted) in active.iter().zip(&fitted) {
-            take(&mut roots, (block, fitted), stop);
+        for (task, fitted) in active.iter().zip(&fitted) {
+            take(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
         roots.retain(|root| stays(root, limits));
         if roots.len() < before {
             unsettle(&mut roots);
-        } else if !fresh {
-            plan = Some(blocks);
+        }
+        if roots.len() < before || fresh {
+            windows.extend(tasks.into_iter().filter_map(|task| task.window));
+        } else {
+            plan = Some(tasks);
         }
         let settled = roots.iter().all(|root| root.progress == Progress::Settled);
         if settled && whole {
@@ -119,12 +128,31 @@ pub(super) fn refine(
         }
         whole = settled;
     }
+    let kept = plan.into_iter().flatten();
+    windows.extend(kept.filter_map(|task| task.window));
     roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
     roots.par_iter_mut().for_each(|root| {
         root.quality.pole_std = root.quality.pole_bound * data.shared.of_pole(data, root).sqrt();
         root.quality.by_lines = data.shared.of_amplitude(data, root);
     });
     roots
+}
+
+/// A block with its window, where it has one.
+struct Task {
+    block: Block,
+    window: Option<Window>,
+}
+
+/// Blocks with the windows that have their lines; the others are given up.
+fn tasks(windows: &mut Vec<Window>, blocks: Vec<Block>) -> Vec<Task> {
+    let mut kept = std::mem::take(windows);
+    let task = |block: Block| {
+        let own = kept.iter().position(|own| *own.lines() == block.lines);
+        let window = own.map(|place| kept.swap_remove(place));
+        Task { block, window }
+    };
+    blocks.into_iter().map(task).collect()
 }
 
 /// What was left out or put in changes what all others must explain.
@@ -213,7 +241,7 @@ fn deviations(step: &Fitted) -> Vec<f64> {
 }
 
 /// The blocks of roots in ascending frequency.
-fn blocks(data: &Receptances, roots: &[Root], linear: bool) -> Vec<Block> {
+fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bool) -> Vec<Block> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (number, root) in roots.iter().enumerate() {
         let near = |other: &usize| apart(root, &roots[*other]) < TOGETHER;
@@ -230,7 +258,7 @@ fn blocks(data: &Receptances, roots: &[Root], linear: bool) -> Vec<Block> {
     let groups = merged(data, roots, groups);
     groups
         .iter()
-        .map(|core| block(data, roots, core, linear))
+        .map(|core| block((data, windows), roots, core, linear))
         .collect()
 }
 
@@ -257,7 +285,12 @@ pub(super) fn apart(a: &Root, b: &Root) -> f64 {
     (a.lambda.im - b.lambda.im).abs() / (a.width() + b.width())
 }
 
-fn block(data: &Receptances, roots: &[Root], core: &[usize], linear: bool) -> Block {
+fn block(
+    (data, windows): (&Receptances, &[Window]),
+    roots: &[Root],
+    core: &[usize],
+    linear: bool,
+) -> Block {
     let lines = window(data, core.iter().map(|j| &roots[*j]));
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
     let inside = |root: &Root| {
@@ -277,8 +310,12 @@ fn block(data: &Receptances, roots: &[Root], core: &[usize], linear: bool) -> Bl
             .collect()
     };
     let (core, free) = (places(&|j| core.contains(&j)), places(&moving));
+    let lines = enough(data, lines, members.len());
+    let kept = windows
+        .iter()
+        .find(|window| window.covers(&lines, data.lines()));
     Block {
-        lines: enough(data, lines, members.len()),
+        lines: kept.map_or(lines, |window| window.lines().clone()),
         members,
         free: if linear { Vec::new() } else { free },
         core,
@@ -305,154 +342,4 @@ fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usiz
     let missing = wanted.saturating_sub(lines.len()).div_ceil(2);
     let start = lines.start.saturating_sub(missing);
     start..(lines.end + missing).min(data.lines())
-}
-
-/// Values of the model's roots and their conjugates on some lines: lines × functions.
-pub(super) fn model(measured: &Measured, roots: &[Root], lines: Range<usize>) -> ComplexMatrix {
-    courses(&measured.omega[lines], roots) * residues(roots, measured.values.ncols())
-}
-
-/// `1/(iω − λ)` of every root and of its conjugate: lines × twice the roots.
-fn courses(omega: &[f64], roots: &[Root]) -> ComplexMatrix {
-    linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
-        let lambda = roots[place / 2].lambda;
-        let lambda = if place % 2 == 0 {
-            lambda
-        } else {
-            lambda.conj()
-        };
-        (Complex64::new(0.0, omega[k]) - lambda).inv()
-    })
-}
-
-/// Residues of every root and of its conjugate: twice the roots × functions.
-fn residues(roots: &[Root], functions: usize) -> ComplexMatrix {
-    linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
-        let residue = roots[place / 2].residues[f];
-        if place % 2 == 0 {
-            residue
-        } else {
-            residue.conj()
-        }
-    })
-}
-
-/// What lies outside the lines, told from all of them together: the background of the whole band.
-///
-/// A window in the middle has constant and slope alone for what is outside; a strong mode beyond the end of a long band is curved
-/// there, and the whole band knows by how much.
-pub(super) struct Far {
-    level: Vec<f64>,
-    /// Columns of the background times their coordinates, and what gives the coordinates: lines × columns.
-    columns: ComplexMatrix,
-    weights: ComplexMatrix,
-    /// Of the measured values: columns × functions.
-    coordinates: ComplexMatrix,
-}
-
-impl Far {
-    /// Of the lines of a band.
-    pub fn new(data: &Receptances, measured: &Measured) -> Self {
-        let lines = 0..data.lines();
-        let Profile { level, course } = Profile::new(data, lines.clone());
-        let background = Background::new(measured.omega, &lines, measured.outside);
-        // Orthonormal over the course of the noise.
-        let basis = background.basis(measured.omega, &course);
-        let of = |scale: &dyn Fn(usize) -> f64| {
-            linalg::complex_matrix(basis.nrows(), basis.ncols(), |k, c| {
-                basis[(k, c)] * scale(k)
-            })
-        };
-        let weights = of(&|k| course[k].recip());
-        Self {
-            coordinates: linalg::adjoint_product(&weights, &measured.values),
-            columns: of(&|k| course[k]),
-            weights,
-            level,
-        }
-    }
-
-    /// Coordinates of what the roots leave over: columns × functions.
-    fn of_rest(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
-        let courses = self.weights.adjoint() * courses(measured.omega, roots);
-        &self.coordinates - courses * residues(roots, measured.values.ncols())
-    }
-
-    /// The measured values without what the background explains of what the roots leave over.
-    pub fn taken_out<'a>(&self, measured: &Measured<'a>, roots: &[Root]) -> Measured<'a> {
-        Measured {
-            omega: measured.omega,
-            values: &measured.values - &self.columns * self.of_rest(measured, roots),
-            sides: measured.sides,
-            outside: measured.outside,
-        }
-    }
-
-    /// What roots and background leave over, over the noise at each line: lines × functions.
-    pub fn left_over(
-        &self,
-        data: &Receptances,
-        measured: &Measured,
-        roots: &[Root],
-    ) -> ComplexMatrix {
-        let near = self.taken_out(measured, roots);
-        let rest = &near.values - model(measured, roots, 0..measured.omega.len());
-        linalg::complex_matrix(rest.nrows(), rest.ncols(), |k, f| {
-            rest[(k, f)] / data.deviation(f, k)
-        })
-    }
-
-    /// Coordinates of what the roots leave over, over the noise, without constant and slope: columns × functions.
-    fn beyond(&self, measured: &Measured, roots: &[Root]) -> ComplexMatrix {
-        let rest = self.of_rest(measured, roots);
-        let columns = rest.nrows() - EVERYWHERE;
-        linalg::complex_matrix(columns, rest.ncols(), |c, f| {
-            rest[(EVERYWHERE + c, f)] / self.level[f]
-        })
-    }
-
-    /// Courses over the lines of what the roots leave over beyond constant and slope, the strongest first: as many as leave no more
-    /// of the rest than noise, of which `alike` lines count for one, and so many at most.
-    ///
-    /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance plus one dyad per course; what r
-    /// dyads leave has (columns − r)(functions − r) numbers (reduced rank: Anderson 1951, Annals of Mathematical Statistics 22).
-    pub fn strongest(
-        &self,
-        (measured, roots): (&Measured, &[Root]),
-        alike: f64,
-        most: usize,
-    ) -> Vec<Course> {
-        let beyond = self.beyond(measured, roots);
-        let Ok(svd) = linalg::singular_vectors(&beyond) else {
-            return Vec::new();
-        };
-        let left = |rank: usize| svd.values[rank..].iter().map(|s| s * s).sum::<f64>();
-        let noise = |rank: usize| {
-            let numbers = ((beyond.nrows() - rank) * (beyond.ncols() - rank)) as f64;
-            alike * (numbers + numbers.sqrt())
-        };
-        let all = svd.values.len();
-        let needed = (0..all).find(|rank| left(*rank) <= noise(*rank));
-        let count = needed.unwrap_or(all).min(most);
-        let course = |rank: usize| {
-            let at = |k: usize| -> Complex64 {
-                let terms = (0..beyond.nrows())
-                    .map(|c| self.columns[(k, EVERYWHERE + c)] * svd.left[(c, rank)]);
-                terms.sum()
-            };
-            let shares = (0..beyond.ncols()).map(|f| svd.right[(f, rank)].conj());
-            Course {
-                values: (0..self.columns.nrows()).map(at).collect(),
-                shares: shares.collect(),
-            }
-        };
-        (0..count).map(course).collect()
-    }
-
-    /// Energy beyond constant and slope that the background explains of what the roots leave over, over the noise, with the complex
-    /// numbers that it has.
-    pub fn explained(&self, measured: &Measured, roots: &[Root]) -> (f64, usize) {
-        let beyond = self.beyond(measured, roots);
-        (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())
-    }
 }

@@ -146,7 +146,7 @@ fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -
         _ => (peak.line, 0.0),
     };
     let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
-    let term = |(h, weight): (&Vec<Complex64>, &f64)| weight * h[low].conj() * h[high];
+    let term = |(h, weight): (&[Complex64], &f64)| weight * h[low].conj() * h[high];
     let sum: Complex64 = data.values.iter().zip(&indicator.weights).map(term).sum();
     let sides: f64 = left + right;
     -sum.arg() / (sides.max(1.0) * std::f64::consts::FRAC_PI_4)
@@ -202,7 +202,7 @@ fn left_share(peak: &Peak) -> f64 {
 fn deviation(data: &Receptances, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let share = left_share(peak);
-    let term = |(h, v): (&Vec<Complex64>, &Vec<f64>)| {
+    let term = |(h, v): (&[Complex64], &Vec<f64>)| {
         let between = share * h[left] + (1.0 - share) * h[right];
         let variance = v[top] + share * share * v[left] + (1.0 - share).powi(2) * v[right];
         2.0 * (h[top] - between).norm_sqr() / variance

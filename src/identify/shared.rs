@@ -13,15 +13,16 @@
 //! The part of a root in that direction is held against such noise, the rest of it against noise that is the functions' own.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::dof::Dof;
 use crate::frf::Function;
-use crate::linalg::ComplexMatrix;
 
 use super::correlation::Correlation;
+use super::far::Rest;
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::standing::lines_around;
@@ -69,13 +70,14 @@ impl Shared {
         &self.groups
     }
 
-    /// From what a fit leaves over, over the noise: lines × functions.
-    pub fn of_rest(&self, data: &Receptances, rest: &ComplexMatrix) -> Self {
+    /// From what a fit leaves over.
+    pub fn of_rest(&self, data: &Receptances, rest: &Rest) -> Self {
         let response = Response { data, rest };
-        let of_group = |group: &Vec<usize>| -> Vec<Line> {
-            (0..data.lines()).map(|k| response.line(group, k)).collect()
-        };
-        let groups: Vec<Vec<Line>> = self.groups.par_iter().map(of_group).collect();
+        let groups: Vec<Vec<Line>> = self
+            .groups
+            .iter()
+            .map(|group| by_stretch(&rest.lines, |lines| response.lines(group, lines)))
+            .collect();
         let alike = data.correlation.alike();
         let excess = groups.iter().map(|lines| {
             let part = shared_part(lines, alike);
@@ -139,7 +141,7 @@ impl Shared {
     /// What of a value per function lies along the response and across it, at one line, as if all noise were the functions' own.
     pub fn held(
         &self,
-        (data, rest): (&Receptances, &ComplexMatrix),
+        (data, rest): (&Receptances, &Rest),
         line: usize,
         value: impl Fn(usize) -> Complex64,
     ) -> f64 {
@@ -153,6 +155,23 @@ impl Shared {
             part.across + part.along / self.at(number, line)
         };
         self.groups.iter().enumerate().map(of).sum()
+    }
+
+    /// The same of what is left over, at each of its lines.
+    pub fn held_by_line(&self, data: &Receptances, rest: &Rest) -> Vec<f64> {
+        by_stretch(&rest.lines, |lines| {
+            if self.excess.is_empty() {
+                let mut power = vec![0.0; lines.len()];
+                for f in 0..data.functions() {
+                    for (sum, value) in power.iter_mut().zip(rest.of(f, lines.clone())) {
+                        *sum += value.norm_sqr();
+                    }
+                }
+                return power;
+            }
+            let at = |k: usize| self.held((data, rest), k, |f| rest.at(f, k));
+            lines.map(at).collect()
+        })
     }
 
     fn at(&self, group: usize, line: usize) -> f64 {
@@ -238,32 +257,70 @@ fn split(
 /// The response of the model, over the noise of every function.
 struct Response<'a> {
     data: &'a Receptances,
-    rest: &'a ComplexMatrix,
+    rest: &'a Rest,
 }
 
 impl Response<'_> {
     /// What is measured without what is left over: noise that both hold would look shared.
     fn over_noise(&self, f: usize, k: usize) -> Complex64 {
-        self.data.values[f][k] / self.data.deviation(f, k) - self.rest[(k, f)]
+        self.data.values[f][k] / self.data.deviation(f, k) - self.rest.at(f, k)
     }
 
-    fn line(&self, group: &[usize], k: usize) -> Line {
-        let (mut product, mut square, mut power) = (Complex64::ZERO, 0.0, 0.0);
-        let (mut by_force, mut counted) = (0.0, 0.0);
+    fn lines(&self, group: &[usize], lines: Range<usize>) -> Vec<Line> {
+        let mut sums = vec![Sums::default(); lines.len()];
         for &f in group {
-            let h = self.over_noise(f, k);
-            let part = self.data.by_force[f][k];
-            product += h.conj() * self.rest[(k, f)];
-            square += h.norm_sqr();
-            power += self.rest[(k, f)].norm_sqr();
-            by_force += part;
-            counted += part * h.norm_sqr();
+            let rest = self.rest.of(f, lines.clone());
+            let values = &self.data.values[f][lines.clone()];
+            let variance = &self.data.variance[f][lines.clone()];
+            let by_force = &self.data.by_force[f][lines.clone()];
+            let own = values.iter().zip(variance).zip(rest).zip(by_force);
+            for (sum, (((value, variance), rest), part)) in sums.iter_mut().zip(own) {
+                let h = value / variance.sqrt() - rest;
+                sum.product += h.conj() * rest;
+                sum.square += h.norm_sqr();
+                sum.power += rest.norm_sqr();
+                sum.by_force += part;
+                sum.counted += part * h.norm_sqr();
+            }
         }
-        if square > 0.0 {
+        let most = MOST_POWER * group.len() as f64;
+        sums.iter().map(|sum| sum.line(most)).collect()
+    }
+}
+
+/// Lines that one thread looks at.
+const STRETCH: usize = 256;
+
+/// Something of every line, stretches of them in parallel.
+fn by_stretch<T: Send>(lines: &Range<usize>, of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<T> {
+    let own = |number: usize| {
+        let start = lines.start + number * STRETCH;
+        of(start..(start + STRETCH).min(lines.end))
+    };
+    let parts = (0..lines.len().div_ceil(STRETCH)).into_par_iter().map(own);
+    parts.collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+/// Sums over the functions of a hit point at one line.
+#[derive(Clone, Default)]
+struct Sums {
+    /// Of what is left over along the response, and of the response, over the noise.
+    product: Complex64,
+    square: f64,
+    /// Of what is left over.
+    power: f64,
+    /// Of the part that the force makes, and of that times the response.
+    by_force: f64,
+    counted: f64,
+}
+
+impl Sums {
+    fn line(&self, most: f64) -> Line {
+        if self.square > 0.0 {
             Line {
-                along: product / square.sqrt(),
-                excess: 1.0 + (by_force - counted / square).max(0.0),
-                noise: power < MOST_POWER * group.len() as f64,
+                along: self.product / self.square.sqrt(),
+                excess: 1.0 + (self.by_force - self.counted / self.square).max(0.0),
+                noise: self.power < most,
             }
         } else {
             Line {

@@ -11,9 +11,9 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::modal::{Pole, mac};
 
 use super::Candidate;
-use super::block::Measured;
+use super::far::{Described, Rest};
 use super::receptance::Receptances;
-use super::refine::{Far, apart};
+use super::refine::apart;
 use super::roots::Root;
 use super::sides::Sides;
 
@@ -60,17 +60,17 @@ pub(super) struct Standing {
 }
 
 /// Of each root.
-pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root]) -> Vec<Standing> {
-    let rest = Far::new(data, measured).left_over(data, measured, roots);
+pub(super) fn standings((data, sides): (&Receptances, &Sides), roots: &[Root]) -> Vec<Standing> {
+    let described = data.far().beside(data, roots);
     let standing = |root: &Root| {
         let own = own_lines(data, root);
         let of = |f: usize| {
-            let power = |k: usize| measured.values[(k, f)].norm_sqr() / data.variance[f][k];
+            let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
             own.clone().map(power).sum::<f64>()
         };
         let whole: f64 = (0..data.functions()).map(of).sum();
         Standing {
-            misfit: misfit(data, &rest, root),
+            misfit: missed(data, &described, root),
             share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
             echo: 0.0,
         }
@@ -81,7 +81,7 @@ pub(super) fn standings(data: &Receptances, measured: &Measured, roots: &[Root])
         let repeated = |i: &usize| {
             let (own, other) = (&roots[j], &roots[*i]);
             let weaker = standings[j].share < least(*i) && lies_within(own, other);
-            weaker && (repeats_shape(own, other) || repeats_side(measured.sides, own, other))
+            weaker && (repeats_shape(own, other) || repeats_side(sides, own, other))
         };
         let others = (0..roots.len()).filter(repeated).map(least);
         others.fold(0.0, f64::max)
@@ -135,10 +135,15 @@ fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
 }
 
 /// Mean square of what a model leaves over (over the noise) on the own lines of a root.
-pub(super) fn misfit(data: &Receptances, rest: &ComplexMatrix, root: &Root) -> f64 {
+pub(super) fn missed(data: &Receptances, described: &Described, root: &Root) -> f64 {
+    misfit(data, &described.left_over(own_lines(data, root)), root)
+}
+
+/// The same of what is left over, on those lines at least.
+pub(super) fn misfit(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
     let own = own_lines(data, root);
-    let values = (own.len() * rest.ncols()) as f64;
-    let held = |k: usize| data.shared.held((data, rest), k, |f| rest[(k, f)]);
+    let values = (own.len() * data.functions()) as f64;
+    let held = |k: usize| data.shared.held((data, rest), k, |f| rest.at(f, k));
     own.map(held).sum::<f64>() / values
 }
 

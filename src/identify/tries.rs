@@ -2,10 +2,9 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::ComplexMatrix;
-
 use super::automatic::Fit;
 use super::doubled::roots_to_double;
+use super::far::Rest;
 use super::pruning::{Change, less};
 use super::reasons::Reason;
 use super::refine::{Stop, unsettle};
@@ -29,10 +28,11 @@ impl Fit {
         let rest = self.rest();
         let own = (&self.data, &self.sides);
         let found = roots_to_try(own, &self.roots, &rest, (chance, self.most_tried()));
-        if let Some(gain) = self.try_roots(found, &rest) {
-            return Some(gain);
+        if found.is_empty() {
+            return self.double(&rest);
         }
-        self.double()
+        self.try_roots(found, &rest)
+            .or_else(|| self.double(&self.rest()))
     }
 
     fn most_tried(&self) -> usize {
@@ -44,10 +44,7 @@ impl Fit {
     }
 
     /// As [`Self::search`], with these roots, from what is left over without them.
-    fn try_roots(&mut self, found: Vec<Root>, rest: &ComplexMatrix) -> Option<f64> {
-        if found.is_empty() {
-            return None;
-        }
+    fn try_roots(&mut self, found: Vec<Root>, rest: &Rest) -> Option<f64> {
         let (before, modes, told) = (self.roots.clone(), self.modes(), self.dropped.len());
         self.roots.extend(found.into_iter().map(|root| Root {
             suspect: true,
@@ -55,7 +52,7 @@ impl Fit {
         }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
-        let gain = |fit: &Self| rest.squared_norm_l2() / fit.rest().squared_norm_l2();
+        let gain = |fit: &Self| rest.energy() / fit.rest().energy();
         let mut now = gain(self);
         if now < WORTHWHILE && self.drop_doubtful_tries() {
             self.settle(Stop::Coarse);
@@ -81,13 +78,13 @@ impl Fit {
     ///
     /// Two poles that lie closer together than their distance is known to may be told from one all the same: by what one leaves
     /// over, which must become less by more than so many unknowns make of noise.
-    fn double(&mut self) -> Option<f64> {
+    fn double(&mut self, rest: &Rest) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let own = (&self.data, &self.sides);
-        let found = roots_to_double(own, &self.roots, &self.rest(), chance);
+        let found = roots_to_double(own, &self.roots, rest, chance);
         let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
         let chance = chance / lambdas.len().max(1) as f64;
-        let (first, most) = (self.left(), self.most_tried());
+        let (first, most) = (self.left(rest), self.most_tried());
         let mut left = first;
         for (place, second) in found.into_iter().take(most) {
             let distance = |root: &Root| (root.lambda - lambdas[place]).norm();
@@ -128,7 +125,7 @@ impl Fit {
         let own: Vec<&Root> = self.roots.iter().filter(|root| root.pair == pair).collect();
         let [a, b] = own[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
-        let now = self.left();
+        let now = self.left(&self.rest());
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
         let alike = self.data.correlation.of_amplitude(decay, self.data.step);
         let enough = alike * upper_quantile(unknowns as f64, chance);
@@ -143,13 +140,9 @@ impl Fit {
     }
 
     /// Energy of what is left over, over the noise, as far as functions do not share it.
-    fn left(&self) -> f64 {
-        let rest = self.rest();
-        let held = |k: usize| {
-            let shared = &self.data.shared;
-            shared.held((&self.data, &rest), k, |f| rest[(k, f)])
-        };
-        (0..self.data.lines()).map(held).sum()
+    fn left(&self, rest: &Rest) -> f64 {
+        let held = self.data.shared.held_by_line(&self.data, rest);
+        held.iter().sum()
     }
 
     /// Takes modes that a search tried out again where something speaks against them; whether there were any.

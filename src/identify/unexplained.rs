@@ -2,9 +2,10 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg;
 use crate::modal::mac;
 
+use super::far::Rest;
 use super::receptance::Receptances;
 use super::roots::{Root, resonates};
 use super::sides::Sides;
@@ -37,13 +38,11 @@ struct Stretch {
 pub(super) fn roots_to_try(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
-    rest: &ComplexMatrix,
+    rest: &Rest,
     (chance, most): (f64, usize),
 ) -> Vec<Root> {
     let functions = data.functions();
-    let power: Vec<f64> = (0..data.lines())
-        .map(|k| data.shared.held((data, rest), k, |f| rest[(k, f)]))
-        .collect();
+    let power = data.shared.held_by_line(data, rest);
     let stretches = stretches(&power, functions, (chance, data.correlation.alike()));
     let left = LeftOver {
         data,
@@ -58,7 +57,7 @@ pub(super) fn roots_to_try(
 struct LeftOver<'a> {
     data: &'a Receptances,
     sides: &'a Sides,
-    rest: &'a ComplexMatrix,
+    rest: &'a Rest,
     /// Of a false alarm at one line.
     chance: f64,
 }
@@ -95,7 +94,7 @@ impl LeftOver<'_> {
             .sum::<f64>()
             .sqrt();
         let amplitude = |f: usize| -> Complex64 {
-            let matched = |k: usize| self.rest[(k, f)] * course(k).conj() / size;
+            let matched = |k: usize| self.rest.at(f, k) * course(k).conj() / size;
             lines.clone().map(matched).sum()
         };
         let amplitudes: Vec<Complex64> = (0..self.data.functions()).map(amplitude).collect();

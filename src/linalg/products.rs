@@ -1,17 +1,72 @@
 //! Products of large complex matrices.
 
-use faer::Mat;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Mat, MatMut};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::ComplexMatrix;
+use super::{ComplexMatrix, ComplexView};
 
 /// Columns of a product that one thread forms.
 const COLUMNS: usize = 48;
 
+/// `B − A C` with something done to every column, some columns of it at a time in the caller's pool.
+pub fn less_product(
+    b: ComplexView<'_>,
+    (a, c): (&ComplexMatrix, &ComplexMatrix),
+    then: impl Fn(usize, &mut [Complex64]) + Sync,
+) -> ComplexMatrix {
+    let mut whole = Mat::zeros(b.nrows(), b.ncols());
+    let of_block = |(number, mut own): (usize, MatMut<'_, Complex64>)| {
+        let (first, count) = (number * COLUMNS, own.ncols());
+        own.copy_from(b.subcols(first, count));
+        faer::linalg::matmul::matmul(
+            own.as_mut(),
+            faer::Accum::Add,
+            a.as_ref(),
+            c.subcols(first, count),
+            -Complex64::ONE,
+            faer::Par::Seq,
+        );
+        each_column((first, own), &then);
+    };
+    let blocks = blocks(&mut whole);
+    blocks.into_par_iter().enumerate().for_each(of_block);
+    whole
+}
+
+/// Does something to every column, with its number, in the caller's pool.
+pub fn by_column(matrix: &mut ComplexMatrix, then: impl Fn(usize, &mut [Complex64]) + Sync) {
+    let of_block = |(number, own)| each_column((number * COLUMNS, own), &then);
+    let blocks = blocks(matrix);
+    blocks.into_par_iter().enumerate().for_each(of_block);
+}
+
+fn blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
+    let mut blocks = Vec::new();
+    let mut left = matrix.as_mut();
+    while left.ncols() > 0 {
+        let count = COLUMNS.min(left.ncols());
+        let (own, others) = left.split_at_col_mut(count);
+        blocks.push(own);
+        left = others;
+    }
+    blocks
+}
+
+fn each_column(
+    (first, block): (usize, MatMut<'_, Complex64>),
+    then: &impl Fn(usize, &mut [Complex64]),
+) {
+    for (place, column) in block.col_iter_mut().enumerate() {
+        let own = column.try_as_col_major_mut();
+        let own = own.expect("columns of an owned matrix are contiguous");
+        then(first + place, own.as_slice_mut());
+    }
+}
+
 /// `Aᴴ B`, some columns of B at a time in the caller's pool.
-pub fn adjoint_product(a: &ComplexMatrix, b: &ComplexMatrix) -> ComplexMatrix {
+pub fn adjoint_product(a: &ComplexMatrix, b: ComplexView<'_>) -> ComplexMatrix {
     let parts: Vec<ComplexMatrix> = (0..b.ncols().div_ceil(COLUMNS))
         .into_par_iter()
         .map(|part| {
