@@ -386,7 +386,7 @@ pub struct SynthArgs {
 /// `check`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  modalign check out/comparison.json --against measurements/cycloid-ball/scene.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
+    after_help = "Examples:\n  modalign check out/comparison.json --against limits.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
 )]
 pub struct CheckArgs {
     /// comparison.json, modes.json or update.json.
