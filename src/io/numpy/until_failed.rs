@@ -6,59 +6,65 @@ use std::io::{Result, Seek, SeekFrom, Write};
 /// on standard error.
 pub(super) struct UntilFailed<W> {
     inner: W,
-    /// Place and end of what would be there, once writing has failed.
-    failed: Option<(u64, u64)>,
+    /// Where the next byte goes, and the farthest that one went: the inner writer cannot be asked once it has failed.
+    place: u64,
+    end: u64,
+    failed: bool,
 }
 
 impl<W: Write + Seek> UntilFailed<W> {
+    /// From the beginning of a writer.
     pub fn new(inner: W) -> Self {
         Self {
             inner,
-            failed: None,
+            place: 0,
+            end: 0,
+            failed: false,
         }
     }
 
-    fn noted<T>(&mut self, result: Result<T>) -> Result<T> {
-        if result.is_err() {
-            let place = self.inner.stream_position().unwrap_or(0);
-            self.failed = Some((place, place));
-        }
-        result
+    fn went_to(&mut self, place: u64) -> u64 {
+        self.place = place;
+        self.end = self.end.max(place);
+        place
     }
 }
 
 impl<W: Write + Seek> Write for UntilFailed<W> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        if let Some((place, end)) = &mut self.failed {
-            *place += bytes.len() as u64;
-            *end = (*end).max(*place);
-            return Ok(bytes.len());
+        let result = match self.failed {
+            true => Ok(bytes.len()),
+            false => self.inner.write(bytes),
+        };
+        self.failed |= result.is_err();
+        if let Ok(count) = result {
+            self.went_to(self.place + count as u64);
         }
-        let result = self.inner.write(bytes);
-        self.noted(result)
+        result
     }
 
     fn flush(&mut self) -> Result<()> {
-        if self.failed.is_some() {
-            return Ok(());
-        }
-        let result = self.inner.flush();
-        self.noted(result)
+        let result = match self.failed {
+            true => Ok(()),
+            false => self.inner.flush(),
+        };
+        self.failed |= result.is_err();
+        result
     }
 }
 
 impl<W: Write + Seek> Seek for UntilFailed<W> {
     fn seek(&mut self, to: SeekFrom) -> Result<u64> {
-        if let Some((place, end)) = &mut self.failed {
-            *place = match to {
-                SeekFrom::Start(at) => at,
-                SeekFrom::Current(by) => place.saturating_add_signed(by),
-                SeekFrom::End(by) => end.saturating_add_signed(by),
-            };
-            *end = (*end).max(*place);
-            return Ok(*place);
-        }
-        let result = self.inner.seek(to);
-        self.noted(result)
+        let sink = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(by) => self.place.saturating_add_signed(by),
+            SeekFrom::End(by) => self.end.saturating_add_signed(by),
+        };
+        let result = match self.failed {
+            true => Ok(sink),
+            false => self.inner.seek(to),
+        };
+        self.failed |= result.is_err();
+        result.map(|place| self.went_to(place))
     }
 }
