@@ -356,7 +356,7 @@ impl Fit {
     }
 
     /// How large the noise is, as far as the data do not state it, and how it hangs together over the lines: from what the fit leaves
-    /// over. Whether that changed anything.
+    /// over. Whether the level of a function or the correlation changed.
     pub fn measure_noise(&mut self) -> bool {
         unsettle(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());

@@ -194,9 +194,10 @@ impl<'a> Windowed<'a> {
             None => Window::new(around.data, &block.lines, poles),
         };
         let known = known_courses(&around.data.omega[block.lines.clone()], around.roots, block);
+        let near = window.near(around, &known);
         Self {
-            near: window.near(around, &known),
-            energy: window.energy(around, &known),
+            energy: window.energy(around, (&known, &near)),
+            near,
             patterns: patterns(around.sides, window.profile()),
             around,
             window,

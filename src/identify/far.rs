@@ -56,8 +56,9 @@ impl Rest {
 
     /// Brings values over the noise of some variances, by function and line, over that of others.
     pub fn over(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
+        let lines = self.lines.clone();
         linalg::by_column(&mut self.values, |f, column| {
-            let variances = before[f].iter().zip(&now[f]);
+            let variances = before[f][lines.clone()].iter().zip(&now[f][lines.clone()]);
             for (value, (before, now)) in column.iter_mut().zip(variances) {
                 *value *= (before / now).sqrt();
             }

@@ -104,6 +104,8 @@ mod transforms;
 mod tries;
 mod unexplained;
 mod window;
+#[cfg(test)]
+mod window_tests;
 
 use num_complex::Complex64;
 

@@ -70,7 +70,7 @@ impl Shared {
         &self.groups
     }
 
-    /// From what a fit leaves over.
+    /// From what a fit leaves over of all lines.
     pub fn of_rest(&self, data: &Receptances, rest: &Rest) -> Self {
         let response = Response { data, rest };
         let groups: Vec<Vec<Line>> = self

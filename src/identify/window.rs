@@ -199,7 +199,10 @@ impl Window {
 
     /// Number of the course nearest to a pole, and ε.
     fn course_of(&self, lambda: Complex64) -> Option<(usize, Complex64)> {
-        let offset = |own: &Complex64| (lambda - own) / own.re.abs();
+        let offset = |own: &Complex64| match lambda - own {
+            Complex64::ZERO => Complex64::ZERO,
+            apart => apart / own.re.abs(),
+        };
         let offsets = self.about.iter().map(offset).enumerate();
         let nearest = offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
         (nearest.1.norm() <= NEAR).then_some(nearest)
@@ -222,8 +225,8 @@ impl Window {
         }
     }
 
-    /// Energy of the values without what is known, over the noise: that of some functions, for all.
-    pub fn energy(&self, around: &Surroundings, known: &ComplexMatrix) -> f64 {
+    /// Energy of the values without what is known, over the noise. What no coordinate holds is that of some functions, for all.
+    pub fn energy(&self, around: &Surroundings, (known, near): (&ComplexMatrix, &Near)) -> f64 {
         let functions = around.data.functions();
         let stride = functions.div_ceil(SAMPLED);
         let sampled: Vec<usize> = (0..functions).step_by(stride).collect();
@@ -237,15 +240,16 @@ impl Window {
             let columns = around.data.far().columns();
             left += columns.subrows(self.lines.start, self.lines.len()) * of(coordinates);
         }
-        let energy = |(place, f): (usize, &usize)| {
+        let unheld = |(place, f): (usize, &usize)| {
             let own = around.data.values[*f][self.lines.clone()].iter();
             let terms = own.zip(left.col(place).iter()).zip(&self.profile.course);
             let terms =
                 terms.map(|((h, known), course)| (h - known).norm_sqr() / (course * course));
-            terms.sum::<f64>() / self.profile.level[*f].powi(2)
+            let held = near.values.col(*f).iter().map(Complex64::norm_sqr);
+            (terms.sum::<f64>() - held.sum::<f64>()) / self.profile.level[*f].powi(2)
         };
-        let sum: f64 = sampled.iter().enumerate().map(energy).sum();
-        sum * functions as f64 / sampled.len() as f64
+        let unheld: f64 = sampled.iter().enumerate().map(unheld).sum();
+        near.energy + unheld * functions as f64 / sampled.len() as f64
     }
 
     /// The values in the coordinates of background, courses and those derivatives that are wanted, and the energy that these can
