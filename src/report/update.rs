@@ -106,9 +106,14 @@ fn shapes(own: &SceneUpdate) -> Vec<String> {
 /// What was compared, where it was not modes.
 fn residuals(own: &SceneUpdate) -> Option<String> {
     let floor = short(100.0 * own.options.frf_floor);
+    let count = own.result.frfs.map(|own| {
+        let (compared, given, lines) = (own.compared, own.given, own.lines);
+        format!("{compared} of {given} functions, {lines} lines in all, ")
+    });
+    let count = count.unwrap_or_default();
     let frfs = |what: &str| {
         format!(
-            "Residuals: {what} of the FRFs, each divided by its deviation and {floor} % of its magnitude granted to the model (assumed), from where frequencies and shapes end. Chi-square is theirs. Damping is as identified, and is not updated."
+            "Residuals: {what} of the FRFs, {count}each divided by its deviation and {floor} % of its magnitude granted to the model (assumed), from where frequencies and shapes end. Chi-square is theirs. Damping is as identified, and is not updated. Errors that lines share, of damping and calibration, count as independent at each: where the {floor} % are more than the noise, std and intervals are too small; those of residuals = \"modes\" hold there."
         )
     };
     match own.options.residuals {
@@ -208,12 +213,17 @@ fn fits(own: &SceneUpdate) -> Block {
 
 fn convergence(own: &UpdateResult) -> String {
     let mut text = format!(
-        "{} after {} iterations. {} of {} starts (seed {}) reach this optimum",
+        "{} after {} iterations. {} of {} starts (seed {}) reach {}",
         own.stop_reason.sentence(),
         own.history.len(),
         own.starts.reached,
         own.starts.count,
-        own.starts.seed
+        own.starts.seed,
+        if own.frfs.is_some() {
+            "the optimum of the modes from which the FRFs were fitted; starts and optima are those of the modes"
+        } else {
+            "this optimum"
+        }
     );
     if own.starts.failed > 0 {
         text += &format!(
@@ -223,13 +233,16 @@ fn convergence(own: &UpdateResult) -> String {
     }
     text += ".";
     if let Some(first) = own.starts.others.first() {
-        let objective = own.history.last().map_or(f64::NAN, |step| step.objective);
         text += &format!(
-            " Others end in {} other optima; the lowest has an objective of {:.4} ({} starts), against {objective:.4}.",
+            " Others end in {} other optima; the lowest has an objective of {:.4} ({} starts)",
             own.starts.others.len(),
             first.objective,
             first.count
         );
+        let best = own.history.last().filter(|_| own.frfs.is_none());
+        text += &best.map_or(".".to_owned(), |step| {
+            format!(", against {:.4}.", step.objective)
+        });
     }
     for (label, hz) in &own.left_out {
         text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");

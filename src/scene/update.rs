@@ -129,7 +129,13 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
         return Err(value_error(path, "[update] always", &got, expected));
     }
     let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
-    if !stated.residuals.as_ref().is_some_and(of_frfs) {
+    let of_frfs = stated.residuals.as_ref().filter(|name| of_frfs(name));
+    if let Some(name) = of_frfs.filter(|_| stated.explain) {
+        let expected = "residuals of modes beside it, by which trials are ranked";
+        let got = format!("true beside {name:?}");
+        return Err(value_error(path, "[update] explain", &got, expected));
+    }
+    if of_frfs.is_none() {
         let floor = stated.frf_floor.map(|floor| ("frf_floor", floor));
         let lines = stated.frf_lines.map(|lines| ("frf_lines", lines as f64));
         if let Some((key, got)) = floor.or(lines) {

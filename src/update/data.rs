@@ -10,7 +10,8 @@ use super::dynamic::DynamicTarget;
 use super::frfs::{Choice, FrfTarget};
 use super::residual::LinkResidual;
 use super::{
-    Evaluation, Link, MeasuredModes, Residuals, Target, UpdateError, UpdateOptions, UpdateProblem,
+    Evaluation, FrfCount, Link, MeasuredModes, Residuals, Target, UpdateError, UpdateOptions,
+    UpdateProblem,
 };
 
 impl UpdateProblem<'_> {
@@ -100,15 +101,23 @@ impl UpdateProblem<'_> {
             return self.frfs.iter().map(FrfTarget::len).sum();
         }
         if self.options.residuals == Residuals::ModalDynamic {
-            // The motion of all coordinates is free, and takes as many residuals as the force has.
-            let rows = self.dynamic();
-            return rows
-                .map(|(own, _)| own.vectors.len() * own.rows.nrows())
-                .sum();
+            // The motion of all coordinates is free, and takes as many residuals as the force has: what is left is the shape
+            // where the root's modes do not reach, and its one frequency.
+            return self.targets.iter().map(Target::informative).sum();
         }
         let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
         let unpaired = self.unpaired(&at.links).map(Target::informative);
         at.links.iter().map(link).sum::<usize>() + unpaired.sum::<usize>()
+    }
+
+    /// How many FRFs are the residuals; `None` where they are not.
+    pub(super) fn frf_count(&self) -> Option<FrfCount> {
+        let sum = |of: fn(&FrfTarget) -> usize| self.frfs.iter().map(of).sum::<usize>();
+        self.compares_frfs.then(|| FrfCount {
+            compared: sum(FrfTarget::function_count),
+            given: self.frfs_given,
+            lines: sum(FrfTarget::line_count),
+        })
     }
 
     fn dynamic(&self) -> impl Iterator<Item = DynamicPair<'_>> {
@@ -139,6 +148,9 @@ impl UpdateProblem<'_> {
     }
 
     /// The functions of the tests that the sensors of the model read.
+    ///
+    /// # Errors
+    /// [`UpdateError::NoVariance`], [`UpdateError::NoFrfs`], [`UpdateError::Theory`].
     pub(super) fn prepare_frfs(
         &mut self,
         measured: &[MeasuredModes<'_>],
@@ -152,9 +164,10 @@ impl UpdateProblem<'_> {
         let mut all = Vec::new();
         for (test, own) in measured.iter().enumerate() {
             let choice = choice(&self.options, own);
-            let sets = own.frfs.iter();
-            let found = sets.filter_map(|set| FrfTarget::new(test, set, &sensors, &choice));
-            all.extend(found);
+            for set in own.frfs {
+                self.frfs_given += set.len();
+                all.extend(FrfTarget::new(test, set, &sensors, &choice)?);
+            }
         }
         if all.is_empty() {
             return Err(UpdateError::NoFrfs);

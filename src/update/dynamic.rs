@@ -10,8 +10,9 @@
 //!
 //! with the deviations `S` of the shape: the force that no motion near the measured shape does without, and the part of the
 //! shape that no motion without force explains. `W = Phi0^T/(2 lambda sigma s)` with the modes `Phi0` of the model at the start
-//! (the norm of `M0^-1`), the relative deviation `sigma` of the frequency, and the length `s` of `u` there; the mode of a
-//! model whose frequency is off by `e` leaves `e/sigma`. No mode of the model is asked for: repeated and crossing roots are no
+//! (the norm of `M0^-1`), the relative deviation `sigma` of the frequency, and the length `s` of `u` there, the root of the sum
+//! of squares over the shapes of a repeated root, whose one frequency counts once; a root of the model that is off by `e`
+//! leaves `e/sigma` in all. No mode of the model is asked for: repeated and crossing roots are no
 //! matter, and nothing is expanded beforehand.
 //!
 //! # Reference
@@ -46,10 +47,9 @@ impl DynamicTarget {
             let c = projection.coefficients(v);
             dot(&c, &c)
         };
-        let count = shapes.vectors.len() as f64;
-        let mean = shapes.vectors.iter().map(length).sum::<f64>() / count;
+        let lengths = shapes.vectors.iter().map(length).sum::<f64>();
         let lambda = (std::f64::consts::TAU * hz).powi(2);
-        let factor = 1.0 / (2.0 * lambda * relative_std * mean.sqrt());
+        let factor = 1.0 / (2.0 * lambda * relative_std * lengths.sqrt());
         let n = modes.vectors.nrows();
         factor.is_finite().then(|| Self {
             lambda,

@@ -3,7 +3,7 @@
 use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{built_in, nominal_values};
 
-use super::test_models::{against_differences, chain, free, measured, sensors};
+use super::test_models::{against_differences, chain, free, measured, sensors, two_directions};
 use super::*;
 
 fn options() -> UpdateOptions {
@@ -43,6 +43,29 @@ fn a_frequency_that_is_off_leaves_its_error_over_its_deviation() {
     );
     // Three shapes at three sensors.
     assert_eq!(problem.data_count(&at), 9);
+}
+
+#[test]
+fn the_frequency_of_a_double_root_counts_once() {
+    let start = [100.0, 100.0];
+    let model = two_directions(start);
+    let mut test = measured(&model, &start, 1e-3, true);
+    for mode in &mut test.modes {
+        mode.frequency_hz *= 1.001;
+        mode.group = Some(1);
+    }
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let kind = UpdateOptions {
+        frequency_floor: 0.0,
+        ..options()
+    };
+    let problem = UpdateProblem::new(&model, &start, &free(&["kx"]), &own, &sensors, kind).unwrap();
+    let at = problem.start(&[0.0]).unwrap();
+    // As exact as for single roots.
+    assert!((at.chi_square() - 1.0).abs() < 5e-3, "{}", at.chi_square());
+    // Two sensors see no rest of two shapes: the frequency alone says something.
+    assert_eq!(problem.data_count(&at), 1);
 }
 
 #[test]

@@ -96,6 +96,16 @@ pub enum UpdateError {
         "no FRF has both ends at sensors of the model, lines in the band and an uncertainty, expected at least one for residuals of FRFs"
     )]
     NoFrfs,
+    /// An FRF whose noise is not known.
+    #[error(
+        "residuals of FRFs: the function {response}/{reference} has no variance, expected one: from two hits or more, or from coherence and the number of averages"
+    )]
+    NoVariance {
+        /// Its response.
+        response: String,
+        /// Its reference.
+        reference: String,
+    },
     /// FRFs of a test none of whose modes has a damping ratio.
     #[error(
         "residuals of FRFs: no mode of test {} that is paired has a damping ratio, expected one",

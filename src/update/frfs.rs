@@ -7,7 +7,9 @@
 //! `dH = -s^d x_y^T (dK + s^2 dM) x_f`.
 //!
 //! Complex residuals are `(H - H_t)/sigma` in real and imaginary part, `sigma^2 = (var + (floor |H_t|)^2)/2`; residuals of the
-//! logarithm are `ln|H/H_t|/sigma`, `sigma^2 = (var/|H_t|^2 + floor^2)/2`.
+//! logarithm are `ln|H/H_t|/sigma`, `sigma^2 = (var/|H_t|^2 + floor^2)/2`. The floor stands for errors of damping and calibration,
+//! which a whole function shares, and counts at every line as if it were independent: where it is more than the variance,
+//! posterior deviations are too small.
 //!
 //! # Reference
 //! Lin and Ewins (1990), Proc. IMAC 8, 141 (sensitivity of receptances); Friswell and Mottershead (1995), sections 5.2 and 8.2
@@ -18,9 +20,11 @@ use rayon::prelude::*;
 
 use crate::axis::Band;
 use crate::dof::Dof;
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, Function};
 use crate::linalg::{ComplexMatrix, RealMatrix, complex_matrix, least_squares, real_matrix};
 use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
+
+use super::UpdateError;
 
 /// Lines at which a function stands less than this over its variance (a power, 10 dB) have no logarithm to speak of: noise
 /// biases it.
@@ -63,41 +67,51 @@ pub(super) struct Choice {
 
 impl FrfTarget {
     /// `None` where no function has both ends at sensors of the model, or no line counts.
+    ///
+    /// # Errors
+    /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of noise.
     pub fn new(
         test: usize,
         set: &FrfSet,
         sensors: &[(Dof, Vec<f64>)],
         choice: &Choice,
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>, UpdateError> {
         let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
         let lines = chosen_lines(set, choice);
-        let measured = |i: usize| {
+        let at_sensors = |i: usize| {
             let function = &set.functions()[i];
             let places = place(&function.response).zip(place(&function.reference))?;
+            Some((i, function, places))
+        };
+        let target = |(i, function, places): (usize, &Function, (usize, usize))| {
+            let variance = set.variance(i).ok_or_else(|| UpdateError::NoVariance {
+                response: function.response.to_string(),
+                reference: function.reference.to_string(),
+            })?;
             let values: Vec<Complex64> = lines.iter().map(|&k| set.values(i)[k]).collect();
-            let variance = |k: usize| set.variance(i).map_or(0.0, |own| own[k]);
             let pairs = lines.iter().zip(&values);
-            let std: Vec<Option<f64>> = pairs.map(|(&k, h)| choice.std(*h, variance(k))).collect();
-            let function = Measured {
+            let std = pairs.map(|(&k, h)| choice.std(*h, variance[k])).collect();
+            Ok(Measured {
                 places,
                 sign: function.response.sign() * function.reference.sign(),
                 order: function.kind.derivative_order(),
                 values,
                 std,
-            };
-            function.std.iter().any(Option::is_some).then_some(function)
+            })
         };
-        let functions: Vec<Measured> = (0..set.len()).filter_map(measured).collect();
+        let functions = (0..set.len()).filter_map(at_sensors).map(target);
+        let mut functions: Vec<Measured> = functions.collect::<Result<_, UpdateError>>()?;
+        functions.retain(|own| own.std.iter().any(Option::is_some));
         let n = sensors.first().map_or(0, |(_, row)| row.len());
         let s = |&k: &usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
-        (!functions.is_empty()).then(|| Self {
+        Ok((!functions.is_empty()).then(|| Self {
             test,
             lines: lines.iter().map(s).collect(),
             rows: real_matrix(sensors.len(), n, |i, j| sensors[i].1[j]),
             functions,
             logarithms: choice.logarithms,
             damping: real_matrix(n, n, |_, _| 0.0),
-        })
+        }))
     }
 
     /// Damping that gives the modes of the model these ratios.
@@ -113,8 +127,18 @@ impl FrfTarget {
     /// Number of residuals.
     pub fn len(&self) -> usize {
         let parts = if self.logarithms { 1 } else { 2 };
+        parts * self.line_count()
+    }
+
+    /// Number of functions.
+    pub fn function_count(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Number of lines that count, of all functions.
+    pub fn line_count(&self) -> usize {
         let stds = self.functions.iter().flat_map(|own| &own.std);
-        parts * stds.flatten().count()
+        stds.flatten().count()
     }
 
     /// The residuals, line by line.

@@ -150,6 +150,32 @@ fn derivatives_of_functions_are_those_of_differences() {
 }
 
 #[test]
+fn functions_at_no_sensor_are_counted() {
+    let model = chain(&START);
+    let test = poor_modes(&model, &TRUTH);
+    // No sensor at the second mass.
+    let mut sensors = sensors(&model, &START);
+    sensors.remove(1);
+    let chosen = free(&["k1", "k2", "k3"]);
+    let sets = [functions(&model, &TRUTH, FrfKind::Receptance, 1e-3)];
+    let own = [MeasuredModes {
+        frfs: &sets,
+        ..MeasuredModes::new("t", &test)
+    }];
+    let options = options(Residuals::FrfComplex);
+    let problem = UpdateProblem::new(&model, &START, &chosen, &own, &sensors, options).unwrap();
+    let result = update(&problem).unwrap();
+    // Every second line of 0.3 to 6.5 Hz.
+    let expected = FrfCount {
+        compared: 2,
+        given: 3,
+        lines: 2 * 311,
+    };
+    assert_eq!(result.frfs, Some(expected));
+    assert_eq!(result.after.data_count, 2 * 2 * 311);
+}
+
+#[test]
 fn functions_know_stiffnesses_better_than_the_modes_they_start_from() {
     let model = chain(&START);
     let test = poor_modes(&model, &TRUTH);
@@ -196,6 +222,20 @@ fn functions_that_cannot_be_compared_say_why() {
     };
     assert_eq!(problem(&test, &[]).unwrap_err(), UpdateError::NoFrfs);
     let sets = [functions(&model, &TRUTH, FrfKind::Receptance, 1e-3)];
+    let function = &sets[0].functions()[1];
+    let mut bare = FrfSet::new(*sets[0].axis());
+    let data = FunctionData {
+        values: sets[0].values(1).to_vec(),
+        coherence: None,
+        variance: None,
+    };
+    bare.push(function.clone(), data).unwrap();
+    let error = problem(&test, &[bare]).unwrap_err();
+    let expected = UpdateError::NoVariance {
+        response: function.response.to_string(),
+        reference: function.reference.to_string(),
+    };
+    assert_eq!(error, expected);
     test.modes
         .iter_mut()
         .for_each(|mode| mode.damping_ratio = None);

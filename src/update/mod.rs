@@ -53,6 +53,8 @@ pub use links::Link;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use problem::UpdateProblem;
-pub use result::{Fit, FitRow, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update};
+pub use result::{
+    Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
+};
 pub use solve::{MultiStart, Solution, solve, solve_from_starts};
 pub use target::{MeasuredModes, ShapeWeights, Target};

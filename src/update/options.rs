@@ -64,7 +64,8 @@ pub struct UpdateOptions {
     /// Deviation of a shape component for which the test states none, as such a part.
     pub assumed_shape_std: f64,
     /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the damping, which is not updated, and
-    /// the calibration.
+    /// the calibration. These are errors of whole functions, and count as independent at every line: where they are more than
+    /// the noise, posterior deviations are too small.
     pub frf_floor: f64,
     /// Most lines of a function that count, evenly thinned.
     pub frf_lines: usize,

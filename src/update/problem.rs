@@ -45,6 +45,8 @@ pub struct UpdateProblem<'a> {
     pub(super) prior_weight: f64,
     /// The functions, where the options ask for them.
     pub(super) frfs: Arc<Vec<FrfTarget>>,
+    /// Number of functions of the tests, with those that no sensor of the model reads.
+    pub(super) frfs_given: usize,
     /// Whether they are the residuals now.
     pub(super) compares_frfs: bool,
 }
@@ -80,6 +82,7 @@ impl<'a> UpdateProblem<'a> {
             tests: Vec::new(),
             prior_weight: 1.0,
             frfs: Arc::default(),
+            frfs_given: 0,
             compares_frfs: false,
         };
         problem.keep_paired(measured)?;

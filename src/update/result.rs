@@ -93,7 +93,18 @@ impl Fit {
     }
 }
 
-/// How the starts ended.
+/// The FRFs that were compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrfCount {
+    /// Functions with both ends at sensors of the model and a line that counts.
+    pub compared: usize,
+    /// All functions of the tests.
+    pub given: usize,
+    /// Lines that count, of all functions.
+    pub lines: usize,
+}
+
+/// How the starts ended; those of the modes, where FRFs were compared: these are fitted from the best end alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Starts {
     /// How many there were.
@@ -144,6 +155,8 @@ pub struct UpdateResult {
     pub after: Fit,
     /// What had no partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
+    /// The FRFs that were compared; `None` where modes were.
+    pub frfs: Option<FrfCount>,
 }
 
 impl UpdateResult {
@@ -183,17 +196,20 @@ pub(super) fn largest_chi_square(nu: f64) -> f64 {
 /// As [`solve_from_starts`].
 pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> {
     let found = solve_from_starts(problem)?;
+    let starts = starts(problem, &found)?;
     if problem.options.residuals.of_frfs() && !problem.compares_frfs {
-        return of_frfs(problem, found);
+        return of_frfs(problem, found.best, starts);
     }
-    from_starts(problem, found)
+    from_best(problem, found.best, starts)
 }
 
 /// From where the modes end, with FRFs for residuals: twice, the damping of the second time being that of the frequencies
 /// which the first time found.
-fn of_frfs(problem: &UpdateProblem<'_>, found: MultiStart) -> Result<UpdateResult, UpdateError> {
-    let modal = found.best.at.z.clone();
-    let mut best = found.best;
+fn of_frfs(
+    problem: &UpdateProblem<'_>,
+    mut best: Solution,
+    starts: Starts,
+) -> Result<UpdateResult, UpdateError> {
     let mut with_frfs = problem.with_frfs(&best.at)?;
     for round in 0..FRF_ROUNDS {
         if round > 0 {
@@ -204,36 +220,21 @@ fn of_frfs(problem: &UpdateProblem<'_>, found: MultiStart) -> Result<UpdateResul
         next.pairing_changes.splice(..0, best.pairing_changes);
         best = next;
     }
-    // The starts are those of the modes: an end that was the best optimum there leads to the one end here.
-    let ends = found.ends.into_iter();
-    let ends = ends.map(|end| end.map(|z| moved_with(&z, &modal, &best.at.z)));
-    let found = MultiStart {
-        objectives: found.objectives,
-        ends: ends.collect(),
-        best,
-    };
-    from_starts(&with_frfs, found)
+    from_best(&with_frfs, best, starts)
 }
 
-fn moved_with(z: &[f64], from: &[f64], to: &[f64]) -> Vec<f64> {
-    let parts = z.iter().zip(from).zip(to);
-    parts.map(|((z, from), to)| z - from + to).collect()
-}
-
-fn from_starts(
+fn from_best(
     problem: &UpdateProblem<'_>,
-    found: MultiStart,
+    best: Solution,
+    starts: Starts,
 ) -> Result<UpdateResult, UpdateError> {
-    let first = data_jacobian(&found.best);
-    let seen = Identifiability::new(&first, &problem.free)?;
-    let starts = starts(problem, &found, &seen);
+    let seen = Identifiability::new(&data_jacobian(&best), &problem.free)?;
     let kept: Vec<usize> = (0..problem.free.len()).filter(|&j| seen.seen(j)).collect();
     let (at, history, changes, stop_reason) = if kept.is_empty() {
         nothing_seen(problem)?
     } else if kept.len() < problem.free.len() {
-        settle(problem, &kept, found.best)?
+        settle(problem, &kept, best)?
     } else {
-        let best = found.best;
         (
             best.at,
             best.history,
@@ -263,6 +264,7 @@ fn from_starts(
         before: fit(problem, &before, None)?,
         after: fit(problem, &at, Some(&known))?,
         left_out: problem.left_out.clone(),
+        frfs: problem.frf_count(),
     })
 }
 
@@ -308,7 +310,8 @@ fn data_jacobian(solution: &Solution) -> RealMatrix {
 }
 
 /// An end belongs to the best optimum when no parameter is further off than a tenth of its posterior deviation.
-fn starts(problem: &UpdateProblem<'_>, found: &MultiStart, known: &Identifiability) -> Starts {
+fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, UpdateError> {
+    let known = Identifiability::new(&data_jacobian(&found.best), &problem.free)?;
     let near = |a: &[f64], b: &[f64]| {
         let mut pairs = a.iter().zip(b).zip(&known.ratio);
         pairs.all(|((a, b), std)| (a - b).abs() <= SAME_OPTIMUM * std)
@@ -344,13 +347,13 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart, known: &Identifiabili
             }
         }
     }
-    Starts {
+    Ok(Starts {
         count: found.ends.len(),
         reached,
         failed: found.ends.len() - count,
         seed: problem.options.seed,
         others: others.into_iter().map(|(_, own)| own).collect(),
-    }
+    })
 }
 
 fn parameters(

@@ -196,6 +196,8 @@ fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
         );
         let words = std::fs::read_to_string(out.join("update.md")).unwrap();
         assert!(words.contains("Residuals: "), "{words}");
+        let count = words.contains("11 of 11 functions");
+        assert_eq!(count, kind.starts_with("frf"), "{words}");
     }
 }
 
@@ -250,6 +252,8 @@ fn a_scene_that_cannot_be_meant_says_why() {
     assert!(twice.contains("named twice"), "{twice}");
     let kind = refused("[update]\nresiduals = \"frf\"\n");
     assert!(kind.contains("frf-complex"), "{kind}");
+    let trials = refused("[update]\nexplain = true\nresiduals = \"frf-complex\"\n");
+    assert!(trials.contains("residuals of modes"), "{trials}");
     let lines = refused("[update]\nfrf_lines = 10\n");
     assert!(lines.contains("residuals of FRFs"), "{lines}");
     let floor = refused("[update]\nshapes = false\nshape_floor = 0.1\n");
