@@ -186,8 +186,12 @@ fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
         let text = std::fs::read_to_string(out.join("update.json")).unwrap();
         let file = update_from_json(&text).unwrap();
         assert_eq!(file.residuals.name(), kind);
-        for (own, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
-            assert!((own.updated / truth - 1.0).abs() < 0.05, "{kind}: {own:?}");
+        // The start is 2.9 % off in the modulus: a tenth of that; the mass starts from 0.
+        let truths = [(2.04e11, 3e-3), (0.012, 1e-2)];
+        for (own, (truth, most)) in file.parameters.iter().zip(truths) {
+            let (lower, upper) = own.interval_95;
+            assert!(lower < truth && truth < upper, "{kind}: {own:?}");
+            assert!((own.updated / truth - 1.0).abs() < most, "{kind}: {own:?}");
         }
         assert!(
             file.after.largest_percent.unwrap() < 0.2,
