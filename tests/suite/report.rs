@@ -143,7 +143,7 @@ fn a_report_is_built_again_as_it_was_and_in_the_other_language() {
     let updated = std::fs::read_to_string(&path).unwrap();
     assert!(
         updated.contains("id=\"tab-update\"")
-            && updated.contains("youngs_modulus: 2.100e11 → 2.050e11")
+            && updated.contains("youngs_modulus: 2.1000e11 → 2.0500e11 ± 1.0e8")
     );
 }
 

@@ -1,6 +1,6 @@
 // Errors by mode, energies, and the course of an update.
 
-/** Error of each paired mode with its deviation, the tests beside each other; roots without a partner as crosses on the axis. */
+/** Error of each paired mode with its deviation, the tests beside each other; roots without a partner as crosses on the lower edge. */
 function drawErrors(host) {
   const { overview } = figures;
   if (!overview) return;
@@ -17,7 +17,7 @@ function drawErrors(host) {
       error: cells.map((cell) => cell && cell.error_std_percent),
     };
   });
-  const missed = { name: T('missed'), kind: 'points', color: 7, size: 3.5, open: true, x: [], y: [], cells: [] };
+  const missed = { name: T('missed'), kind: 'points', color: 7, edge: true, x: [], y: [], cells: [] };
   rows.forEach((row, k) => row.cells.forEach((cell) => {
     const n = names.indexOf(cell.test);
     if (cell.error_percent !== null || !['missed-expected', 'missed-unexpected'].includes(cell.status)) return;
@@ -28,9 +28,10 @@ function drawErrors(host) {
   if (missed.x.length) series.push(missed);
   const every = Math.ceil(rows.length / 22);
   const ticks = rows.map((row, k) => ({ at: k + 1, main: true, text: k % every === 0 ? row.label : '' }));
+  const label = overview.of_theory ? T('(test−theory)/theory (%), line ±1 std') : T('(theory−test)/test (%), line ±1 std');
   host.append(el('h3', {}, T('Frequency error by mode')));
   new Plot(host, {
-    name: 'errors', height: 250, series, x: { label: T('Mode'), min: 0.4, max: rows.length + 0.6, ticks }, y: { label: T('Error (%)') },
+    name: 'errors', height: 250, series, x: { label: T('Mode'), min: 0.4, max: rows.length + 0.6, ticks }, y: { label },
     over: (plot, group) => group.append(svg('line', { x1: MARGIN.left, x2: plot.width - MARGIN.right, y1: plot.sy(0), y2: plot.sy(0), stroke: palette.ink })),
     tell: (near) => {
       const row = rows[Math.round(near.x) - 1];

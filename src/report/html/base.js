@@ -122,12 +122,16 @@ const bar = (...parts) => el('div', { class: 'bar' }, ...parts);
 /** The test that was chosen last; the tabs that are opened next begin with it. */
 let chosenTest = null;
 
+/** What figures of a test say that nobody measured. */
+const madeUp = (test) => (test.synthetic ? [el('p', { class: 'note' }, T('Synthetic test: computed from a model, nobody measured it.'))] : []);
+
 /** Tests whose figures have something, with the choice between them when there are several. */
 function ofTests(host, has, draw) {
   const tests = figures.tests.filter(has);
   const body = el('div');
   const show = (index) => {
     body.replaceChildren();
+    body.append(...madeUp(tests[index]));
     draw(body, tests[index]);
   };
   const first = Math.max(0, tests.findIndex((test) => test.name === chosenTest));

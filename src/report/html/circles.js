@@ -40,22 +40,23 @@ const span = (name, hz) => `${name}: ${digits(hz[0], 6)} … ${digits(hz[hz.leng
 function surface(host, test, own) {
   const values = own.damping.flat().filter((value) => value !== null);
   if (!values.length) return;
-  const mean = values.reduce((a, b) => a + b, 0) / values.length;
-  const std = Math.sqrt(values.reduce((a, b) => a + (b - mean) ** 2, 0) / values.length);
+  const sorted = [...values].sort((a, b) => a - b);
+  const half = (sorted.length - 1) / 2;
+  const median = (sorted[Math.floor(half)] + sorted[Math.ceil(half)]) / 2;
   const window = own.window_damping ? `, ${T('of which the window')} ${percent(own.window_damping)}` : '';
   host.append(el('h4', {}, T('Damping surface: damping ratio of each pair of lines')));
   const canvasHost = el('div', { class: 'plot' });
-  host.append(canvasHost, el('p', { class: 'note' }, `${T('mean')} ${percent(mean)}, ${T('std')} ${percent(std, 2)}${window}. ${span(T('below'), own.below_hz)}, ${span(T('above'), own.above_hz)}`));
+  host.append(canvasHost, el('p', { class: 'note' }, `${T('median')} ${percent(median)}, ${T('range')} ${percent(sorted[0])} … ${percent(sorted[sorted.length - 1])}${window}. ${span(T('below'), own.below_hz)}, ${span(T('above'), own.above_hz)}`));
   const view = new View3d(canvasHost, { height: 380, label: T('Damping surface: damping ratio of each pair of lines'), turn: [-0.7, 0.55], fit: 0.6 });
   const [rows, columns] = [own.below_hz, own.above_hz];
-  const top = Math.max(...values, 1.5 * mean);
+  const top = Math.max(...values, 1.5 * median);
   const spot = (i, j, value) => [(i / Math.max(1, rows.length - 1)) * 2 - 1, (j / Math.max(1, columns.length - 1)) * 2 - 1, (1.4 * value) / top - 0.7];
   const tiles = [];
   for (let i = 0; i + 1 < rows.length; i++) {
     for (let j = 0; j + 1 < columns.length; j++) {
       const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
       const heights = corners.map(([a, b]) => own.damping[a][b]);
-      if (heights.some((value) => value === null || value < 0 || value > 3 * top)) continue;
+      if (heights.some((value) => value === null || value < 0)) continue;
       const share = heights.reduce((a, b) => a + b, 0) / 4 / top;
       tiles.push({ points: corners.map(([a, b], k) => spot(a, b, heights[k])), share });
     }

@@ -14,12 +14,21 @@ class MacMap {
     host.append(this.host, el('div', { class: 'under' },
       el('span', { class: 'note' }, `MAC = |a^H b|²/(a^H a · b^H b), ${this.own.dofs} ${T('degrees of freedom')}; □ ${T('pair')}${this.own.still ? `; ${this.own.still} ${T('modes of the theory that stand still at the sensors are left out')}` : ''}`),
       el('span', { class: 'tools' }, button('SVG', () => save(`${test.name}-mac.svg`, 'image/svg+xml', this.text())), button('PNG', () => this.png(`${test.name}-mac.png`)))));
+    const notes = [];
+    if (this.own.pairs.some(([i]) => this.repeated(i))) notes.push(T('a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace'));
+    if (this.own.mac.some((row) => row.includes(null))) notes.push(T('crossed out: no MAC, as nothing in common moves'));
+    if (notes.length) host.append(el('p', { class: 'note' }, notes.join('; ')));
     this.svg.addEventListener('pointermove', (event) => this.hover(event));
     this.svg.addEventListener('pointerleave', () => tip.hide());
     this.svg.addEventListener('keydown', (event) => this.key(event));
     this.at = null;
     drawings.add(this);
     this.draw();
+  }
+
+  /** Whether a test mode is paired with several modes of the theory. */
+  repeated(i) {
+    return this.own.pairs.filter((pair) => pair[0] === i).length > 1;
   }
 
   draw() {
@@ -84,7 +93,7 @@ class MacMap {
     const { margin, cell, high } = this.cell;
     for (const [key, value] of Object.entries({ x: margin.left + j * cell, y: margin.top + i * high, width: cell, height: high, visibility: 'visible' })) this.ring.setAttribute(key, value);
     const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${this.own.theory_modes[j]}: ${digits(columns[j], 6)} Hz`];
-    if (this.own.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(T('pair'));
+    if (this.own.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(this.repeated(i) ? T('pair with a repeated root: MAC of one of its vectors, not of their subspace') : T('pair'));
     tip.show(x, y, lines);
   }
 

@@ -3,6 +3,7 @@
 //! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and findings are plain HTML that
 //! needs no script; the script draws figures from the JSON in the page and hides all tabs but one.
 
+mod numbers;
 mod page;
 mod summary;
 mod update;

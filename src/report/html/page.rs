@@ -30,12 +30,29 @@ struct Tab {
     drawn: bool,
 }
 
-/// The report of a run, with the result of updating (`update.json`) where there is one.
+const BEFORE_UPDATE: &str = "This shows the model before the update.";
+const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
+const OTHER_RESULTS: &str = "The update in this folder was made from other test frequencies than these, and is left out; run `modalign update` again.";
+
+/// The report of a run, with the result of updating (`update.json`) where there is one of the same tests.
 pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
-    let tabs: Vec<Tab> = tabs(report, updated, language)
+    let stale = updated.is_some_and(|own| !update::of_run(own, &report.figures));
+    let updated = updated.filter(|_| !stale);
+    let mut tabs: Vec<Tab> = tabs(report, updated, language)
         .into_iter()
         .filter(|tab| tab.drawn || !tab.content.is_empty())
         .collect();
+    for tab in &mut tabs {
+        let before = updated.is_some() && ["comparison", "shapes", "mac"].contains(&tab.id);
+        let note = match tab.id {
+            "summary" if stale => OTHER_RESULTS,
+            "update" => OTHER_TABS,
+            _ if before => BEFORE_UPDATE,
+            _ => continue,
+        };
+        let note = escape(word(language, note));
+        tab.content = format!("<p class=\"note\">{note}</p>\n{}", tab.content);
+    }
     let code = match language {
         Language::English => "en",
         Language::Chinese => "zh",
@@ -159,7 +176,10 @@ fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<
         tab(
             "update",
             "Update",
-            updated.map_or_else(String::new, |own| update::tables(own, language)),
+            updated.map_or_else(String::new, |own| {
+                let head = update::head(own, language);
+                head + &update::tables(own, language) + &update::reasons(own, language)
+            }),
             updated.is_some(),
         ),
         tab("published", "Published results", published, false),

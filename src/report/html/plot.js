@@ -50,7 +50,7 @@ function power(m, n) {
 
 /**
  * A plot in an element. Options: `x`, `y` = {label, log, min, max}; `series` = [{name, x, y, kind: 'line' | 'points' | 'bars', color,
- * dash, size, hidden, error}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
+ * dash, size, hidden, error, edge}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
  * `link` shares the range of x with other plots; `equal` gives both axes one scale; `under(plot, group)` and `over` draw more;
  * `pick(nearest)` is called with a point that was clicked; `tell(nearest)` gives the lines of the tooltip.
  */
@@ -230,6 +230,11 @@ class Plot {
     return null;
   }
 
+  /** Pixel of a value; a mark of `edge` stands on the lower edge of the frame, whatever its value. */
+  high(series, y) {
+    return series.edge ? this.o.height - MARGIN.bottom - 6 : this.sy(y);
+  }
+
   points(group, series, color) {
     const { sx, sy } = this;
     const bars = series.kind === 'bars';
@@ -237,10 +242,12 @@ class Plot {
     series.x.forEach((value, k) => {
       const y = series.y[k];
       if (y === null || !Number.isFinite(y)) return;
-      const [px, py] = [sx(value), sy(y)];
+      const [px, py] = [sx(value), this.high(series, y)];
       if (bars) {
         const half = Math.min(22, (series.wide * (sx(1) - sx(0))) / 2);
         group.append(svg('rect', { x: px - half, width: Math.max(1, 2 * half), y: Math.min(py, zero), height: Math.max(1, Math.abs(py - zero)), fill: color, rx: 1.5 }));
+      } else if (series.edge) {
+        group.append(svg('path', { d: `M${px - 4} ${py - 4}l8 8M${px + 4} ${py - 4}l-8 8`, fill: 'none', stroke: color, 'stroke-width': 1.5 }));
       } else {
         group.append(svg('circle', { cx: px, cy: py, r: series.size || 2.5, fill: series.open ? 'none' : color, stroke: color, 'stroke-width': 1 }));
       }
@@ -275,7 +282,7 @@ class Plot {
       series.x.forEach((value, k) => {
         const y = series.y[k];
         if (y === null || !Number.isFinite(y)) return;
-        const [dx, dy] = [this.sx(value) - px, this.sy(y) - py];
+        const [dx, dy] = [this.sx(value) - px, this.high(series, y) - py];
         const distance = flat ? Math.hypot(dx, dy) : Math.abs(dx) + 0.02 * Math.abs(dy);
         if (!best || distance < best.distance) best = { distance, series, k, x: value, y };
       });
@@ -287,7 +294,7 @@ class Plot {
     const near = this.nearest(px, py);
     this.cursor.replaceChildren();
     if (!near) return tip.hide();
-    const [x, y] = [this.sx(near.x), this.sy(near.y)];
+    const [x, y] = [this.sx(near.x), this.high(near.series, near.y)];
     if (!this.o.equal && near.series.kind !== 'points') this.cursor.append(svg('line', { x1: x, x2: x, y1: MARGIN.top, y2: this.o.height - MARGIN.bottom, stroke: palette.faint, 'stroke-width': 0.7 }));
     this.cursor.append(svg('circle', { cx: x, cy: y, r: 4.5, fill: 'none', stroke: palette.ink, 'stroke-width': 1.5 }));
     return tip.show(clientX, clientY, this.o.tell ? this.o.tell(near) : this.told(near));

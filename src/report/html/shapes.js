@@ -7,6 +7,7 @@ function drawShapes(host) {
   const body = el('div');
   const show = (index) => {
     body.replaceChildren();
+    if (tests[index]) body.append(...madeUp(tests[index]));
     new ShapeViewer(body, tests[index] || null);
   };
   // The test that shows most of the shapes, unless another was chosen.
@@ -95,6 +96,7 @@ class ShapeViewer {
     if (this.own.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
     if (this.own.not_drawn) notes.push(`${this.own.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
     if (this.bodies && this.bodies.nodes.some((node) => node.radius_m)) notes.push(T('Discs have the radius of gyration of their body.'));
+    if (this.bodies && this.bodies.nodes.some((node) => node.arc)) notes.push(T('The radii of discs that turn by an arc are not known: their rims move by the arc.'));
     return notes.join(' · ');
   }
 
@@ -119,6 +121,11 @@ class ShapeViewer {
     if (node.radius_m) return node.radius_m;
     const alone = nodes.every((own) => own.at_m.every((x, k) => Math.abs(x - node.at_m[k]) < 1e-9));
     return alone && nodes.length > 1 ? this.size * (0.25 + (0.75 * (n + 1)) / nodes.length) : 0.045 * this.size;
+  }
+
+  /** What a rotation is multiplied by at the rim; an arc is the motion of the rim. */
+  lever(node, n) {
+    return node.arc ? 1 : this.radii[n] || 0;
   }
 
   layout() {
@@ -205,7 +212,7 @@ class ShapeViewer {
       let moved = 0;
       this.bodies.nodes.forEach((node, n) => {
         const part = (k) => Math.hypot(bodies.re[6 * n + k], bodies.im[6 * n + k]);
-        const turning = Math.hypot(part(3), part(4), part(5)) * (this.radii[n] || 0);
+        const turning = Math.hypot(part(3), part(4), part(5)) * this.lever(node, n);
         moved = Math.max(moved, Math.hypot(part(0), part(1), part(2)) + turning);
       });
       largest = Math.max(largest, largest > 0 ? 0.4 * moved : moved);
@@ -332,7 +339,7 @@ class ShapeViewer {
       }
       const of = (values, from) => [0, 1, 2].map((i) => values[6 * n + from + i]);
       const moved = (values) => {
-        const turned = cross(of(values, 3), arm);
+        const turned = cross(of(values, 3), arm).map((x) => (x * this.lever(node, n)) / radius);
         return of(values, 0).map((x, i) => x + turned[i]);
       };
       points.push(this.moved(at, { re: moved(motion.re), im: moved(motion.im) }, 0, 0));

@@ -11,8 +11,9 @@ use crate::scene::{Overview, SourceFile};
 
 use super::super::json::RunReport;
 use super::super::{Block, Cell, Column, Language, Table};
+use super::numbers::{short, to_place_of, two_digits};
 use super::words::{sentence, word};
-use super::{escape, fragment};
+use super::{escape, fragment, update};
 
 /// Findings of one code that are listed; more are counted.
 const LISTED: usize = 12;
@@ -30,7 +31,9 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     };
     let mut text = String::from("<div class=\"cards\">\n");
     for test in &overview.tests {
-        text += &card(test, language);
+        let mut figures = report.figures.tests.iter();
+        let synthetic = figures.any(|own| own.name == test.test && own.synthetic);
+        text += &card(test, synthetic, language);
     }
     text += "</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n<div class=\"two\">\n";
     text += &format!(
@@ -38,7 +41,9 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
         word(language, "What was missed"),
         list(&missed(overview, language))
     );
+    let verdict = updated.and_then(|own| update::verdict_line(own, language));
     let mut advice = advice(overview, updated, language);
+    advice.splice(0..0, verdict);
     let warnings = report.findings.iter().flat_map(|(_, own)| own);
     let warnings = warnings
         .filter(|own| own.severity >= Severity::Warning)
@@ -52,13 +57,21 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     }
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n</div>\n",
-        word(language, "What to change"),
+        word(language, advice_head(updated)),
         list(&advice)
     );
     text + &limits(report, language)
 }
 
-fn card(test: &TestSummary, language: Language) -> String {
+/// A failed update is no advice.
+fn advice_head(updated: Option<&Value>) -> &'static str {
+    match updated.is_some_and(update::failed) {
+        true => "What the update came to",
+        false => "What to change",
+    }
+}
+
+fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
     let w = |text| escape(word(language, text));
     let percent =
         |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |v| format!("{:.2} %", v.abs()));
@@ -88,8 +101,12 @@ fn card(test: &TestSummary, language: Language) -> String {
             format!("<span class=\"chip {kind}\">{count} {}</span> ", w(name))
         })
         .collect();
+    let synthetic = match synthetic {
+        true => format!(" <span class=\"chip fair\">{}</span>", w("synthetic")),
+        false => String::new(),
+    };
     format!(
-        "<div class=\"card\"><h3>{}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
+        "<div class=\"card\"><h3>{}{synthetic}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
         escape(&test.test),
         percent(test.rms_error_percent),
         w("rms frequency error"),
@@ -101,9 +118,9 @@ fn card(test: &TestSummary, language: Language) -> String {
     )
 }
 
-/// What has no partner, one sentence each; many are counted.
+/// What has no partner, one sentence each, what nothing excuses first; many are counted.
 fn missed(overview: &Overview, language: Language) -> Vec<String> {
-    let mut told = Vec::new();
+    let mut told: Vec<(u8, String)> = Vec::new();
     let mut unseen: BTreeMap<&str, usize> = BTreeMap::new();
     for row in &overview.rows {
         let hz = row
@@ -113,23 +130,35 @@ fn missed(overview: &Overview, language: Language) -> Vec<String> {
             let reasons = cell.reasons.join("; ");
             match cell.status {
                 Status::NotObservable => *unseen.entry(&cell.test).or_default() += 1,
-                Status::MissedExpected | Status::MissedUnexpected => told.push(sentence(
-                    language,
-                    "{}: model mode {} at {} Hz has no partner: {}",
-                    &[cell.test.clone(), row.label.clone(), hz.clone(), reasons],
-                )),
-                Status::Extra => told.push(sentence(
-                    language,
-                    "{}: test mode at {} Hz has no partner in the model",
-                    &[
-                        cell.test.clone(),
-                        cell.hz.map_or_else(String::new, |hz| format!("{hz:.1}")),
-                    ],
-                )),
+                Status::MissedExpected | Status::MissedUnexpected => {
+                    let (rank, text) = match (cell.status, cell.not_judged) {
+                        (Status::MissedExpected, _) => (
+                            3,
+                            "{}: model mode {} at {} Hz has no partner, as was expected: {}",
+                        ),
+                        (_, true) => (
+                            1,
+                            "{}: model mode {} at {} Hz has no partner; whether the test could see it is not known: {}",
+                        ),
+                        (_, false) => (
+                            0,
+                            "{}: model mode {} at {} Hz has no partner although the test should see it: {}",
+                        ),
+                    };
+                    let values = [cell.test.clone(), row.label.clone(), hz.clone(), reasons];
+                    told.push((rank, sentence(language, text, &values)));
+                }
+                Status::Extra => {
+                    let hz = cell.hz.map_or_else(String::new, |hz| format!("{hz:.1}"));
+                    let text = "{}: test mode at {} Hz has no partner in the model";
+                    told.push((2, sentence(language, text, &[cell.test.clone(), hz])));
+                }
                 Status::Paired | Status::Ambiguous | Status::OutsideBand => {}
             }
         }
     }
+    told.sort_by_key(|(rank, _)| *rank);
+    let mut told: Vec<String> = told.into_iter().map(|(_, text)| text).collect();
     let more = told.len().saturating_sub(NAMED);
     told.truncate(NAMED);
     if more > 0 {
@@ -187,7 +216,17 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
 }
 
 fn changed(own: &Value, language: Language) -> String {
-    let number = |key: &str| own[key].as_f64().map_or_else(|| "—".to_owned(), short);
+    let std = own["std"].as_f64().filter(|std| *std > 0.0);
+    let number = |key: &str| {
+        own[key].as_f64().map_or_else(
+            || "—".to_owned(),
+            |value| match std {
+                Some(std) if key != "std" => to_place_of(value, std),
+                Some(std) => two_digits(std),
+                None => short(value),
+            },
+        )
+    };
     let text = |key: &str| own[key].as_str().unwrap_or_default().to_owned();
     let values = [
         text("name"),
@@ -197,20 +236,6 @@ fn changed(own: &Value, language: Language) -> String {
         text("unit"),
     ];
     sentence(language, "{}: {} → {} ± {} {}", &values)
-}
-
-/// Four digits, with a power of ten where that is shorter.
-pub(super) fn short(value: f64) -> String {
-    let size = value.abs();
-    if size > 0.0 && !(1e-3..1e5).contains(&size) {
-        return format!("{value:.3e}");
-    }
-    let decimals = 3 - if size > 0.0 {
-        size.log10().floor() as i32
-    } else {
-        0
-    };
-    format!("{value:.*}", decimals.clamp(0, 6) as usize)
 }
 
 fn limits(report: &RunReport, language: Language) -> String {
@@ -390,19 +415,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_four_digits() {
-        for (value, expected) in [
-            (0.0, "0.000"),
-            (1.0, "1.000"),
-            (123.456, "123.5"),
-            (-2.1e11, "-2.100e11"),
-            (5e-4, "5.000e-4"),
-        ] {
-            assert_eq!(short(value), expected);
-        }
-    }
-
-    #[test]
     fn an_update_is_the_advice_where_there_is_one() {
         let overview = Overview {
             tests: Vec::new(),
@@ -420,6 +432,15 @@ mod tests {
         )
         .unwrap();
         let told = advice(&overview, Some(&updated), Language::English);
-        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 10000 N/m"]);
+        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 1.0e4 N/m"]);
+    }
+
+    #[test]
+    fn a_failed_update_is_no_advice() {
+        let failed: Value = serde_json::from_str(r#"{"fits": false}"#).unwrap();
+        assert_eq!(advice_head(Some(&failed)), "What the update came to");
+        let fits: Value = serde_json::from_str(r#"{"fits": true}"#).unwrap();
+        assert_eq!(advice_head(Some(&fits)), "What to change");
+        assert_eq!(advice_head(None), "What to change");
     }
 }

@@ -3,9 +3,145 @@
 use serde_json::Value;
 
 use super::super::{Block, Cell, Column, Language, Table};
-use super::fragment;
-use super::summary::short;
-use super::words::word;
+use super::numbers::short;
+use super::words::{sentence, word};
+use super::{escape, fragment};
+use crate::scene::Figures;
+use crate::update::StopReason;
+
+/// Single changes that are shown; `update.json` has all.
+const SHOWN_CHANGES: usize = 10;
+
+/// Whether an update does not explain the test or did not converge.
+pub(super) fn failed(updated: &Value) -> bool {
+    let stopped = stop_reason(updated).is_some_and(|own| !own.converged());
+    updated["fits"].as_bool() == Some(false) || stopped
+}
+
+fn stop_reason(updated: &Value) -> Option<StopReason> {
+    serde_json::from_value(updated["stop_reason"].clone()).ok()
+}
+
+/// What an update is worth; `None` for a file that does not say.
+pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String> {
+    let fits = updated["fits"].as_bool()?;
+    let text = match fits {
+        true => "The update explains the test: χ²/ν = {}, at most {} from noise.",
+        false => "The update does not explain the test: χ²/ν = {}, at most {} from noise.",
+    };
+    let number = |own: Option<f64>| own.map_or_else(|| "—".to_owned(), |own| format!("{own:.2}"));
+    let freedom = updated["degrees_of_freedom"].as_f64();
+    let most = freedom.filter(|nu| *nu > 0.0);
+    let most = most.map(|nu| 1.0 + 2.0 * (2.0 / nu).sqrt());
+    let values = [number(updated["reduced_chi_square"].as_f64()), number(most)];
+    let mut line = sentence(language, text, &values);
+    if let Some(reason) = stop_reason(updated) {
+        line += &format!(" {}.", word(language, reason.sentence()));
+    }
+    let starts = &updated["starts"];
+    if let [Some(count), Some(reached)] = ["count", "reached"].map(|key| starts[key].as_u64()) {
+        let text = " {} of {} starts ended at this optimum.";
+        line += &sentence(language, text, &[reached.to_string(), count.to_string()]);
+    }
+    Some(line)
+}
+
+/// Whether an update may be of the tests of a run: each row that counted, `test f3`, has the frequency of that mode, or the mean
+/// of a group that begins with it. Of published frequencies the run's figures say nothing.
+pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
+    let rows = updated["before"]["rows"].as_array();
+    rows.into_iter().flatten().all(|row| {
+        let label = row["label"].as_str().unwrap_or_default();
+        let Some((test, number)) = label.rsplit_once(" f") else {
+            return true;
+        };
+        let (Ok(number), Some(hz)) = (number.parse::<usize>(), row["test_hz"].as_f64()) else {
+            return true;
+        };
+        let Some(test) = figures.tests.iter().find(|own| own.name == test) else {
+            return test == "published";
+        };
+        let mut sum = 0.0;
+        let group = test.modes.iter().skip(number.max(1) - 1);
+        let mut means = group.zip(1..).map(|(mode, count)| {
+            sum += mode.hz;
+            sum / f64::from(count)
+        });
+        means.any(|mean| (mean - hz).abs() <= 1e-6 * hz.abs())
+    })
+}
+
+/// What the tab says before its tables.
+pub(super) fn head(updated: &Value, language: Language) -> String {
+    let kind = match failed(updated) {
+        true => "bad",
+        false => "good",
+    };
+    let line = verdict_line(updated, language);
+    line.map_or_else(String::new, |line| {
+        format!("<p class=\"verdict {kind}\">{}</p>\n", escape(&line))
+    })
+}
+
+/// What the data know, and which change explains the misfit, where it was asked for.
+pub(super) fn reasons(updated: &Value, language: Language) -> String {
+    let w = |text| word(language, text);
+    let mut blocks = Vec::new();
+    let combinations = updated["combinations"].as_array();
+    let texts = combinations.into_iter().flatten();
+    let texts: Vec<Vec<Cell>> = texts
+        .filter_map(|own| Some(vec![Cell::text(own["text"].as_str()?)]))
+        .collect();
+    if !texts.is_empty() {
+        blocks.push(Block::Table(Table {
+            caption: w("What the data know, best known first").to_owned(),
+            columns: vec![Column::text(w("combination"))],
+            rows: texts,
+            footnotes: Vec::new(),
+        }));
+    }
+    let explanation = &updated["explanation"];
+    if explanation.is_object() {
+        let single = explanation["single"].as_array();
+        let single = single.into_iter().flatten().take(SHOWN_CHANGES);
+        let all = std::iter::once(&explanation["none"]).chain(single);
+        let columns = [w("rms error (%)"), w("largest error (%)"), "χ²", "BIC"];
+        let proposed = &explanation["proposed"];
+        let text = match proposed["explains"].as_bool() == Some(true) {
+            true => "Proposed: {}, the smallest set that brings the residual to its uncertainty.",
+            false => "No set brings the residual to its uncertainty; {} has the smallest BIC.",
+        };
+        blocks.push(Block::Table(Table {
+            caption: w("One parameter changed at a time").to_owned(),
+            columns: std::iter::once(Column::text(w("parameter")))
+                .chain(columns.map(Column::number))
+                .collect(),
+            rows: all.map(|own| change(own, language)).collect(),
+            footnotes: vec![sentence(language, text, &[freed(proposed, language)])],
+        }));
+    }
+    fragment(&blocks)
+}
+
+fn freed(own: &Value, language: Language) -> String {
+    let names = own["parameters"].as_array().into_iter().flatten();
+    let names: Vec<&str> = names.filter_map(Value::as_str).collect();
+    match names.is_empty() {
+        true => word(language, "no change").to_owned(),
+        false => names.join(", "),
+    }
+}
+
+fn change(own: &Value, language: Language) -> Vec<Cell> {
+    let number = |key: &str, decimals| Cell::number(own[key].as_f64(), decimals);
+    vec![
+        Cell::text(freed(own, language)),
+        number("rms_percent", 3),
+        number("largest_percent", 3),
+        number("chi_square", 1),
+        number("bic", 1),
+    ]
+}
 
 /// What the data say of a parameter, in a language.
 fn verdict(own: Option<&str>, language: Language) -> Cell {
@@ -92,4 +228,64 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
             footnotes: Vec::new(),
         }),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ModeMark, TestFigures};
+
+    fn value(text: &str) -> Value {
+        serde_json::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn an_update_says_what_it_is_worth() {
+        let own = value(
+            r#"{"fits": false, "reduced_chi_square": 40.0, "degrees_of_freedom": 8.0, "stop_reason": "iteration-limit", "starts": {"count": 5, "reached": 2}}"#,
+        );
+        let line = verdict_line(&own, Language::English).unwrap();
+        for part in [
+            "does not explain",
+            "40.00",
+            "2.00",
+            "not converged",
+            "2 of 5",
+        ] {
+            assert!(line.contains(part), "{part}: {line}");
+        }
+        assert!(failed(&own) && head(&own, Language::English).contains("verdict bad"));
+        assert!(!failed(&value(
+            r#"{"fits": true, "stop_reason": "no-decrease"}"#
+        )));
+        assert!(failed(&value(
+            r#"{"fits": true, "stop_reason": "iteration-limit"}"#
+        )));
+    }
+
+    #[test]
+    fn an_update_of_other_results_is_known_by_its_frequencies() {
+        let mode = |hz| ModeMark {
+            hz,
+            hz_std: None,
+            damping_ratio: None,
+            damping_std: None,
+            mpc: None,
+        };
+        let figures = Figures {
+            tests: vec![TestFigures {
+                name: "a f".to_owned(),
+                modes: vec![mode(10.0), mode(20.0), mode(20.2)],
+                ..TestFigures::default()
+            }],
+            ..Figures::default()
+        };
+        let row = |label: &str, hz: f64| {
+            let rows = serde_json::json!([{"label": label, "test_hz": hz}]);
+            of_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
+        };
+        assert!(row("a f f1", 10.0) && row("a f f2", 20.1) && row("published f1", 7.0));
+        assert!(!row("a f f1", 10.01) && !row("a f f2", 10.0) && !row("b f1", 10.0));
+        assert!(of_run(&value("{}"), &figures));
+    }
 }

@@ -84,9 +84,19 @@ const WORDS: &[(&str, &str)] = &[
     ("What was missed", "漏检的模态"),
     ("Nothing inside the band was missed.", "频带内无漏检。"),
     ("What to change", "建议的修改"),
+    ("What the update came to", "修正的结果"),
+    ("synthetic", "合成"),
     (
-        "{}: model mode {} at {} Hz has no partner: {}",
-        "{}:模型第 {} 阶({} Hz)无配对:{}",
+        "{}: model mode {} at {} Hz has no partner, as was expected: {}",
+        "{}:模型第 {} 阶({} Hz)无配对,符合预期:{}",
+    ),
+    (
+        "{}: model mode {} at {} Hz has no partner; whether the test could see it is not known: {}",
+        "{}:模型第 {} 阶({} Hz)无配对;试验能否观测到它未知:{}",
+    ),
+    (
+        "{}: model mode {} at {} Hz has no partner although the test should see it: {}",
+        "{}:模型第 {} 阶({} Hz)无配对,而试验本应观测到它:{}",
     ),
     (
         "{}: test mode at {} Hz has no partner in the model",
@@ -154,6 +164,63 @@ const WORDS: &[(&str, &str)] = &[
     ("model (Hz)", "模型 (Hz)"),
     ("error before (%)", "修正前误差 (%)"),
     ("error after (%)", "修正后误差 (%)"),
+    (
+        "The update explains the test: χ²/ν = {}, at most {} from noise.",
+        "修正能解释试验:χ²/ν = {},噪声最多为 {}。",
+    ),
+    (
+        "The update does not explain the test: χ²/ν = {}, at most {} from noise.",
+        "修正不能解释试验:χ²/ν = {},噪声最多为 {}。",
+    ),
+    (
+        " {} of {} starts ended at this optimum.",
+        " {} / {} 个起点到达此最优点。",
+    ),
+    (
+        "converged: no step lowers the objective",
+        "已收敛:没有步能降低目标函数",
+    ),
+    (
+        "converged: the steps have become as small as rounding",
+        "已收敛:步长已小到舍入误差",
+    ),
+    (
+        "nothing changed: the test sees none of the free parameters",
+        "未改变:试验看不到任何自由参数",
+    ),
+    (
+        "not converged: the stated number of iterations is reached",
+        "未收敛:已达到规定的迭代次数",
+    ),
+    (
+        "What the data know, best known first",
+        "数据所知,最确定的在前",
+    ),
+    ("combination", "组合"),
+    ("One parameter changed at a time", "每次改变一个参数"),
+    ("rms error (%)", "误差均方根 (%)"),
+    ("largest error (%)", "最大误差 (%)"),
+    ("no change", "不变"),
+    (
+        "Proposed: {}, the smallest set that brings the residual to its uncertainty.",
+        "建议:{},使残差降到其不确定度的最小集合。",
+    ),
+    (
+        "No set brings the residual to its uncertainty; {} has the smallest BIC.",
+        "没有集合能使残差降到其不确定度;{} 的 BIC 最小。",
+    ),
+    (
+        "This shows the model before the update.",
+        "此处为修正前的模型。",
+    ),
+    (
+        "Comparison, MAC and mode shapes show the model before this update.",
+        "对比、MAC 与振型显示的是修正前的模型。",
+    ),
+    (
+        "The update in this folder was made from other test frequencies than these, and is left out; run `modalign update` again.",
+        "此文件夹中的修正来自其他试验频率,未列出;请重新运行 `modalign update`。",
+    ),
 ];
 
 /// Words of the script.
@@ -265,8 +332,8 @@ const SCRIPT_WORDS: &[(&str, &str)] = &[
     ),
     ("below", "低于共振的谱线"),
     ("above", "高于共振的谱线"),
-    ("mean", "平均"),
-    ("std", "标准差"),
+    ("median", "中位数"),
+    ("range", "范围"),
     ("of which the window", "其中窗函数"),
     (
         "receptance without the other modes (m/N)",
@@ -279,6 +346,34 @@ const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Error (%)", "误差 (%)"),
     ("Frequency error by mode", "各阶频率误差"),
     ("missed", "漏检"),
+    (
+        "(test−theory)/theory (%), line ±1 std",
+        "(试验−理论)/理论 (%),线段 ±1 标准差",
+    ),
+    (
+        "(theory−test)/test (%), line ±1 std",
+        "(理论−试验)/试验 (%),线段 ±1 标准差",
+    ),
+    (
+        "a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace",
+        "重根的方框为其中一个向量的 MAC;子空间的 MAC 见对比表",
+    ),
+    (
+        "pair with a repeated root: MAC of one of its vectors, not of their subspace",
+        "与重根配对:为其中一个向量的 MAC,而非子空间的",
+    ),
+    (
+        "crossed out: no MAC, as nothing in common moves",
+        "划线格:无 MAC,共有自由度均不动",
+    ),
+    (
+        "The radii of discs that turn by an arc are not known: their rims move by the arc.",
+        "以弧长转动的圆盘半径未知:其边缘按弧长移动。",
+    ),
+    (
+        "Synthetic test: computed from a model, nobody measured it.",
+        "合成试验:由模型计算,并非实测。",
+    ),
     ("Iteration", "迭代"),
     ("Objective", "目标函数"),
     ("before", "修正前"),

@@ -9,7 +9,8 @@ use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
 /// Kinds of bodies that have a colour of their own.
 const COLORED: usize = 6;
 
-/// Error of every root that a test of the band has, with its standard deviation; `None` where there is none.
+/// Error of every root that a test of the band has, with its standard deviation, and a cross below those that it missed; `None`
+/// where there is none.
 pub(super) fn errors(overview: &Overview) -> Option<String> {
     let inside = |row: &&OverviewRow| {
         let seen = row
@@ -32,7 +33,12 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
     let count = rows.len() as f64;
     let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0));
     let y = Axis::linear((lo - pad, hi + pad), (260.0, 34.0));
-    frame(&mut canvas, (&x, &y), ("", "Frequency error (%)"));
+    let label = match overview.of_theory {
+        true => "(test−theory)/theory (%), line ±1 std",
+        false => "(theory−test)/test (%), line ±1 std",
+    };
+    frame(&mut canvas, (&x, &y), ("", label));
+    let mut any_missed = false;
     let tests: Vec<&str> = overview.tests.iter().map(|own| own.test.as_str()).collect();
     let wide = 0.8 / tests.len().max(1) as f64;
     let every = rows.len().div_ceil(24).max(1);
@@ -47,6 +53,13 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
             };
             let at = middle + (n as f64 - 0.5 * (tests.len() as f64 - 1.0)) * wide;
             let Some(error) = cell.error_percent else {
+                if matches!(
+                    cell.status,
+                    Status::MissedExpected | Status::MissedUnexpected
+                ) {
+                    cross(&mut canvas, [x.place(at), 255.0]);
+                    any_missed = true;
+                }
                 continue;
             };
             let (a, b) = (x.place(at - 0.45 * wide), x.place(at + 0.45 * wide));
@@ -66,13 +79,23 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
         }
     }
     canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], (INK, 1.0));
-    let names: Vec<(&str, &str)> = tests
+    let mut names: Vec<(&str, &str)> = tests
         .iter()
         .enumerate()
         .map(|(n, name)| (*name, COLORS[n % COLORS.len()]))
         .collect();
+    if any_missed {
+        names.push(("× missed", INK));
+    }
     canvas.legend([70.0, 306.0], &names);
     Some(canvas.finish())
+}
+
+/// A missed root: it has no error that could stand on the axis.
+fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
+    for rise in [-3.5, 3.5] {
+        canvas.line([x - 3.5, y - rise], [x + 3.5, y + rise], (INK, 1.2));
+    }
 }
 
 /// Kinetic energy of every root by kind of body; `None` without roots.

@@ -22,7 +22,8 @@ pub struct TheoryMotion {
     pub nodes: Vec<BodyNode>,
     /// Frequencies, Hz, in the order of the theory's modes.
     pub hz: Vec<f64>,
-    /// For each mode: x, y, z displacement and rotation about x, y, z of every node, one after the other; m and rad for unit modal mass.
+    /// For each mode: x, y, z displacement and rotation about x, y, z of every node, one after the other; m and rad
+    /// (m of an arc) for unit modal mass.
     pub modes: Vec<Vec<f64>>,
 }
 
@@ -37,6 +38,9 @@ pub struct BodyNode {
     pub radius_m: Option<f64>,
     /// Axes about which it turns.
     pub axes: Vec<[f64; 3]>,
+    /// Whether its rotations are arcs at a rim whose radius is not known, m in place of rad.
+    #[serde(default)]
+    pub arc: bool,
 }
 
 /// The motion of a model in a band; `None` for one of too many coordinates, or whose coordinates have no place.
@@ -60,7 +64,7 @@ pub(super) fn theory_motion(
     let places = places(coordinates);
     let count =
         places.iter().map(|(_, _, own)| own.len()).sum::<usize>() * 6 * solved.omega_rad_s.len();
-    if places.is_empty() || count > MOST_NUMBERS || placeless(&places) {
+    if places.is_empty() || count > MOST_NUMBERS || placeless(&places, coordinates) {
         return Ok(None);
     }
     let masses = match sparse {
@@ -92,6 +96,7 @@ pub(super) fn theory_motion(
             } else {
                 turning.map(|c| coordinates[*c].axis).collect()
             },
+            arc: of(Motion::Arc).next().is_some(),
         }
     });
     Ok(Some(TheoryMotion {
@@ -126,10 +131,13 @@ fn places(coordinates: &[Coordinate]) -> Vec<PlaceOf<'_>> {
 }
 
 /// Several bodies that are all at one place were never given any, unless they turn about it.
-fn placeless(places: &[PlaceOf<'_>]) -> bool {
+fn placeless(places: &[PlaceOf<'_>], coordinates: &[Coordinate]) -> bool {
     let first = places[0].1;
+    let turns = coordinates
+        .iter()
+        .any(|own| own.motion != Motion::Translation);
     let far = |at: &[f64; 3]| at.iter().zip(&first).any(|(a, b)| (a - b).abs() > 1e-12);
-    places.len() > 12 && !places.iter().any(|(_, at, _)| far(at))
+    places.len() > 1 && !turns && !places.iter().any(|(_, at, _)| far(at))
 }
 
 fn motion(solved: &TheoryModes, places: &[PlaceOf<'_>], mode: usize) -> Vec<f64> {
@@ -217,6 +225,25 @@ stiffness_n_per_m = 1e6
         // Momentum and moment of momentum stay 0: 2 y + y' = 0, 0.08 θ = 0.2 y.
         near(motion[7], -2.0 * motion[1]);
         near(motion[5], 2.0 * motion[1] * 0.1 / 0.08);
+    }
+
+    #[test]
+    fn bodies_at_one_place_are_not_drawn_unless_one_turns() {
+        let coordinate = |body: &str, motion, x| Coordinate {
+            name: body.to_owned(),
+            body: body.to_owned(),
+            motion,
+            axis: [0.0, 0.0, 1.0],
+            at_m: [x, 0.0, 0.0],
+        };
+        let told = |second: Coordinate| {
+            let all = [coordinate("a", Motion::Translation, 0.0), second];
+            placeless(&places(&all), &all)
+        };
+        assert!(told(coordinate("b", Motion::Translation, 0.0)));
+        assert!(!told(coordinate("b", Motion::Translation, 0.1)));
+        assert!(!told(coordinate("b", Motion::Arc, 0.0)));
+        assert!(!told(coordinate("a", Motion::Translation, 0.0)));
     }
 
     #[test]

@@ -16,6 +16,7 @@ mod shapes_tests;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Band;
+use crate::finding::Code;
 use crate::frf::FrfSet;
 
 use super::SceneError;
@@ -51,6 +52,9 @@ pub struct Figures {
 pub struct TestFigures {
     /// Its name.
     pub name: String,
+    /// Whether it was computed from a model and nobody measured it.
+    #[serde(default)]
+    pub synthetic: bool,
     /// Its file of FRFs in the folder of the run; `None` for a test of finished modes.
     pub frf_file: Option<String>,
     /// Its modes.
@@ -134,6 +138,7 @@ pub fn figures(
         };
         tests.push(TestFigures {
             name: test.name.clone(),
+            synthetic: synthetic(test),
             frf_file: frf_files.get(index).cloned().flatten(),
             modes: marks(test),
             frfs: one_set(&test.frfs)
@@ -151,6 +156,11 @@ pub fn figures(
         energies: energies(result, band),
     };
     Ok((figures, provenance::provenance(scene, result)?))
+}
+
+fn synthetic(test: &TestResult) -> bool {
+    let mut findings = test.modes.findings.iter();
+    findings.any(|own| own.code == Code::Synthetic)
 }
 
 fn marks(test: &TestResult) -> Vec<ModeMark> {

@@ -19,7 +19,8 @@ pub struct Overview {
     /// Every root with what each test has of it, then test modes without a partner.
     pub rows: Vec<OverviewRow>,
     /// One factor on all stiffnesses that would bring the mean frequency of all pairs to the tests: the square of the mean ratio of
-    /// test to theory. `None` unless the pairs, three or more, are all off to one side.
+    /// test to theory. `None` unless the pairs, three or more, are all off to one side, and their mean by more than twice its
+    /// standard deviation.
     pub stiffness_factor: Option<f64>,
 }
 
@@ -53,6 +54,9 @@ pub struct OverviewCell {
     pub status: Status,
     /// Why.
     pub reasons: Vec<String>,
+    /// A missed root of which nobody knows whether the test could see it.
+    #[serde(default)]
+    pub not_judged: bool,
 }
 
 pub(super) fn overview(table: &ComparisonTable) -> Overview {
@@ -94,20 +98,32 @@ fn own_cell(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
         mac: cell.mac.map(|mac| rounded(mac, 4)),
         status: cell.status,
         reasons: cell.reasons.clone(),
+        not_judged: !cell.judged(),
     }
 }
 
-/// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1.
+/// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1 and the mean is off by more
+/// than twice its standard deviation: the larger of that from the tests' frequencies and that from the scatter of the pairs.
 fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
-    let mut ratios = Vec::new();
+    let (mut ratios, mut variance) = (Vec::new(), 0.0);
     for row in &table.rows {
         let Some(theory) = &row.theory else { continue };
-        let paired = row.tests.iter().filter(|cell| cell.error_percent.is_some());
-        ratios.extend(paired.filter_map(|cell| Some(cell.hz? / theory.hz)));
+        for cell in row.tests.iter().filter(|cell| cell.error_percent.is_some()) {
+            let Some(hz) = cell.hz else { continue };
+            ratios.push(hz / theory.hz);
+            variance += (cell.hz_std.unwrap_or(0.0) / theory.hz).powi(2);
+        }
+    }
+    if ratios.len() < FEWEST_LEANING {
+        return None;
     }
     let one_side = ratios.iter().all(|r| *r > 1.0) || ratios.iter().all(|r| *r < 1.0);
-    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    (one_side && ratios.len() >= FEWEST_LEANING).then(|| rounded(mean * mean, 4))
+    let count = ratios.len() as f64;
+    let mean = ratios.iter().sum::<f64>() / count;
+    let squares: f64 = ratios.iter().map(|r| (r - mean).powi(2)).sum();
+    let scatter = squares / (count * (count - 1.0));
+    let std = scatter.max(variance / (count * count)).sqrt();
+    (one_side && (mean - 1.0).abs() > 2.0 * std).then(|| rounded(mean * mean, 4))
 }
 
 #[cfg(test)]
@@ -162,6 +178,8 @@ mod tests {
         for pairs in [
             &[(100.0, 97.0), (200.0, 196.0), (400.0, 404.0)][..],
             &[(100.0, 97.0), (200.0, 196.0)],
+            // Off by 0.06 % in the mean, of which 0.19 % are the deviation.
+            &[(100.0, 99.9), (200.0, 199.9), (400.0, 399.9)],
         ] {
             assert_eq!(overview(&table(pairs)).stiffness_factor, None);
         }

@@ -169,7 +169,12 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
     geometry.add(&shown.theory.geometry);
     let known = |dof: &Dof| Some((dof.clone(), place(dof, shown, &geometry)?));
     let mut placed: Vec<(Dof, Placed)> = dofs.iter().filter_map(known).collect();
-    let in_a_row = placed.is_empty();
+    // Points of a model without places are all at one; where its bodies turn, they are drawn about it.
+    let first = placed.first();
+    let one_place = first.is_some_and(|(_, own)| placed.iter().all(|(_, p)| p.at_m == own.at_m));
+    let several =
+        first.is_some_and(|(own, _)| placed.iter().any(|(d, _)| d.point() != own.point()));
+    let in_a_row = placed.is_empty() || (several && one_place && shown.motion.is_none());
     if in_a_row {
         placed = row_of(&dofs);
     }

@@ -111,6 +111,20 @@ fn without_positions_points_stand_in_a_row() {
 }
 
 #[test]
+fn points_that_are_all_at_one_place_stand_in_a_row() {
+    let all_at = |x: [f64; 4]| {
+        let (own, _) = figure(|test| {
+            let names = ["1", "2", "3", "4"].iter().zip(x);
+            let node = |(name, x): (&&str, f64)| Node::new(*name, Vector3::new(x, 0.0, 0.0));
+            test.geometry.nodes = names.map(node).collect();
+        });
+        own.in_a_row
+    };
+    assert!(all_at([0.0; 4]));
+    assert!(!all_at([0.0, 0.0, 0.0, 0.1]));
+}
+
+#[test]
 fn files_give_positions_and_lines_with_the_points_between() {
     let (own, _) = figure(|test| {
         let node = |name: &str, x: f64, y: f64| Node::new(name, Vector3::new(x, y, 0.0));
