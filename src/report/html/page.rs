@@ -32,7 +32,7 @@ struct Tab {
 
 const BEFORE_UPDATE: &str = "This shows the model before the update.";
 const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
-const OTHER_RESULTS: &str = "The update in this folder was made from other test frequencies than these, and is left out; run `modalign update` again.";
+const OTHER_RESULTS: &str = "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.";
 
 /// The report of a run, with the result of updating (`update.json`) where there is one of the same tests.
 pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Language) -> String {

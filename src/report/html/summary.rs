@@ -207,7 +207,7 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
         cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
     });
     let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
-    let text = "The errors lie on both sides, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.";
+    let text = "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.";
     let told = largest.map(|(row, cell, error)| {
         let place = format!("{} ({})", row.label, cell.test);
         sentence(language, text, &[format!("{error:+.2} %"), place])

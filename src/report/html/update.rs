@@ -12,6 +12,12 @@ use crate::update::StopReason;
 /// Single changes that are shown; `update.json` has all.
 const SHOWN_CHANGES: usize = 10;
 
+/// Share of a frequency by which one that was written twice may differ.
+const TEST_TOLERANCE: f64 = 1e-6;
+
+/// The same of a root of the model: modes that are repeated but for rounding stand as their mean in a comparison.
+const ROOT_TOLERANCE: f64 = 1e-3;
+
 /// Whether an update does not explain the test or did not converge.
 pub(super) fn failed(updated: &Value) -> bool {
     let stopped = stop_reason(updated).is_some_and(|own| !own.converged());
@@ -46,11 +52,24 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
     Some(line)
 }
 
-/// Whether an update may be of the tests of a run: each row that counted, `test f3`, has the frequency of that mode, or the mean
-/// of a group that begins with it. Of published frequencies the run's figures say nothing.
+/// Whether an update may be of the tests and the model of a run: each row that counted, `test f3`, has the frequency of that mode, or the mean
+/// of a group that begins with it (of published frequencies the run's figures say nothing), and the frequency of its partner
+/// before the update is one of the run's model, as far as these reach.
 pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
     let rows = updated["before"]["rows"].as_array();
+    let roots = figures.overview.iter().flat_map(|own| &own.rows);
+    let roots: Vec<f64> = roots.filter_map(|row| row.theory_hz).collect();
+    let of_model = |hz: f64| {
+        let inside = roots.iter().any(|own| *own <= hz) && roots.iter().any(|own| *own >= hz);
+        !inside
+            || roots
+                .iter()
+                .any(|own| (own - hz).abs() <= ROOT_TOLERANCE * hz)
+    };
     rows.into_iter().flatten().all(|row| {
+        if row["model_hz"].as_f64().is_some_and(|hz| !of_model(hz)) {
+            return false;
+        }
         let label = row["label"].as_str().unwrap_or_default();
         let Some((test, number)) = label.rsplit_once(" f") else {
             return true;
@@ -67,7 +86,7 @@ pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
             sum += mode.hz;
             sum / f64::from(count)
         });
-        means.any(|mean| (mean - hz).abs() <= 1e-6 * hz.abs())
+        means.any(|mean| (mean - hz).abs() <= TEST_TOLERANCE * hz)
     })
 }
 
@@ -233,7 +252,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ModeMark, TestFigures};
+    use crate::scene::{ModeMark, Overview, OverviewRow, TestFigures};
 
     fn value(text: &str) -> Value {
         serde_json::from_str(text).unwrap()
@@ -272,7 +291,19 @@ mod tests {
             damping_std: None,
             mpc: None,
         };
+        let root = |hz| OverviewRow {
+            label: String::new(),
+            theory_hz: Some(hz),
+            multiplicity: 1,
+            cells: Vec::new(),
+        };
         let figures = Figures {
+            overview: Some(Overview {
+                tests: Vec::new(),
+                of_theory: true,
+                rows: vec![root(11.0), root(21.0)],
+                stiffness_factor: None,
+            }),
             tests: vec![TestFigures {
                 name: "a f".to_owned(),
                 modes: vec![mode(10.0), mode(20.0), mode(20.2)],
@@ -287,5 +318,10 @@ mod tests {
         assert!(row("a f f1", 10.0) && row("a f f2", 20.1) && row("published f1", 7.0));
         assert!(!row("a f f1", 10.01) && !row("a f f2", 10.0) && !row("b f1", 10.0));
         assert!(of_run(&value("{}"), &figures));
+        let partner = |hz: f64| {
+            let rows = serde_json::json!([{"label": "a f f1", "test_hz": 10.0, "model_hz": hz}]);
+            of_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
+        };
+        assert!(partner(11.0) && partner(30.0) && !partner(12.0));
     }
 }

@@ -115,8 +115,8 @@ const WORDS: &[(&str, &str)] = &[
         "试验的配对频率均高于模型:模型过软或过重。若所有刚度乘以 {},平均频率与试验一致;具体是哪个刚度,可用 `modalign update` 判断。",
     ),
     (
-        "The errors lie on both sides, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.",
-        "误差有正有负,单一系数无法解释;最大为 {}({})。`modalign update` 可给出试验能识别的参数。",
+        "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.",
+        "误差没有明显偏向一侧,单一系数无法解释;最大为 {}({})。`modalign update` 可给出试验能识别的参数。",
     ),
     ("{}: {} → {} ± {} {}", "{}:{} → {} ± {} {}"),
     ("Limit missed: {}", "超出限值:{}"),
@@ -218,8 +218,8 @@ const WORDS: &[(&str, &str)] = &[
         "对比、MAC 与振型显示的是修正前的模型。",
     ),
     (
-        "The update in this folder was made from other test frequencies than these, and is left out; run `modalign update` again.",
-        "此文件夹中的修正来自其他试验频率,未列出;请重新运行 `modalign update`。",
+        "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.",
+        "此文件夹中的修正来自其他试验频率或其他模型,未列出;请重新运行 `modalign update`。",
     ),
 ];
 
