@@ -190,6 +190,14 @@ impl Dof {
         }
     }
 
+    /// The same degree of freedom with the sensor turned round.
+    pub fn opposite(&self) -> Self {
+        Self {
+            negative: !self.negative,
+            ..self.clone()
+        }
+    }
+
     /// Which repeated measurement of this degree of freedom it is, from 1.
     pub fn repeat(&self) -> u32 {
         self.repeat

@@ -61,7 +61,7 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     let is_json = args
         .against
         .extension()
-        .is_some_and(|extension| extension == "json");
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let rows = if is_json {
         against_baseline(&result, &read_result(&args.against)?, args)?
     } else {
@@ -237,14 +237,27 @@ fn comparison_changes(
             changes.extend(field_changes(&name, same, field, limits));
         }
     }
-    let has = |file: &ComparisonFile, label: &str| file.rows.iter().any(|row| row.label == label);
-    let added = now.rows.iter().filter(|row| !has(before, &row.label));
-    changes.extend(added.map(|row| Change {
-        row: row.label.clone(),
+    changes.extend(added(now, before).into_iter().map(|row| Change {
+        row,
         what: "in the baseline".to_owned(),
         measure: Measure::AtLeast(0.0, 1.0),
     }));
     changes
+}
+
+/// Names of rows, and of tests in rows, that the baseline does not have.
+fn added(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
+    let mut names = Vec::new();
+    for row in &now.rows {
+        let Some(old) = before.rows.iter().find(|old| old.label == row.label) else {
+            names.push(row.label.clone());
+            continue;
+        };
+        let is_new = |own: &&TestFile| old.tests.iter().all(|old| old.test != own.test);
+        let tests = row.tests.iter().filter(is_new);
+        names.extend(tests.map(|own| format!("{} {}", row.label, own.test)));
+    }
+    names
 }
 
 fn field_changes(

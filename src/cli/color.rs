@@ -21,13 +21,17 @@ impl ColorChoice {
     /// that calls itself `dumb` has no colours.
     pub fn paints(self, stream: &impl IsTerminal) -> bool {
         let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-        let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
         match self {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
-            ColorChoice::Auto => stream.is_terminal() && !set("NO_COLOR") && !dumb,
+            ColorChoice::Auto => stream.is_terminal() && !set("NO_COLOR") && !is_dumb(),
         }
     }
+}
+
+/// Whether the terminal says that it knows no escapes.
+pub fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|value| value == "dumb")
 }
 
 const RED: &str = "31";

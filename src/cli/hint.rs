@@ -64,11 +64,13 @@ fn nearest_path(path: &Path) -> Option<String> {
     )
 }
 
-/// The name that is nearest by letters inserted, dropped, changed or swapped; none where a third of them or more differ.
+/// The other name that is nearest by letters inserted, dropped, changed or swapped; none where a third of them or more differ.
 pub fn nearest<'a>(got: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(got, name);
     let best = names
         .into_iter()
+        // A link to nothing has the very name that was typed.
+        .filter(|name| *name != got)
         .map(|name| (distance(name), name))
         .min_by_key(|(far, _)| *far)?;
     (3 * best.0 <= got.chars().count().max(3)).then_some(best.1)
@@ -84,6 +86,7 @@ mod tests {
         assert_eq!(nearest("hist.uff", names), Some("hits.uff"));
         assert_eq!(nearest("a", names), Some("b"));
         assert_eq!(nearest("measurement.csv", names), None);
+        assert_eq!(nearest("hits.uff", names), None);
     }
 
     #[test]

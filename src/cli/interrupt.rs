@@ -4,6 +4,8 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
+use super::color::is_dumb;
+
 /// The longest time that an interrupt waits for files that are being written, in hundredths of a second.
 const PATIENCE: u32 = 500;
 
@@ -15,8 +17,8 @@ impl Writing {
     /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a stretch of writing.
     pub fn guarded() -> Self {
         let lock: &'static Mutex<()> = Box::leak(Box::new(Mutex::new(())));
-        // Without a handler the system ends the program at once.
-        let _ = ctrlc::set_handler(move || end(lock));
+        // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends the program at once.
+        let _ = ctrlc::try_set_handler(move || end(lock));
         Self(lock)
     }
 
@@ -42,7 +44,7 @@ fn end(lock: &'static Mutex<()>) {
     };
     let stderr = std::io::stderr();
     // In place of the progress that may stand there.
-    let clear = if stderr.is_terminal() {
+    let clear = if stderr.is_terminal() && !is_dumb() {
         "\r\u{1b}[2K"
     } else {
         ""

@@ -9,7 +9,7 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
-use crate::io::{Hints, IoError, Source, open_path, sha256_hex, write_atomically, write_new};
+use crate::io::{Hints, NewFile, Source, open_path, sha256_hex, write_all_new};
 use crate::linalg::Vector3;
 use crate::report::Block;
 use crate::scene::{
@@ -109,14 +109,16 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     };
     let draft = draft_scene(&files, &plan);
     let source = source_text(args, &files)?;
-    if args.copy {
-        args.files
-            .iter()
-            .try_for_each(|path| copy(path, &raw(args, path)))?;
-    }
+    let copied = args.files.iter().filter(|_| args.copy);
+    let mut written: Vec<(PathBuf, NewFile)> = copied
+        .map(|path| (raw(args, path), NewFile::CopyOf(path)))
+        .collect();
     for (name, text) in NAMES.iter().zip([source.as_str(), EXPECTED, &draft.scene]) {
-        write_new(&args.folder.join(name), text)?;
+        written.push((args.folder.join(name), NewFile::Text(text)));
     }
+    let writing = output.writing();
+    write_all_new(&written)?;
+    drop(writing);
     for source in &sources {
         output.findings(&source.catalog().findings);
     }
@@ -152,8 +154,22 @@ fn told(args: &NewArgs, scene: &str) -> String {
     };
     text + &format!(
         "\nThen: modalign run {} prints {next}.",
-        args.folder.display()
+        typed(&args.folder)
     )
+}
+
+/// A path as a shell takes it for one word.
+fn typed(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain =
+        |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c) || (cfg!(windows) && c == '\\');
+    if text.chars().all(is_plain) {
+        text
+    } else if cfg!(windows) {
+        format!("\"{text}\"")
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
 }
 
 /// Nothing that would be written may be there, and there is one hit point for all files or one for each.
@@ -263,19 +279,6 @@ fn resolved(path: &Path) -> Option<PathBuf> {
     })
 }
 
-fn copy(from: &Path, to: &Path) -> Result<(), IoError> {
-    let failed = |source| IoError::System {
-        path: from.display().to_string(),
-        action: "copy",
-        source,
-    };
-    write_atomically(to, |out| {
-        let mut file = std::fs::File::open(from).map_err(failed)?;
-        std::io::copy(&mut file, out).map_err(failed)?;
-        Ok(())
-    })
-}
-
 /// The `[model]` of the scene; its bodies are where sensors can sit.
 fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
@@ -310,30 +313,35 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     })
 }
 
-/// Points of a list of lines `POINT,X,Y,Z`; a heading and remarks (`#`) are passed over.
+/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and remarks (`#`) are passed over.
 fn points(path: &Path) -> Result<Geometry, Error> {
     let name = path.display().to_string();
     let text = read_text(path)?;
     let mut geometry = Geometry::default();
+    let mut known = BTreeSet::new();
     for (index, line) in text.lines().enumerate() {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let numbers: Vec<f64> = fields[1..]
             .iter()
             .filter_map(|text| text.parse().ok())
             .collect();
-        let is_point = format!("{}:+X", fields[0]).parse::<Dof>().is_ok();
-        match numbers.as_slice() {
+        let is_finite = numbers.iter().all(|value| value.is_finite());
+        let is_point = is_finite && format!("{}:+X", fields[0]).parse::<Dof>().is_ok();
+        let expected = match numbers.as_slice() {
             [x, y, z] if is_point && fields.len() == 4 => {
-                geometry
-                    .nodes
-                    .push(Node::new(fields[0], Vector3::new(*x, *y, *z)));
+                if known.insert(fields[0]) {
+                    let place = Vector3::new(*x, *y, *z);
+                    geometry.nodes.push(Node::new(fields[0], place));
+                    continue;
+                }
+                "every point once"
             }
-            _ if line.trim().is_empty() || line.starts_with('#') || index == 0 => {}
-            _ => {
-                let got = format!("{line:?} in line {} of {name}", index + 1);
-                return Err(argument("--points", got, "POINT,X,Y,Z in metres"));
-            }
-        }
+            [] if index == 0 => continue,
+            _ if line.trim().is_empty() || line.starts_with('#') => continue,
+            _ => "POINT,X,Y,Z in metres",
+        };
+        let got = format!("{line:?} in line {} of {name}", index + 1);
+        return Err(argument("--points", got, expected));
     }
     Ok(geometry)
 }
@@ -352,4 +360,41 @@ fn source_text(args: &NewArgs, files: &[DraftFile]) -> Result<String, Error> {
         );
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_is_quoted_where_a_shell_would_part_it() {
+        assert_eq!(typed(Path::new("out/beam-1")), "out/beam-1");
+        assert_eq!(typed(Path::new("the beam")), "'the beam'");
+        assert_eq!(typed(Path::new("it's")), r"'it'\''s'");
+    }
+
+    #[test]
+    fn a_list_of_points_is_read_in_full_or_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            points(&path).map(|own| own.nodes.len())
+        };
+        assert_eq!(
+            read("point,x,y,z\n1,0,0,0\n\n# end\n2,0.1,0,0\n").unwrap(),
+            2
+        );
+        for (text, line) in [
+            ("1,0.1,0\n2,0,0,0\n", "line 1"),
+            ("1,0.1,0,here\n2,0,0,0\n", "line 1"),
+            ("1,inf,0,0\n", "line 1"),
+            ("1,0,0,0\n2,0,NaN,0\n", "line 2"),
+            ("1,0,0,0\n2,0,0,0\n1,0,0,1\n", "line 3"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(line), "{error}");
+        }
+    }
 }

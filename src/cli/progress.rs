@@ -7,11 +7,13 @@ use std::time::{Duration, Instant};
 
 use crate::scene::Observer;
 
+use super::color::is_dumb;
+
 /// Work that ends within this time shows nothing.
 const SILENT: Duration = Duration::from_millis(500);
 const REDRAWN: Duration = Duration::from_millis(200);
 
-/// Shows steps on standard error while it lives; nothing where that is no terminal.
+/// Shows steps on standard error while it lives; nothing where that is no terminal, or one that cannot draw in place.
 pub struct Progress {
     shown: Option<(Sender<String>, JoinHandle<()>)>,
 }
@@ -19,7 +21,7 @@ pub struct Progress {
 impl Progress {
     /// Begins with the name of the verb, unless nobody is to see it.
     pub fn new(what: &str, quiet: bool) -> Self {
-        let wanted = !quiet && std::io::stderr().is_terminal();
+        let wanted = !quiet && std::io::stderr().is_terminal() && !is_dumb();
         Self {
             shown: wanted.then(|| shown(what.to_owned())),
         }

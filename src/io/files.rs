@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
@@ -274,19 +274,68 @@ pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<(), IoError
     })
 }
 
-/// Writes a file as [`write_atomically`] does, but never over one that is there.
+/// What a new file holds.
+#[derive(Clone, Copy, Debug)]
+pub enum NewFile<'a> {
+    /// This text.
+    Text(&'a str),
+    /// What the file at this path holds.
+    CopyOf(&'a Path),
+}
+
+/// Writes files of which none may be there, each beside its name, and renames them when all are written. A failure leaves none of
+/// them, nor a folder that was made for them.
 ///
 /// # Errors
-/// [`IoError::System`], also when the file exists.
-pub fn write_new(path: &Path, content: impl AsRef<[u8]>) -> Result<(), IoError> {
-    let name = path.display().to_string();
-    let temporary = beside(path, |out| {
-        out.write_all(content.as_ref())
-            .map_err(system(&name, "write"))
-    })?;
-    temporary
-        .persist_noclobber(path)
-        .map_err(|error| system(&name, "create")(error.error))?;
+/// [`IoError::System`], also when one of the files exists.
+pub fn write_all_new(files: &[(PathBuf, NewFile)]) -> Result<(), IoError> {
+    let parents = files.iter().flat_map(|(path, _)| path.ancestors().skip(1));
+    let missing: BTreeSet<PathBuf> = parents
+        .filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+        .map(Path::to_path_buf)
+        .collect();
+    let mut placed = Vec::new();
+    let result = place_new(files, &mut placed);
+    if result.is_err() {
+        // The failure is what is told; what cannot be removed, or has got other files meanwhile, stays.
+        for path in placed {
+            let _ = std::fs::remove_file(path);
+        }
+        // Folders within folders first.
+        for folder in missing.iter().rev() {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+    result
+}
+
+fn place_new<'a>(
+    files: &'a [(PathBuf, NewFile)],
+    placed: &mut Vec<&'a Path>,
+) -> Result<(), IoError> {
+    let mut written = Vec::with_capacity(files.len());
+    for (path, content) in files {
+        let shown = path.display().to_string();
+        let temporary = beside(path, |out| match content {
+            NewFile::Text(text) => out
+                .write_all(text.as_bytes())
+                .map_err(system(&shown, "write")),
+            NewFile::CopyOf(from) => copy(from, out),
+        })?;
+        written.push((path, temporary));
+    }
+    for (path, temporary) in written {
+        let renamed = temporary.persist_noclobber(path);
+        renamed.map_err(|error| system(&path.display().to_string(), "create")(error.error))?;
+        placed.push(path);
+    }
+    Ok(())
+}
+
+fn copy(from: &Path, out: &mut dyn WriteSeek) -> Result<(), IoError> {
+    let name = from.display().to_string();
+    let mut file = File::open(from).map_err(system(&name, "copy"))?;
+    std::io::copy(&mut file, out).map_err(system(&name, "copy"))?;
     Ok(())
 }
 
@@ -329,6 +378,30 @@ mod tests {
         };
         assert!(write_atomically(&path, fail).is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn of_new_files_all_come_or_none_and_none_is_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("there.txt"), "of an earlier day").unwrap();
+        let (there, gone) = (path("there.txt"), path("gone.txt"));
+        let first = (path("a/raw/first.txt"), NewFile::CopyOf(&there));
+        for last in [
+            (path("there.txt"), NewFile::Text("new")),
+            (path("a/last.txt"), NewFile::CopyOf(&gone)),
+        ] {
+            assert!(write_all_new(&[first.clone(), last]).is_err());
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+            assert_eq!(std::fs::read(&there).unwrap(), b"of an earlier day");
+        }
+        let last = (path("a/last.txt"), NewFile::Text("new"));
+        write_all_new(&[first, last]).unwrap();
+        assert_eq!(std::fs::read(path("a/last.txt")).unwrap(), b"new");
+        assert_eq!(
+            std::fs::read(path("a/raw/first.txt")).unwrap(),
+            b"of an earlier day"
+        );
     }
 
     #[test]

@@ -28,12 +28,8 @@ impl ModeShape {
     /// The value along the positive axis of this degree of freedom, whichever way the sensor there points.
     pub fn along_positive(&self, dof: &Dof) -> Option<Complex64> {
         let positive = dof.positive();
-        self.get(&positive).or_else(|| {
-            self.values
-                .iter()
-                .find(|(own, _)| own.positive() == positive)
-                .map(|(own, value)| *value * own.sign())
-        })
+        self.get(&positive)
+            .or_else(|| self.get(&positive.opposite()).map(|value| -value))
     }
 
     /// Degrees of freedom and values in order.

@@ -300,10 +300,14 @@ fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
     let cost = |old: &Mode, new: &Mode| {
         let apart = (new.frequency_hz - old.frequency_hz).abs();
         let part = apart / (SAME_MODE * old.frequency_hz.abs()).max(f64::MIN_POSITIVE);
+        // Another mode, as is one whose frequency is no number.
+        if !matches!(part, 0.0..=1.0) {
+            return None;
+        }
         let (own, other, _) = common(new, old);
         let unlike = 1.0 - mac(&own, &other).unwrap_or(1.0);
         // Below 1, the cost of a mode without a partner.
-        (part <= 1.0).then_some(0.49 * (part + unlike))
+        Some(0.49 * (part + unlike))
     };
     let costs: Vec<Vec<Option<f64>>> = before
         .modes
@@ -334,9 +338,9 @@ fn common(now: &Mode, before: &Mode) -> Common {
 }
 
 fn std_at(stds: &Option<BTreeMap<Dof, f64>>, dof: &Dof) -> Option<f64> {
-    let mut all = stds.as_ref()?.iter();
-    let found = all.find(|(own, _)| own.positive() == dof.positive());
-    found.map(|(_, std)| *std)
+    let stds = stds.as_ref()?;
+    let found = stds.get(dof).or_else(|| stds.get(&dof.opposite()));
+    found.copied()
 }
 
 fn shape_changes(

@@ -226,7 +226,7 @@ fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     );
     text +=
         "# hits = \"files\"           # each file is one hit; \"trigger\": continuous records\n";
-    for (number, what) in open_records(files) {
+    for (number, what) in open_records(files, dofs) {
         let _ = write!(
             text,
             "[[test.channel]]\ncolumn = {number}   # number of the record within its hit\n{what}"
@@ -239,40 +239,67 @@ fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
 }
 
 /// What records leave open, by their number within their hit.
-fn open_records(files: &[&DraftFile]) -> BTreeMap<usize, String> {
+fn open_records(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> BTreeMap<usize, String> {
     let mut open = BTreeMap::new();
     for file in files {
-        let mut counts: BTreeMap<(i64, i64), usize> = BTreeMap::new();
-        let times = file
-            .catalog
-            .entries
-            .iter()
-            .filter(|entry| entry.function_type == FunctionType::Time);
-        for entry in times {
+        let mut hits: BTreeMap<(i64, i64), Vec<&Entry>> = BTreeMap::new();
+        for entry in of_type(std::slice::from_ref(file), FunctionType::Time) {
             let id = &entry.identification;
-            let number = counts.entry((id.version, id.load_case)).or_default();
-            *number += 1;
-            let mut lines = String::new();
-            if entry.quantity.is_none() || entry.to_si.is_none() {
-                let label = entry.unit_label.as_str();
-                let _ = writeln!(
-                    lines,
-                    "unit = \"{FILL_IN}\"   # N for the force, m/s2, g, m/s or m for a response; the header says {label:?}"
-                );
+            let hit = hits.entry((id.version, id.load_case)).or_default();
+            hit.push(entry);
+        }
+        for hit in hits.values() {
+            let stated = file.response.filter(|_| has_one_unnamed(hit));
+            for (number, entry) in (1..).zip(hit) {
+                let lines = record_text(entry, stated);
+                if !lines.is_empty() {
+                    open.entry(number).or_insert(lines);
+                }
             }
-            let is_force = entry.quantity == Some(Quantity::Force);
-            if entry.response.is_none() && !is_force {
-                let _ = writeln!(
-                    lines,
-                    "dof = \"{FILL_IN}\"   # point and direction of this sensor (or of the hit), such as 1:+Z"
-                );
-            }
-            if !lines.is_empty() {
-                open.entry(*number).or_insert(lines);
-            }
+            dofs.extend(stated.map(Dof::positive));
         }
     }
     open
+}
+
+/// Whether a record is, or may be, a response and names no sensor.
+fn is_unnamed(entry: &Entry) -> bool {
+    entry.response.is_none() && entry.quantity != Some(Quantity::Force)
+}
+
+/// Whether one record of a hit alone is a response that names no sensor; one without a unit is a response where another record is
+/// the force.
+fn has_one_unnamed(hit: &[&Entry]) -> bool {
+    let has_force = hit
+        .iter()
+        .any(|entry| entry.quantity == Some(Quantity::Force));
+    let mut unnamed = hit.iter().filter(|entry| is_unnamed(entry));
+    match (unnamed.next(), unnamed.next()) {
+        (Some(only), None) => has_force || only.quantity.is_some(),
+        _ => false,
+    }
+}
+
+/// The lines of a record in its hit: unit and sensor, where they are open.
+fn record_text(entry: &Entry, stated: Option<&Dof>) -> String {
+    let mut lines = String::new();
+    if entry.quantity.is_none() || entry.to_si.is_none() {
+        let label = entry.unit_label.as_str();
+        let _ = writeln!(
+            lines,
+            "unit = \"{FILL_IN}\"   # N for the force, m/s2, g, m/s or m for a response; the header says {label:?}"
+        );
+    }
+    if is_unnamed(entry) {
+        let _ = match stated {
+            Some(dof) => writeln!(lines, "dof = \"{dof}\""),
+            None => writeln!(
+                lines,
+                "dof = \"{FILL_IN}\"   # point and direction of this sensor (or of the hit), such as 1:+Z"
+            ),
+        };
+    }
+    lines
 }
 
 /// Whether a file with a force names no hit point: neither its force record nor a reference of the responses.

@@ -55,8 +55,12 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
     let by_file = is_function || hit_points.len() > 1;
+    // One response is that of one column; the parts of one function are one.
+    let several = ["response", "real", "imaginary", "magnitude"]
+        .iter()
+        .any(|role| roles.iter().filter(|own| **own == Some(*role)).count() > 1);
     let stated = Stated {
-        response: files[0].response,
+        response: files[0].response.filter(|_| !several),
         hit_point: files[0].reference.filter(|_| !by_file),
         by_file,
     };

@@ -179,6 +179,12 @@ fn what_is_wrong_in_a_comparison_is_named_in_its_row() {
         rows.push(row);
     });
     assert_eq!(extra, ["x1"]);
+    let second = rows_after(&|rows| {
+        let mut field = rows[1]["tests"][0].clone();
+        field["test"] = "shaker".into();
+        rows[1]["tests"].as_array_mut().unwrap().push(field);
+    });
+    assert_eq!(second, ["f2 shaker"], "a test that the baseline has not");
 }
 
 #[test]
@@ -211,8 +217,15 @@ fn an_update_keeps_its_parameters_within_their_deviations() {
     assert!(error.contains("two results of the same kind"), "{error}");
 }
 
-/// The elements of a well-formed XML text in their order: depth, name, attributes.
-fn elements(text: &str) -> Vec<(usize, String, Vec<(String, String)>)> {
+/// An element of an XML text.
+struct Element {
+    depth: usize,
+    name: String,
+    attributes: Vec<(String, String)>,
+}
+
+/// The elements of a well-formed XML text in their order.
+fn elements(text: &str) -> Vec<Element> {
     let (mut found, mut open): (Vec<_>, Vec<String>) = (Vec::new(), Vec::new());
     let mut rest = text
         .strip_prefix("<?xml version=\"1.0\" encoding=\"UTF-8\"?>")
@@ -239,7 +252,11 @@ fn elements(text: &str) -> Vec<(usize, String, Vec<(String, String)>)> {
             attributes.push((key.to_owned(), value.to_owned()));
             list = after;
         }
-        found.push((open.len(), name.to_owned(), attributes));
+        found.push(Element {
+            depth: open.len(),
+            name: name.to_owned(),
+            attributes,
+        });
         if !closed {
             open.push(name.to_owned());
         }
@@ -254,7 +271,7 @@ fn assert_junit(text: &str) -> (usize, usize) {
     let all = elements(text);
     let shape: Vec<(usize, &str)> = all
         .iter()
-        .map(|(depth, name, _)| (*depth, name.as_str()))
+        .map(|own| (own.depth, own.name.as_str()))
         .collect();
     assert_eq!(
         shape[..4],
@@ -270,7 +287,9 @@ fn assert_junit(text: &str) -> (usize, usize) {
         [(2, "system-out"), (2, "system-err")]
     );
     let value = |index: usize, key: &str| {
-        let (_, name, attributes) = &all[index];
+        let Element {
+            name, attributes, ..
+        } = &all[index];
         let found = attributes.iter().find(|(own, _)| own == key);
         found
             .unwrap_or_else(|| panic!("{name} has no {key}"))
@@ -278,8 +297,8 @@ fn assert_junit(text: &str) -> (usize, usize) {
             .clone()
     };
     let (mut cases, mut failures) = (0, 0);
-    for index in 4..all.len() - 2 {
-        match shape[index] {
+    for (index, own) in shape.iter().enumerate().take(all.len() - 2).skip(4) {
+        match own {
             (2, "testcase") => {
                 cases += 1;
                 for key in ["name", "classname"] {

@@ -78,11 +78,13 @@ fn colours_come_when_they_are_asked_for_and_never_into_json() {
     }
 }
 
-/// A line of shell with a terminal as its standard output and error.
+/// A line of shell with a terminal as its standard output and error. Signals end the program though the suite may run under
+/// `nohup`.
 #[cfg(target_os = "linux")]
-fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> Option<String> {
+fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
     let program = assert_cmd::cargo::cargo_bin("modalign");
-    let line = line.replace("modalign", &program.display().to_string());
+    let program = format!("env --default-signal {}", program.display());
+    let line = line.replace("modalign", &program);
     let mut script = Command::new("script");
     script
         .current_dir(root())
@@ -90,21 +92,21 @@ fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> Option<String> {
         .env_remove("NO_COLOR")
         .env("TERM", "xterm")
         .stdin(Stdio::null());
-    let output = script.envs(environment.iter().copied()).output().ok()?;
-    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+    let output = script.envs(environment.iter().copied()).output();
+    let output =
+        output.expect("`script` of util-linux (Debian: bsdutils, essential) makes the terminal");
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_work() {
     let verdicts = "modalign run measurements/free-free-beam";
-    let Some(shown) = on_a_terminal(verdicts, &[]) else {
-        return;
-    };
+    let shown = on_a_terminal(verdicts, &[]);
     assert!(shown.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{shown}");
-    let plain = on_a_terminal(verdicts, &[("NO_COLOR", "1")]).unwrap();
+    let plain = on_a_terminal(verdicts, &[("NO_COLOR", "1")]);
     assert!(!plain.contains("\u{1b}[1;"), "{plain}");
-    let empty = on_a_terminal(verdicts, &[("NO_COLOR", "")]).unwrap();
+    let empty = on_a_terminal(verdicts, &[("NO_COLOR", "")]);
     assert!(
         empty.contains("\u{1b}[1;"),
         "an empty NO_COLOR says nothing"
@@ -113,15 +115,21 @@ fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_w
     let waiting = "mkfifo $D/pipe.uff; sleep 2.5 > $D/pipe.uff & timeout --foreground -s INT 2 modalign identify $D/pipe.uff";
     let folder = tempfile::tempdir().unwrap();
     let place = [("D", folder.path().to_str().unwrap())];
-    let shown = on_a_terminal(waiting, &place).unwrap();
+    let shown = on_a_terminal(waiting, &place);
     assert!(
         shown.contains("\r\u{1b}[2Kidentify  0 s") && shown.contains("identify  1 s"),
         "{shown:?}"
     );
     assert!(shown.contains("\u{1b}[2Kerror: interrupted"), "{shown:?}");
     std::fs::remove_file(folder.path().join("pipe.uff")).unwrap();
-    let quiet = on_a_terminal(&format!("{waiting} --quiet"), &place).unwrap();
+    let quiet = on_a_terminal(&format!("{waiting} --quiet"), &place);
     assert!(!quiet.contains("identify  "), "{quiet:?}");
+    std::fs::remove_file(folder.path().join("pipe.uff")).unwrap();
+    let dumb = on_a_terminal(waiting, &[place[0], ("TERM", "dumb")]);
+    assert!(
+        !dumb.contains('\u{1b}') && dumb.contains("error: interrupted"),
+        "{dumb:?}"
+    );
 }
 
 #[test]

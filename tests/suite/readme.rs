@@ -30,12 +30,14 @@ fn help(verb: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The command of a line of the README or of an example: `modalign ...`, perhaps as a step of a workflow, without its remark.
+/// The command of a line of the README or of an example: `modalign ...` or `cp ...`, perhaps as a step of a workflow, without its
+/// remark.
 fn command_of(line: &str) -> Option<&str> {
     let line = line.trim();
     let line = line.strip_prefix("- run: ").unwrap_or(line);
     let line = line.split("  #").next().unwrap_or(line).trim();
-    line.starts_with("modalign ").then_some(line)
+    let is_known = line.starts_with("modalign ") || line.starts_with("cp ");
+    is_known.then_some(line)
 }
 
 /// Commands in blocks of the README.
@@ -186,6 +188,11 @@ fn every_command_of_the_readme_and_every_example_runs() {
         std::fs::write(folder.path().join("model.toml"), &model).unwrap();
         std::fs::write(folder.path().join("modes.json"), &modes).unwrap();
         let (words, target) = words(&line);
+        if line.starts_with("cp ") {
+            let [from, to] = [0, 1].map(|index| folder.path().join(&words[index]));
+            std::fs::copy(from, to).unwrap();
+            continue;
+        }
         let output = run(folder.path(), &words);
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{line}\n{error}");

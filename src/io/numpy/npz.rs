@@ -79,11 +79,14 @@ impl Format for Npz {
             })
         };
         let findings = layout::write_layout(source, options.precision, &mut put)?;
-        archive.finish().map_err(|error| IoError::System {
-            path: options.path.clone(),
-            action: "write",
-            source: error.into(),
-        })?;
+        let finished = archive.finish().map_err(std::io::Error::from);
+        finished
+            .and_then(UntilFailed::end)
+            .map_err(|source| IoError::System {
+                path: options.path.clone(),
+                action: "write",
+                source,
+            })?;
         Ok(findings)
     }
 }
