@@ -222,7 +222,13 @@ fn standard_output_without_space_is_an_error_and_one_that_nobody_reads_is_not() 
 
 /// The program in a folder, running.
 fn spawned(folder: &Path, line: &str) -> Child {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("modalign"));
+    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let mut command = Command::new(&program);
+    if cfg!(target_os = "linux") {
+        // Signals end it though the suite may run under `nohup`.
+        command = Command::new("env");
+        command.arg("--default-signal").arg(&program);
+    }
     command.current_dir(folder).args(line.split(' '));
     command
         .stdout(Stdio::piped())

@@ -171,6 +171,66 @@ fn what_columns_mean_is_asked_for_line_by_line() {
 }
 
 #[test]
+fn a_stated_sensor_is_that_of_one_column_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    for (name, heading, open) in [
+        ("one", "force,acceleration", 0),
+        ("two", "force,acceleration,velocity", 2),
+    ] {
+        let row = |i: usize| {
+            let values = heading.split(',').enumerate();
+            let values: Vec<String> = values.map(|(j, _)| (i % (7 - j)).to_string()).collect();
+            values.join(",") + "\n"
+        };
+        let rows: String = (0..64).map(row).collect();
+        let file = format!("{name}.csv");
+        write(folder.path(), &[(&file, &format!("{heading}\n{rows}"))]);
+        succeed(["new", &path(name), &path(&file), "--response", "2:+Z"]);
+        let scene = std::fs::read_to_string(folder.path().join(name).join("scene.toml")).unwrap();
+        assert_eq!(
+            scene.matches("# the sensor with its direction").count(),
+            open,
+            "{scene}"
+        );
+        assert_eq!(scene.contains("\ndof = \"2:+Z\""), open == 0, "{scene}");
+    }
+}
+
+#[test]
+fn a_stated_sensor_is_that_of_the_record_that_names_none() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    succeed([
+        "convert",
+        &path("hits.uff"),
+        "--text",
+        "-o",
+        &path("text.uff"),
+    ]);
+    // Node and direction of the response, before those of the hit, of which a force has none.
+    let sensor = "NONE               1   3 NONE";
+    let unnamed = |line: &str| match line.ends_with("0   0") {
+        true => line.to_owned() + "\n",
+        false => line.replacen(sensor, "NONE               0   0 NONE", 1) + "\n",
+    };
+    let text = std::fs::read_to_string(path("text.uff")).unwrap();
+    let text: String = text.lines().map(unnamed).collect();
+    write(folder.path(), &[("open.uff", &text)]);
+    let asked = succeed(["new", &path("asked"), &path("open.uff")]);
+    assert!(asked.contains("1 lines are to be filled in"), "{asked}");
+    let told = succeed([
+        "new",
+        &path("said"),
+        &path("open.uff"),
+        "--response",
+        "1:+Z",
+    ]);
+    assert!(told.contains("the files state everything"), "{told}");
+    succeed(["frf", &path("said"), "-o", &path("frfs.uff")]);
+}
+
+#[test]
 fn nothing_is_written_over() {
     let folder = recorded();
     let path = |name: &str| at(folder.path(), name);
