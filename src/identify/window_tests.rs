@@ -20,7 +20,7 @@ const SENSORS: usize = 60;
 fn measured() -> (Receptances, Sides, [Complex64; 2]) {
     let shape = |a: f64| {
         let value = |p: usize| {
-            if p % 2 == 0 {
+            if p.is_multiple_of(2) {
                 (a * p as f64).cos()
             } else {
                 1e-3

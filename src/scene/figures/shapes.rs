@@ -171,7 +171,11 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
     let mut placed: Vec<(Dof, Placed)> = dofs.iter().filter_map(known).collect();
     // Points of a model without places are all at one; where its bodies turn, they are drawn about it.
     let first = placed.first();
-    let one_place = first.is_some_and(|(_, own)| placed.iter().all(|(_, p)| p.at_m == own.at_m));
+    let same = |a: &Placed, b: &Placed| {
+        let mut axes = a.at_m.iter().zip(&b.at_m);
+        axes.all(|(a, b)| (a - b).abs() < f64::MIN_POSITIVE)
+    };
+    let one_place = first.is_some_and(|(_, own)| placed.iter().all(|(_, p)| same(p, own)));
     let several =
         first.is_some_and(|(own, _)| placed.iter().any(|(d, _)| d.point() != own.point()));
     let in_a_row = placed.is_empty() || (several && one_place && shown.motion.is_none());
