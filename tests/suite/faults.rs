@@ -25,7 +25,7 @@ fn prepared() -> tempfile::TempDir {
     let beam = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
     let spec = text("synth.toml").replace("samples = 32768", "samples = 2048");
-    let scene = text("scene.toml") + "\n[update]\nparameters = [\"youngs_modulus\"]\n";
+    let scene = text("scene.toml");
     write(
         folder.path(),
         &[

@@ -113,7 +113,7 @@ fn results_are_held_against_limits_and_baselines() {
     );
     let report = std::fs::read_to_string(&junit).unwrap();
     assert!(
-        report.contains("<failure") && report.contains("mode at 143.2"),
+        report.contains("<failure") && report.contains("mode 1 at 143.2"),
         "{report}"
     );
 }

@@ -120,11 +120,10 @@ fn prepared() -> tempfile::TempDir {
     }
     let machine = folder.path().join("measurements/machine");
     std::fs::create_dir_all(&machine).unwrap();
-    let freed = "\n[update]\nparameters = [\"youngs_modulus\"]\n";
     write(
         &machine,
         &[
-            ("scene.toml", &(scene.clone() + freed)),
+            ("scene.toml", scene.as_str()),
             ("model.toml", &model),
             ("synth.toml", &spec),
         ],
