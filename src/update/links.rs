@@ -5,10 +5,14 @@ use crate::linalg::RealMatrix;
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
 
+use super::target::TargetShapes;
 use super::{Target, UpdateError};
 
 /// Shares below this are not looked at when modes are followed.
 const NO_SHARE: f64 = 1e-3;
+
+/// Size of a shape at the sensors, over that of the largest in its link, that is rounding.
+const UNSEEN: f64 = 1e-6;
 
 /// Measured roots that meet one root of the model.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -165,6 +169,28 @@ pub(super) fn with_whole_roots(
     }
     whole.sort();
     whole
+}
+
+/// The same links without modes that no sensor of their targets reads, where others are read: those came with a root that is one no
+/// more.
+pub(super) fn without_unseen(
+    mut links: Vec<Link>,
+    targets: &[Target],
+    modes: &TheoryModes,
+) -> Vec<Link> {
+    for link in links.iter_mut().filter(|link| link.modes.len() > 1) {
+        let shapes = link.targets.iter();
+        let shapes: Vec<_> = shapes.filter_map(|&t| targets[t].shapes.as_ref()).collect();
+        let squared = |k: usize| -> f64 {
+            let of = |own: &&TargetShapes| (&own.rows * modes.vectors.col(k)).squared_norm_l2();
+            shapes.iter().map(of).sum()
+        };
+        let most = link.modes.iter().map(|&k| squared(k)).fold(0.0, f64::max);
+        if most > 0.0 {
+            link.modes.retain(|&k| squared(k) > UNSEEN * UNSEEN * most);
+        }
+    }
+    links
 }
 
 /// The same links after the modes of the model have changed: every mode goes where most of its shape goes, `(phi^T M

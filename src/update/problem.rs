@@ -13,7 +13,7 @@ use crate::theory::{
 };
 
 use super::frfs::FrfTarget;
-use super::links::{PairedModes, follow, with_whole_roots};
+use super::links::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ShapeRows, targets_of};
@@ -288,7 +288,8 @@ impl<'a> UpdateProblem<'a> {
         let values = self.values(z);
         let matrices = self.model.assemble(&values)?;
         let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
-        let links = with_whole_roots(links(&modes), &self.targets, &modes);
+        let links = without_unseen(links(&modes), &self.targets, &modes);
+        let links = with_whole_roots(links, &self.targets, &modes);
         let mut residual = self.data_residuals(&matrices, &modes, &links);
         let data_rows = residual.len();
         residual.extend(z.iter().map(|z| self.prior_weight * z));
