@@ -1,7 +1,7 @@
 """Opens HTML reports in headless Chromium and uses them as a person does.
 
-    python3 -m venv /tmp/venv && /tmp/venv/bin/pip install websocket-client
-    /tmp/venv/bin/python tests/reference/report.py target/release/modalign /tmp/report-check
+    python3 -m venv venv && venv/bin/pip install websocket-client
+    venv/bin/python tests/reference/report.py target/release/modalign OUT
 
 Needs Debian's `chromium`. Runs the scenes `free-free-beam` and `cycloid-ball` with `-o` (folders that hold a report.html
 are kept), then checks of each page: no console error, no request beside the file, size and first paint, every tab draws, values under the
