@@ -5,6 +5,7 @@ use crate::frf::FrfError;
 use crate::identify::IdentifyError;
 use crate::io::IoError;
 use crate::scene::SceneError;
+use crate::study::StudyError;
 use crate::synth::SynthError;
 use crate::theory::TheoryError;
 
@@ -33,6 +34,9 @@ pub enum Error {
     /// A scene, or a stage that it ran.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A study of methods.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// Standard output.
     #[error("standard output: {0}")]
     Output(#[source] std::io::Error),

@@ -2,6 +2,7 @@
 //!
 //! A finding never stops the chain. Its sentence is made here from its parts, so that every report says the same.
 
+mod chinese;
 mod place;
 
 use std::fmt;
@@ -283,6 +284,9 @@ codes! {
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",
         "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";
+    /// A factor on all stiffnesses that would pair most modes.
+    CommonFactor: "few modes pair as the model stands, but by their shapes most would with all its stiffnesses times one factor; nothing was changed",
+        "Most test modes are like one root of the model alone, and their frequencies are all about as far off. The value is the factor on all stiffnesses (the square of that on frequencies), with its standard deviation from mode to mode: where that is small, one modulus, unit or scale may be wrong, and masses by one over it would do as well. It is a suggestion. Look at units and thicknesses first, or free the parameter that scales all stiffnesses in [update].";
     /// Two modes of one set with one shape.
     DuplicateModes: "this mode has nearly the same shape and frequency as another of its set: one mode found twice, or sensors that cannot tell two apart",
         "The value is the MAC of both (autoMAC). A stabilization diagram read twice, two poles fitted to one resonance that moved between runs, or too few sensors give such a pair. Keep the one that explains more of the response, or measure at more points.";
@@ -395,6 +399,9 @@ impl fmt::Display for Finding {
             .as_deref()
             .map_or_else(String::new, |u| format!(" {u}"));
         match (self.value, self.limit) {
+            (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
+                write!(f, " ({} ± {})", short(value), short(spread))
+            }
             (Some(value), Some(limit)) => {
                 write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))
             }

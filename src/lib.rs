@@ -112,6 +112,8 @@
 //! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
 //! | [`scene::Observer`] | who hears how far long work has come | `scene` |
 //! | [`scene::Figures`] | what the figures of a report show | `scene` |
+//! | [`study::System`] | a linear system known by its modes, as studies draw from it | `study` |
+//! | [`study::breakdown::Slice`] | where methods fail, over two factors | `study` |
 //! | [`report::Renderer`] | blocks to text | `report` |
 //! | [`report::json::RunReport`] | a run as its HTML page shows it, [`report::report_page`] | `report` |
 //!
@@ -139,9 +141,10 @@
 //! | `update` | axis correlate dof finding frf geometry linalg modal quantity theory |
 //! | `synth` | axis dof finding fourier frf geometry linalg modal quantity record theory |
 //! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory update |
-//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal synth theory update |
-//! | `error` | correlate frf identify io scene signal synth theory update |
-//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal synth theory update |
+//! | `study` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record scene signal synth theory update |
+//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal study synth theory update |
+//! | `error` | correlate frf identify io scene signal study synth theory update |
+//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal study synth theory update |
 //!
 //! `report` sees result types of every stage, never a computation.
 //!
@@ -176,6 +179,7 @@ pub mod record;
 pub mod report;
 pub mod scene;
 pub mod signal;
+pub mod study;
 pub mod synth;
 pub mod theory;
 pub mod update;

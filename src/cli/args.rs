@@ -14,6 +14,7 @@ use super::color::ColorChoice;
 use super::completions::CompletionsArgs;
 use super::hint::nearest;
 use super::new::NewArgs;
+use super::study::StudyArgs;
 
 /// Correlates a hammer test with a theoretical model of the same machine.
 #[derive(Debug, Parser)]
@@ -48,7 +49,7 @@ pub struct Global {
     /// signalcalc, table).
     #[arg(long, global = true, value_name = "NAME")]
     pub format: Option<String>,
-    /// Captions and headings of tables in English or Chinese; definitions below them stay English.
+    /// Captions and headings of tables and findings in English or Chinese; definitions below the tables, CSV and JSON stay English.
     #[arg(long, global = true, value_name = "en|zh", default_value = "en", value_parser = language)]
     pub lang: Language,
     /// Colours of words in messages and verdicts; auto: on a terminal, unless NO_COLOR is set.
@@ -80,6 +81,8 @@ pub enum Verb {
     Update(UpdateArgs),
     /// Make a synthetic hammer test with its truth.
     Synth(SynthArgs),
+    /// Study the methods: how fast and exact they are, and where they fail.
+    Study(StudyArgs),
     /// Build the HTML report of a finished run again.
     Report(ReportArgs),
     /// Hold a result against limits or a baseline; the exit code says whether it is met.
@@ -99,6 +102,9 @@ pub struct RunArgs {
     /// Write tables, modes, FRFs, recordings and the HTML report into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Write every figure as PNG, too, 300 dots to the inch.
+    #[arg(long, requires = "output")]
+    pub png: bool,
     /// Go on with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
@@ -110,6 +116,9 @@ pub struct RunArgs {
 pub struct ReportArgs {
     /// The folder that `run -o` wrote; with the `update.json` of `update -o` in it the update is in the report.
     pub folder: PathBuf,
+    /// Write every figure as PNG, too, 300 dots to the inch.
+    #[arg(long)]
+    pub png: bool,
 }
 
 /// `inspect`.
@@ -367,6 +376,9 @@ pub struct UpdateArgs {
     /// Write update.json, the updated model.toml and the tables into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Write every figure as PNG, too, 300 dots to the inch.
+    #[arg(long, requires = "output")]
+    pub png: bool,
     /// Go on with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,

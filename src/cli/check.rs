@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::io::{MODES_SCHEMA, modes_from_json, write_whole};
+use crate::io::{MODES_SCHEMA, modes_from_json};
 use crate::modal::ModalModel;
 use crate::report::json::{
     COMPARISON_SCHEMA, ComparisonFile, TestFile, UPDATE_SCHEMA, comparison_from_json,
@@ -22,6 +22,7 @@ use super::Outcome;
 use super::args::CheckArgs;
 use super::junit::junit;
 use super::output::Output;
+use super::targets::{check_targets, targets};
 
 /// The theory of a comparison is computed: the same model gives the same roots but for rounding.
 const THEORY_PERCENT: f64 = 1e-4;
@@ -57,6 +58,8 @@ struct UpdateResult {
 
 /// Exit code 0 when every limit is met, 1 when one is missed.
 pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
+    let read = [args.result.clone(), args.against.clone()];
+    check_targets(&targets([("--junit", args.junit.as_ref())]), &read)?;
     let result = read_result(&args.result)?;
     let is_json = args
         .against
@@ -76,11 +79,8 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     }
     if let Some(path) = &args.junit {
         let suite = args.result.display().to_string();
-        let _writing = output.writing();
-        write_whole(
-            path,
-            junit(&suite, &args.against.display().to_string(), &rows),
-        )?;
+        let against = args.against.display().to_string();
+        output.file(path, junit(&suite, &against, &rows));
     }
     output.blocks(&[verdicts_block(&rows)]);
     output.json(|| checks_json(&rows));

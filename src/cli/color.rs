@@ -48,8 +48,8 @@ fn painted(text: &str, color: &str) -> String {
 /// A message with its severity, the word before the first colon, in colour.
 pub fn message(line: &str) -> String {
     let color = |word: &str| match word {
-        "error" => Some(RED),
-        "warning" => Some(YELLOW),
+        "error" | "错误" => Some(RED),
+        "warning" | "警告" => Some(YELLOW),
         _ => None,
     };
     match line.split_once(':') {

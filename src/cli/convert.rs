@@ -1,5 +1,7 @@
 //! `modalign convert`: between any two formats that can hold the data.
 
+use std::path::PathBuf;
+
 use crate::error::Error;
 use crate::finding::Finding;
 use crate::io::{
@@ -12,6 +14,7 @@ use crate::scene::{Scene, TestSource, open_test};
 use super::Outcome;
 use super::args::ConvertArgs;
 use super::output::{Output, check_extension};
+use super::targets::{check_targets, files_of, targets};
 
 /// Writes what the inputs hold; says what could not be carried. Exit code 1 when part of an input was bad and left out.
 pub fn convert(
@@ -20,6 +23,8 @@ pub fn convert(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_extension(Some(&args.output), &writable_extensions())?;
+    let read: Vec<PathBuf> = args.inputs.iter().flat_map(|own| files_of(own)).collect();
+    check_targets(&targets([("-o", Some(&args.output))]), &read)?;
     let mut merged = sources(args, format)?;
     merged.leave_out_unreadable();
     let catalog = merged.catalog();

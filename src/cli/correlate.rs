@@ -9,9 +9,8 @@ use crate::correlate::measures::{
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
 use crate::error::Error;
-use crate::finding::Finding;
 use crate::geometry::{Geometry, Sensor};
-use crate::io::{modes_to_json, write_whole};
+use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
     Block, alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks,
@@ -27,7 +26,8 @@ use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
-use super::output::{MODES, Output, check_extension, check_numbered, numbered, write_modes};
+use super::output::{MODES, Output, check_extension};
+use super::targets::{check_correlate, numbered};
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held against FRFs, a test without
 /// a theory against itself.
@@ -63,6 +63,7 @@ fn compared(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
+    check_correlate(args, false)?;
     let options = pair_options(args)?;
     let reduction = args.orthogonality.as_deref().map(reduction).transpose()?;
     check_extension(args.expand.as_deref(), MODES)?;
@@ -131,7 +132,7 @@ fn compared(
             ..json::Additions::default()
         },
     );
-    print(args, Printed::one(blocks, json), output)?;
+    print(args, Printed::one(blocks, json), output);
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
@@ -173,7 +174,7 @@ fn itself(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let options = pair_options(args)?;
-    check_numbered(args)?;
+    check_correlate(args, true)?;
     let mut all = Vec::new();
     for path in &args.test {
         let name = path.display().to_string();
@@ -195,7 +196,7 @@ fn itself(
         all.iter().map(of_test).collect(),
         json::auto_macs_to_json(&all),
     );
-    print(args, printed, output)?;
+    print(args, printed, output);
     Ok(Outcome::Done)
 }
 
@@ -234,21 +235,16 @@ impl Printed {
 }
 
 /// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each, `x-1.csv`, `x-2.csv`.
-pub(super) fn print(
-    args: &CorrelateArgs,
-    printed: Printed,
-    output: &mut Output,
-) -> Result<(), Error> {
-    let blocks = &formatted(args, output.language().translated(printed.blocks));
+pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
+    let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
     if let Some(path) = &args.output {
-        let _writing = output.writing();
-        for (path, bytes) in files(path, (blocks, &printed.tables), &printed.json) {
-            write_whole(&path, bytes)?;
+        let both = (blocks.as_slice(), printed.blocks.as_slice());
+        for (path, text) in files(path, (both, &printed.tables), &printed.json) {
+            output.file(path, text);
         }
     }
     output.translated(blocks);
     output.json(|| printed.json);
-    Ok(())
 }
 
 /// Blocks with the caption and the number format that were chosen.
@@ -301,7 +297,10 @@ impl Wanted<'_> {
             let reduction = self.reduction.unwrap_or(Reduction::Serep);
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
             let (model, mass) = self.mass(dofs, reduction, &paired)?;
-            output.findings(&expand(path, model, (test, pairing), &mass)?);
+            let all = model.model.coordinate_dofs()?;
+            let own = expanded(test, &pairing.map, &mass, &all)?;
+            let json = modes_to_json(&own, None);
+            output.modes(path, (&own, &Geometry::default()), &json)?;
             expanding = Some(mass);
         }
         if !args.measures && self.reduction.is_none() {
@@ -353,18 +352,6 @@ impl Wanted<'_> {
 fn paired_theory(pairing: &Pairing) -> Vec<usize> {
     let modes = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
     modes.copied().collect()
-}
-
-/// Writes a test's shapes at all coordinates of the model.
-fn expand(
-    path: &Path,
-    model: &SolvedModel,
-    (test, pairing): (&ModalModel, &Pairing),
-    mass: &ReducedMass,
-) -> Result<Vec<Finding>, Error> {
-    let own = expanded(test, &pairing.map, mass, &model.model.coordinate_dofs()?)?;
-    let json = modes_to_json(&own, None);
-    Ok(write_modes(path, &own, &Geometry::default(), &json)?)
 }
 
 fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
@@ -433,10 +420,10 @@ fn load(path: &Path, format: Option<&str>) -> Result<Loaded, SceneError> {
     })
 }
 
-/// What goes into which file.
+/// What goes into which file: blocks in the language that was chosen but for CSV, which programs read.
 fn files(
     path: &Path,
-    (blocks, tables): (&[Block], &[usize]),
+    ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),
     json: &str,
 ) -> Vec<(PathBuf, String)> {
     let extension = path
@@ -450,7 +437,7 @@ fn files(
     if renderer.name() != "csv" {
         return vec![(path.to_owned(), renderer.render(blocks))];
     }
-    let table = |at: usize| renderer.render(&blocks[at..=at]);
+    let table = |at: usize| renderer.render(&english[at..=at]);
     if let [only] = tables {
         return vec![(path.to_owned(), table(*only))];
     }

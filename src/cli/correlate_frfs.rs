@@ -5,14 +5,14 @@ use std::path::Path;
 use crate::correlate::measures::frf_correlation;
 use crate::error::Error;
 use crate::frf::FrfSet;
-use crate::io::write_whole;
 use crate::report::{CsvText, Renderer, frf_correlation_blocks, frf_lines_block, json};
 use crate::scene::{FilePlan, IngestOptions, ingest_files};
 
 use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate::{Printed, print};
-use super::output::{Output, check_extension, check_numbered};
+use super::output::{Output, check_extension};
+use super::targets::check_correlate;
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
 pub fn correlate_frfs(
@@ -22,7 +22,7 @@ pub fn correlate_frfs(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_arguments(args)?;
-    check_numbered(args)?;
+    check_correlate(args, true)?;
     let other = functions(theory, format, output)?;
     let second = theory.display().to_string();
     let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
@@ -34,10 +34,10 @@ pub fn correlate_frfs(
         all.push((name, own));
     }
     if let Some(path) = &args.lines {
-        write_whole(path, CsvText.render(&lines))?;
+        output.file(path, CsvText.render(&lines));
     }
     let json = json::frf_correlations_to_json(&all);
-    print(args, Printed::of_tests(tests, json), output)?;
+    print(args, Printed::of_tests(tests, json), output);
     Ok(Outcome::Done)
 }
 

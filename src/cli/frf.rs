@@ -1,7 +1,7 @@
 //! `modalign frf`: recorded hits to FRFs.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
 use crate::error::Error;
@@ -19,6 +19,7 @@ use crate::signal::{Offset, TriggerOptions};
 use super::Outcome;
 use super::args::FrfArgs;
 use super::output::{FUNCTIONS, Output, check_extension};
+use super::targets::{check_targets, files_of, targets};
 
 /// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad and left out.
 pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
@@ -28,6 +29,8 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
             .ok_or_else(|| argument("--hits", name, "records, files or trigger"))?,
     };
     check_extension(args.output.as_deref(), FUNCTIONS)?;
+    let read: Vec<PathBuf> = args.inputs.iter().flat_map(|own| files_of(own)).collect();
+    check_targets(&targets([("-o", args.output.as_ref())]), &read)?;
     let scene = scene(args)?;
     check_arguments(args, scene.is_some())?;
     let data = match &scene {

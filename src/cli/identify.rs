@@ -1,11 +1,11 @@
 //! `modalign identify`: FRFs to modes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::finding::Code;
 use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
-use crate::io::{modes_to_json, read_selection, sha256_hex, write_whole};
+use crate::io::{modes_to_json, read_selection, sha256_hex};
 use crate::modal::InputFile;
 use crate::report::{
     Block, CsvText, INDICATOR_DEFINITIONS, Renderer, indicators_block, modes_block,
@@ -17,7 +17,8 @@ use crate::scene::{
 
 use super::Outcome;
 use super::args::IdentifyArgs;
-use super::output::{MODES, Output, check_extension, write_modes};
+use super::output::{MODES, Output, check_extension};
+use super::targets::{check_targets, targets};
 
 /// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left out, or a chosen pole was not found.
 pub fn identify(
@@ -28,6 +29,13 @@ pub fn identify(
     check_extension(args.output.as_deref(), MODES)?;
     check_extension(args.stabilization.as_deref(), &["csv"])?;
     check_extension(args.indicators.as_deref(), &["csv"])?;
+    let written = targets([
+        ("-o", args.output.as_ref()),
+        ("--stabilization", args.stabilization.as_ref()),
+        ("--indicators", args.indicators.as_ref()),
+    ]);
+    let read: Vec<PathBuf> = args.inputs.iter().chain(&args.selection).cloned().collect();
+    check_targets(&written, &read)?;
     let name = args.inputs[0].display().to_string();
     let options = options(args)?;
     check_order(args, &options, &name)?;
@@ -63,26 +71,24 @@ pub fn identify(
         .map(|path| input(path))
         .collect::<Result<_, SceneError>>()?;
     let json = modes_to_json(&modes, None);
-    let writing = output.writing();
     if let Some(path) = &args.output {
         // The directions are those of the functions; no system turns them once more.
         let mut geometry = data.geometry.clone();
         for node in &mut geometry.nodes {
             node.displacement_system = None;
         }
-        let lost = write_modes(path, &modes, &geometry, &json)?;
-        output.findings(&lost);
+        output.modes(path, (&modes, &geometry), &json)?;
     }
     output.blocks(&[modes_block(&name, &modes)]);
     if let Some(path) = &args.stabilization {
-        write_csv(path, stabilization_block(&name, &own.stabilization))?;
+        let poles = stabilization_block(&name, &own.stabilization);
+        output.file(path, CsvText.render(&[poles]));
     }
     if let Some(path) = &args.indicators {
         let own = indicators_of_sets(&data.frfs, &options, &name)?;
-        write_csv(path, indicators_block(&name, &own))?;
+        output.file(path, CsvText.render(&[indicators_block(&name, &own)]));
         output.blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
-    drop(writing);
     output.json(|| json);
     output.findings(&modes.findings);
     let missed = modes
@@ -123,11 +129,6 @@ fn check_order(args: &IdentifyArgs, options: &IdentifyOptions, name: &str) -> Re
         got: format!("method {}", method.name),
         expected: format!("a method with model orders: {}", names.join(" ")),
     })
-}
-
-fn write_csv(path: &Path, block: Block) -> Result<(), Error> {
-    write_whole(path, CsvText.render(&[block]))?;
-    Ok(())
 }
 
 fn input(path: &Path) -> Result<InputFile, SceneError> {

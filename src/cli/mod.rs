@@ -1,6 +1,7 @@
 //! The command line: arguments as typed, one file per verb, standard output and exit codes.
 
 mod args;
+mod breakdown;
 mod check;
 mod color;
 mod completions;
@@ -14,12 +15,16 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod junit;
+mod meter;
 mod new;
 mod output;
 mod progress;
 mod report;
 mod run;
+mod speed_accuracy;
+mod study;
 mod synth;
+mod targets;
 mod theory;
 mod update;
 
@@ -102,8 +107,8 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         output.text(&format!(
             "{}: {}\n\n{}",
             code.name(),
-            code.sentence(),
-            code.explanation()
+            output.language().sentence(code),
+            output.language().explanation(code)
         ));
         return Ok(Outcome::Done);
     }
@@ -118,6 +123,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),
         Some(Verb::Update(args)) => update::update(args, format, output),
         Some(Verb::Synth(args)) => synth::synth(args, output),
+        Some(Verb::Study(args)) => study::study(args, format, output),
         Some(Verb::Report(args)) => report::report(args, output),
         Some(Verb::Check(args)) => check::check(args, output),
         Some(Verb::New(args)) => new::new(args, format, output),

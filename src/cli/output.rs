@@ -1,7 +1,6 @@
 //! Standard output carries the result alone, standard error the findings.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::MutexGuard;
@@ -9,12 +8,12 @@ use std::sync::MutexGuard;
 use crate::error::Error;
 use crate::finding::{Code, Finding};
 use crate::geometry::Geometry;
-use crate::io::{IoError, WriteOptions, modes_source, write_path, write_whole};
+use crate::io::{IoError, WriteOptions, bytes_for_path, modes_source, write_all_whole};
 use crate::modal::ModalModel;
 use crate::report::{Block, Language, Renderer, Terminal};
 use crate::scene::Observer;
 
-use super::args::{CorrelateArgs, Global};
+use super::args::Global;
 use super::color::{self, ColorChoice};
 use super::interrupt::Writing;
 use super::progress::Progress;
@@ -30,26 +29,25 @@ pub const MODES: &[&str] = &[
 /// Extensions of the formats that hold FRFs.
 pub const FUNCTIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];
 
-/// Writes modes in the format of the path's extension: `modes.json` as given, any other from the model.
+/// The file of modes in the format of the path's extension: `modes.json` as given, any other from the model.
 ///
 /// # Errors
-/// As [`write_path`].
-pub fn write_modes(
+/// As [`bytes_for_path`].
+pub fn modes_file(
     path: &Path,
     model: &ModalModel,
     geometry: &Geometry,
     json: &str,
-) -> Result<Vec<Finding>, IoError> {
+) -> Result<(Vec<u8>, Vec<Finding>), IoError> {
     if path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
     {
-        write_whole(path, json)?;
-        return Ok(Vec::new());
+        return Ok((json.as_bytes().to_vec(), Vec::new()));
     }
     let mut source = modes_source(model, &model.producer);
     source.catalog.geometry = geometry.clone();
-    write_path(path, &mut source, WriteOptions::default())
+    bytes_for_path(path, &mut source, WriteOptions::default())
 }
 
 /// An output file's extension must be that of what will be written.
@@ -69,46 +67,7 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
     })
 }
 
-/// `x-1.csv` of `x.csv`.
-pub fn numbered(path: &Path, number: usize) -> PathBuf {
-    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, extension) = (text(path.file_stem()), text(path.extension()));
-    path.with_file_name(format!("{stem}-{number}.{extension}"))
-}
-
-/// The numbered CSV files of several tests are none of what is read: their names are not typed, so that nobody would see it.
-pub fn check_numbered(args: &CorrelateArgs) -> Result<(), Error> {
-    let is_csv = |path: &&PathBuf| {
-        path.extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case("csv"))
-    };
-    let several = args.test.len() > 1;
-    let Some(path) = args.output.as_ref().filter(|path| several && is_csv(path)) else {
-        return Ok(());
-    };
-    let place = |path: &Path| path.canonicalize().ok();
-    let inputs: Vec<PathBuf> = args
-        .test
-        .iter()
-        .chain(&args.theory)
-        .filter_map(|own| place(own))
-        .collect();
-    let mut names = (1..=args.test.len()).map(|number| numbered(path, number));
-    match names.find(|own| place(own).is_some_and(|own| inputs.contains(&own))) {
-        None => Ok(()),
-        Some(name) => Err(Error::Argument {
-            argument: "-o",
-            got: format!(
-                "{}: {} would be written, which is read",
-                path.display(),
-                name.display()
-            ),
-            expected: "a name whose numbered files are none of the inputs".to_owned(),
-        }),
-    }
-}
-
-/// Collects what a verb prints, so that nothing is printed before it has succeeded.
+/// Collects what a verb prints and writes, so that nothing is printed and no file comes before it has succeeded.
 pub struct Output {
     quiet: bool,
     json: bool,
@@ -117,6 +76,7 @@ pub struct Output {
     progress: Option<Progress>,
     writing: Writing,
     result: String,
+    files: Vec<(PathBuf, Vec<u8>)>,
     findings: Vec<(String, Finding)>,
 }
 
@@ -131,6 +91,7 @@ impl Output {
             progress: Some(Progress::new(verb, global.quiet)),
             writing: Writing::guarded(),
             result: String::new(),
+            files: Vec::new(),
             findings: Vec::new(),
         }
     }
@@ -195,6 +156,27 @@ impl Output {
         }
     }
 
+    /// Adds a file: all of them are written at the end, or none.
+    pub fn file(&mut self, path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
+        self.files.push((path.into(), content.into()));
+    }
+
+    /// Adds modes in the format of the path's extension, and what that cannot hold as findings.
+    ///
+    /// # Errors
+    /// As [`modes_file`].
+    pub fn modes(
+        &mut self,
+        path: &Path,
+        (model, geometry): (&ModalModel, &Geometry),
+        json: &str,
+    ) -> Result<(), IoError> {
+        let (bytes, lost) = modes_file(path, model, geometry, json)?;
+        self.findings(&lost);
+        self.file(path, bytes);
+        Ok(())
+    }
+
     /// Adds findings for standard error.
     pub fn findings(&mut self, findings: &[Finding]) {
         self.findings_of("", findings);
@@ -208,12 +190,16 @@ impl Output {
         self.findings.extend(named);
     }
 
-    /// Prints the result, then the findings.
+    /// Writes the files, prints the result, then the findings.
     ///
     /// # Errors
-    /// [`Error::Output`] when standard output cannot be written.
+    /// [`Error::Io`] when a file cannot be written, [`Error::Output`] when standard output cannot.
     pub fn finish(mut self) -> Result<(), Error> {
         self.end_progress();
+        if !self.files.is_empty() {
+            let _writing = self.writing();
+            write_all_whole(&self.files)?;
+        }
         let mut stdout = std::io::stdout().lock();
         stdout
             .write_all(self.result.as_bytes())
@@ -221,7 +207,7 @@ impl Output {
             .map_err(Error::Output)?;
         if !self.quiet {
             let paints = self.color.paints(&std::io::stderr());
-            for line in finding_lines(&self.findings) {
+            for line in finding_lines(&self.findings, self.language) {
                 let line = if paints { color::message(&line) } else { line };
                 // Nobody may be listening on standard error, which is no failure.
                 let _ = writeln!(std::io::stderr(), "{line}");
@@ -232,7 +218,7 @@ impl Output {
 }
 
 /// Findings as lines, each once; of a code with many the first are listed and the rest counted.
-fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
+fn finding_lines(findings: &[(String, Finding)], language: Language) -> Vec<String> {
     let mut by_code: BTreeMap<(std::cmp::Reverse<crate::finding::Severity>, Code), Vec<String>> =
         BTreeMap::new();
     let mut known = BTreeSet::new();
@@ -245,8 +231,9 @@ fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
         } else {
             format!("{test}: ")
         };
-        let (severity, code) = (finding.severity, finding.code.name());
-        let line = format!("{severity}: {name}{finding} [{code}]");
+        let severity = language.severity(finding.severity);
+        let (told, code) = (language.finding(finding), finding.code.name());
+        let line = format!("{severity}: {name}{told} [{code}]");
         if known.insert(line.clone()) {
             lines.push(line);
         }
@@ -260,12 +247,12 @@ fn finding_lines(findings: &[(String, Finding)]) -> Vec<String> {
         };
         lines.extend_from_slice(&all[..listed]);
         if listed < all.len() {
-            lines.push(format!(
-                "{}: {} more like these [{}]",
-                severity.0,
-                all.len() - listed,
-                code.name()
-            ));
+            let (severity, code) = (language.severity(severity.0), code.name());
+            let count = all.len() - listed;
+            lines.push(match language {
+                Language::English => format!("{severity}: {count} more like these [{code}]"),
+                Language::Chinese => format!("{severity}: 另有 {count} 条同类 [{code}]"),
+            });
         }
     }
     lines

@@ -5,12 +5,15 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::io::{IoError, write_whole};
-use crate::report::json::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
+use crate::io::IoError;
+use crate::report::json::{
+    REPORT_SCHEMA, RunReport, Section, UpdateFile, report_from_json, report_to_json,
+};
 use crate::report::{
-    Block, Language, TableGroup, claims_block, comparison_blocks, energies_block, figures_svg,
-    hits_block, limits_block, modes_block, parameters_block, placement_blocks,
+    Block, Language, TableGroup, claims_block, comparison_blocks, energies_block, figure_files,
+    figures_svg, hits_block, limits_block, modes_block, parameters_block, placement_blocks,
     published_comparison_block, published_roots_block, quantities_block, report_page,
+    update_figures_svg,
 };
 use crate::scene::{Scene, SceneResult, figures, read_text};
 
@@ -28,26 +31,54 @@ const UPDATE: &str = "update.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    build(&args.folder, output.language())?;
+    let (own, updated) = (stored(&args.folder)?, update_of(&args.folder)?);
+    let mut files = pages(&own, updated.as_ref(), (output.language(), args.png));
+    // An update that lacks something is on the page as far as it goes.
+    let whole: Option<UpdateFile> = updated.and_then(|own| serde_json::from_value(own).ok());
+    if let Some(whole) = &whole {
+        let synthetic = own.figures.tests.iter().any(|test| test.synthetic);
+        files.extend(update_figures(whole, synthetic, args.png));
+    }
+    for (name, bytes) in files {
+        output.file(args.folder.join(name), bytes);
+    }
     output.text(&args.folder.join(PAGE).display().to_string());
     Ok(Outcome::Done)
 }
 
-/// Builds the page of a folder again that has one, for what another verb has put beside it.
-pub(super) fn rebuild(folder: &Path, language: Language) -> Result<(), Error> {
+/// The report of a run that a folder holds.
+fn stored(folder: &Path) -> Result<RunReport, Error> {
+    let path = folder.join(DATA);
+    let name = path.display().to_string();
+    Ok(report_from_json(&read_text(&path)?, &name)?)
+}
+
+/// The page of a folder that has one, with the update that another verb puts beside it.
+pub(super) fn rebuilt(
+    folder: &Path,
+    updated: &Value,
+    form: (Language, bool),
+) -> Result<Vec<(String, Vec<u8>)>, Error> {
     match folder.join(DATA).exists() {
-        true => build(folder, language),
-        false => Ok(()),
+        true => Ok(pages(&stored(folder)?, Some(updated), form)),
+        false => Ok(Vec::new()),
     }
 }
 
-fn build(folder: &Path, language: Language) -> Result<(), Error> {
-    let path = folder.join(DATA);
-    let report = report_from_json(&read_text(&path)?, &path.display().to_string())?;
-    for (name, bytes) in pages(&report, (folder, language))? {
-        write_whole(&folder.join(name), bytes)?;
-    }
-    Ok(())
+/// The figures of an update; `synthetic`: one of its tests was computed from a model.
+pub(super) fn update_figures(
+    own: &UpdateFile,
+    synthetic: bool,
+    png: bool,
+) -> Vec<(String, Vec<u8>)> {
+    in_folder(update_figures_svg(own, synthetic), png)
+}
+
+fn in_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
+    let files = figure_files(figures, png).into_iter();
+    files
+        .map(|(name, bytes)| (format!("figures/{name}"), bytes))
+        .collect()
 }
 
 /// The files of the report of a run that goes into a folder.
@@ -55,6 +86,7 @@ pub(super) fn report_files(
     scene: &Scene,
     result: &SceneResult,
     (folder, language): (&Path, Language),
+    png: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let frf_file = |index: usize| {
         let one = result.tests[index].frfs.len() == 1;
@@ -76,22 +108,21 @@ pub(super) fn report_files(
         provenance,
     };
     let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
-    files.extend(pages(&report, (folder, language))?);
+    let updated = update_of(folder)?;
+    files.extend(pages(&report, updated.as_ref(), (language, png)));
     Ok(files)
 }
 
-/// The page and its figures; an update is in it whose result is in the folder.
+/// The page and its figures, with an update where there is one.
 fn pages(
     report: &RunReport,
-    (folder, language): (&Path, Language),
-) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let updated = update_of(folder)?;
-    let page = report_page(report, updated.as_ref(), language);
+    updated: Option<&Value>,
+    (language, png): (Language, bool),
+) -> Vec<(String, Vec<u8>)> {
+    let page = report_page(report, updated, language);
     let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
-    for (name, text) in figures_svg(&report.figures) {
-        files.push((format!("figures/{name}.svg"), text.into_bytes()));
-    }
-    Ok(files)
+    files.extend(in_folder(figures_svg(&report.figures), png));
+    files
 }
 
 /// `update.json` in a folder; `None` where there is none.

@@ -1,9 +1,11 @@
 //! `modalign run`: a scene to its tables, and with `-o` to files.
 
+use std::path::{Path, PathBuf};
+
 use crate::correlate::ComparisonTable;
 use crate::error::Error;
 use crate::finding::Finding;
-use crate::io::{Encoding, FileLabel, modes_to_json, write_all_whole, write_frfs};
+use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs};
 use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
@@ -15,6 +17,7 @@ use super::Outcome;
 use super::args::RunArgs;
 use super::output::Output;
 use super::report::report_files;
+use super::targets::{check_targets, scene_files};
 
 /// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
@@ -27,9 +30,13 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let blocks = output.language().translated(blocks(&scene, &result));
     if let Some(folder) = &args.output {
         let mut files = files(&result, &blocks, output.language())?;
-        files.extend(report_files(&scene, &result, (folder, output.language()))?);
-        let _writing = output.writing();
-        write_all_whole(folder, &files)?;
+        files.extend(report_files(
+            &scene,
+            &result,
+            (folder, output.language()),
+            args.png,
+        )?);
+        into_folder(folder, files, (&scene, output))?;
     }
     output.translated(&blocks);
     match &result.table {
@@ -44,6 +51,24 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     }
     let missed = result.limits.iter().any(|check| !check.met());
     Ok(Outcome::missed_if(missed || result.partly_bad()))
+}
+
+/// Adds files of a folder, none of which the scene reads.
+pub(super) fn into_folder(
+    folder: &Path,
+    files: Vec<(String, Vec<u8>)>,
+    (scene, output): (&Scene, &mut Output),
+) -> Result<(), Error> {
+    let files: Vec<(PathBuf, Vec<u8>)> = files
+        .into_iter()
+        .map(|(name, bytes)| (folder.join(name), bytes))
+        .collect();
+    let names = files.iter().map(|(path, _)| ("-o", path.clone())).collect();
+    check_targets(&names, &scene_files(scene))?;
+    for (path, bytes) in files {
+        output.file(path, bytes);
+    }
+    Ok(())
 }
 
 /// `comparison.json` with what the scene asked for beside the rows.
@@ -101,12 +126,12 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
 }
 
 /// The findings, under the name of their test where there are several.
-fn findings_blocks(result: &SceneResult) -> Vec<Block> {
+fn findings_blocks(result: &SceneResult, language: Language) -> Vec<Block> {
     let named = |(test, findings): (String, Vec<Finding>)| {
         let head = (!test.is_empty()).then(|| Block::Text(format!("{test}:")));
         let blocks: Vec<Block> = head
             .into_iter()
-            .chain([Block::Findings(findings)])
+            .chain([Block::Findings { findings, language }])
             .collect();
         blocks
     };
@@ -198,11 +223,11 @@ fn files(
     let told: Vec<Block> = blocks
         .iter()
         .cloned()
-        .chain(findings_blocks(result))
+        .chain(findings_blocks(result, language))
         .collect();
     for renderer in RENDERERS {
-        // A reader of CSV expects one table.
-        let comparison = language.translated(whole_comparison(table, &result.theory));
+        // A program that reads CSV expects one table, with its heads as they always are.
+        let comparison = whole_comparison(table, &result.theory);
         let part = if renderer.name() == "csv" {
             &comparison[..1]
         } else {

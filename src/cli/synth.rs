@@ -1,16 +1,13 @@
 //! `modalign synth`: a synthetic hammer test, its truth beside it.
 
-use std::path::Path;
-
 use crate::error::Error;
-use crate::io::write_all_whole;
 use crate::report::{Block, theory_block};
 use crate::scene::{hammer_test, load_synth, record};
 
 use super::Outcome;
 use super::args::SynthArgs;
-
 use super::output::{Output, check_extension};
+use super::targets::{check_targets, targets};
 
 /// Writes `FILE` and, beside it, `FILE` with the extension `.modes.json`.
 pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
@@ -19,20 +16,10 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
     let test = hammer_test(&spec, &args.spec)?;
     let recording = record(&spec, &test, &args.spec)?;
     let truth = args.output.with_extension("modes.json");
-    let name = |path: &Path| {
-        path.file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
-    let folder = args.output.parent().unwrap_or(Path::new(""));
-    let files = [
-        (name(&truth), recording.truth_json.clone().into_bytes()),
-        (name(&args.output), recording.uff.clone()),
-    ];
-    let writing = output.writing();
-    write_all_whole(folder, &files)?;
-    drop(writing);
+    let written = targets([("-o", Some(&truth)), ("-o", Some(&args.output))]);
+    check_targets(&written, std::slice::from_ref(&args.spec))?;
+    output.file(&truth, recording.truth_json.clone());
+    output.file(&args.output, recording.uff.clone());
     let summary = format!(
         "{} synthetic hits of {} samples at {} Hz: {}; truth: {}",
         test.hit_count(),

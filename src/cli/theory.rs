@@ -20,7 +20,8 @@ use crate::theory::{ModeOptions, ModelQuantity};
 
 use super::Outcome;
 use super::args::TheoryArgs;
-use super::output::{MODES, Output, check_extension, write_modes};
+use super::output::{MODES, Output, check_extension};
+use super::targets::{check_targets, files_of, targets};
 
 /// Prints the modes; writes them with `-o`.
 pub fn theory(
@@ -29,6 +30,10 @@ pub fn theory(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_extension(args.output.as_deref(), MODES)?;
+    check_targets(
+        &targets([("-o", args.output.as_ref())]),
+        &files_of(&args.model),
+    )?;
     let named = Named::of(args, format)?;
     let mut result = match &named {
         Named::Model(model) => model.solve(&model.sensors, &options(args))?,
@@ -44,9 +49,7 @@ pub fn theory(
     }
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
-        let _writing = output.writing();
-        let lost = write_modes(path, &result.modes, &result.geometry, &json)?;
-        output.findings(&lost);
+        output.modes(path, (&result.modes, &result.geometry), &json)?;
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();

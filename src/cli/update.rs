@@ -1,14 +1,14 @@
 //! `modalign update`: the model of a scene brought to its test.
 
 use crate::error::Error;
-use crate::io::write_all_whole;
 use crate::report::{RENDERERS, json, update_blocks};
-use crate::scene::{Scene, update_scene};
+use crate::scene::{Scene, TestResult, update_scene};
 
 use super::Outcome;
 use super::args::UpdateArgs;
 use super::output::Output;
-use super::report::rebuild;
+use super::report::{rebuilt, update_figures};
+use super::run::into_folder;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
 pub fn update(
@@ -26,6 +26,7 @@ pub fn update(
         .language()
         .translated(update_blocks(&scene.title, &own));
     if let Some(folder) = &args.output {
+        let updated = json::update_file(&own);
         let mut files = vec![
             ("update.json".to_owned(), json::update_to_json(&own)),
             ("model.toml".to_owned(), own.model_toml.clone()),
@@ -43,13 +44,15 @@ pub fn update(
                 renderer.render(&blocks),
             ));
         }
-        let files: Vec<(String, Vec<u8>)> = files
+        let mut files: Vec<(String, Vec<u8>)> = files
             .into_iter()
             .map(|(name, text)| (name, text.into_bytes()))
             .collect();
-        let _writing = output.writing();
-        write_all_whole(folder, &files)?;
-        rebuild(folder, output.language())?;
+        let form = (output.language(), args.png);
+        files.extend(rebuilt(folder, &serde_json::json!(updated), form)?);
+        let synthetic = own.tests.iter().any(TestResult::is_synthetic);
+        files.extend(update_figures(&updated, synthetic, args.png));
+        into_folder(folder, files, (&scene, output))?;
     }
     output.translated(&blocks);
     output.json(|| json::update_to_json(&own));

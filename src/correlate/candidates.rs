@@ -3,6 +3,7 @@
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
+use super::common_factor::{Unlike, common_factor};
 use super::pairing::{NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
 use super::roots::{Root, elastic_modes, elastic_roots};
 use super::share::{Share, share};
@@ -251,7 +252,29 @@ impl CandidateTable {
                 findings.push(warn(Code::LowMac).value(mac, "").limit(options.min_mac));
             }
         }
+        findings.extend(self.suggestion(test, root_of, options));
         findings
+    }
+
+    /// What would pair most modes where few are.
+    fn suggestion(
+        &self,
+        test: &ModalModel,
+        root_of: &[Option<usize>],
+        options: &PairOptions,
+    ) -> Option<Finding> {
+        let hz = |&i: &usize| test.modes[i].frequency_hz;
+        let test_hz: Vec<f64> = self.modes.iter().map(hz).collect();
+        let roots = self.roots.iter().map(|root| (root.hz, root.modes.len()));
+        let of_row = |row: &Vec<Candidate>| row.iter().map(|own| own.mac).collect();
+        let mac: Vec<Vec<Option<f64>>> = self.candidates.iter().map(of_row).collect();
+        let own = Unlike {
+            test_hz: &test_hz,
+            roots: &roots.collect::<Vec<_>>(),
+            mac: &mac,
+            gate: options.max_frequency_error,
+        };
+        common_factor(&own, root_of.iter().flatten().count())
     }
 }
 

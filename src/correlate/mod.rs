@@ -10,6 +10,7 @@ mod alignment;
 mod assignment;
 mod candidates;
 mod cell;
+mod common_factor;
 mod dof_map;
 mod dof_names;
 mod error;

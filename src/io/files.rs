@@ -223,6 +223,36 @@ pub fn write_path(
     source: &mut dyn Source,
     options: WriteOptions,
 ) -> Result<Vec<Finding>, IoError> {
+    let (format, options) = format_for(path, source, options)?;
+    let mut findings = Vec::new();
+    write_atomically(path, |out| {
+        findings = format.write(out, source, &options)?;
+        Ok(())
+    })?;
+    Ok(findings)
+}
+
+/// What [`write_path`] would write, for a file that gets its name with others.
+///
+/// # Errors
+/// As [`write_path`].
+pub fn bytes_for_path(
+    path: &Path,
+    source: &mut dyn Source,
+    options: WriteOptions,
+) -> Result<(Vec<u8>, Vec<Finding>), IoError> {
+    let (format, options) = format_for(path, source, options)?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let findings = format.write(&mut bytes, source, &options)?;
+    Ok((bytes.into_inner(), findings))
+}
+
+/// The format that a path's extension asks for, with the path in the options.
+fn format_for(
+    path: &Path,
+    source: &dyn Source,
+    options: WriteOptions,
+) -> Result<(&'static dyn Format, WriteOptions), IoError> {
     let options = WriteOptions {
         path: path.display().to_string(),
         ..options
@@ -230,7 +260,10 @@ pub fn write_path(
     let extension = path.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or("").to_lowercase();
     let of_extension = |format: &&&dyn Format| format.extensions().contains(&extension.as_str());
-    let mut formats = FORMATS.iter().filter(of_extension);
+    let mut formats = FORMATS
+        .iter()
+        .copied()
+        .filter(|format| of_extension(&format));
     let format = formats.find(|format| format.takes(source.catalog()));
     let format = format.ok_or_else(|| IoError::Unwritable {
         path: options.path.clone(),
@@ -238,12 +271,7 @@ pub fn write_path(
         got: format!("{extension:?}"),
         expected: writable_extensions().join(", "),
     })?;
-    let mut findings = Vec::new();
-    write_atomically(path, |out| {
-        findings = format.write(out, source, &options)?;
-        Ok(())
-    })?;
-    Ok(findings)
+    Ok((format, options))
 }
 
 /// A temporary file is private; a result is as readable as any other new file.
@@ -260,18 +288,6 @@ fn readable<'a, 'b, 'c>(
     builder: &'a mut tempfile::Builder<'b, 'c>,
 ) -> &'a mut tempfile::Builder<'b, 'c> {
     builder
-}
-
-/// Writes text or bytes with [`write_atomically`].
-///
-/// # Errors
-/// [`IoError::System`].
-pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<(), IoError> {
-    let name = path.display().to_string();
-    write_atomically(path, |out| {
-        out.write_all(content.as_ref())
-            .map_err(system(&name, "write"))
-    })
 }
 
 /// What a new file holds.
@@ -339,23 +355,22 @@ fn copy(from: &Path, out: &mut dyn WriteSeek) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Writes several files into a folder, each beside its name, and renames them when all are written: a failure leaves every file
-/// that was there as it was.
+/// Writes several files, each beside its name, and renames them when all are written: a failure leaves every file that was there
+/// as it was.
 ///
 /// # Errors
 /// [`IoError::System`].
-pub fn write_all_whole(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), IoError> {
+pub fn write_all_whole(files: &[(PathBuf, Vec<u8>)]) -> Result<(), IoError> {
     let mut written = Vec::with_capacity(files.len());
-    for (name, bytes) in files {
-        let path = folder.join(name);
+    for (path, bytes) in files {
         let shown = path.display().to_string();
-        let temporary = beside(&path, |out| {
+        let temporary = beside(path, |out| {
             out.write_all(bytes).map_err(system(&shown, "write"))
         })?;
         written.push((path, temporary));
     }
     for (path, temporary) in written {
-        persist(temporary, &path)?;
+        persist(temporary, path)?;
     }
     Ok(())
 }
@@ -408,7 +423,7 @@ mod tests {
     fn a_written_file_holds_its_text_and_its_known_fingerprint() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new/abc.txt");
-        write_whole(&path, "abc").unwrap();
+        write_all_whole(&[(path.clone(), b"abc".to_vec())]).unwrap();
         // FIPS 180-4, example of "abc".
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(sha256_hex(&path).unwrap(), expected);

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::Finding;
 
+use super::Language;
+
 /// Where a column's text stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Align {
@@ -133,7 +135,12 @@ pub enum Block {
     /// A table.
     Table(Table),
     /// What the data said.
-    Findings(Vec<Finding>),
+    Findings {
+        /// In the order in which they are told.
+        findings: Vec<Finding>,
+        /// The language of their sentences.
+        language: Language,
+    },
 }
 
 impl Table {

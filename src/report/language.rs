@@ -1,10 +1,14 @@
-//! Headings of the comparison in another language: captions, heads of columns, labels of rows and verdicts. Definitions and
-//! reasons under the tables stay as they are.
+//! Headings of the comparison in another language: captions, heads of columns, labels of rows and verdicts; findings. Definitions
+//! and reasons under the tables stay as they are.
+
+use serde::{Deserialize, Serialize};
+
+use crate::finding::{Code, Finding, Severity};
 
 use super::{Block, Cell, Table};
 
-/// A language of headings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+/// A language of headings and findings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Language {
     /// As written.
     #[default]
@@ -20,6 +24,38 @@ impl Language {
             "en" => Some(Language::English),
             "zh" => Some(Language::Chinese),
             _ => None,
+        }
+    }
+
+    /// The sentence of a finding.
+    pub fn finding(self, finding: &Finding) -> String {
+        match self {
+            Language::English => finding.to_string(),
+            Language::Chinese => finding.chinese(),
+        }
+    }
+
+    /// What a code says, without place and numbers.
+    pub fn sentence(self, code: Code) -> &'static str {
+        match self {
+            Language::English => code.sentence(),
+            Language::Chinese => code.chinese_sentence(),
+        }
+    }
+
+    /// What a code means and what to do about it.
+    pub fn explanation(self, code: Code) -> &'static str {
+        match self {
+            Language::English => code.explanation(),
+            Language::Chinese => code.chinese_explanation(),
+        }
+    }
+
+    /// How much a finding matters.
+    pub fn severity(self, severity: Severity) -> String {
+        match self {
+            Language::English => severity.to_string(),
+            Language::Chinese => severity.chinese().to_owned(),
         }
     }
 
@@ -167,6 +203,10 @@ fn block(block: Block) -> Block {
     match block {
         Block::Heading(text) => Block::Heading(phrase(&text)),
         Block::Table(table) => Block::Table(translated_table(table)),
+        Block::Findings { findings, .. } => Block::Findings {
+            findings,
+            language: Language::Chinese,
+        },
         other => other,
     }
 }

@@ -55,11 +55,11 @@ fn block_text(block: &Block) -> String {
         Block::Heading(text) => format!("\\section*{{{}}}", escape(text)),
         Block::Text(text) => escape(text),
         Block::Table(table) => table_text(table),
-        Block::Findings(findings) if findings.is_empty() => String::new(),
-        Block::Findings(findings) => {
+        Block::Findings { findings, .. } if findings.is_empty() => String::new(),
+        Block::Findings { findings, language } => {
             let items: Vec<String> = findings
                 .iter()
-                .map(|f| format!("  \\item {}", escape(&f.to_string())))
+                .map(|f| format!("  \\item {}", escape(&language.finding(f))))
                 .collect();
             format!("\\begin{{itemize}}\n{}\n\\end{{itemize}}", items.join("\n"))
         }

@@ -35,13 +35,13 @@ fn block_text(block: &Block) -> String {
         Block::Heading(text) => format!("## {text}"),
         Block::Text(text) => text.clone(),
         Block::Table(table) => table_text(table),
-        Block::Findings(findings) => findings
+        Block::Findings { findings, language } => findings
             .iter()
             .map(|finding| {
                 format!(
                     "- **{}** {} `{}`",
-                    finding.severity,
-                    escape(&finding.to_string()),
+                    language.severity(finding.severity),
+                    escape(&language.finding(finding)),
                     finding.code.name()
                 )
             })

@@ -4,6 +4,7 @@
 //! Nothing here computes: numbers arrive finished and leave rounded.
 
 mod block;
+mod breakdown;
 mod compare;
 mod comparison;
 mod csv_text;
@@ -20,6 +21,7 @@ mod placement;
 mod plot;
 mod published;
 mod response;
+mod speed_accuracy;
 mod stabilization;
 mod sweep;
 mod terminal;
@@ -27,6 +29,10 @@ mod update;
 mod verdicts;
 
 pub use block::{Align, Block, Cell, Column, Table};
+pub use breakdown::{
+    breakdown_block, breakdown_cells, breakdown_own_modes, breakdown_rates, breakdown_times,
+    stability_block, stability_cells,
+};
 pub use compare::{details_blocks, simplest_details_block};
 pub use comparison::{
     TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
@@ -44,11 +50,15 @@ pub use measures::{
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use placement::placement_blocks;
-pub use plot::figures_svg;
+pub use plot::{
+    breakdown_svg, figure_files, figures_svg, speed_accuracy_figures, stability_svg,
+    update_figures_svg,
+};
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
 pub use response::response_blocks;
+pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
 pub use terminal::Terminal;

@@ -31,9 +31,13 @@ fn block_text(block: &Block) -> String {
         Block::Heading(text) => format!("{text}\n{}", "=".repeat(text.chars().count())),
         Block::Text(text) => text.clone(),
         Block::Table(table) => table_text(table),
-        Block::Findings(findings) => findings
+        Block::Findings { findings, language } => findings
             .iter()
-            .map(|finding| format!("{}: {finding} [{}]", finding.severity, finding.code.name()))
+            .map(|finding| {
+                let severity = language.severity(finding.severity);
+                let told = language.finding(finding);
+                format!("{severity}: {told} [{}]", finding.code.name())
+            })
             .collect::<Vec<_>>()
             .join("\n"),
     }

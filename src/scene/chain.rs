@@ -23,7 +23,7 @@ use super::observer::Observer;
 use super::placement::placed_tests;
 use super::plan::{Scene, TestPlan, TestSource};
 use super::quantities::quantities;
-use super::recording::{hammer_test, load_synth, record};
+use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 use super::result::{SceneResult, TestResult};
 
 /// Runs a scene; every test, the model and the comparison are a step each.
@@ -159,8 +159,35 @@ pub(super) fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
 }
 
 pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
+    if let TestSource::Modes(path) = &test.source {
+        return finished_modes(test, path);
+    }
+    let data = test_data(scene, test)?;
+    let result = identify_test(scene, test, data.ingested, data.inputs)?;
+    Ok(TestResult {
+        recording: data.recording,
+        ..result
+    })
+}
+
+/// What a test begins with.
+#[derive(Default)]
+pub struct TestData {
+    /// Its hits or FRFs; neither for a test of finished modes.
+    pub ingested: Ingested,
+    /// Files that they come from.
+    pub inputs: Vec<InputFile>,
+    /// The recording, when it is synthetic.
+    pub recording: Option<SyntheticRecording>,
+}
+
+/// Reads the files of a test, or computes its synthetic recording.
+///
+/// # Errors
+/// [`SceneError`] for what cannot be read or recorded.
+pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError> {
     match &test.source {
-        TestSource::Modes(path) => finished_modes(test, path),
+        TestSource::Modes(_) => Ok(TestData::default()),
         TestSource::Synth(path) => {
             let spec = load_synth(path)?;
             let recording = record(&spec, &hammer_test(&spec, path)?, path)?;
@@ -169,13 +196,14 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
                 path: name.clone(),
                 sha256: sha256_of_bytes(&recording.uff),
             };
-            let mut data = ingest_bytes(recording.uff.clone(), &name)?;
-            data.findings
+            let mut ingested = ingest_bytes(recording.uff.clone(), &name)?;
+            ingested
+                .findings
                 .push(Finding::new(Severity::Info, Code::Synthetic, Place::Whole));
-            let result = identify_test(scene, test, data, vec![input])?;
-            Ok(TestResult {
+            Ok(TestData {
+                ingested,
+                inputs: vec![input],
                 recording: Some(recording),
-                ..result
             })
         }
         TestSource::Files {
@@ -198,7 +226,11 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
                 averages: None,
                 scene: &scene.path,
             };
-            identify_test(scene, test, ingest_files(files, &options)?, inputs)
+            Ok(TestData {
+                ingested: ingest_files(files, &options)?,
+                inputs,
+                recording: None,
+            })
         }
     }
 }

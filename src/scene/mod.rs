@@ -37,7 +37,8 @@ mod updated_model;
 mod expected_tests;
 
 pub use chain::{
-    Comparison, NamedTest, compare_tests, identify_sets, indicators_of_sets, run_observed,
+    Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
+    run_observed, test_data,
 };
 pub use change::{
     Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,

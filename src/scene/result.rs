@@ -1,7 +1,7 @@
 //! What a scene and each of its tests came to.
 
 use crate::correlate::{ComparisonTable, Pairing};
-use crate::finding::Finding;
+use crate::finding::{Code, Finding};
 use crate::frf::{FrfSet, HitReport};
 use crate::geometry::Geometry;
 use crate::identify::PoleAtOrder;
@@ -39,6 +39,12 @@ impl TestResult {
     /// The modes as `modes.json`.
     pub fn modes_json(&self) -> String {
         modes_to_json(&self.modes, None)
+    }
+
+    /// Whether it was computed from a model and nobody measured it.
+    pub fn is_synthetic(&self) -> bool {
+        let mut findings = self.modes.findings.iter();
+        findings.any(|own| own.code == Code::Synthetic)
     }
 }
 

@@ -4,15 +4,15 @@ use modalign::axis::{Band, FrequencyAxis};
 use modalign::correlate::principal_angles_deg;
 use modalign::modal::Pole;
 use modalign::quantity::FrfKind;
+use modalign::study::{FrfNoise, Known, System, components};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::found::{Known, components, known};
 use super::identification::identified;
-use super::systems::{System, TrueMode, component};
+use super::systems::{Drawn, component, dofs, mode};
 
 /// Draws of each cell, each with shapes, damping and noise of its own.
 const DRAWS: u64 = 60;
@@ -49,27 +49,27 @@ struct Setup {
 }
 
 impl Setup {
-    fn draw(&self, number: u64) -> System {
+    fn draw(&self, number: u64) -> Drawn {
         let mut random = ChaCha8Rng::seed_from_u64(4);
         random.set_stream(number);
         let zeta = 0.005 * 4f64.powf(random.random_range(0.0..1.0));
         let width = 2.0 * zeta * PAIR_HZ;
         let second_hz = PAIR_HZ + self.spacing_widths * width;
         let frequencies = [PAIR_HZ - 60.0, PAIR_HZ, second_hz, PAIR_HZ + 70.0];
-        let mut modes = frequencies.map(|hz| TrueMode {
-            pole: Pole::from_frequency(hz, zeta),
-            shape: (0..RESPONSES)
-                .map(|_| component(&mut random, 0.0))
-                .collect(),
+        let mut shapes = frequencies.map(|_| -> Vec<Complex64> {
+            let own = (0..RESPONSES).map(|_| component(&mut random, 0.0));
+            own.collect()
         });
         let (first, second) = self.participation(&mut random);
-        modes[1].shape[..self.references].copy_from_slice(&first);
-        modes[2].shape[..self.references].copy_from_slice(&second);
+        shapes[1][..self.references].copy_from_slice(&first);
+        shapes[2][..self.references].copy_from_slice(&second);
+        let modes = frequencies.iter().zip(shapes);
+        let modes =
+            modes.map(|(hz, shape)| mode(Pole::from_frequency(*hz, zeta), shape, self.references));
         let step_hz = width / random.random_range(5.0..10.0);
         let band = Band::new(PAIR_HZ - 100.0, PAIR_HZ + 110.0).unwrap();
-        System {
-            number,
-            modes: modes.to_vec(),
+        let system = System {
+            modes: modes.collect(),
             axis: FrequencyAxis {
                 start_hz: band.lo_hz,
                 step_hz,
@@ -77,10 +77,17 @@ impl Setup {
             },
             band,
             kind: FrfKind::Accelerance,
-            references: self.references,
-            responses: RESPONSES,
-            snr_db: self.snr_db,
-            averages: None,
+            responses: dofs(RESPONSES),
+            references: dofs(self.references),
+            record_end_s: None,
+        };
+        Drawn {
+            number,
+            system,
+            noise: FrfNoise {
+                snr_db: self.snr_db,
+                averages: None,
+            },
         }
     }
 
@@ -123,16 +130,18 @@ struct Outcome {
 }
 
 fn outcome(setup: &Setup, number: u64) -> Outcome {
-    let system = setup.draw(number);
-    let model = identified(&system, 1 + number);
+    let drawn = setup.draw(number);
+    let model = identified(&drawn, 1 + number);
+    let system = &drawn.system;
     let half = 0.5 * system.modes[1].width_hz();
     let (lo, hi) = (system.modes[1].hz() - half, system.modes[2].hz() + half);
     let of_pair = |m: &&modalign::modal::Mode| m.frequency_hz > lo && m.frequency_hz < hi;
     let near: Vec<_> = model.modes.iter().filter(of_pair).collect();
-    let shapes: Vec<_> = near.iter().map(|mode| components(&system, mode)).collect();
+    let shapes: Vec<_> = near.iter().map(|mode| components(system, mode)).collect();
     let truth = [system.modes[1].shape.clone(), system.modes[2].shape.clone()];
     let angles = (near.len() == 2).then(|| principal_angles_deg(&shapes, &truth).unwrap());
-    let known = known(&system);
+    let judge = drawn.judge();
+    let known = judge.known();
     let apart = |k: &Known| k.spacing_hz / k.bound.unwrap().frequency_hz;
     Outcome {
         allowed: known[1].observable && known[2].observable,

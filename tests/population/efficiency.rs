@@ -5,14 +5,13 @@
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::modal::{Mode, Pole};
 use modalign::quantity::FrfKind;
+use modalign::study::{Deviation, FrfNoise, System, TrueMode, bounds};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::bound::Deviation;
-use super::found::{bounds, judge};
 use super::identification::identified;
-use super::systems::{System, TrueMode, component};
+use super::systems::{Drawn, component, dofs, mode};
 
 /// Modes of the band.
 const MODES: usize = 8;
@@ -35,24 +34,21 @@ const RMS_SIGMAS: f64 = 5.0;
 
 /// Eight modes 50 Hz apart, give or take 10, of 0.5 to 2 % damping, at 10 responses of which 2 are hit; if asked for, two more
 /// below the band and two above it.
-fn system(snr_db: f64, outside: bool) -> System {
+fn system(snr_db: f64, outside: bool) -> Drawn {
     let mut random = ChaCha8Rng::seed_from_u64(8);
-    let mut mode = |middle_hz: f64| {
+    let mut near = |middle_hz: f64| {
         let zeta = 0.005 * 4f64.powf(random.random_range(0.0..1.0));
         let hz = middle_hz + random.random_range(-10.0..10.0);
-        TrueMode {
-            pole: Pole::from_frequency(hz, zeta),
-            shape: (0..10).map(|_| component(&mut random, 0.0)).collect(),
-        }
+        let shape = (0..10).map(|_| component(&mut random, 0.0)).collect();
+        mode(Pole::from_frequency(hz, zeta), shape, 2)
     };
-    let mut modes: Vec<TrueMode> = (0..MODES).map(|j| mode(150.0 + 50.0 * j as f64)).collect();
+    let mut modes: Vec<TrueMode> = (0..MODES).map(|j| near(150.0 + 50.0 * j as f64)).collect();
     if outside {
-        modes.extend([50.0, 90.0, 560.0, 640.0].map(mode));
+        modes.extend([50.0, 90.0, 560.0, 640.0].map(near));
     }
     modes.sort_by(|a, b| a.hz().total_cmp(&b.hz()));
     let band = Band::new(120.0, 530.0).unwrap();
-    System {
-        number: 0,
+    let system = System {
         modes,
         axis: FrequencyAxis {
             start_hz: band.lo_hz,
@@ -61,10 +57,17 @@ fn system(snr_db: f64, outside: bool) -> System {
         },
         band,
         kind: FrfKind::Accelerance,
-        references: 2,
-        responses: 10,
-        snr_db,
-        averages: None,
+        responses: dofs(10),
+        references: dofs(2),
+        record_end_s: None,
+    };
+    Drawn {
+        number: 0,
+        system,
+        noise: FrfNoise {
+            snr_db,
+            averages: None,
+        },
     }
 }
 
@@ -96,33 +99,35 @@ fn samples(truth: &TrueMode, bound: Deviation, found: &Mode) -> [Sample; 2] {
 }
 
 /// Samples of all draws of a system, by mode and quantity.
-struct Drawn {
+struct Samples {
     modes: Vec<[Vec<Sample>; 2]>,
     /// Draws with a mode missed or invented, and what it was.
     wrong: Vec<String>,
 }
 
 /// Identifies every draw; those from `first` on belong to this system.
-fn drawn(system: &System, first: usize) -> Drawn {
-    let variances = system.variances(&system.exact());
+fn samples_of(drawn: &Drawn, first: usize) -> Samples {
+    let system = &drawn.system;
     // Modes beside the band are unknown as well: at this level residuals do not stand for them.
     let all = System {
         band: Band::new(1.0, 1000.0).unwrap(),
         ..system.clone()
     };
-    let bounds = bounds(&all, &variances);
+    let bounds = bounds(&all, &drawn.variances());
+    let judge = drawn.judge();
     let inside: Vec<usize> = (0..system.modes.len())
         .filter(|r| system.inside(&system.modes[*r]))
         .collect();
     let one = |draw: usize| {
-        let model = identified(system, (first + draw) as u64);
-        let verdict = judge(system, &model);
+        let model = identified(drawn, (first + draw) as u64);
+        let verdict = judge.verdict(&model);
         let of_mode = |r: &usize| {
             let found = &model.modes[verdict.partner[*r]?];
             Some(samples(&system.modes[*r], bounds[*r].unwrap(), found))
         };
         let own: Vec<_> = inside.iter().map(of_mode).collect();
-        let wrong = (!verdict.wholly_right()).then(|| format!("draw {draw}: {verdict}"));
+        let why = || judge.reasons(&model, &verdict).join("; ");
+        let wrong = (!verdict.wholly_right()).then(|| format!("draw {draw}: {verdict}: {}", why()));
         (own, wrong)
     };
     let (draws, wrong): (Vec<_>, Vec<_>) = (0..DRAWS).into_par_iter().map(one).unzip();
@@ -131,7 +136,7 @@ fn drawn(system: &System, first: usize) -> Drawn {
         let own: Vec<[Sample; 2]> = own.collect();
         [0, 1].map(|q| own.iter().map(|pair| pair[q]).collect())
     };
-    Drawn {
+    Samples {
         modes: (0..inside.len()).map(of_mode).collect(),
         wrong: wrong.into_iter().flatten().collect(),
     }
@@ -235,7 +240,7 @@ impl Pooled {
 fn errors_are_at_their_bound_and_stated_as_they_are() {
     let mut levels = Vec::new();
     for (number, level) in LEVELS_DB.into_iter().enumerate() {
-        let own = drawn(&system(level, false), number * DRAWS);
+        let own = samples_of(&system(level, false), number * DRAWS);
         let pooled = Pooled::new(&own.modes);
         pooled.print(&format!("{level} dB"), &own.modes);
         println!("{} draws wrong: {:?}", own.wrong.len(), own.wrong);
@@ -260,7 +265,7 @@ fn errors_are_at_their_bound_and_stated_as_they_are() {
 /// At 60 dB, where the bound is least and what residuals leave of modes beside the band weighs most.
 #[test]
 fn modes_beside_the_band_leave_little_in_it() {
-    let own = drawn(&system(60.0, true), LEVELS_DB.len() * DRAWS);
+    let own = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS);
     let pooled = Pooled::new(&own.modes);
     pooled.print("60 dB, modes beside the band", &own.modes);
     let all: Vec<Sample> = own.modes.iter().flatten().flatten().copied().collect();

@@ -2,10 +2,10 @@
 
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::modal::ModalModel;
+use modalign::study::Verdict;
 use rayon::prelude::*;
 
-use super::found::{Verdict, judge};
-use super::systems::{SYSTEMS, System};
+use super::systems::{Drawn, SYSTEMS};
 
 /// The method that is held to the limits.
 pub const METHOD: &str = "ml";
@@ -17,21 +17,21 @@ const MOST_SPURIOUS: f64 = 0.005;
 const LEAST_RIGHT: f64 = 0.97;
 
 /// The modes of one draw of a system.
-pub fn identified(system: &System, draw: u64) -> ModalModel {
+pub fn identified(drawn: &Drawn, draw: u64) -> ModalModel {
     let options = IdentifyOptions {
         method: METHOD.to_owned(),
-        band: Some(system.band),
+        band: Some(drawn.system.band),
         ..IdentifyOptions::default()
     };
-    identify(&system.measured(draw), &options).unwrap()
+    identify(&drawn.measured(draw), &options).unwrap()
 }
 
 /// A system of the family with what is found of it.
-pub fn judged(number: usize) -> (System, ModalModel, Verdict) {
-    let system = System::draw(number as u64);
-    let model = identified(&system, 0);
-    let verdict = judge(&system, &model);
-    (system, model, verdict)
+pub fn judged(number: usize) -> (Drawn, ModalModel, Verdict) {
+    let drawn = Drawn::draw(number as u64);
+    let model = identified(&drawn, 0);
+    let verdict = drawn.judge().verdict(&model);
+    (drawn, model, verdict)
 }
 
 /// Counts over systems.
@@ -48,12 +48,13 @@ pub struct Score {
 }
 
 impl Score {
-    pub fn add(&mut self, (system, model, verdict): &(System, ModalModel, Verdict)) {
+    pub fn add(&mut self, (drawn, model, verdict): &(Drawn, ModalModel, Verdict)) {
         self.systems += 1;
         self.right += usize::from(verdict.wholly_right());
+        let system = &drawn.system;
         self.modes += system.modes.iter().filter(|m| system.inside(m)).count();
-        self.observable += verdict.observable();
-        self.missed += verdict.missed();
+        self.observable += verdict.observable;
+        self.missed += verdict.missed.len();
         self.found += model.modes.len();
         self.spurious += verdict.spurious.len();
     }
@@ -82,6 +83,9 @@ fn every_observable_mode_is_found_and_none_is_invented() {
         score.add(own);
         if !own.2.wholly_right() {
             println!("{}: {}", own.0, own.2);
+            for reason in own.0.judge().reasons(&own.1, &own.2) {
+                println!("    {reason}");
+            }
         }
     }
     println!("{score:?}");

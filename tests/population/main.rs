@@ -3,11 +3,9 @@
 //! known variance. Modes paired with models whose stiffnesses are
 //! wrong, and models updated to synthetic twins of their machines. And every reader on damaged files.
 
-mod bound;
 mod close_pairs;
 mod efficiency;
 mod finding;
-mod found;
 mod gears;
 mod hits;
 mod identification;

@@ -6,18 +6,18 @@
 //! the constants say. Systems of more modal overlap than [`MOST_OVERLAP`] are drawn again: where every half-power width holds
 //! several modes there are no modes to tell.
 
-use std::f64::consts::TAU;
 use std::fmt;
 
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::dof::Dof;
-use modalign::frf::{FrfSet, Function, FunctionData, synthesise};
+use modalign::frf::FrfSet;
 use modalign::modal::Pole;
 use modalign::quantity::FrfKind;
+use modalign::study::{FrfNoise, Judge, System, TrueMode};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal};
 
 /// Systems of the family.
 pub const SYSTEMS: usize = 300;
@@ -53,60 +53,24 @@ const ESTIMATED: (f64, (u32, u32)) = (0.5, (4, 16));
 /// No mode lies nearer to an edge than this many half-power widths: there it is chance on which side its peak is seen.
 const EDGE_WIDTHS: f64 = 1.0;
 
-/// A mode of the truth.
+/// A system of the family and its noise.
 #[derive(Clone, Debug)]
-pub struct TrueMode {
-    pub pole: Pole,
-    /// At the responses, unit modal mass.
-    pub shape: Vec<Complex64>,
-}
-
-impl TrueMode {
-    pub fn hz(&self) -> f64 {
-        self.pole.natural_frequency_hz()
-    }
-
-    pub fn width_hz(&self) -> f64 {
-        self.pole.half_power_width_hz()
-    }
-
-    /// Receptance residue of a response for a hit at another one, m/(N s).
-    pub fn residue(&self, response: usize, reference: usize) -> Complex64 {
-        self.shape[response] * self.participation(reference)
-    }
-
-    /// What multiplies the shape to give the residues of a reference.
-    pub fn participation(&self, reference: usize) -> Complex64 {
-        self.shape[reference] / Complex64::new(0.0, 2.0 * self.pole.lambda.im)
-    }
-}
-
-/// A system and how it is measured.
-#[derive(Clone, Debug)]
-pub struct System {
+pub struct Drawn {
+    /// Also the stream of its noise.
     pub number: u64,
-    /// In ascending frequency, those outside the band included.
-    pub modes: Vec<TrueMode>,
-    pub axis: FrequencyAxis,
-    pub band: Band,
-    pub kind: FrfKind,
-    /// The first so many responses are hit.
-    pub references: usize,
-    pub responses: usize,
-    pub snr_db: f64,
-    /// Averages that the stated variances are estimated from; exact variances without.
-    pub averages: Option<u32>,
+    pub system: System,
+    pub noise: FrfNoise,
 }
 
-impl System {
+impl Drawn {
     /// The system of a number.
     pub fn draw(number: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         random.set_stream(number);
         loop {
-            let system = Self::try_draw(number, &mut random);
-            if system.overlap() <= MOST_OVERLAP {
-                return system;
+            let drawn = Self::try_draw(number, &mut random);
+            if drawn.system.overlap() <= MOST_OVERLAP {
+                return drawn;
             }
         }
     }
@@ -140,9 +104,9 @@ impl System {
         } else {
             0.0
         };
-        let modes = poles.into_iter().map(|pole| TrueMode {
-            pole,
-            shape: (0..responses).map(|_| component(random, phase)).collect(),
+        let modes = poles.into_iter().map(|pole| {
+            let shape = (0..responses).map(|_| component(random, phase)).collect();
+            mode(pole, shape, references)
         });
         let modes: Vec<TrueMode> = modes.collect();
         let overhang = if outside && random.random_bool(OVERHANG.0) {
@@ -152,107 +116,64 @@ impl System {
         };
         let axis = axis(random, &modes, (band, overhang));
         let kinds = [FrfKind::Receptance, FrfKind::Accelerance];
-        Self {
-            number,
+        let system = System {
             modes,
             axis,
             band,
             kind: kinds[random.random_range(0..2)],
-            references,
-            responses,
+            responses: dofs(responses),
+            references: dofs(references),
+            record_end_s: None,
+        };
+        let noise = FrfNoise {
             snr_db: random.random_range(SNR_DB.0..SNR_DB.1),
             averages: random
                 .random_bool(ESTIMATED.0)
                 .then(|| random.random_range(ESTIMATED.1.0..=ESTIMATED.1.1)),
+        };
+        Self {
+            number,
+            system,
+            noise,
         }
-    }
-
-    /// Whether a mode lies in the band.
-    pub fn inside(&self, mode: &TrueMode) -> bool {
-        self.band.contains(mode.hz())
-    }
-
-    /// Modal overlap of the band: the sum of the half-power widths over its own.
-    fn overlap(&self) -> f64 {
-        let inside = self.modes.iter().filter(|mode| self.inside(mode));
-        inside.map(TrueMode::width_hz).sum::<f64>() / self.band.width_hz()
-    }
-
-    /// The degree of freedom of a response.
-    pub fn dof(response: usize) -> Dof {
-        format!("{}:+Z", response + 1).parse().unwrap()
-    }
-
-    /// Response and reference of every function, reference by reference.
-    pub fn pairs(&self) -> Vec<(usize, usize)> {
-        (0..self.references)
-            .flat_map(|i| (0..self.responses).map(move |o| (o, i)))
-            .collect()
-    }
-
-    /// The functions without noise.
-    pub fn exact(&self) -> FrfSet {
-        let pairs: Vec<(usize, usize)> = self.pairs();
-        let name = |&(o, i): &(usize, usize)| (Self::dof(o), Self::dof(i));
-        let of_mode = |mode: &TrueMode| {
-            let residues = pairs.iter().map(|p| (name(p), mode.residue(p.0, p.1)));
-            (mode.pole, residues.collect())
-        };
-        let terms: Vec<(Pole, modalign::frf::Residues)> = self.modes.iter().map(of_mode).collect();
-        let terms: Vec<_> = terms.iter().map(|(pole, a)| (*pole, a)).collect();
-        let names: Vec<(Dof, Dof)> = pairs.iter().map(name).collect();
-        synthesise(&terms, self.axis, &names, self.kind, 0.0).unwrap()
-    }
-
-    /// True variance of each function of [`Self::exact`].
-    pub fn variances(&self, exact: &FrfSet) -> Vec<f64> {
-        let lines = self.axis.lines(&self.band);
-        let share = 10f64.powf(-self.snr_db / 10.0) / lines.len() as f64;
-        let power = |i| -> f64 {
-            exact.values(i)[lines.clone()]
-                .iter()
-                .map(Complex64::norm_sqr)
-                .sum()
-        };
-        (0..exact.len()).map(|i| share * power(i)).collect()
     }
 
     /// The functions with their noise, of which each draw has its own.
     pub fn measured(&self, draw: u64) -> FrfSet {
-        let exact = self.exact();
-        let variances = self.variances(&exact);
         let mut random = ChaCha8Rng::seed_from_u64(SEED + 1 + draw);
         random.set_stream(self.number);
-        let mut set = FrfSet::new(self.axis);
-        let freedom = self.averages.map(|n| 2.0 * f64::from(n - 1));
-        for (i, variance) in variances.iter().enumerate() {
-            let values = exact.values(i).iter();
-            let values = values.map(|h| h + white(&mut random, *variance)).collect();
-            let chi = freedom.map(|freedom| ChiSquared::new(freedom).unwrap());
-            let mut stated = || match (chi, freedom) {
-                (Some(chi), Some(freedom)) => variance * chi.sample(&mut random) / freedom,
-                _ => *variance,
-            };
-            let variance = Some((0..self.axis.len).map(|_| stated()).collect());
-            let function = Function {
-                averages: self.averages,
-                variance_dof: freedom,
-                ..exact.functions()[i].clone()
-            };
-            let data = FunctionData {
-                values,
-                coherence: None,
-                variance,
-            };
-            set.push(function, data).unwrap();
-        }
-        set
+        self.system.noisy(&self.noise, &mut random).unwrap()
+    }
+
+    /// Judges what is found of it.
+    pub fn judge(&self) -> Judge<'_> {
+        Judge::new(&self.system, &self.variances())
+    }
+
+    /// True variance of each function.
+    pub fn variances(&self) -> Vec<f64> {
+        let exact = self.system.exact().unwrap();
+        self.system.variances(&exact, self.noise.snr_db)
     }
 }
 
-impl fmt::Display for System {
+/// The first so many points.
+pub fn dofs(count: usize) -> Vec<Dof> {
+    let dof = |number| format!("{number}:+Z").parse().unwrap();
+    (1..=count).map(dof).collect()
+}
+
+/// A mode of unit modal mass, whose first responses are hit.
+pub fn mode(pole: Pole, shape: Vec<Complex64>, references: usize) -> TrueMode {
+    let at_references = shape[..references].to_vec();
+    TrueMode::of_unit_mass(pole, shape, &at_references)
+}
+
+impl fmt::Display for Drawn {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let inside: Vec<&TrueMode> = self.modes.iter().filter(|m| self.inside(m)).collect();
+        let system = &self.system;
+        let inside = system.modes.iter().filter(|m| system.inside(m));
+        let inside: Vec<&TrueMode> = inside.collect();
         let damping = |mode: &&TrueMode| 100.0 * mode.pole.damping_ratio();
         let least = inside.iter().map(damping).fold(f64::MAX, f64::min);
         let most = inside.iter().map(damping).fold(0.0, f64::max);
@@ -263,23 +184,25 @@ impl fmt::Display for System {
              {} lines ({:.1} to the narrowest{}), {} x {} {:?}, {:.0} dB, {} averages{}",
             self.number,
             inside.len(),
-            self.modes.len() - inside.len(),
-            self.overlap(),
-            self.band.lo_hz,
-            self.band.hi_hz,
-            self.axis.lines(&self.band).len(),
-            narrowest / self.axis.step_hz,
-            if self.axis.len > self.axis.lines(&self.band).len() + 2 {
+            system.modes.len() - inside.len(),
+            system.overlap(),
+            system.band.lo_hz,
+            system.band.hi_hz,
+            system.axis.lines(&system.band).len(),
+            narrowest / system.axis.step_hz,
+            if system.axis.len > system.axis.lines(&system.band).len() + 2 {
                 ", more beyond"
             } else {
                 ""
             },
-            self.responses,
-            self.references,
-            self.kind,
-            self.snr_db,
-            self.averages.map_or("exact".to_owned(), |n| n.to_string()),
-            if self.modes[0].shape.iter().any(|c| c.im != 0.0) {
+            system.responses.len(),
+            system.references.len(),
+            system.kind,
+            self.noise.snr_db,
+            self.noise
+                .averages
+                .map_or("exact".to_owned(), |n| n.to_string()),
+            if system.modes[0].shape.iter().any(|c| c.im != 0.0) {
                 ", complex"
             } else {
                 ""
@@ -290,12 +213,6 @@ impl fmt::Display for System {
 
 fn log_uniform(random: &mut ChaCha8Rng, (lo, hi): (f64, f64)) -> f64 {
     lo * (hi / lo).powf(random.random_range(0.0..1.0))
-}
-
-/// Complex noise of variance E|z|².
-fn white(random: &mut ChaCha8Rng, variance: f64) -> Complex64 {
-    let mut part = || -> f64 { StandardNormal.sample(random) };
-    Complex64::new(part(), part()) * (0.5 * variance).sqrt()
 }
 
 /// A normal component with a normal phase.
@@ -344,10 +261,4 @@ fn axis(
         step_hz,
         len: (lines + 2.0 * beyond) as usize,
     }
-}
-
-/// Angular frequencies of the lines of the band.
-pub fn omega(system: &System) -> Vec<f64> {
-    let lines = system.axis.lines(&system.band);
-    lines.map(|k| TAU * system.axis.hz(k)).collect()
 }

@@ -226,6 +226,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("nalgebra::", &["linalg"]),
     ("realfft::", &["fourier"]),
     ("rustfft::", &["fourier"]),
+    ("resvg::", &["report"]),
+    ("png::", &["report"]),
     ("clap::", &["cli", "main"]),
     ("std::fs", &["io", "scene", "cli"]),
     ("{env", &["cli", "main"]),

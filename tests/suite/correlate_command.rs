@@ -430,6 +430,14 @@ fn caption_digits_and_language_are_chosen() {
         printed.contains(" +2.0 ") && printed.contains(" 1.0 "),
         "{printed}"
     );
+    // A CSV is for programs: its heads are those of every day, and its numbers whole.
+    let csv = at("table.csv");
+    run(&["--digits", "1", "--lang", "zh", "-o", &csv]);
+    let lines = std::fs::read_to_string(&csv).unwrap();
+    assert!(
+        lines.contains("(test−theory)/std") && lines.contains("paired"),
+        "{lines}"
+    );
     let own = run(&["--caption", "Summary", "--lang", "zh"]);
     assert!(own.starts_with("Summary\n"), "{own}");
     let english = run(&[]);

@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::command::{fail, modalign, root, succeed, write};
 
 /// What a folder holds, by name.
-fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path());
@@ -20,7 +20,7 @@ fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// A folder with a short recording, its FRFs and modes, and results of an earlier day under every name that verbs write.
-fn prepared() -> tempfile::TempDir {
+pub fn prepared() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let beam = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();

@@ -2,6 +2,7 @@
 
 mod architecture;
 mod bad_input;
+mod breakdown_command;
 mod changes;
 mod check_command;
 mod command;
@@ -33,6 +34,8 @@ mod report;
 mod roving;
 #[path = "../population/seeds.rs"]
 mod seeds;
+mod study_command;
+mod targets;
 mod theory_command;
 mod torture;
 mod transmissions;

@@ -1,5 +1,6 @@
 //! The HTML report: written with a run, built again from its folder, and what its data are good for.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -127,13 +128,24 @@ fn a_report_is_built_again_as_it_was_and_in_the_other_language() {
     let told = succeed(["report", folder]);
     assert_eq!(told.trim(), path.to_str().unwrap());
     assert_eq!(std::fs::read_to_string(&path).unwrap(), page);
-    succeed(["report", folder, "--lang", "zh"]);
+    let figures = |extension: &str| {
+        let all = std::fs::read_dir(out.path().join("figures")).unwrap();
+        let paths = all.map(|entry| entry.unwrap().path());
+        let own = paths.filter(|path| path.extension().is_some_and(|own| own == extension));
+        own.map(|path| path.with_extension(""))
+            .collect::<BTreeSet<_>>()
+    };
+    assert_eq!((figures("svg").len(), figures("png").len()), (22, 0));
+    succeed(["report", folder, "--lang", "zh", "--png"]);
+    assert_eq!(figures("svg"), figures("png"));
     let chinese = std::fs::read_to_string(&path).unwrap();
     for part in [
         "<html lang=\"zh\">",
         "频带内 6 / 6 阶模型模态已配对",
         "<th scope=\"col\">阶次</th>",
         "稳定图",
+        modalign::finding::Code::Synthetic.chinese_sentence(),
+        modalign::finding::Code::Synthetic.chinese_explanation(),
     ] {
         assert!(chinese.contains(part), "{part}");
     }

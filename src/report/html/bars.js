@@ -26,12 +26,12 @@ function drawErrors(host) {
     missed.cells.push(cell);
   }));
   if (missed.x.length) series.push(missed);
-  const every = Math.ceil(rows.length / 22);
+  const every = Math.ceil(rows.length / (window.innerWidth < 600 ? 9 : 22));
   const ticks = rows.map((row, k) => ({ at: k + 1, main: true, text: k % every === 0 ? row.label : '' }));
   const label = overview.of_theory ? T('(test−theory)/theory (%), line ±1 std') : T('(theory−test)/test (%), line ±1 std');
   host.append(el('h3', {}, T('Frequency error by mode')));
   new Plot(host, {
-    name: 'errors', height: 250, series, x: { label: T('Mode'), min: 0.4, max: rows.length + 0.6, ticks }, y: { label },
+    name: 'errors', height: 300, series, x: { label: T('Mode'), min: 0.4, max: rows.length + 0.6, ticks }, y: { label },
     over: (plot, group) => group.append(svg('line', { x1: MARGIN.left, x2: plot.width - MARGIN.right, y1: plot.sy(0), y2: plot.sy(0), stroke: palette.ink })),
     tell: (near) => {
       const row = rows[Math.round(near.x) - 1];

@@ -75,13 +75,14 @@ fn block_text(block: &Block) -> String {
         Block::Heading(text) => format!("<h2>{}</h2>\n", escape(text)),
         Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
         Block::Table(table) => table_text(table),
-        Block::Findings(findings) if findings.is_empty() => String::new(),
-        Block::Findings(findings) => {
+        Block::Findings { findings, .. } if findings.is_empty() => String::new(),
+        Block::Findings { findings, language } => {
             let item = |finding: &crate::finding::Finding| {
                 format!(
-                    "<li class=\"{0}\"><b>{0}</b> {1} <code>{2}</code></li>\n",
+                    "<li class=\"{}\"><b>{}</b> {} <code>{}</code></li>\n",
                     finding.severity,
-                    escape(&finding.to_string()),
+                    language.severity(finding.severity),
+                    escape(&language.finding(finding)),
                     finding.code.name()
                 )
             };
@@ -150,8 +151,8 @@ fn verdict_class(text: &str) -> Option<&'static str> {
         | "met" | "yes" => "good",
         "ambiguous" | "不明确" | "at bound" | "位于边界" | "missed-expected" | "漏检(预期)"
         | "not checkable" => "fair",
-        "missed-unexpected" | "漏检(非预期)" | "extra" | "多余" | "left out"
-        | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
+        "MISSED" | "NOT reproduced" | "missed-unexpected" | "漏检(非预期)" | "extra" | "多余"
+        | "left out" | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
         | "漏检(未判定)" => "bad",
         "not-observable"
         | "不可观测"
@@ -167,6 +168,7 @@ fn verdict_class(text: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::finding::{Code, Finding, Place, Severity};
+    use crate::report::Language;
 
     #[test]
     fn tables_keep_their_heads_alignment_and_missing_fields() {
@@ -196,7 +198,11 @@ mod tests {
     #[test]
     fn findings_carry_severity_and_code() {
         let finding = Finding::new(Severity::Warning, Code::CloseModes, Place::Mode(12.0));
-        let text = fragment(&[Block::Findings(vec![finding]), Block::Findings(Vec::new())]);
+        let block = |findings| Block::Findings {
+            findings,
+            language: Language::default(),
+        };
+        let text = fragment(&[block(vec![finding]), block(Vec::new())]);
         assert!(
             text.starts_with("<ul class=\"findings\">\n<li class=\"warning\">"),
             "{text}"

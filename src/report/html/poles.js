@@ -83,7 +83,8 @@ class PolePicker {
     for (const own of logTicks(lo, hi).filter((tick) => tick.text)) {
       group.append(svg('text', { x: right - 4, y: y(own.at) + 3, 'text-anchor': 'end', fill: palette.faint, 'font-size': 9.5 }, own.text));
     }
-    group.append(svg('text', { x: right - 4, y: top + 11, 'text-anchor': 'end', fill: palette.faint, 'font-size': 10 }, T('CMIF (m/(N s))')));
+    // Numbers of modes stand at the top.
+    group.append(svg('text', { x: right - 4, y: bottom - 6, 'text-anchor': 'end', fill: palette.faint, 'font-size': 10 }, T('CMIF (m/(N s))')));
   }
 
   over(plot, group) {

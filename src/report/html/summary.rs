@@ -279,16 +279,20 @@ fn marked(text: &str) -> String {
 /// All findings by test, worst first, those of one code together with its explanation.
 pub(super) fn findings(report: &RunReport, language: Language) -> String {
     let mut text = String::new();
-    let several = report.findings.len() > 1;
-    for (test, findings) in &report.findings {
-        if findings.is_empty() {
-            continue;
+    // Those of a single test and those of the whole run have one name.
+    let mut by_name: Vec<(&str, Vec<Finding>)> = Vec::new();
+    for (test, own) in report.findings.iter().filter(|(_, own)| !own.is_empty()) {
+        match by_name.iter_mut().find(|(name, _)| *name == test.as_str()) {
+            Some((_, all)) => all.extend_from_slice(own),
+            None => by_name.push((test, own.clone())),
         }
-        if several {
+    }
+    for (test, findings) in &by_name {
+        if by_name.len() > 1 {
             let name = if test.is_empty() {
                 word(language, "whole run")
             } else {
-                test
+                *test
             };
             let _ = writeln!(text, "<h3>{}</h3>", escape(name));
         }
@@ -309,8 +313,12 @@ fn of_test(findings: &[Finding], language: Language) -> String {
         let key = (std::cmp::Reverse(finding.severity), finding.code);
         let told = by_code.entry(key).or_default();
         // The sentence of the code stands above them all.
-        let own = finding.to_string().replace(finding.code.sentence(), "");
-        let own = own.replacen(": ", " ", 1).trim().to_owned();
+        let told_whole = language.finding(finding);
+        let (place, numbers) = told_whole
+            .split_once(language.sentence(finding.code))
+            .unwrap_or((&told_whole, ""));
+        let place = place.trim_end_matches([':', ' ', '\u{ff1a}']);
+        let own = format!("{place} {}", numbers.trim()).trim().to_owned();
         if !told.contains(&own) {
             told.push(own);
         }
@@ -336,10 +344,10 @@ fn of_test(findings: &[Finding], language: Language) -> String {
             "<details class=\"{severity}\"{}><summary><span class=\"chip {severity}\">{}</span> {} <code>{}</code> <span class=\"count\">× {}</span></summary>\n<p class=\"why\">{}</p>\n<ul>{items}</ul>\n{more}</details>\n",
             if severity == "info" { "" } else { " open" },
             word(language, severity),
-            escape(code.sentence()),
+            escape(language.sentence(code)),
             code.name(),
             told.len(),
-            escape(code.explanation()),
+            escape(language.explanation(code)),
         );
     }
     text + "</div>\n"

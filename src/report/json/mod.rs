@@ -7,6 +7,7 @@ mod measures;
 mod placement;
 mod response;
 mod run;
+mod study;
 mod sweep;
 mod theory;
 mod update;
@@ -22,6 +23,7 @@ pub use measures::{
 };
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use run::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
+pub use study::{SPEED_ACCURACY_SCHEMA, speed_accuracy_to_json};
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};
 pub use update::{

@@ -1,17 +1,17 @@
 //! Bars: frequency errors by mode, shares of energy by root.
 
 use crate::correlate::Status;
-use crate::scene::{EnergyBar, Overview, OverviewRow};
+use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
 
 use super::axis::{Axis, frame, range};
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW, legend_rows};
 
 /// Kinds of bodies that have a colour of their own.
 const COLORED: usize = 6;
 
 /// Error of every root that a test of the band has, with its standard deviation, and a cross below those that it missed; `None`
 /// where there is none.
-pub(super) fn errors(overview: &Overview) -> Option<String> {
+pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<String> {
     let inside = |row: &&OverviewRow| {
         let seen = row
             .cells
@@ -28,18 +28,23 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
     if rows.is_empty() || hi <= lo {
         return None;
     }
-    let mut canvas = Canvas::new(735.0, 320.0);
+    let tests: Vec<&str> = overview.tests.iter().map(|own| own.test.as_str()).collect();
+    let titles = titles(&tests, figures);
+    let mut names: Vec<(&str, &str)> = titles.iter().map(String::as_str).zip(colors()).collect();
+    if any_missed(&rows) {
+        names.push(("× missed", INK));
+    }
+    let more = LEGEND_ROW * (legend_rows(70.0, 735.0, &names) - 1) as f64;
+    let mut canvas = Canvas::new(735.0, 320.0 + more);
     let pad = 0.08 * (hi - lo);
     let count = rows.len() as f64;
-    let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0));
+    let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0)).stepped(1.0);
     let y = Axis::linear((lo - pad, hi + pad), (260.0, 34.0));
     let label = match overview.of_theory {
         true => "(test−theory)/theory (%), line ±1 std",
         false => "(theory−test)/test (%), line ±1 std",
     };
     frame(&mut canvas, (&x, &y), ("", label));
-    let mut any_missed = false;
-    let tests: Vec<&str> = overview.tests.iter().map(|own| own.test.as_str()).collect();
     let wide = 0.8 / tests.len().max(1) as f64;
     let every = rows.len().div_ceil(24).max(1);
     for (k, row) in rows.iter().enumerate() {
@@ -53,12 +58,8 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
             };
             let at = middle + (n as f64 - 0.5 * (tests.len() as f64 - 1.0)) * wide;
             let Some(error) = cell.error_percent else {
-                if matches!(
-                    cell.status,
-                    Status::MissedExpected | Status::MissedUnexpected
-                ) {
+                if is_missed(cell) {
                     cross(&mut canvas, [x.place(at), 255.0]);
-                    any_missed = true;
                 }
                 continue;
             };
@@ -79,16 +80,33 @@ pub(super) fn errors(overview: &Overview) -> Option<String> {
         }
     }
     canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], (INK, 1.0));
-    let mut names: Vec<(&str, &str)> = tests
-        .iter()
-        .enumerate()
-        .map(|(n, name)| (*name, COLORS[n % COLORS.len()]))
-        .collect();
-    if any_missed {
-        names.push(("× missed", INK));
-    }
     canvas.legend([70.0, 306.0], &names);
     Some(canvas.finish())
+}
+
+/// The names of tests; those that nobody measured say so.
+fn titles(tests: &[&str], figures: &[TestFigures]) -> Vec<String> {
+    let title = |name: &&str| {
+        let own = figures.iter().find(|own| own.name == **name);
+        own.map_or_else(|| (*name).to_owned(), super::title)
+    };
+    tests.iter().map(title).collect()
+}
+
+fn colors() -> impl Iterator<Item = &'static str> {
+    COLORS.into_iter().cycle()
+}
+
+fn any_missed(rows: &[&OverviewRow]) -> bool {
+    let mut cells = rows.iter().flat_map(|row| &row.cells);
+    cells.any(|cell| cell.error_percent.is_none() && is_missed(cell))
+}
+
+fn is_missed(cell: &OverviewCell) -> bool {
+    matches!(
+        cell.status,
+        Status::MissedExpected | Status::MissedUnexpected
+    )
 }
 
 /// A missed root: it has no error that could stand on the axis.
@@ -121,7 +139,7 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
     let mut canvas = Canvas::new(735.0, bottom + 40.0);
     canvas.text(
         [110.0, 18.0],
-        "Share of the kinetic energy",
+        "Share of the kinetic energy of the model's roots",
         (Anchor::Start, INK),
     );
     for (k, bar) in bars.iter().enumerate() {

@@ -26,7 +26,10 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     );
     let title = format!(
         "{}: {} / {}, {}",
-        test.name, curve.response, curve.reference, curve.kind
+        super::title(test),
+        curve.response,
+        curve.reference,
+        curve.kind
     );
     canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
     let fitted = !curve.fit_magnitude.is_empty();

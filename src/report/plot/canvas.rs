@@ -13,12 +13,48 @@ pub(super) const GRID: &str = "#e2e2e2";
 /// Between both.
 pub(super) const FAINT: &str = "#8a8a8a";
 
+/// Size of letters, px.
+const FONT_SIZE: f64 = 11.0;
+/// Distance of the rows of a legend, px.
+pub(super) const LEGEND_ROW: f64 = 16.0;
+
+/// About the width of a text, px; by classes of letters of Helvetica.
+pub(super) fn text_width(text: &str) -> f64 {
+    let part = |c: char| match c {
+        'i' | 'j' | 'l' | '\'' | '|' | '.' | ',' | ':' | ';' | ' ' | '/' | 't' | 'f' | '('
+        | ')' => 0.29,
+        'm' | 'w' | 'M' | 'W' | '%' | '—' | '→' => 0.88,
+        'A'..='Z' | '+' | '×' | '±' => 0.68,
+        c if c > '\u{2e7f}' => 1.0,
+        _ => 0.56,
+    };
+    FONT_SIZE * text.chars().map(part).sum::<f64>()
+}
+
+/// Rows of a legend that begins at a place of a canvas of this width.
+pub(super) fn legend_rows(left: f64, width: f64, names: &[(&str, &str)]) -> usize {
+    let (mut x, mut rows) = (left, 1);
+    for (name, _) in names {
+        let wide = text_width(name);
+        if x > left && x + 21.0 + wide > width - 4.0 {
+            (x, rows) = (left, rows + 1);
+        }
+        x += 39.0 + wide;
+    }
+    rows
+}
+
 /// Where a text stands against its place.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
     Middle,
     End,
+}
+
+/// Characters that no XML file can hold, however they are written.
+fn is_not_xml(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
 }
 
 /// A figure that is being drawn.
@@ -44,7 +80,7 @@ impl Canvas {
     pub fn finish(self) -> String {
         let (width, height) = (self.width, self.height);
         format!(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"11\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{FONT_SIZE}\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>\n{}</svg>\n",
             self.body
         )
     }
@@ -125,6 +161,7 @@ impl Canvas {
             _ => format!(" transform=\"rotate({degrees} {x:.1} {y:.1})\""),
         };
         let text = text
+            .replace(is_not_xml, " ")
             .replace('&', "&amp;")
             .replace('<', "&lt;")
             .replace('>', "&gt;");
@@ -153,12 +190,17 @@ impl Canvas {
         self.body.push_str("</g>\n");
     }
 
-    /// Names with their colours, in one row from a place on.
-    pub fn legend(&mut self, [mut x, y]: [f64; 2], names: &[(&str, &str)]) {
+    /// Names with their colours in a row from a place on, and in further rows below where the canvas ends, see [`legend_rows`].
+    pub fn legend(&mut self, [left, mut y]: [f64; 2], names: &[(&str, &str)]) {
+        let mut x = left;
         for (name, color) in names {
+            let wide = text_width(name);
+            if x > left && x + 21.0 + wide > self.width - 4.0 {
+                (x, y) = (left, y + LEGEND_ROW);
+            }
             self.line([x, y - 4.0], [x + 16.0, y - 4.0], (color, 3.0));
             self.text([x + 21.0, y], name, (Anchor::Start, INK));
-            x += 36.0 + 6.2 * name.chars().count() as f64;
+            x += 39.0 + wide;
         }
     }
 }

@@ -8,9 +8,12 @@ use super::mac::heat;
 
 const SIDE: f64 = 330.0;
 
-pub(super) fn circle(own: &CircleFigure) -> String {
+pub(super) fn circle(own: &CircleFigure, test: &str) -> String {
     let mut canvas = Canvas::new(860.0, 440.0);
-    let title = format!("Mode {}: {:.2} Hz, {}", own.mode, own.hz, own.function);
+    let title = format!(
+        "{test}, mode {}: {:.2} Hz, {}",
+        own.mode, own.hz, own.function
+    );
     canvas.text([75.0, 20.0], &title, (Anchor::Start, INK));
     plane(&mut canvas, own);
     surface(&mut canvas, own);

@@ -2,7 +2,7 @@
 
 use crate::scene::MacFigure;
 
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
 
 /// Colours from 0 to 1: white to dark blue.
 const SCALE: [[f64; 3]; 5] = [
@@ -12,6 +12,9 @@ const SCALE: [[f64; 3]; 5] = [
     [33.0, 113.0, 181.0],
     [8.0, 48.0, 107.0],
 ];
+
+/// A cell without a value.
+const UNKNOWN: &str = "#f2f2f2";
 
 /// The colour of a share, 0 to 1.
 pub(super) fn heat(share: f64) -> String {
@@ -23,19 +26,22 @@ pub(super) fn heat(share: f64) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-pub(super) fn mac(own: &MacFigure) -> String {
+pub(super) fn mac(own: &MacFigure, test: &str) -> String {
     let (rows, columns) = (own.test_hz.len(), own.theory_hz.len());
     let wide = (620.0 / columns.max(1) as f64).clamp(10.0, 44.0);
     let high = 22.0;
-    let (left, top) = (90.0, 16.0);
+    let (left, top) = (90.0, 42.0);
     let bottom = top + high * rows as f64;
     let right = left + wide * columns as f64;
-    let mut canvas = Canvas::new(right + 70.0, bottom + 84.0);
+    let title = format!("MAC of {test} and theory, {} degrees of freedom", own.dofs);
+    let width = (right + 70.0).max(30.0 + text_width(&title));
+    let mut canvas = Canvas::new(width, (bottom + 108.0).max(top + 160.0));
+    canvas.text([18.0, 18.0], &title, (Anchor::Start, INK));
     for (i, row) in own.mac.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let a = [left + j as f64 * wide, top + i as f64 * high];
             let b = [a[0] + wide, a[1] + high];
-            let fill = value.map_or_else(|| "#f2f2f2".to_owned(), heat);
+            let fill = value.map_or_else(|| UNKNOWN.to_owned(), heat);
             canvas.rect(a, b, (&fill, GRID));
             if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
                 let ink = if value > 0.55 { "#ffffff" } else { INK };
@@ -71,8 +77,23 @@ pub(super) fn mac(own: &MacFigure) -> String {
         (Anchor::Middle, INK),
         -90.0,
     );
+    legend(&mut canvas, [left, bottom + 98.0], own);
     scale(&mut canvas, right + 18.0, (top, top + 110.0));
     canvas.finish()
+}
+
+/// What the frames are, and cells without a value.
+fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], own: &MacFigure) {
+    let some_missing = own.mac.iter().flatten().any(Option::is_none);
+    let names = [
+        (!own.pairs.is_empty(), "pair", ("none", COLORS[1])),
+        (some_missing, "no common degree of freedom", (UNKNOWN, GRID)),
+    ];
+    for (_, name, style) in names.into_iter().filter(|(wanted, ..)| *wanted) {
+        canvas.rect([x, y - 10.0], [x + 16.0, y + 1.0], style);
+        canvas.text([x + 21.0, y], name, (Anchor::Start, INK));
+        x += 39.0 + text_width(name);
+    }
 }
 
 fn scale(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64)) {
@@ -86,6 +107,7 @@ fn scale(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64)) {
         );
     }
     canvas.rect([x, top], [x + 12.0, bottom], ("none", FAINT));
+    canvas.text([x - 6.0, top - 10.0], "MAC", (Anchor::Start, INK));
     for (share, text) in [(0.0, "0"), (0.5, "0.5"), (1.0, "1")] {
         let y = bottom + share * (top - bottom) + 4.0;
         canvas.text([x + 17.0, y], text, (Anchor::Start, INK));

@@ -1,22 +1,34 @@
-//! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white.
+//! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white; and the same as PNG.
 //!
-//! What is drawn comes finished from [`crate::scene::Figures`]; here it is only placed.
+//! What is drawn comes finished from [`crate::scene::Figures`] and [`crate::study`]; here it is only placed.
 
 mod axis;
 mod bars;
 mod bode;
+mod breakdown;
 mod canvas;
 mod circle;
 mod mac;
+mod mark;
+mod png;
 mod poles;
 mod shapes;
+mod speed_accuracy;
+mod update;
+
+use rayon::prelude::*;
 
 use crate::scene::{Figures, TestFigures};
+
+pub use breakdown::{breakdown_svg, stability_svg};
+pub use speed_accuracy::speed_accuracy_figures;
+pub use update::update_figures_svg;
 
 /// Every figure with its name, unique and made of letters, digits, points and hyphens.
 pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = Vec::new();
-    let own = figures.overview.as_ref().and_then(bars::errors);
+    let own = figures.overview.as_ref();
+    let own = own.and_then(|overview| bars::errors(overview, &figures.tests));
     all.extend(own.map(|text| ("errors".to_owned(), text)));
     let own = bars::energies(&figures.energies);
     all.extend(own.map(|text| ("energies".to_owned(), text)));
@@ -35,6 +47,32 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
         named.push((free, text));
     }
     named
+}
+
+/// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn from it at 300 dots to the
+/// inch in the pool of the caller.
+///
+/// The PNG's font has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there. The figures' own words are English.
+pub fn figure_files(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
+    let drawn: Vec<(String, Vec<u8>)> = match png {
+        true => figures
+            .par_iter()
+            .map(|(name, svg)| (format!("{name}.png"), png::png(svg)))
+            .collect(),
+        false => Vec::new(),
+    };
+    let svgs = figures
+        .into_iter()
+        .map(|(name, svg)| (format!("{name}.svg"), svg.into_bytes()));
+    svgs.chain(drawn).collect()
+}
+
+/// The name of a test; of one that nobody measured it says so.
+fn title(test: &TestFigures) -> String {
+    match test.synthetic {
+        true => format!("{} (synthetic)", test.name),
+        false => test.name.clone(),
+    }
 }
 
 fn of_test(test: &TestFigures) -> Vec<(String, String)> {
@@ -58,12 +96,15 @@ fn of_test(test: &TestFigures) -> Vec<(String, String)> {
         )
     }));
     let own = test.mac.as_ref();
-    all.extend(own.map(|own| (format!("{stem}-mac"), mac::mac(own))));
+    all.extend(own.map(|own| (format!("{stem}-mac"), mac::mac(own, &title(test)))));
     for own in &test.circles {
-        all.push((format!("{stem}-circle-{}", own.mode), circle::circle(own)));
+        all.push((
+            format!("{stem}-circle-{}", own.mode),
+            circle::circle(own, &title(test)),
+        ));
     }
     let own = test.shapes.as_ref();
-    all.extend(own.map(|own| (format!("{stem}-shapes"), shapes::shapes(own))));
+    all.extend(own.map(|own| (format!("{stem}-shapes"), shapes::shapes(own, &title(test)))));
     all
 }
 
@@ -104,6 +145,7 @@ mod tests {
         };
         TestFigures {
             name: "a <test>".to_owned(),
+            synthetic: true,
             modes: vec![ModeMark {
                 hz: 2.0,
                 hz_std: None,
@@ -152,6 +194,8 @@ mod tests {
             assert!(!text.contains("NaN") && !text.contains("inf"), "{name}");
             let open = text.matches("<g").count();
             assert_eq!(open, text.matches("</g>").count(), "{name}");
+            // Nobody measured it.
+            assert!(text.contains("a &lt;test&gt; (synthetic)"), "{name}");
         }
         let bode = &all[0].1;
         for part in [
@@ -163,7 +207,39 @@ mod tests {
         ] {
             assert!(bode.contains(part), "{part}");
         }
-        assert!(all[2].1.contains(">0.98</text>"));
+        for part in [
+            ">0.98</text>",
+            ">pair</text>",
+            ">no common degree of freedom</text>",
+        ] {
+            assert!(all[2].1.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn a_png_is_the_figure_for_print() {
+        let figures = Figures {
+            tests: vec![test_figures()],
+            ..Figures::default()
+        };
+        let all = figures_svg(&figures);
+        assert_eq!(figure_files(all.clone(), false).len(), all.len());
+        let files = figure_files(all.clone(), true);
+        assert_eq!(files.len(), 2 * all.len());
+        for (name, svg) in &all {
+            let file = |name: &str| &files.iter().find(|(own, _)| own == name).unwrap().1;
+            assert_eq!(file(&format!("{name}.svg")), svg.as_bytes());
+            let image = png::tests::decoded(file(&format!("{name}.png")));
+            let size = |side: &str| {
+                let text = svg.split(&format!("{side}=\"")).nth(1).unwrap();
+                text.split('"').next().unwrap().parse::<f64>().unwrap()
+            };
+            let dots =
+                [size(" width"), size(" height")].map(|px| (px * 300.0 / 96.0).round() as u32);
+            assert_eq!([image.width, image.height], dots, "{name}");
+            // 300 dots to 0.0254 m.
+            assert_eq!(image.dots_per_metre, 11811, "{name}");
+        }
     }
 
     #[test]

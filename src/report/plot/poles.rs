@@ -3,7 +3,7 @@
 use crate::scene::{StabilizationFigure, TestFigures};
 
 use super::axis::{Axis, frame, range};
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, text_width};
 
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = 720.0;
@@ -20,7 +20,11 @@ pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> St
     let y = Axis::linear((orders.0 - pad, orders.1 + pad), (BOTTOM, TOP));
     canvas.text(
         [LEFT, 18.0],
-        &format!("{}: poles of {} over the CMIF", test.name, own.method),
+        &format!(
+            "{}: poles of {} over the CMIF",
+            super::title(test),
+            own.method
+        ),
         (Anchor::Start, INK),
     );
     frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
@@ -44,15 +48,23 @@ pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> St
         );
     }
     canvas.unclip();
-    let names = [
-        ("alone", COLORS[6]),
-        ("stable", COLORS[0]),
-        ("chosen", COLORS[2]),
-        ("identified modes", FAINT),
-        ("CMIF", "#b5b5b5"),
-    ];
-    canvas.legend([LEFT, BOTTOM + 56.0], &names);
+    legend(&mut canvas, &styles);
     canvas.finish()
+}
+
+/// Poles as they are drawn, the line of a mode and that of the CMIF.
+fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
+    let (mut x, y) = (LEFT, BOTTOM + 56.0);
+    let names = ["alone", "stable", "chosen", "identified modes", "CMIF"];
+    for (k, name) in names.into_iter().enumerate() {
+        match (poles.get(k), name) {
+            (Some((radius, style)), _) => canvas.dot([x + 8.0, y - 4.0], *radius, *style),
+            (None, "CMIF") => canvas.line([x, y - 4.0], [x + 16.0, y - 4.0], ("#b5b5b5", 1.0)),
+            (None, _) => canvas.line([x + 8.0, y - 11.0], [x + 8.0, y + 2.0], (FAINT, 0.5)),
+        }
+        canvas.text([x + 21.0, y], name, (Anchor::Start, INK));
+        x += 39.0 + text_width(name);
+    }
 }
 
 fn indicator(canvas: &mut Canvas, own: &StabilizationFigure, x: &Axis) {

@@ -73,7 +73,7 @@ impl View {
     }
 }
 
-pub(super) fn shapes(own: &ShapeFigure) -> String {
+pub(super) fn shapes(own: &ShapeFigure, test: &str) -> String {
     let view = View::of(own);
     let rows = own.test.len().div_ceil(COLUMNS);
     let mut canvas = Canvas::new(WIDE * COLUMNS as f64, HIGH * rows as f64 + 34.0);
@@ -83,7 +83,7 @@ pub(super) fn shapes(own: &ShapeFigure) -> String {
         panel(&mut canvas, own, (&view, corner), (k, shape, partner));
     }
     let names = [
-        ("test", COLORS[0]),
+        (test, COLORS[0]),
         ("theory", COLORS[1]),
         ("undeformed", FAINT),
     ];

@@ -16,7 +16,6 @@ mod shapes_tests;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Band;
-use crate::finding::Code;
 use crate::frf::FrfSet;
 
 use super::SceneError;
@@ -138,7 +137,7 @@ pub fn figures(
         };
         tests.push(TestFigures {
             name: test.name.clone(),
-            synthetic: synthetic(test),
+            synthetic: test.is_synthetic(),
             frf_file: frf_files.get(index).cloned().flatten(),
             modes: marks(test),
             frfs: one_set(&test.frfs)
@@ -156,11 +155,6 @@ pub fn figures(
         energies: energies(result, band),
     };
     Ok((figures, provenance::provenance(scene, result)?))
-}
-
-fn synthetic(test: &TestResult) -> bool {
-    let mut findings = test.modes.findings.iter();
-    findings.any(|own| own.code == Code::Synthetic)
 }
 
 fn marks(test: &TestResult) -> Vec<ModeMark> {

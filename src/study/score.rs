@@ -11,12 +11,13 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use modalign::correlate::subspace_mac;
-use modalign::modal::{ModalModel, Mode};
 use num_complex::Complex64;
 
-use super::bound::{Deviation, Noise, Term, deviations};
-use super::systems::{System, TrueMode, omega};
+use crate::correlate::subspace_mac;
+use crate::modal::{ModalModel, Mode};
+
+use super::bound::{Deviation, NoisyLines, deviations};
+use super::system::{System, TrueMode};
 
 /// Peak over noise, as a power: 10 dB.
 const OVER_NOISE: f64 = 10.0;
@@ -28,7 +29,7 @@ const NEAR_WIDTHS: f64 = 3.0;
 const LEAST_MAC: f64 = 0.9;
 
 /// What the noise lets anyone know of a mode of the truth.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// `None` for a mode far outside the band.
     pub bound: Option<Deviation>,
@@ -38,26 +39,26 @@ pub struct Known {
     pub spacing_hz: f64,
     /// Expected MAC of the best estimate of its shape: `1/(1 + ε²)`, `ε²` the variance of a lone mode's shape over its square.
     pub mac: f64,
+    /// Whether a perfect tool would find it.
     pub observable: bool,
 }
 
-/// What is known of every mode of a system.
-pub fn known(system: &System) -> Vec<Known> {
-    let variances = system.variances(&system.exact());
-    let bounds = bounds(system, &variances);
+/// What is known of every mode of a system in noise of these variances ([`System::variances`]).
+pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
+    let bounds = bounds(system, variances);
     let of_mode = |(r, bound): (usize, Option<Deviation>)| {
         let mode = &system.modes[r];
         let others = system.modes.iter().enumerate().filter(|(o, _)| *o != r);
         let distance = |(_, other): (usize, &TrueMode)| (other.hz() - mode.hz()).abs();
         let spacing_hz = others.map(distance).fold(mode.hz(), f64::min);
-        let peak_db = 10.0 * peak(system, mode, &variances).log10();
+        let peak_db = 10.0 * peak(system, mode, variances).log10();
         let told = bound.is_some_and(|b| b.frequency_hz < OF_SPACING * spacing_hz);
         let above = peak_db >= 10.0 * OVER_NOISE.log10();
         Known {
             bound,
             peak_db,
             spacing_hz,
-            mac: expected_mac(system, mode, &variances),
+            mac: expected_mac(system, mode, variances),
             observable: told && above && system.inside(mode),
         }
     };
@@ -73,24 +74,14 @@ pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
     let chosen: Vec<usize> = (0..system.modes.len())
         .filter(|r| near(&system.modes[*r]))
         .collect();
-    let term = |r: &usize| {
-        let mode = &system.modes[*r];
-        Term {
-            lambda: mode.pole.lambda,
-            shape: mode.shape.clone(),
-            participation: (0..system.references)
-                .map(|i| mode.participation(i))
-                .collect(),
-        }
-    };
-    let terms: Vec<Term> = chosen.iter().map(term).collect();
+    let modes: Vec<&TrueMode> = chosen.iter().map(|r| &system.modes[*r]).collect();
     let mut bounds = vec![None; system.modes.len()];
-    let noise = Noise {
-        omega: &omega(system),
+    let lines = NoisyLines {
+        omega: &system.omega(),
         order: system.kind.derivative_order(),
-        variance: &|output, input| variances[input * system.responses + output],
+        variances,
     };
-    for (r, bound) in chosen.iter().zip(deviations(&terms, &noise)) {
+    for (r, bound) in chosen.iter().zip(deviations(&modes, &lines)) {
         bounds[*r] = Some(bound);
     }
     bounds
@@ -115,83 +106,112 @@ fn expected_mac(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let gain = mode.pole.lambda.norm().powi(2 * order);
     let lines = -mode.pole.lambda.re * TAU * system.axis.step_hz / std::f64::consts::PI;
     let variance = |o: usize| {
-        let known =
-            |i| gain * mode.participation(i).norm_sqr() / variances[i * system.responses + o];
-        lines / (0..system.references).map(known).sum::<f64>()
+        let of =
+            |(i, l): (usize, &Complex64)| gain * l.norm_sqr() / variances[i * mode.shape.len() + o];
+        let known = mode.participation.iter().enumerate().map(of);
+        lines / known.sum::<f64>()
     };
-    let noise: f64 = (0..system.responses).map(variance).sum();
+    let noise: f64 = (0..mode.shape.len()).map(variance).sum();
     let square: f64 = mode.shape.iter().map(Complex64::norm_sqr).sum();
     (1.0 + noise / square).recip()
 }
 
 /// A judged identification.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    pub known: Vec<Known>,
+    /// Number of observable modes.
+    pub observable: usize,
     /// Number of the found mode of every true one.
     pub partner: Vec<Option<usize>>,
+    /// Numbers of the observable modes that are not found.
+    pub missed: Vec<usize>,
     /// Numbers of the found modes that are none.
     pub spurious: Vec<usize>,
-    /// Of every mode that went wrong, what it is and why.
-    pub notes: Vec<String>,
 }
 
 impl Verdict {
-    pub fn observable(&self) -> usize {
-        self.known.iter().filter(|k| k.observable).count()
-    }
-
-    pub fn missed(&self) -> usize {
-        let own = self.known.iter().zip(&self.partner);
-        own.filter(|(k, p)| k.observable && p.is_none()).count()
-    }
-
+    /// Whether every observable mode is found and no other.
     pub fn wholly_right(&self) -> bool {
-        self.missed() == 0 && self.spurious.is_empty()
+        self.missed.is_empty() && self.spurious.is_empty()
     }
 }
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let observable = self.observable();
         write!(
             f,
-            "{} of {observable} observable found, {} spurious",
-            observable - self.missed(),
+            "{} of {} observable found, {} spurious",
+            self.observable - self.missed.len(),
+            self.observable,
             self.spurious.len()
-        )?;
-        self.notes
-            .iter()
-            .try_for_each(|note| write!(f, "\n    {note}"))
+        )
     }
 }
 
-/// Judges what was found of a system.
-pub fn judge(system: &System, found: &ModalModel) -> Verdict {
-    let known = known(system);
-    let court = Court {
-        system,
-        known: &known,
-        found: &found.modes,
-        shapes: found.modes.iter().map(|m| components(system, m)).collect(),
-    };
-    let partner = court.partners();
-    let free = |f: &usize| !partner.contains(&Some(*f));
-    let spurious: Vec<usize> = (0..found.modes.len()).filter(free).collect();
-    let missed = (0..known.len()).filter(|r| known[*r].observable && partner[*r].is_none());
-    let notes = missed.map(|r| court.why_missed(r));
-    let notes = notes.chain(spurious.iter().map(|f| court.why_spurious(*f)));
-    Verdict {
-        notes: notes.collect(),
-        partner,
-        spurious,
-        known,
+/// Judges what is found of a system.
+#[derive(Clone, Debug)]
+pub struct Judge<'a> {
+    system: &'a System,
+    known: Vec<Known>,
+}
+
+impl<'a> Judge<'a> {
+    /// One for a system in noise of these variances ([`System::variances`]).
+    pub fn new(system: &'a System, variances: &[f64]) -> Self {
+        Self {
+            known: known(system, variances),
+            system,
+        }
+    }
+
+    /// The system.
+    pub fn system(&self) -> &System {
+        self.system
+    }
+
+    /// What the noise lets anyone know of every mode.
+    pub fn known(&self) -> &[Known] {
+        &self.known
+    }
+
+    /// Who is found, missed and none.
+    pub fn verdict(&self, found: &ModalModel) -> Verdict {
+        let partner = self.court(found).partners();
+        let free = |f: &usize| !partner.contains(&Some(*f));
+        let spurious = (0..found.modes.len()).filter(free).collect();
+        let observable = |r: &usize| self.known[*r].observable;
+        let all = (0..self.known.len()).filter(observable);
+        Verdict {
+            observable: all.clone().count(),
+            missed: all.filter(|r| partner[*r].is_none()).collect(),
+            partner,
+            spurious,
+        }
+    }
+
+    /// Of every mode that went wrong, what it is and why.
+    pub fn reasons(&self, found: &ModalModel, verdict: &Verdict) -> Vec<String> {
+        let court = self.court(found);
+        let missed = verdict.missed.iter().map(|r| court.why_missed(*r));
+        let spurious = verdict.spurious.iter().map(|f| court.why_spurious(*f));
+        missed.chain(spurious).collect()
+    }
+
+    fn court<'b>(&'b self, found: &'b ModalModel) -> Court<'b> {
+        let shapes = found.modes.iter();
+        Court {
+            system: self.system,
+            known: &self.known,
+            found: &found.modes,
+            shapes: shapes.map(|mode| components(self.system, mode)).collect(),
+        }
     }
 }
 
 /// A found shape at the responses; empty when one is missing.
 pub fn components(system: &System, mode: &Mode) -> Vec<Complex64> {
-    let at = |o| mode.shape.along_positive(&System::dof(o));
-    let shape: Option<Vec<Complex64>> = (0..system.responses).map(at).collect();
+    let at = |dof| mode.shape.along_positive(dof);
+    let shape: Option<Vec<Complex64>> = system.responses.iter().map(at).collect();
     shape.unwrap_or_default()
 }
 

@@ -6,65 +6,73 @@
 //! partners; one QR decomposition of these makes of every function as many rows as there are such terms, and those of the
 //! residuals come first, so that leaving their rows out leaves them out of everything else. Shapes go output by output in
 //! the same way, participation at the end, and what is left is the triangle `R` of the poles: covariance `(RᵀR)⁻¹`.
+//!
+//! # Reference
+//! Kay (1993), Fundamentals of statistical signal processing: estimation theory, section 3.9 (Gaussian noise).
 
 use std::f64::consts::TAU;
 
-use modalign::linalg::{ComplexMatrix, complex_matrix, inverse_upper, thin_qr};
 use num_complex::Complex64;
 
-/// A mode as the bound sees it.
-pub struct Term {
-    pub lambda: Complex64,
-    /// `ψ`, by output.
-    pub shape: Vec<Complex64>,
-    /// `L`, by input.
-    pub participation: Vec<Complex64>,
-}
+use crate::linalg::{ComplexMatrix, complex_matrix, inverse_upper, thin_qr};
+
+use super::system::TrueMode;
 
 /// Lines and noise.
-pub struct Noise<'a> {
-    /// Angular frequencies, rad/s.
+#[derive(Clone, Copy, Debug)]
+pub struct NoisyLines<'a> {
+    /// Angular frequencies, rad/s; those of 0 and below are left out.
     pub omega: &'a [f64],
     /// 0, 1, 2 for receptance, mobility, accelerance.
     pub order: i32,
-    /// E|z|² of the function of an output and an input.
-    pub variance: &'a dyn Fn(usize, usize) -> f64,
+    /// `E|z|²` of the function of every response and reference, reference by reference.
+    pub variances: &'a [f64],
 }
 
 /// Least standard deviations of what an unbiased estimate says of a pole.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
+    /// Of the natural frequency, Hz.
     pub frequency_hz: f64,
+    /// Of the damping ratio.
     pub damping: f64,
 }
 
-/// The bound of every term; infinite where the functions do not tell the pole.
-pub fn deviations(terms: &[Term], noise: &Noise) -> Vec<Deviation> {
-    let basis = Basis::new(terms, noise);
-    let (n, inputs) = (terms.len(), terms[0].participation.len());
+/// Nothing is known of a pole.
+const UNKNOWN: Deviation = Deviation {
+    frequency_hz: f64::INFINITY,
+    damping: f64::INFINITY,
+};
+
+/// The bound of every mode, all of them unknown; infinite where the functions do not tell the pole.
+pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
+    let Some(first) = modes.first() else {
+        return Vec::new();
+    };
+    let Some(basis) = Basis::new(modes, lines) else {
+        return vec![UNKNOWN; modes.len()];
+    };
+    let (n, inputs) = (modes.len(), first.participation.len());
     let globals = 2 * n * inputs;
-    let mut whole: Option<ComplexMatrix> = None;
-    for output in 0..terms[0].shape.len() {
-        let block = basis.output(terms, noise, output);
+    let mut whole = complex_matrix(0, globals, |_, _| Complex64::ZERO);
+    for output in 0..first.shape.len() {
+        let block = basis.output(modes, lines, output);
         let left = lower_block(&thin_qr(&block).r, 2 * n, globals);
-        whole = Some(match whole {
-            None => left,
-            Some(before) => thin_qr(&stacked(&before, &left)).r,
-        });
+        whole = thin_qr(&stacked(&whole, &left)).r;
     }
-    let triangle = lower_block(&whole.expect("a term has outputs"), globals - 2 * n, 2 * n);
+    let triangle = lower_block(&whole, globals - 2 * n, 2 * n);
     let inverse = inverse_upper(&triangle);
     // The columns of the poles are derivatives by parts of the decay rate.
     let covariance = |a: usize, b: usize, scale: f64| -> f64 {
         let product = (0..2 * n).map(|k| inverse[(a, k)] * inverse[(b, k)]);
         product.sum::<Complex64>().re * scale * scale
     };
-    let deviation = |r: usize| {
-        let lambda = terms[r].lambda;
+    let deviation = |(r, mode): (usize, &&TrueMode)| {
+        let lambda = mode.pole.lambda;
         let own = |a: usize, b: usize| covariance(2 * r + a, 2 * r + b, lambda.re);
         propagated(lambda, [own(0, 0), own(0, 1), own(1, 1)])
     };
-    (0..n).map(deviation).collect()
+    modes.iter().enumerate().map(deviation).collect()
 }
 
 /// Deviations of `|λ|/2π` and `−Re λ/|λ|` from the covariance (xx, xy, yy) of the parts of `λ`.
@@ -91,41 +99,47 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(terms: &[Term], noise: &Noise) -> Self {
-        let columns = 2 + 4 * terms.len();
-        let values = complex_matrix(noise.omega.len(), columns, |k, c| {
-            let s = Complex64::new(0.0, noise.omega[k]);
-            let scale = noise.omega[noise.omega.len() / 2];
+    /// `None` where there are fewer lines than terms.
+    fn new(modes: &[&TrueMode], lines: &NoisyLines) -> Option<Self> {
+        let columns = 2 + 4 * modes.len();
+        let omega: Vec<f64> = lines.omega.iter().copied().filter(|o| *o > 0.0).collect();
+        if omega.len() < columns {
+            return None;
+        }
+        let scale = omega[omega.len() / 2];
+        let values = complex_matrix(omega.len(), columns, |k, c| {
+            let s = Complex64::new(0.0, omega[k]);
             let term = match c {
                 0 => Complex64::ONE,
                 1 => (scale / s).powi(2),
                 _ => {
-                    let lambda = terms[(c - 2) / 4].lambda;
+                    let lambda = modes[(c - 2) / 4].pole.lambda;
                     let decay = -lambda.re;
                     let side = [lambda, lambda.conj()][(c - 2) % 2];
                     (decay / (s - side)).powi(1 + ((c - 2) % 4 / 2) as i32)
                 }
             };
-            term * (s / scale).powi(noise.order) * scale.powi(noise.order)
+            term * (s / scale).powi(lines.order) * scale.powi(lines.order)
         });
         let triangle = thin_qr(&values).r;
-        Self {
+        Some(Self {
             rows: columns - 2,
             triangle: lower_rows(&triangle, 2),
-        }
+        })
     }
 
     /// All columns of one output: shapes, then participation, then poles.
-    fn output(&self, terms: &[Term], noise: &Noise, output: usize) -> ComplexMatrix {
-        let (n, inputs) = (terms.len(), terms[0].participation.len());
+    fn output(&self, modes: &[&TrueMode], lines: &NoisyLines, output: usize) -> ComplexMatrix {
+        let (n, inputs) = (modes.len(), modes[0].participation.len());
         let columns = 2 * n + 2 * n * inputs;
         let mut block = complex_matrix(2 * self.rows * inputs, columns, |_, _| Complex64::ZERO);
-        for (r, term) in terms.iter().enumerate() {
-            let fixed = strongest(&term.participation);
+        for (r, mode) in modes.iter().enumerate() {
+            let fixed = strongest(&mode.participation);
             let mut free = 0;
-            for (input, participation) in term.participation.iter().enumerate() {
-                let weight = (2.0 / (noise.variance)(output, input)).sqrt();
-                let (shape, decay) = (term.shape[output], -term.lambda.re);
+            for (input, participation) in mode.participation.iter().enumerate() {
+                let variance = lines.variances[input * mode.shape.len() + output];
+                let weight = (2.0 / variance).sqrt();
+                let (shape, decay) = (mode.shape[output], -mode.pole.lambda.re);
                 let first = 2 * self.rows * input;
                 let mut put = |column: usize, factor: Complex64, power: usize| {
                     self.put(&mut block, (first, column), (r, power, factor * weight));
@@ -191,35 +205,39 @@ fn stacked(upper: &ComplexMatrix, lower: &ComplexMatrix) -> ComplexMatrix {
     })
 }
 
-/// A lone mode far from both ends of the lines: the decay rate and the damped frequency have the variance
-/// `2 σ³ dω / (π Σ_p |R_p|²/v_p)` each (here `σ = 1`), `v` the variance of a complex value.
-#[test]
-fn the_bound_of_a_lone_mode_is_the_closed_form() {
-    let lambda = Complex64::new(-1.0, 900.0);
-    let step = 0.05;
-    let omega: Vec<f64> = (0..8001).map(|k| 700.0 + step * k as f64).collect();
-    let shape = vec![Complex64::new(1.0, 0.2), Complex64::new(-0.4, 0.1)];
-    let participation = vec![Complex64::new(0.3, 0.0), Complex64::new(0.0, -0.7)];
-    let variance = |o: usize, i: usize| 1e-4 * (1 + o + 2 * i) as f64;
-    let noise = Noise {
-        omega: &omega,
-        order: 0,
-        variance: &variance,
-    };
-    let pairs = [(0, 0), (0, 1), (1, 0), (1, 1)];
-    let power =
-        |&(o, i): &(usize, usize)| (shape[o] * participation[i]).norm_sqr() / variance(o, i);
-    let over: f64 = pairs.iter().map(power).sum();
-    let expected = (2.0 * step / (std::f64::consts::PI * over)).sqrt();
-    let terms = [Term {
-        lambda,
-        shape: shape.clone(),
-        participation: participation.clone(),
-    }];
-    let bound = deviations(&terms, &noise)[0];
-    // The residuals and what lies beyond the lines cost a little: twice the ratio of the half-power width to their range.
-    let frequency = bound.frequency_hz * TAU / expected;
-    let damping = bound.damping * lambda.norm() / expected;
-    assert!(frequency > 1.0 && frequency < 1.02, "{frequency}");
-    assert!(damping > 1.0 && damping < 1.02, "{damping}");
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::modal::Pole;
+
+    /// A lone mode far from both ends of the lines: the decay rate and the damped frequency have the variance
+    /// `2 σ³ dω / (π Σ_p |R_p|²/v_p)` each (here `σ = 1`), `v` the variance of a complex value.
+    #[test]
+    fn the_bound_of_a_lone_mode_is_the_closed_form() {
+        let lambda = Complex64::new(-1.0, 900.0);
+        let step = 0.05;
+        let omega: Vec<f64> = (0..8001).map(|k| 700.0 + step * k as f64).collect();
+        let mode = TrueMode {
+            pole: Pole { lambda },
+            shape: vec![Complex64::new(1.0, 0.2), Complex64::new(-0.4, 0.1)],
+            participation: vec![Complex64::new(0.3, 0.0), Complex64::new(0.0, -0.7)],
+        };
+        let pairs = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        let variances = pairs.map(|(o, i)| 1e-4 * (1 + o + 2 * i) as f64);
+        let lines = NoisyLines {
+            omega: &omega,
+            order: 0,
+            variances: &variances,
+        };
+        let power = pairs.iter().zip(variances);
+        let power = power.map(|(&(o, i), v)| mode.residue(o, i).norm_sqr() / v);
+        let over: f64 = power.sum();
+        let expected = (2.0 * step / (std::f64::consts::PI * over)).sqrt();
+        let bound = deviations(&[&mode], &lines)[0];
+        // The residuals and what lies beyond the lines cost a little: twice the ratio of the half-power width to their range.
+        let frequency = bound.frequency_hz * TAU / expected;
+        let damping = bound.damping * lambda.norm() / expected;
+        assert!(frequency > 1.0 && frequency < 1.02, "{frequency}");
+        assert!(damping > 1.0 && damping < 1.02, "{damping}");
+    }
 }

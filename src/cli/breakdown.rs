@@ -1,0 +1,321 @@
+//! `modalign study breakdown`: where methods fail, slice by slice; finished slices are kept and found again.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::error::Error;
+use crate::io::write_all_whole;
+use crate::report::{
+    Block, CsvText, Renderer, breakdown_block, breakdown_cells, breakdown_own_modes,
+    breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_block,
+    stability_cells, stability_svg,
+};
+use crate::scene::{Observer, Scene, load_modes, read_text, run_observed};
+use crate::study::breakdown::{
+    BreakdownTable, CellStore, Finished, OwnMode, Part, Plan, SliceResult, compute, merge,
+    own_modes,
+};
+use crate::study::{StudyError, parse_study};
+
+use super::Outcome;
+use super::meter::ProcessMeter;
+use super::output::Output;
+
+/// `study breakdown`.
+#[derive(Debug, Args)]
+pub struct BreakdownArgs {
+    /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The scene's own modes are shown in them.
+    pub input: PathBuf,
+    /// Write cells, tables and figures into this folder; slices that are finished there are not computed again.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Only these slices of a batch: part I of N, into a folder that --merge reads.
+    #[arg(long, value_name = "I/N", value_parser = part, requires = "output")]
+    pub cells: Option<Part>,
+    /// Compute nothing: join the slices that the parts of a batch left in these folders.
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "cells")]
+    pub merge: Vec<PathBuf>,
+    /// Draws for each cell, in place of those of the spec: few for a first look.
+    #[arg(long, value_name = "N")]
+    pub draws: Option<u32>,
+    /// Figures as PNG, too.
+    #[arg(long)]
+    pub png: bool,
+}
+
+fn part(text: &str) -> Result<Part, String> {
+    let numbers = text.split_once('/');
+    let numbers = numbers.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let own = numbers.map(|(number, count)| Part { number, count });
+    own.filter(|own| own.number >= 1 && own.number <= own.count)
+        .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
+}
+
+/// Computes or merges the slices and writes what they show. Exit code 0.
+pub fn breakdown(
+    args: &BreakdownArgs,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
+    let mut spec = Spec::load(&args.input)?;
+    spec.table.draws = args.draws.or(spec.table.draws);
+    let plan = spec.table.plan().map_err(StudyError::from)?;
+    let part = args.cells.unwrap_or(Part::WHOLE);
+    let finished = finished(args, (&plan, part), output)?;
+    for name in &finished.outdated {
+        output.text(&format!(
+            "{name}: the kept cells are of another spec; computed again"
+        ));
+    }
+    for name in &finished.reused {
+        output.text(&format!("{name}: found finished"));
+    }
+    if part.count > 1 {
+        let names = finished.slices.iter().map(|own| own.slice.name.as_str());
+        let names: Vec<&str> = names.collect();
+        output.text(&format!(
+            "part {} of {}: {}; --merge joins the parts",
+            part.number,
+            part.count,
+            names.join(", ")
+        ));
+        output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
+        return Ok(Outcome::Done);
+    }
+    let own = spec.own_modes(format, output.observer())?;
+    if let Some(folder) = &args.output {
+        for (name, bytes) in files(&finished, &own, args.png) {
+            output.file(folder.join(name), bytes);
+        }
+    }
+    let blocks: Vec<Block> = finished
+        .slices
+        .iter()
+        .map(|slice| breakdown_block(slice, &own))
+        .chain(finished.stability.as_ref().map(stability_block))
+        .chain(breakdown_rates(&finished))
+        .collect();
+    output.blocks(&blocks);
+    output.json(|| json(&finished));
+    Ok(Outcome::Done)
+}
+
+fn finished(
+    args: &BreakdownArgs,
+    (plan, part): (&Plan, Part),
+    output: &Output,
+) -> Result<Finished, Error> {
+    let own: Box<dyn CellStore + '_> = match &args.output {
+        Some(folder) => Box::new(Folder {
+            path: folder.join(CELLS),
+            output: Some(output),
+        }),
+        None => Box::new(Memory::default()),
+    };
+    if args.merge.is_empty() {
+        let observer = TimeLeft::new(output.observer());
+        let tools: (&dyn Observer, &dyn crate::study::Meter) = (&observer, &ProcessMeter);
+        return Ok(compute(plan, part, &*own, tools).map_err(StudyError::from)?);
+    }
+    let folder = |path: &PathBuf| Folder {
+        path: path.join(CELLS),
+        output: None,
+    };
+    let parts: Vec<Folder> = args.merge.iter().map(folder).collect();
+    let parts: Vec<&dyn CellStore> = parts.iter().map(|own| own as &dyn CellStore).collect();
+    Ok(merge(plan, &parts, &*own).map_err(StudyError::from)?)
+}
+
+/// A spec with where it lies.
+struct Spec {
+    table: BreakdownTable,
+    folder: PathBuf,
+    /// The scene whose modes are shown.
+    scene: Option<PathBuf>,
+}
+
+impl Spec {
+    /// A spec, or the `study.toml` of a scene's folder; a scene without one has the default slices.
+    fn load(path: &Path) -> Result<Self, Error> {
+        let file = if path.is_dir() {
+            path.join("study.toml")
+        } else {
+            path.to_path_buf()
+        };
+        let folder = file.parent().unwrap_or(Path::new(".")).to_path_buf();
+        let is_scene = path.file_name().is_some_and(|name| name == "scene.toml");
+        if is_scene || path.is_dir() && !file.exists() {
+            return Ok(Self {
+                table: BreakdownTable::default(),
+                scene: Some(folder.clone()),
+                folder,
+            });
+        }
+        let study = parse_study(&read_text(&file)?, &file.display().to_string())?;
+        let beside = folder.join("scene.toml").exists().then(|| folder.clone());
+        Ok(Self {
+            scene: study.scene.map(|own| folder.join(own)).or(beside),
+            table: study.breakdown,
+            folder,
+        })
+    }
+
+    /// The modes of `modes`, else those of the scene's tests, else none.
+    fn own_modes(
+        &self,
+        format: Option<&str>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<OwnMode>, Error> {
+        if let Some(path) = &self.table.modes {
+            let (model, _) = load_modes(&self.folder.join(path), None)?;
+            return Ok(own_modes("", &model, None));
+        }
+        let Some(scene) = &self.scene else {
+            return Ok(Vec::new());
+        };
+        let mut scene = Scene::load(scene)?;
+        scene.format = format.map(str::to_owned);
+        let result = run_observed(&scene, observer)?;
+        let several = result.tests.len() > 1;
+        let of_test = result.tests.iter().flat_map(|test| {
+            let name = if several { test.name.as_str() } else { "" };
+            own_modes(name, &test.modes, test.frfs.first())
+        });
+        Ok(of_test.collect())
+    }
+}
+
+/// Folder of the finished slices in that of the results.
+const CELLS: &str = "cells";
+
+/// Finished slices as files.
+struct Folder<'a> {
+    path: PathBuf,
+    /// Whose interrupts wait while a file is written.
+    output: Option<&'a Output>,
+}
+
+impl Folder<'_> {
+    fn file(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.json"))
+    }
+}
+
+impl CellStore for Folder<'_> {
+    fn load(&self, name: &str) -> Result<Option<String>, String> {
+        let file = self.file(name);
+        if !file.exists() {
+            return Ok(None);
+        }
+        read_text(&file)
+            .map(Some)
+            .map_err(|error| error.to_string())
+    }
+
+    fn keep(&self, name: &str, text: &str) -> Result<(), String> {
+        let _writing = self.output.map(Output::writing);
+        std::fs::create_dir_all(&self.path)
+            .map_err(|error| format!("{}: {error}", self.path.display()))?;
+        let file = (self.file(name), text.as_bytes().to_vec());
+        write_all_whole(&[file]).map_err(|error| error.to_string())
+    }
+}
+
+/// Finished slices of a run that writes nothing.
+#[derive(Default)]
+struct Memory(Mutex<BTreeMap<String, String>>);
+
+impl CellStore for Memory {
+    fn load(&self, name: &str) -> Result<Option<String>, String> {
+        let kept = self.0.lock().map_err(|error| error.to_string())?;
+        Ok(kept.get(name).cloned())
+    }
+
+    fn keep(&self, name: &str, text: &str) -> Result<(), String> {
+        let mut kept = self.0.lock().map_err(|error| error.to_string())?;
+        kept.insert(name.to_owned(), text.to_owned());
+        Ok(())
+    }
+}
+
+/// Says of the steps of a pass how long the rest of them takes.
+struct TimeLeft<'a> {
+    inner: &'a dyn Observer,
+    pass: Mutex<(String, Instant)>,
+}
+
+impl<'a> TimeLeft<'a> {
+    fn new(inner: &'a dyn Observer) -> Self {
+        Self {
+            inner,
+            pass: Mutex::new((String::new(), Instant::now())),
+        }
+    }
+}
+
+impl Observer for TimeLeft<'_> {
+    fn step(&self, what: &str, number: usize, count: usize) {
+        let Ok(mut pass) = self.pass.lock() else {
+            return;
+        };
+        if pass.0 != what {
+            *pass = (what.to_owned(), Instant::now());
+        }
+        let done = number.saturating_sub(1);
+        let text = match done {
+            0 => what.to_owned(),
+            _ => {
+                let left = pass.1.elapsed().as_secs_f64() / done as f64 * (count - done) as f64;
+                format!("{what}, {left:.0} s left")
+            }
+        };
+        self.inner.step(&text, number, count);
+    }
+}
+
+fn csv(block: Block) -> Vec<u8> {
+    CsvText.render(&[block]).into_bytes()
+}
+
+/// Everything that goes into the folder beside the cells. What was measured on a clock stands in a file of its own.
+fn files(finished: &Finished, own: &[OwnMode], png: bool) -> Vec<(String, Vec<u8>)> {
+    let mut files = vec![(
+        "breakdown.csv".to_owned(),
+        csv(breakdown_cells(&finished.slices)),
+    )];
+    if !own.is_empty() {
+        let own = breakdown_own_modes(&finished.slices, own);
+        files.push(("own-modes.csv".to_owned(), csv(own)));
+    }
+    let figure = |slice: &SliceResult| {
+        let svg = breakdown_svg(slice, &slice.points(own));
+        (slice.slice.name.clone(), svg)
+    };
+    let mut figures: Vec<(String, String)> = finished.slices.iter().map(figure).collect();
+    if let Some(own) = &finished.stability {
+        files.push(("stability.csv".to_owned(), csv(stability_cells(own))));
+        figures.push(("stability".to_owned(), stability_svg(own)));
+    }
+    files.extend(figure_files(figures, png));
+    if !finished.times.is_empty() {
+        files.push((
+            "times.csv".to_owned(),
+            csv(breakdown_times(&finished.times)),
+        ));
+    }
+    files
+}
+
+/// All cells and courses, without times.
+fn json(finished: &Finished) -> String {
+    let value = serde_json::json!({
+        "schema": "modalign-breakdown/1",
+        "slices": finished.slices,
+        "stability": finished.stability,
+    });
+    format!("{value:#}\n")
+}

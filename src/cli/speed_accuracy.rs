@@ -1,0 +1,105 @@
+//! `modalign study speed-accuracy`: how fast and exact every method is.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::error::Error;
+use crate::report::{
+    CsvText, Renderer, figure_files, json, speed_accuracy_blocks, speed_accuracy_figures,
+    speed_accuracy_table, times_table,
+};
+use crate::scene::{Scene, read_text};
+use crate::study::{SpeedAccuracy, StudyFile, parse_study, speed_accuracy};
+
+use super::Outcome;
+use super::meter::ProcessMeter;
+use super::output::Output;
+
+/// Name of the spec in a scene's folder.
+const SPEC: &str = "study.toml";
+
+/// `study speed-accuracy`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  modalign study speed-accuracy measurements/free-free-beam -o speed"
+)]
+pub struct SpeedAccuracyArgs {
+    /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
+    #[arg(value_name = "SCENE|SPEC")]
+    path: PathBuf,
+    /// Write speed-accuracy.csv, times.csv, speed-accuracy.json and the figures into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Write every figure as PNG, too, 300 dots to the inch.
+    #[arg(long, requires = "output")]
+    png: bool,
+    /// Draws of the noise at each level, instead of the spec's.
+    #[arg(long, value_name = "N")]
+    draws: Option<usize>,
+}
+
+/// The scene with its spec; the defaults for a scene without one.
+fn load(path: &Path, format: Option<&str>) -> Result<(Scene, StudyFile), Error> {
+    let is_scene = Scene::is_path(path);
+    let beside = path.is_dir().then(|| path.join(SPEC));
+    let spec = match is_scene {
+        true => beside.filter(|spec| spec.is_file()),
+        false => Some(path.to_owned()),
+    };
+    let file = match &spec {
+        None => StudyFile::default(),
+        Some(spec) => parse_study(
+            &read_text(spec).map_err(Error::Io)?,
+            &spec.display().to_string(),
+        )
+        .map_err(Error::Scene)?,
+    };
+    let folder = spec
+        .as_deref()
+        .and_then(Path::parent)
+        .unwrap_or(Path::new(""));
+    let scene = match (is_scene, &file.scene) {
+        (true, _) => path.to_owned(),
+        (false, None) => folder.join("scene.toml"),
+        (false, Some(scene)) => folder.join(scene),
+    };
+    let mut scene = Scene::load(&scene)?;
+    scene.format = format.map(str::to_owned);
+    Ok((scene, file))
+}
+
+/// Runs the study.
+pub fn study(
+    args: &SpeedAccuracyArgs,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
+    let (scene, spec) = load(&args.path, format)?;
+    let mut options = spec.speed_accuracy;
+    options.draws = args.draws.unwrap_or(options.draws);
+    let own = speed_accuracy(&scene, &options, (&ProcessMeter, output.observer()))?;
+    if let Some(folder) = &args.output {
+        for (name, bytes) in files(&own, args.png) {
+            output.file(folder.join(name), bytes);
+        }
+    }
+    output.blocks(&speed_accuracy_blocks(&own));
+    output.json(|| json::speed_accuracy_to_json(&own));
+    Ok(Outcome::Done)
+}
+
+/// Measured times stand in files of their own: `speed-accuracy.csv` has the same bytes on every run.
+fn files(own: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
+    let texts = [
+        (
+            "speed-accuracy.csv",
+            CsvText.render(&[speed_accuracy_table(own)]),
+        ),
+        ("times.csv", CsvText.render(&[times_table(own)])),
+        ("speed-accuracy.json", json::speed_accuracy_to_json(own)),
+    ];
+    let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let figures = figure_files(speed_accuracy_figures(own), png);
+    texts.into_iter().chain(figures).collect()
+}

@@ -1,0 +1,111 @@
+//! Where results go: no file that is read is written over, and no two results go to one name.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+use crate::scene::{Scene, TestSource};
+
+use super::args::CorrelateArgs;
+
+/// Files that would be written, each with the argument that names it.
+pub type Targets = Vec<(&'static str, PathBuf)>;
+
+/// The targets of arguments that were given.
+pub fn targets<const N: usize>(given: [(&'static str, Option<&PathBuf>); N]) -> Targets {
+    let given = given.into_iter();
+    given
+        .filter_map(|(argument, path)| Some((argument, path?.clone())))
+        .collect()
+}
+
+/// Refuses targets that are among what is read, whatever way both are written, and two targets of one name.
+pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error> {
+    let place = |path: &PathBuf| path.canonicalize().ok();
+    let inputs: Vec<PathBuf> = inputs.iter().filter_map(place).collect();
+    let refused = |argument, path: &Path, what: &str, expected: &str| {
+        Err(Error::Argument {
+            argument,
+            got: format!("{}, which {what}", path.display()),
+            expected: expected.to_owned(),
+        })
+    };
+    for (number, (argument, path)) in targets.iter().enumerate() {
+        if place(path).is_some_and(|own| inputs.contains(&own)) {
+            return refused(
+                *argument,
+                path,
+                "is read",
+                "a name that is none of the inputs",
+            );
+        }
+        if targets[..number].iter().any(|(_, other)| other == path) {
+            let expected = "another name";
+            return refused(*argument, path, "gets another result", expected);
+        }
+    }
+    Ok(())
+}
+
+/// The files behind a path that is read: those of a scene, else the path.
+pub fn files_of(path: &Path) -> Vec<PathBuf> {
+    match Scene::is_path(path).then(|| Scene::load(path)) {
+        Some(Ok(scene)) => scene_files(&scene),
+        // What cannot be loaded is told by the verb.
+        _ => vec![path.to_owned()],
+    }
+}
+
+/// The files that a scene names.
+pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
+    let mut all = vec![
+        PathBuf::from(&scene.path),
+        scene.folder.join("expected.toml"),
+        scene.folder.join("SOURCE.md"),
+    ];
+    let model = scene.model.as_ref().and_then(|own| own.file.as_ref());
+    all.extend(model.map(|file| scene.folder.join(file)));
+    for test in &scene.tests {
+        match &test.source {
+            TestSource::Files { files, .. } => {
+                all.extend(files.iter().map(|file| file.path.clone()))
+            }
+            TestSource::Synth(path) | TestSource::Modes(path) => all.push(path.clone()),
+        }
+    }
+    all
+}
+
+/// `x-1.csv` of `x.csv`.
+pub fn numbered(path: &Path, number: usize) -> PathBuf {
+    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (text(path.file_stem()), text(path.extension()));
+    path.with_file_name(format!("{stem}-{number}.{extension}"))
+}
+
+/// Checks what `correlate` writes; `several`: the tables of several tests are a CSV file each.
+pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error> {
+    let mut all = targets([
+        ("--expand", args.expand.as_ref()),
+        ("--lines", args.lines.as_ref()),
+    ]);
+    if let Some(path) = &args.output {
+        let csv = path
+            .extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case("csv"));
+        match args.test.len() {
+            count if csv && several && count > 1 => {
+                all.extend((1..=count).map(|number| ("-o", numbered(path, number))));
+            }
+            _ => all.push(("-o", path.clone())),
+        }
+    }
+    let read = args
+        .test
+        .iter()
+        .chain(&args.theory)
+        .flat_map(|own| files_of(own));
+    let lists = args.dof_map.iter().chain(args.align.iter().flatten());
+    let inputs: Vec<PathBuf> = read.chain(lists.cloned()).collect();
+    check_targets(&all, &inputs)
+}

@@ -1,0 +1,315 @@
+//! Breakdown maps: the contours of all methods over two factors, with a user's own modes; and digits lost by order.
+//!
+//! Methods differ by colour, dash and mark, so that grey prints and readers who confuse colours tell them apart.
+
+use crate::study::breakdown::{
+    Bound, Field, LEVEL, OwnPoint, Scale, SliceResult, Stability, StabilityPoint,
+};
+
+use super::axis::{Axis, frame};
+use super::canvas::{Anchor, COLORS, Canvas, INK};
+use super::mark::{DASHES, mark};
+
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 530.0;
+const TOP: f64 = 46.0;
+const BOTTOM: f64 = 416.0;
+const WIDTH: f64 = 740.0;
+/// Distance of marks along a contour, px.
+const MARKS: f64 = 70.0;
+/// Darkness where every method fails.
+const DARKEST: f64 = 72.0;
+
+/// A slice: beyond its contour a method meets the stated error in fewer than 95 % of the draws.
+pub fn breakdown_svg(result: &SliceResult, points: &[OwnPoint]) -> String {
+    let slice = &result.slice;
+    let mut canvas = Canvas::new(WIDTH, BOTTOM + 50.0);
+    let title = format!(
+        "{}: where methods meet the stated error in 95 % of {} draws",
+        slice.name, slice.draws
+    );
+    canvas.text([LEFT, 20.0], &title, (Anchor::Start, INK));
+    let (x, y) = (axis(&slice.x, (LEFT, RIGHT)), axis(&slice.y, (BOTTOM, TOP)));
+    let fields: Vec<Field> = (0..slice.methods.len())
+        .map(|method| result.field(method, Bound::Counted))
+        .collect();
+    shades(&mut canvas, &fields);
+    let in_test = slice.needs_test();
+    let labels = (slice.x.factor.label(in_test), slice.y.factor.label(in_test));
+    frame(&mut canvas, (&x, &y), labels);
+    canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
+    for (method, field) in fields.iter().enumerate() {
+        for line in field.contour(LEVEL) {
+            contour(&mut canvas, method, &line);
+        }
+    }
+    canvas.unclip();
+    own_modes(&mut canvas, points);
+    legend(&mut canvas, result, &fields);
+    canvas.finish()
+}
+
+fn axis(own: &crate::study::breakdown::Axis, places: (f64, f64)) -> Axis {
+    let few = own.factor.is_whole() && own.hi - own.lo <= 10.0;
+    match own.scale {
+        Scale::Linear if few => Axis::linear((own.lo, own.hi), places).stepped(1.0),
+        Scale::Linear => Axis::linear((own.lo, own.hi), places),
+        Scale::Log => Axis::log((own.lo, own.hi), places),
+    }
+}
+
+/// The place of shares of both axes.
+fn place([x, y]: [f64; 2]) -> [f64; 2] {
+    [LEFT + x * (RIGHT - LEFT), BOTTOM + y * (TOP - BOTTOM)]
+}
+
+/// The darker, the more methods fail; equal neighbours of a row in one rectangle.
+fn shades(canvas: &mut Canvas, fields: &[Field]) {
+    let (columns, rows) = (fields[0].values.len(), fields[0].values[0].len());
+    let failing = |i: usize, j: usize| {
+        let middle = [
+            (i as f64 + 0.5) / (columns - 1) as f64,
+            (j as f64 + 0.5) / (rows - 1) as f64,
+        ];
+        fields
+            .iter()
+            .filter(|field| field.at(middle) < LEVEL)
+            .count()
+    };
+    let corner = |i: usize, j: usize| {
+        place([
+            i as f64 / (columns - 1) as f64,
+            j as f64 / (rows - 1) as f64,
+        ])
+    };
+    for j in 0..rows - 1 {
+        let row: Vec<usize> = (0..columns - 1).map(|i| failing(i, j)).collect();
+        let mut begin = 0;
+        for end in 1..columns {
+            if end == columns - 1 || row[end] != row[begin] {
+                if row[begin] > 0 {
+                    let fill = shade(row[begin], fields.len());
+                    canvas.rect(corner(begin, j), corner(end, j + 1), (&fill, "none"));
+                }
+                begin = end;
+            }
+        }
+    }
+}
+
+fn shade(failing: usize, methods: usize) -> String {
+    let level = 255.0 - DARKEST * failing as f64 / methods as f64;
+    let level = level.round() as u8;
+    format!("#{level:02x}{level:02x}{level:02x}")
+}
+
+/// A contour with a mark every so often, each method's at places of its own.
+fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
+    let points: Vec<[f64; 2]> = line.iter().map(|own| place(*own)).collect();
+    let style = (color(method), 1.8, DASHES[method % DASHES.len()]);
+    let strokes: Vec<Option<[f64; 2]>> = points.iter().copied().map(Some).collect();
+    canvas.curve("contour", &strokes, style);
+    let mut next = MARKS * (0.25 + 0.5 * (method as f64 * 0.37).fract());
+    let mut run = 0.0;
+    for pair in points.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        while length > 0.0 && run + length >= next {
+            let share = (next - run) / length;
+            let at = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+            mark(canvas, at, (method, color(method)));
+            next += MARKS;
+        }
+        run += length;
+    }
+}
+
+fn color(method: usize) -> &'static str {
+    // Black stands for the user's own modes.
+    COLORS[method % (COLORS.len() - 1)]
+}
+
+/// Labels of own modes, at most.
+const LABELS: usize = 6;
+
+/// Modes as black points; those that lie on one another share a label. Those nearest to where a method fails are named, as far as there is room.
+fn own_modes(canvas: &mut Canvas, points: &[OwnPoint]) {
+    let mut groups: Vec<([f64; 2], Vec<&OwnPoint>)> = Vec::new();
+    for point in points.iter().filter(|point| point.inside()) {
+        let at = place(point.place);
+        let near = |own: &&mut ([f64; 2], Vec<&OwnPoint>)| {
+            (own.0[0] - at[0]).hypot(own.0[1] - at[1]) < 8.0
+        };
+        match groups.iter_mut().find(near) {
+            Some((_, all)) => all.push(point),
+            None => groups.push((at, vec![point])),
+        }
+        canvas.dot(at, 3.6, (INK, "#ffffff"));
+    }
+    let around = |at: &[f64; 2]| [at[0] - 4.0, at[1] - 4.0, at[0] + 4.0, at[1] + 4.0];
+    let mut taken: Vec<[f64; 4]> = groups.iter().map(|(at, _)| around(at)).collect();
+    for (at, all) in groups.iter().take(LABELS) {
+        let Some(text) = listed(all) else { continue };
+        let width = 5.6 * text.chars().count() as f64;
+        let area = |own: &[f64; 2]| [own[0], own[1] - 10.0, own[0] + width, own[1] + 2.0];
+        let free = |own: &[f64; 2]| {
+            let own = area(own);
+            let inside = own[0] > LEFT && own[2] < RIGHT && own[1] > TOP && own[3] < BOTTOM;
+            inside && !taken.iter().any(|other| overlap(&own, other))
+        };
+        let offers = [-6.0, 14.0, -20.0, 28.0, -34.0, 42.0].into_iter();
+        let mut offers = offers.flat_map(|down| {
+            [
+                [at[0] + 5.0, at[1] + down],
+                [at[0] - 5.0 - width, at[1] + down],
+            ]
+        });
+        let Some(at) = offers.find(free) else {
+            continue;
+        };
+        let own = area(&at);
+        taken.push(own);
+        canvas.rect(
+            [own[0] - 1.0, own[1]],
+            [own[2] + 1.0, own[3]],
+            ("#ffffff", "none"),
+        );
+        canvas.text(at, &text, (Anchor::Start, INK));
+    }
+}
+
+/// `mode 4`, `modes 1, 2`, `modes 1 to 6`; under the name of the test where there are several. `None` for modes of several tests.
+fn listed(all: &[&OwnPoint]) -> Option<String> {
+    let test = all[0].mode.test.as_str();
+    if all.iter().any(|own| own.mode.test != test) {
+        return None;
+    }
+    let mut numbers: Vec<usize> = all.iter().map(|own| own.mode.number).collect();
+    numbers.sort_unstable();
+    let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
+    let is_run = last - first + 1 == numbers.len();
+    let text = match numbers.as_slice() {
+        [one] => format!("mode {one}"),
+        [a, b] => format!("modes {a}, {b}"),
+        _ if is_run => format!("modes {first} to {last}"),
+        _ => format!("{} modes", numbers.len()),
+    };
+    Some(match test {
+        "" => text,
+        test => format!("{test}, {text}"),
+    })
+}
+
+fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
+    let x = RIGHT + 18.0;
+    for (method, name) in result.slice.methods.iter().enumerate() {
+        let y = TOP + 12.0 + 24.0 * method as f64;
+        let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
+        let style = (color(method), 1.8, DASHES[method % DASHES.len()]);
+        canvas.curve("legend", &stroke, style);
+        mark(canvas, [x + 20.0, y - 4.0], (method, color(method)));
+        let values = || fields[method].values.iter().flatten();
+        let note = match values().any(|v| *v >= LEVEL) {
+            false => " (nowhere here)",
+            true if values().all(|v| *v >= LEVEL) => " (everywhere here)",
+            true => "",
+        };
+        canvas.text(
+            [x + 48.0, y],
+            &format!("{name}{note}"),
+            (Anchor::Start, INK),
+        );
+    }
+    let mut y = TOP + 28.0 + 24.0 * result.slice.methods.len() as f64;
+    let methods = result.slice.methods.len();
+    for (failing, text) in [(0, "no method fails"), (methods, "every method fails")] {
+        canvas.rect(
+            [x, y - 11.0],
+            [x + 40.0, y + 1.0],
+            (&shade(failing, methods), "#8a8a8a"),
+        );
+        canvas.text([x + 48.0, y], text, (Anchor::Start, INK));
+        y += 20.0;
+    }
+    canvas.dot([x + 20.0, y - 4.0], 3.6, (INK, "#ffffff"));
+    canvas.text([x + 48.0, y], "own modes", (Anchor::Start, INK));
+}
+
+const HALF: f64 = 300.0;
+
+/// Condition number, and error of the poles in f64 and f32, over the order.
+pub fn stability_svg(own: &Stability) -> String {
+    let mut canvas = Canvas::new(WIDTH, 2.0 * HALF + 60.0);
+    let orders = own.courses.iter().flat_map(|own| &own.points);
+    let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
+    let title = "Digits lost by order: data without noise, as many modes as the order needs";
+    canvas.text([LEFT, 20.0], title, (Anchor::Start, INK));
+    let x = Axis::linear((0.0, highest), (LEFT, RIGHT));
+    let panels = [
+        ((0.0, 18.0), 0.0, "Digits lost (log10 of the condition)"),
+        (
+            (-16.0, 2.0),
+            HALF,
+            "Error of poles (log10, half-power widths)",
+        ),
+    ];
+    for (range, shift, label) in panels {
+        let (bottom, top) = (TOP + HALF - 50.0 + shift, TOP + shift);
+        let y = Axis::linear(range, (bottom, top)).stepped(2.0);
+        frame(&mut canvas, (&x, &y), ("Order", label));
+        canvas.clip([LEFT, top], [RIGHT, bottom]);
+        for (index, course) in own.courses.iter().enumerate() {
+            let courses: &[(Value, &str)] = match shift > 0.0 {
+                true => &ERRORS,
+                false => &CONDITION,
+            };
+            for (value, dash) in courses {
+                let at = |point: &StabilityPoint| {
+                    let value = value(point)?.log10().clamp(range.0, range.1);
+                    Some([x.place(point.order as f64), y.place(value)])
+                };
+                let points: Vec<Option<[f64; 2]>> = course.points.iter().map(at).collect();
+                canvas.curve("course", &points, (color(index), 1.6, dash));
+                if dash.is_empty() {
+                    let marked = points.iter().skip(index).step_by(4).flatten();
+                    marked.for_each(|at| mark(&mut canvas, *at, (index, color(index))));
+                }
+            }
+        }
+        canvas.unclip();
+    }
+    stability_legend(&mut canvas, own);
+    canvas.finish()
+}
+
+/// A value of a point.
+type Value = fn(&StabilityPoint) -> Option<f64>;
+
+const CONDITION: [(Value, &str); 1] = [(|point| Some(point.condition), "")];
+const ERRORS: [(Value, &str); 3] = [
+    (|point| point.error, ""),
+    (|point| point.error_f32_data, "7 3"),
+    (|point| point.error_f32_matrix, "2 3"),
+];
+
+fn stability_legend(canvas: &mut Canvas, own: &Stability) {
+    let x = RIGHT + 18.0;
+    for (index, course) in own.courses.iter().enumerate() {
+        let y = TOP + 12.0 + 24.0 * index as f64;
+        let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
+        canvas.curve("legend", &stroke, (color(index), 1.8, ""));
+        mark(canvas, [x + 20.0, y - 4.0], (index, color(index)));
+        canvas.text([x + 48.0, y], &course.method, (Anchor::Start, INK));
+    }
+    let kinds = ["all in f64", "data in f32", "data and equations in f32"];
+    for (index, (text, (_, dash))) in kinds.iter().zip(&ERRORS).enumerate() {
+        let y = TOP + HALF + 12.0 + 24.0 * index as f64;
+        let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
+        canvas.curve("legend", &stroke, (INK, 1.6, dash));
+        canvas.text([x + 48.0, y], text, (Anchor::Start, INK));
+    }
+}

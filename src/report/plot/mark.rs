@@ -1,0 +1,41 @@
+//! Marks and dashes that tell courses apart without colour.
+
+use super::canvas::Canvas;
+
+/// One for each course, in turn.
+pub(super) const DASHES: [&str; 7] = [
+    "",
+    "8 3",
+    "2 2.5",
+    "9 3 2 3",
+    "14 4",
+    "5 2 1.5 2 1.5 2",
+    "4 5",
+];
+
+/// Half the size of a mark, px.
+const SIZE: f64 = 3.6;
+
+/// The mark of a course: circle, square, triangle, diamond, cross, plus, triangle upside down, in turn.
+pub(super) fn mark(canvas: &mut Canvas, [x, y]: [f64; 2], (course, color): (usize, &str)) {
+    let s = SIZE;
+    let mut draw = |points: &[[f64; 2]]| {
+        let points: Vec<_> = points.iter().map(|[u, v]| Some([x + u, y + v])).collect();
+        canvas.curve("mark", &points, (color, 1.5, ""));
+    };
+    match course % 7 {
+        0 => canvas.dot([x, y], s, ("#ffffff", color)),
+        1 => canvas.rect([x - s, y - s], [x + s, y + s], ("#ffffff", color)),
+        2 => draw(&[[-s, s], [s, s], [0.0, -s], [-s, s]]),
+        3 => draw(&[[-s, 0.0], [0.0, s], [s, 0.0], [0.0, -s], [-s, 0.0]]),
+        4 => {
+            draw(&[[-s, -s], [s, s]]);
+            draw(&[[-s, s], [s, -s]]);
+        }
+        5 => {
+            draw(&[[-s, 0.0], [s, 0.0]]);
+            draw(&[[0.0, -s], [0.0, s]]);
+        }
+        _ => draw(&[[-s, -s], [s, -s], [0.0, s], [-s, -s]]),
+    }
+}

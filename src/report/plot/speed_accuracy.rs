@@ -1,0 +1,358 @@
+//! Speed against accuracy: time and error of every method, and errors over their bound against noise.
+
+use crate::study::{Condition, Method, SpeedAccuracy, Tally, TestStudy};
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::file_name;
+use super::mark::mark;
+
+const LEFT: [f64; 2] = [75.0, 475.0];
+const WIDTH: f64 = 320.0;
+const SIZE: [f64; 2] = [815.0, 446.0];
+const TOP: f64 = 48.0;
+const BOTTOM: f64 = 320.0;
+/// Errors below this share of the accuracy limit are drawn there.
+const FLOOR: f64 = 0.1;
+
+/// The figures of a study: three for each test.
+pub fn speed_accuracy_figures(study: &SpeedAccuracy) -> Vec<(String, String)> {
+    let of_test = |test: &TestStudy| {
+        let stem = format!("speed-accuracy-{}", file_name(&test.name));
+        [
+            (format!("{stem}-data"), cost(&on_data(test))),
+            (format!("{stem}-twin"), cost(&on_twin(study, test))),
+            (format!("{stem}-bound"), over_bound(study, test)),
+        ]
+    };
+    let all = study.tests.iter().flat_map(of_test);
+    all.filter_map(|(name, text)| Some((name, text?))).collect()
+}
+
+/// A point of a chart of costs.
+struct Point {
+    method: usize,
+    label: String,
+    time_s: Option<f64>,
+    error: [Option<f64>; 2],
+    right: bool,
+    on_front: bool,
+}
+
+/// A chart of costs.
+struct Chart {
+    title: String,
+    points: Vec<Point>,
+    accuracy: ([Option<f64>; 2], &'static str),
+    transform_s: Option<f64>,
+    pass_s: Option<f64>,
+}
+
+fn number_of(method: Method) -> usize {
+    let names = Method::all(&[]).into_iter();
+    names
+        .map(|own| own.name)
+        .position(|name| name == method.name)
+        .unwrap_or(0)
+}
+
+fn errors(tally: &Tally) -> [Option<f64>; 2] {
+    [tally.frequency(), tally.damping()]
+}
+
+fn on_data(test: &TestStudy) -> Chart {
+    let finest = test
+        .data
+        .iter()
+        .map(|row| row.step_hz)
+        .fold(f64::INFINITY, f64::min);
+    let points = test.data.iter().filter(|row| !row.is_reference).map(|row| {
+        let shorter = if row.step_hz > 1.001 * finest {
+            ", short"
+        } else {
+            ""
+        };
+        let estimator = row
+            .estimator
+            .map_or(String::new(), |name| format!(" {name}"));
+        Point {
+            method: number_of(row.method),
+            label: format!("{}{estimator}{shorter}", row.method),
+            time_s: row.timing.median_s,
+            error: errors(&row.tally),
+            right: row.tally.mistakes() == 0,
+            on_front: row.on_front,
+        }
+    });
+    Chart {
+        title: format!(
+            "{}: every method on its own FRFs, against the refined solution",
+            test.name
+        ),
+        points: points.collect(),
+        accuracy: (
+            [test.frequency_std, test.damping_std],
+            "stated deviation of the refined solution",
+        ),
+        transform_s: test.limits[0].transform_s,
+        pass_s: test.limits[0].pass_s,
+    }
+}
+
+fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
+    let snr_db = study.options.middle_snr_db();
+    let row = |method| test.twin_row(Condition::White, snr_db, method);
+    let points = test.twin_costs.iter().filter_map(|cost| {
+        let tally = &row(cost.method)?.tally;
+        Some(Point {
+            method: number_of(cost.method),
+            label: cost.method.to_string(),
+            time_s: cost.timing.median_s,
+            error: errors(tally),
+            right: tally.mistakes() == 0,
+            on_front: cost.on_front,
+        })
+    });
+    let bounds = test
+        .twin
+        .iter()
+        .filter(|own| own.condition == Condition::White);
+    let bounds = bounds.filter(|own| own.snr_db.total_cmp(&snr_db).is_eq());
+    let most = |value: &dyn Fn(&Tally) -> Option<f64>| {
+        bounds
+            .clone()
+            .filter_map(|own| value(&own.tally))
+            .reduce(f64::max)
+    };
+    Chart {
+        title: format!(
+            "{}: every method on its twin, {snr_db:.0} dB of white noise, against the truth",
+            test.name
+        ),
+        points: points.collect(),
+        accuracy: (
+            [most(&Tally::frequency_bound), most(&Tally::damping_bound)],
+            "Cramér-Rao bound",
+        ),
+        transform_s: test.limits[1].transform_s,
+        pass_s: test.limits[1].pass_s,
+    }
+}
+
+/// Time and error, of frequency and of damping beside each other; `None` where nobody measured.
+fn cost(chart: &Chart) -> Option<String> {
+    let limits = [chart.transform_s, chart.pass_s];
+    let times = chart.points.iter().map(|point| point.time_s).chain(limits);
+    let (first, last) = range(times.flatten().filter(|time| *time > 0.0))?;
+    let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
+    canvas.text([LEFT[0], 18.0], &chart.title, (Anchor::Start, INK));
+    for (quantity, left) in LEFT.into_iter().enumerate() {
+        let x = Axis::log((0.6e3 * first, 2.0e3 * last), (left, left + WIDTH));
+        panel(&mut canvas, chart, (quantity, &x));
+    }
+    method_legend(&mut canvas, [LEFT[0], BOTTOM + 60.0]);
+    let names = [
+        ("Pareto front", "", INK),
+        (chart.accuracy.1, "7 4", INK),
+        ("one transform", "2 3", INK),
+        ("one pass over the data", "2 3", FAINT),
+    ];
+    line_legend(&mut canvas, [LEFT[0], BOTTOM + 80.0], &names);
+    let notes = [
+        "A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes.",
+        "CPU time of one machine, all threads. Errors under a tenth of the dashed line stand at it.",
+    ];
+    for (row, note) in (0..).zip(notes) {
+        let y = BOTTOM + 100.0 + 16.0 * f64::from(row);
+        canvas.text([LEFT[0], y], note, (Anchor::Start, FAINT));
+    }
+    Some(canvas.finish())
+}
+
+fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
+    let label = ["Frequency error, rms (%)", "Damping error, rms (%)"][quantity];
+    let left = LEFT[quantity];
+    let bound = chart.accuracy.0[quantity];
+    let all = chart
+        .points
+        .iter()
+        .map(|point| point.error[quantity])
+        .chain([bound]);
+    let positive = all.flatten().filter(|error| *error > 0.0);
+    let Some((lo, hi)) = range(positive) else {
+        return;
+    };
+    // Far below the accuracy limit nothing is told by a difference.
+    let lo = bound.map_or(lo, |bound| lo.max(FLOOR * bound));
+    let y = Axis::log((80.0 * lo, 200.0 * hi), (BOTTOM, TOP));
+    frame(canvas, (x, &y), ("CPU time (ms)", label));
+    for (time, color) in [(chart.transform_s, INK), (chart.pass_s, FAINT)] {
+        let at = time.and_then(|time| x.shown(1e3 * time));
+        let ends = at.map(|at| [Some([at, TOP]), Some([at, BOTTOM])]);
+        canvas.curve("limit", &ends.unwrap_or([None; 2]), (color, 1.2, "2 3"));
+    }
+    let at = bound.and_then(|bound| y.shown(100.0 * bound));
+    let ends = at.map(|at| [Some([left, at]), Some([left + WIDTH, at])]);
+    canvas.curve("bound", &ends.unwrap_or([None; 2]), (INK, 1.2, "7 4"));
+    let place = |point: &Point| {
+        let x = x.shown(1e3 * point.time_s?)?;
+        Some([x, y.shown(100.0 * point.error[quantity]?.max(lo))?])
+    };
+    let mut front: Vec<&Point> = chart.points.iter().filter(|point| point.on_front).collect();
+    front.sort_by(|a, b| a.time_s.unwrap_or(0.0).total_cmp(&b.time_s.unwrap_or(0.0)));
+    // The front is that of time and frequency error.
+    if quantity == 0 {
+        let corners: Vec<_> = front.iter().map(|point| place(point)).collect();
+        canvas.curve("front", &corners, (INK, 1.0, ""));
+    }
+    for point in &chart.points {
+        if let Some(at) = place(point) {
+            marker(canvas, at, (point.method, point.right));
+            if point.on_front && quantity == 0 {
+                canvas.dot(at, 8.5, ("none", INK));
+            }
+        }
+    }
+    if quantity == 0 {
+        let named = front
+            .iter()
+            .filter_map(|point| Some((place(point)?, point.label.as_str())));
+        labels(canvas, &named.collect::<Vec<_>>(), left + 0.6 * WIDTH);
+    }
+}
+
+/// Names below their points, one below the other where they would meet; to the left of points beyond `turn`.
+fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    for ([x, y], name) in named {
+        let (dx, anchor) = match *x > turn {
+            true => (-8.0, Anchor::End),
+            false => (8.0, Anchor::Start),
+        };
+        let mut at = [x + dx, y + 14.0];
+        let meets = |at: [f64; 2]| {
+            let close =
+                |own: &[f64; 2]| (own[0] - at[0]).abs() < 90.0 && (own[1] - at[1]).abs() < 12.0;
+            taken.iter().any(close)
+        };
+        while meets(at) {
+            at[1] += 3.0;
+        }
+        taken.push(at);
+        canvas.text(at, name, (anchor, INK));
+    }
+}
+
+/// The mark of a method, with a dot in it for one that made no mistake.
+fn marker(canvas: &mut Canvas, at: [f64; 2], (number, right): (usize, bool)) {
+    mark(canvas, at, (number, color(number)));
+    if right {
+        canvas.dot(at, 1.8, (color(number), "none"));
+    }
+}
+
+fn color(number: usize) -> &'static str {
+    COLORS[number % (COLORS.len() - 1)]
+}
+
+fn method_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2]) {
+    for (number, method) in Method::all(&[]).into_iter().enumerate() {
+        marker(canvas, [x + 6.0, y - 4.0], (number, false));
+        canvas.text([x + 16.0, y], method.name, (Anchor::Start, INK));
+        x += 70.0;
+    }
+}
+
+fn line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, &str)]) {
+    for (name, dash, color) in names {
+        let ends = [Some([x, y - 4.0]), Some([x + 24.0, y - 4.0])];
+        canvas.curve("legend", &ends, (color, 1.2, dash));
+        canvas.text([x + 30.0, y], name, (Anchor::Start, INK));
+        x += 48.0 + 6.0 * name.chars().count() as f64;
+    }
+}
+
+/// Errors over their Cramér-Rao bound against noise, a column for each condition, frequency above damping.
+fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
+    const COLUMN: f64 = 240.0;
+    const GAP: f64 = 45.0;
+    const ROWS: [[f64; 2]; 2] = [[52.0, 262.0], [282.0, 492.0]];
+    let levels = &study.options.snr_db;
+    let has = |condition: &Condition| test.twin.iter().any(|row| row.condition == *condition);
+    let conditions: Vec<Condition> = Condition::ALL.into_iter().filter(has).collect();
+    let value = |row: &Tally, quantity| match quantity {
+        0 => row.frequency_over_bound(),
+        _ => row.damping_over_bound(),
+    };
+    let (first, last) = range(levels.iter().copied())?;
+    let mut canvas = Canvas::new(55.0 + (COLUMN + GAP) * conditions.len() as f64, 590.0);
+    let title = format!(
+        "{}: rms error over its Cramér-Rao bound on the twin",
+        test.name
+    );
+    canvas.text([75.0, 18.0], &title, (Anchor::Start, INK));
+    for (quantity, [top, bottom]) in ROWS.into_iter().enumerate() {
+        let all = test
+            .twin
+            .iter()
+            .filter_map(|row| value(&row.tally, quantity));
+        let (_, hi) = range(all.filter(|own| *own > 0.0))?;
+        for (column, condition) in conditions.iter().enumerate() {
+            let left = 75.0 + (COLUMN + GAP) * column as f64;
+            let x = Axis::linear((first - 2.0, last + 2.0), (left, left + COLUMN));
+            let y = Axis::log((0.4, 1.5 * hi.max(10.0)), (bottom, top));
+            let within = [y.place(1.2), y.place(0.8)];
+            canvas.rect(
+                [left, within[0]],
+                [left + COLUMN, within[1]],
+                ("#dcdcdc", "none"),
+            );
+            let label = ["Frequency error / bound", "Damping error / bound"][quantity];
+            let labels = match (column, quantity) {
+                (0, 0) => ("", label),
+                (0, _) => ("Signal-to-noise ratio (dB)", label),
+                (_, 0) => ("", ""),
+                _ => ("Signal-to-noise ratio (dB)", ""),
+            };
+            frame(&mut canvas, (&x, &y), labels);
+            if quantity == 0 {
+                canvas.text(
+                    [left + 4.0, top - 8.0],
+                    condition.name(),
+                    (Anchor::Start, INK),
+                );
+            }
+            canvas.line(
+                [left, y.place(1.0)],
+                [left + COLUMN, y.place(1.0)],
+                (INK, 1.0),
+            );
+            canvas.clip([left, top], [left + COLUMN, bottom]);
+            for (number, method) in Method::all(&[]).into_iter().enumerate() {
+                let rows = levels
+                    .iter()
+                    .map(|level| test.twin_row(*condition, *level, method));
+                let points = rows.map(|row| {
+                    let row = row?;
+                    let at = [x.place(row.snr_db), y.shown(value(&row.tally, quantity)?)?];
+                    Some((at, row.tally.mistakes() == 0))
+                });
+                let points: Vec<Option<([f64; 2], bool)>> = points.collect();
+                let course: Vec<Option<[f64; 2]>> =
+                    points.iter().map(|own| Some(own.as_ref()?.0)).collect();
+                canvas.curve("method", &course, (color(number), 1.1, ""));
+                for (at, right) in points.into_iter().flatten() {
+                    marker(&mut canvas, at, (number, right));
+                }
+            }
+            canvas.unclip();
+        }
+    }
+    method_legend(&mut canvas, [75.0, 552.0]);
+    canvas.text(
+        [75.0, 574.0],
+        "Grey: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.",
+        (Anchor::Start, FAINT),
+    );
+    Some(canvas.finish())
+}

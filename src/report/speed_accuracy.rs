@@ -1,0 +1,247 @@
+//! Speed against accuracy as tables.
+
+use crate::study::{Method, SpeedAccuracy, Tally, TestStudy, Timing, lessons};
+
+use super::{Block, Cell, Column, Table};
+
+/// Who is on the fronts of every test, and what that teaches.
+pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
+    let mut blocks = vec![Block::Heading(format!(
+        "{}: speed against accuracy",
+        study.title
+    ))];
+    blocks.extend(study.tests.iter().map(|test| front_block(study, test)));
+    blocks.extend(lessons(study).into_iter().map(Block::Text));
+    blocks
+}
+
+fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
+    let own = test.data.iter().filter(|row| row.on_front);
+    let own = own.map(|row| {
+        let place = (row.estimator.unwrap_or("as given"), row.step_hz);
+        front_row(("data", place), (row.method, &row.tally, &row.timing))
+    });
+    let snr_db = study.options.middle_snr_db();
+    let twin = test.twin_costs.iter().filter(|cost| cost.on_front);
+    let twin = twin.filter_map(|cost| {
+        let row = test.twin_row(crate::study::Condition::White, snr_db, cost.method)?;
+        let place = ("exact", test.twin_step_hz);
+        Some(front_row(
+            ("twin", place),
+            (cost.method, &row.tally, &cost.timing),
+        ))
+    });
+    let heads = [
+        "CPU time (ms)",
+        "± spread (ms)",
+        "memory (MiB)",
+        "frequency (%)",
+        "damping (%)",
+        "shape (%)",
+        "found",
+        "of",
+        "spurious",
+    ];
+    let text = ["on", "FRFs", "method"].map(Column::text);
+    let truth = match test.twin_of_truth {
+        true => "the recording's truth",
+        false => "its refined modes",
+    };
+    let mut footnotes = vec![
+        "Front: no other row with as few modes missed and invented has both less CPU time and less frequency error. Errors: rms, \
+         relative, of data against the refined solution, of the twin against its truth; shape: √(1−MAC)."
+            .to_owned(),
+        format!(
+            "Twin: {} modes of {truth} in white noise of {snr_db:.0} dB. CPU time of this machine: median of {} warm runs of all \
+             threads, longest less shortest.",
+            test.twin_modes, study.options.repeats
+        ),
+    ];
+    let [limit, _] = test.limits;
+    footnotes.extend(limit.transform_s.zip(limit.pass_s).map(|(transform, pass)| {
+        format!(
+            "For comparison: one transform of its {} functions takes {:.2} ms, one pass over their values {:.3} ms.",
+            test.functions,
+            1e3 * transform,
+            1e3 * pass
+        )
+    }));
+    footnotes.extend(test.notes.iter().map(|note| format!("Not done: {note}")));
+    Block::Table(Table {
+        caption: format!("{}: Pareto front of time and error", test.name),
+        columns: text.into_iter().chain(heads.map(Column::number)).collect(),
+        rows: own.chain(twin).collect(),
+        footnotes,
+    })
+}
+
+fn front_row(
+    (data, (estimator, step_hz)): (&str, (&str, f64)),
+    (method, tally, timing): (Method, &Tally, &Timing),
+) -> Vec<Cell> {
+    let percent = |value: Option<f64>, decimals| Cell::number(value.map(|v| 100.0 * v), decimals);
+    vec![
+        Cell::text(data),
+        Cell::text(format!("{estimator}, {step_hz:.3} Hz")),
+        Cell::text(method.to_string()),
+        Cell::number(timing.median_s.map(|own| 1e3 * own), 2),
+        Cell::number(timing.spread_s.map(|own| 1e3 * own), 2),
+        Cell::number(timing.peak_bytes.map(|own| own as f64 / 1_048_576.0), 2),
+        percent(tally.frequency(), 6),
+        percent(tally.damping(), 4),
+        percent(tally.shape(), 4),
+        count(tally.found),
+        count(tally.observable),
+        count(tally.spurious),
+    ]
+}
+
+fn count(value: usize) -> Cell {
+    Cell::number(Some(value as f64), 0)
+}
+
+/// Every row of every test without anything measured: the same on every run.
+pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
+    let mut rows = Vec::new();
+    for test in &study.tests {
+        rows.extend(test.data.iter().map(|row| {
+            let place = [
+                Cell::text(test.name.as_str()),
+                Cell::text("data"),
+                row.estimator.map_or(Cell::Missing, Cell::text),
+                Cell::number(Some(row.step_hz), 6),
+                Cell::Missing,
+            ];
+            whole_row(place, row.method, &row.tally)
+        }));
+        rows.extend(test.twin.iter().map(|row| {
+            let place = [
+                Cell::text(test.name.as_str()),
+                Cell::text(format!("twin, {}", row.condition.name())),
+                Cell::Missing,
+                Cell::Missing,
+                Cell::number(Some(row.snr_db), 1),
+            ];
+            whole_row(place, row.method, &row.tally)
+        }));
+    }
+    let text = ["test", "data", "estimator"].map(Column::text);
+    let place = ["step_hz", "snr_db"].map(Column::number);
+    let numbers = [
+        "order",
+        "runs",
+        "refused",
+        "observable",
+        "found",
+        "spurious",
+        "frequency_rms",
+        "damping_rms",
+        "shape_rms",
+        "frequency_over_bound",
+        "damping_over_bound",
+        "frequency_bound_rms",
+        "damping_bound_rms",
+    ];
+    let columns = text.into_iter().chain(place);
+    let columns = columns.chain([Column::text("method")]);
+    Block::Table(Table {
+        caption: "Speed against accuracy".to_owned(),
+        columns: columns.chain(numbers.map(Column::number)).collect(),
+        rows,
+        footnotes: Vec::new(),
+    })
+}
+
+fn whole_row(place: [Cell; 5], method: Method, tally: &Tally) -> Vec<Cell> {
+    let mut row: Vec<Cell> = place.into();
+    row.push(Cell::text(method.name));
+    row.push(Cell::number(method.order.map(|order| order as f64), 0));
+    let counts = [
+        tally.runs,
+        tally.refused,
+        tally.observable,
+        tally.found,
+        tally.spurious,
+    ];
+    row.extend(counts.map(count));
+    let errors = [
+        tally.frequency(),
+        tally.damping(),
+        tally.shape(),
+        tally.frequency_over_bound(),
+        tally.damping_over_bound(),
+        tally.frequency_bound(),
+        tally.damping_bound(),
+    ];
+    row.extend(errors.map(|own| Cell::number(own, 9)));
+    row
+}
+
+/// What was measured: different on every run.
+pub fn times_table(study: &SpeedAccuracy) -> Block {
+    let mut rows = Vec::new();
+    for test in &study.tests {
+        let name = || Cell::text(test.name.as_str());
+        for row in &test.data {
+            let place = [
+                name(),
+                Cell::text("data"),
+                row.estimator.map_or(Cell::Missing, Cell::text),
+                Cell::number(Some(row.step_hz), 6),
+            ];
+            rows.push(time_row(place, row.method, (&row.timing, row.on_front)));
+        }
+        for cost in &test.twin_costs {
+            let place = [name(), Cell::text("twin"), Cell::Missing, Cell::Missing];
+            rows.push(time_row(place, cost.method, (&cost.timing, cost.on_front)));
+        }
+        for (data, limits) in ["data", "twin"].into_iter().zip(&test.limits) {
+            let own = [
+                ("one transform", limits.transform_s),
+                ("one pass", limits.pass_s),
+            ];
+            rows.extend(own.map(|(what, time)| {
+                let mut row = vec![name(), Cell::text(data), Cell::Missing, Cell::Missing];
+                row.extend([Cell::text(what), Cell::Missing, Cell::Missing]);
+                row.extend([
+                    Cell::number(time, 9),
+                    Cell::Missing,
+                    Cell::Missing,
+                    Cell::Missing,
+                ]);
+                row
+            }));
+        }
+    }
+    let heads = [
+        "step_hz",
+        "method",
+        "order",
+        "repeats",
+        "cpu_s",
+        "spread_s",
+        "peak_bytes",
+        "on_front",
+    ];
+    let text = ["test", "data", "estimator"].map(Column::text);
+    Block::Table(Table {
+        caption: "Times".to_owned(),
+        columns: text.into_iter().chain(heads.map(Column::number)).collect(),
+        rows,
+        footnotes: Vec::new(),
+    })
+}
+
+fn time_row(place: [Cell; 4], method: Method, (timing, on_front): (&Timing, bool)) -> Vec<Cell> {
+    let mut row: Vec<Cell> = place.into();
+    row.extend([
+        Cell::text(method.name),
+        Cell::number(method.order.map(|order| order as f64), 0),
+        count(timing.repeats),
+        Cell::number(timing.median_s, 9),
+        Cell::number(timing.spread_s, 9),
+        Cell::number(timing.peak_bytes.map(|own| own as f64), 0),
+        Cell::text(if on_front { "yes" } else { "no" }),
+    ]);
+    row
+}

@@ -1,0 +1,52 @@
+//! Where methods fail: the share of seeded draws of a small structure in which each identifies its modes to a stated error, over two factors.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `plan` | [`BreakdownTable`]: `[breakdown]` of `study.toml` as typed; [`Plan`]: what it means |
+//! | `factor` | [`Factor`]: what a slice varies; [`Axis`]: its values |
+//! | `case` | [`Case`]: three modes on a line of sensors |
+//! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer`], from the seed of a cell's coordinates |
+//! | `symptom` | [`StatedError`], and the [`Symptom`] of a draw that does not meet it |
+//! | `wilson` | [`wilson`]: the interval of a counted share |
+//! | `grid` | [`Grid`]: cells halved near a contour |
+//! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: what was counted |
+//! | `contour` | lines and places where a share crosses 95 % |
+//! | `own` | [`OwnMode`]: a user's modes in a slice, and their distance from where a method fails |
+//! | `summary` | a slice in words |
+//! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
+//! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
+//!
+//! A contour tells of this case alone: a map shows which way and roughly where a method fails, not a limit that holds for every structure.
+
+mod case;
+mod contour;
+mod draw;
+mod error;
+mod factor;
+mod grid;
+mod own;
+mod plan;
+mod slice;
+#[cfg(test)]
+mod slice_tests;
+mod stability;
+mod store;
+mod summary;
+mod symptom;
+mod wilson;
+
+pub use case::Case;
+pub use contour::Point;
+pub use error::BreakdownError;
+pub use factor::{Axis, FACTORS, Factor, Scale};
+pub use grid::{Field, Grid, Node};
+pub use own::{Distance, Margin, OwnMode, OwnPoint, own_modes};
+pub use plan::{
+    AxisTable, BreakdownTable, CaseTable, Plan, SliceTable, StabilityTable, StatedTable,
+};
+pub use slice::{Bound, Cell, Count, LEVEL, MethodTime, Slice, SliceResult};
+pub use stability::{Stability, StabilityCourse, StabilityPlan, StabilityPoint};
+pub use store::{CellStore, Finished, Part, compute, merge};
+pub use summary::{Reach, short, told};
+pub use symptom::{SYMPTOMS, StatedError, Symptom};
+pub use wilson::wilson;

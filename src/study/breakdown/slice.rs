@@ -1,0 +1,365 @@
+//! One slice: its cells drawn, its methods tried in each, halved where one of them begins to fail.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::identify::{IdentifyOptions, identify};
+use crate::scene::Observer;
+use crate::study::Meter;
+use crate::synth::SynthError;
+
+use super::draw::{Draw, random_of};
+use super::symptom::{SYMPTOMS, symptom};
+use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
+
+/// The share of the draws that a method has to meet the stated error in.
+pub const LEVEL: f64 = 0.95;
+
+/// A cell is left to a method that is good in less than this share of its first draws: one of 95 % would be once in 10⁹ cells.
+const HOPELESS: f64 = 0.5;
+const FIRST: usize = 16;
+
+/// A slice as meant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slice {
+    /// Its name, that of its files.
+    pub name: String,
+    /// First axis.
+    pub x: Axis,
+    /// Second axis.
+    pub y: Axis,
+    /// What is fixed.
+    pub case: Case,
+    /// Names of the methods.
+    pub methods: Vec<String>,
+    /// How far off they may be.
+    pub stated: StatedError,
+    /// Draws for each cell.
+    pub draws: u32,
+    /// Halvings of cells near a contour.
+    pub refine: u32,
+    /// Seed of all slices.
+    pub seed: u64,
+}
+
+/// What was counted of a method in a cell.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Count {
+    /// Draws.
+    pub draws: u32,
+    /// Draws in which it met the stated error.
+    pub good: u32,
+    /// Draws that show each of [`SYMPTOMS`].
+    pub symptoms: Vec<u32>,
+}
+
+impl Count {
+    fn of(verdicts: &[Option<Symptom>]) -> Self {
+        let mut symptoms = vec![0; SYMPTOMS.len()];
+        for symptom in verdicts.iter().flatten() {
+            symptoms[symptom.index()] += 1;
+        }
+        let bad: u32 = symptoms.iter().sum();
+        let draws = verdicts.len() as u32;
+        Self {
+            draws,
+            good: draws - bad,
+            symptoms,
+        }
+    }
+
+    /// Share of the draws in which the stated error is met.
+    pub fn share(&self) -> f64 {
+        f64::from(self.good) / f64::from(self.draws.max(1))
+    }
+
+    /// Whether that is 95 % or more.
+    pub fn inside(&self) -> bool {
+        self.share() >= LEVEL
+    }
+}
+
+/// A cell of a slice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Its place in the finest grid.
+    pub node: Node,
+    /// Value of the first axis.
+    pub x: f64,
+    /// Value of the second axis.
+    pub y: f64,
+    /// By method; `None` where it was not refined for this one.
+    pub counts: Vec<Option<Count>>,
+}
+
+/// A finished slice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SliceResult {
+    /// The slice.
+    pub slice: Slice,
+    /// Its cells by column, then row.
+    pub cells: Vec<Cell>,
+}
+
+/// What the draws of a slice cost.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MethodTime {
+    /// The method.
+    pub method: String,
+    /// Identifications.
+    pub draws: u32,
+    /// Processor time of them; `None` where nobody measures.
+    pub cpu_s: Option<f64>,
+}
+
+/// Which bound of the share a field is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// The share itself.
+    Counted,
+    /// Lower end of its interval: inside its contour the method is known to do.
+    Lower,
+    /// Upper end: outside its contour the method is known to fail.
+    Upper,
+}
+
+impl Slice {
+    /// The grid of its cells.
+    pub fn grid(&self) -> Grid {
+        Grid {
+            x: self.x,
+            y: self.y,
+            levels: self.refine,
+        }
+    }
+
+    /// Whether its draws are hammer tests.
+    pub fn needs_test(&self) -> bool {
+        let own = self.x.factor.needs_test() || self.y.factor.needs_test();
+        own || self.case.window_end.is_some() || self.case.bits.is_some()
+    }
+
+    fn case_at(&self, (x, y): (f64, f64)) -> Case {
+        let case = self.case.clone();
+        case.with(self.x.factor, x).with(self.y.factor, y)
+    }
+
+    /// Draws all cells.
+    ///
+    /// # Errors
+    /// [`SynthError`] where a cell's case cannot be drawn.
+    pub fn run(
+        &self,
+        observer: &dyn Observer,
+        meter: &dyn Meter,
+    ) -> Result<(SliceResult, Vec<MethodTime>), SynthError> {
+        let grid = self.grid();
+        let mut work = Work::new(self, meter);
+        let all = vec![true; self.methods.len()];
+        let base: Wanted = grid.base().into_iter().map(|n| (n, all.clone())).collect();
+        work.draw(&base, (0, observer))?;
+        for level in 1..=self.refine {
+            let wanted = work.wanted(level);
+            work.draw(&wanted, (level, observer))?;
+        }
+        Ok(work.finish())
+    }
+}
+
+/// Nodes with the methods that are wanted there.
+type Wanted = BTreeMap<Node, Vec<bool>>;
+
+/// A slice on its way.
+struct Work<'a> {
+    slice: &'a Slice,
+    grid: Grid,
+    meter: &'a dyn Meter,
+    counts: BTreeMap<Node, Vec<Option<Count>>>,
+    times: Vec<MethodTime>,
+}
+
+impl<'a> Work<'a> {
+    fn new(slice: &'a Slice, meter: &'a dyn Meter) -> Self {
+        let time = |method: &String| MethodTime {
+            method: method.clone(),
+            ..MethodTime::default()
+        };
+        Self {
+            slice,
+            grid: slice.grid(),
+            meter,
+            counts: BTreeMap::new(),
+            times: slice.methods.iter().map(time).collect(),
+        }
+    }
+
+    /// The nodes of a halving, each with the methods whose contour it is near.
+    fn wanted(&self, level: u32) -> Wanted {
+        let methods = self.slice.methods.len();
+        let mut wanted = Wanted::new();
+        for method in 0..methods {
+            let own = self.counts.iter();
+            let inside = own.filter_map(|(node, counts)| {
+                let count = counts[method].as_ref()?;
+                Some((*node, count.inside()))
+            });
+            let nodes: BTreeSet<Node> = self.grid.halved(level, &inside.collect());
+            for node in nodes {
+                wanted.entry(node).or_insert(vec![false; methods])[method] = true;
+            }
+        }
+        wanted
+    }
+
+    fn draw(
+        &mut self,
+        wanted: &Wanted,
+        (level, observer): (u32, &dyn Observer),
+    ) -> Result<(), SynthError> {
+        let what = match level {
+            0 => self.slice.name.clone(),
+            _ => format!(
+                "{}, halved {level} of {}",
+                self.slice.name, self.slice.refine
+            ),
+        };
+        for (number, (node, methods)) in wanted.iter().enumerate() {
+            observer.step(&what, number + 1, wanted.len());
+            let drawn = self.cell(*node, methods)?;
+            let known = self
+                .counts
+                .entry(*node)
+                .or_insert(vec![None; methods.len()]);
+            for (own, new) in known.iter_mut().zip(drawn) {
+                *own = new.or(own.take());
+            }
+        }
+        Ok(())
+    }
+
+    /// All draws of a cell, then method by method all draws: so that the time of one is not that of another.
+    fn cell(&mut self, node: Node, methods: &[bool]) -> Result<Vec<Option<Count>>, SynthError> {
+        let slice = self.slice;
+        let (x, y) = self.grid.values(node);
+        let case = slice.case_at((x, y));
+        let place = [(slice.x.factor, x), (slice.y.factor, y)];
+        let needs_test = slice.needs_test();
+        let one = |number: u32| {
+            let random = random_of(slice.seed, place, number);
+            match needs_test {
+                true => Draw::of_test(&case, random),
+                false => Draw::of_frfs(&case, random),
+            }
+        };
+        let draws: Result<Vec<Draw>, SynthError> =
+            (0..slice.draws).into_par_iter().map(one).collect();
+        let draws = draws?;
+        let of_method = |(index, wanted): (usize, &bool)| {
+            wanted.then(|| self.try_method(index, (&case, &draws)))
+        };
+        Ok(methods.iter().enumerate().map(of_method).collect())
+    }
+
+    fn try_method(&mut self, index: usize, (case, draws): (&Case, &[Draw])) -> Count {
+        let name = &self.slice.methods[index];
+        let stated = &self.slice.stated;
+        let mut verdicts: Vec<Option<Symptom>> = Vec::new();
+        let (first, rest) = draws.split_at(FIRST.min(draws.len()));
+        let cost = self.meter.measure(&mut || {
+            let of = |draw: &Draw| verdict(draw, (name, case), stated);
+            verdicts = first.par_iter().map(of).collect();
+            if Count::of(&verdicts).share() >= HOPELESS {
+                verdicts.par_extend(rest.par_iter().map(of));
+            }
+        });
+        let time = &mut self.times[index];
+        time.draws += verdicts.len() as u32;
+        time.cpu_s = cost.cpu_s.map(|own| own + time.cpu_s.unwrap_or(0.0));
+        Count::of(&verdicts)
+    }
+
+    fn finish(self) -> (SliceResult, Vec<MethodTime>) {
+        let cell = |(node, counts): (Node, Vec<Option<Count>>)| {
+            let (x, y) = self.grid.values(node);
+            Cell { node, x, y, counts }
+        };
+        let result = SliceResult {
+            slice: self.slice.clone(),
+            cells: self.counts.into_iter().map(cell).collect(),
+        };
+        (result, self.times)
+    }
+}
+
+/// What a method makes of a draw.
+fn verdict(draw: &Draw, (method, case): (&str, &Case), stated: &StatedError) -> Option<Symptom> {
+    let Ok(set) = &draw.set else {
+        return Some(Symptom::NoAnswer);
+    };
+    let mut options = IdentifyOptions {
+        method: method.to_owned(),
+        band: Some(draw.band),
+        ..IdentifyOptions::default()
+    };
+    options.estimator.max_order = case.order;
+    match identify(set, &options) {
+        Err(_) => Some(Symptom::NoAnswer),
+        Ok(found) => symptom((&draw.truth, &draw.responses), &found, stated),
+    }
+}
+
+impl SliceResult {
+    /// The share of a method, or an end of its interval, on the finest grid.
+    pub fn field(&self, method: usize, bound: Bound) -> Field {
+        let value = |count: &Count| match bound {
+            Bound::Counted => count.share(),
+            Bound::Lower => wilson(count.good, count.draws).0,
+            Bound::Upper => wilson(count.good, count.draws).1,
+        };
+        let cells = self.cells.iter();
+        let known = cells.filter_map(|cell| {
+            let count = cell.counts[method].as_ref()?;
+            Some((cell.node, value(count)))
+        });
+        self.slice.grid().filled(&known.collect())
+    }
+
+    /// What the failing draws of a method show most, and in what share of them: those just outside its contour, in cells where half
+    /// of the draws or more are good; where there are none, all of them.
+    pub fn common_symptom(&self, method: usize) -> Option<(Symptom, f64)> {
+        let counts = || {
+            let cells = self.cells.iter();
+            cells.filter_map(|cell| cell.counts[method].as_ref())
+        };
+        let near = sum(counts().filter(|own| !own.inside() && own.share() >= 0.5));
+        let told = match near.iter().sum::<u32>() {
+            0 => sum(counts()),
+            _ => near,
+        };
+        let all: u32 = told.iter().sum();
+        // Of equal ones the first.
+        let most = (0..told.len()).rev().max_by_key(|index| told[*index])?;
+        (all > 0).then(|| (SYMPTOMS[most], f64::from(told[most]) / f64::from(all)))
+    }
+
+    /// Draws of all its methods.
+    pub fn draws(&self) -> u64 {
+        let counts = self
+            .cells
+            .iter()
+            .flat_map(|cell| cell.counts.iter().flatten());
+        counts.map(|count| u64::from(count.draws)).sum()
+    }
+}
+
+fn sum<'a>(counts: impl Iterator<Item = &'a Count>) -> Vec<u32> {
+    let mut total = vec![0; SYMPTOMS.len()];
+    for count in counts {
+        for (all, own) in total.iter_mut().zip(&count.symptoms) {
+            *all += own;
+        }
+    }
+    total
+}

@@ -1,0 +1,113 @@
+//! A slice in a few words for each method: where its contour lies and what is seen beyond it.
+
+use super::Axis;
+use super::slice::{Bound, LEVEL, SliceResult};
+
+/// Where a method meets the stated error along the first axis, the second one held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// Value of the second axis.
+    pub held: f64,
+    /// Values of the first axis between which the share is 95 % or more.
+    pub inside: Vec<(f64, f64)>,
+    /// The same, of which it is known by the interval of the share.
+    pub known_inside: Vec<(f64, f64)>,
+    /// The same, outside of which it is known to fail.
+    pub not_outside: Vec<(f64, f64)>,
+}
+
+/// Rows of the second axis of which a reach is told: both ends and the middle.
+const ROWS: [f64; 3] = [0.0, 0.5, 1.0];
+
+impl SliceResult {
+    /// Where a method does, at both ends and in the middle of the second axis.
+    pub fn reaches(&self, method: usize) -> Vec<Reach> {
+        let (x, y) = (self.slice.x, self.slice.y);
+        let fields = [Bound::Counted, Bound::Lower, Bound::Upper].map(|b| self.field(method, b));
+        let reach = |share: &f64| {
+            let stretches = |k: usize| {
+                let own = fields[k].stretches((true, *share), LEVEL).into_iter();
+                own.map(|(a, b)| (x.at(a), x.at(b))).collect()
+            };
+            Reach {
+                held: y.at(*share),
+                inside: stretches(0),
+                known_inside: stretches(1),
+                not_outside: stretches(2),
+            }
+        };
+        ROWS.iter().map(reach).collect()
+    }
+
+    /// Share of the slice in which a method meets the stated error, by its axes.
+    pub fn area(&self, method: usize) -> f64 {
+        let field = self.field(method, Bound::Counted);
+        let all = field.values.iter().flatten();
+        let (count, inside) = all.fold((0, 0), |(count, inside), value| {
+            (count + 1, inside + usize::from(*value >= LEVEL))
+        });
+        inside as f64 / count as f64
+    }
+}
+
+/// Stretches of an axis in words: `all`, `none`, `from 2.6`, `to 0.03`, `2 to 5`.
+pub fn told(stretches: &[(f64, f64)], axis: &Axis) -> String {
+    let one = |(a, b): &(f64, f64)| match (at_end(*a, axis.lo), at_end(*b, axis.hi)) {
+        (true, true) => "all".to_owned(),
+        (false, true) => format!("from {}", short(*a)),
+        (true, false) => format!("to {}", short(*b)),
+        (false, false) => format!("{} to {}", short(*a), short(*b)),
+    };
+    match stretches {
+        [] => "none".to_owned(),
+        own => own.iter().map(one).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn at_end(value: f64, end: f64) -> bool {
+    (value - end).abs() <= 1e-9 * end.abs().max(1e-12)
+}
+
+/// A number with two digits, or all before the point.
+pub fn short(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() {
+        return format!("{value}");
+    }
+    let digits = 1 - size.log10().floor() as i32;
+    if size < 1e-3 {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.*}", digits.max(0) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Factor, Scale};
+    use super::*;
+
+    #[test]
+    fn stretches_read_as_words() {
+        let axis = Axis {
+            factor: Factor::Separation,
+            lo: 0.1,
+            hi: 10.0,
+            count: 7,
+            scale: Scale::Log,
+        };
+        for (stretches, words) in [
+            (vec![(0.1, 10.0)], "all"),
+            (vec![], "none"),
+            (vec![(2.634, 10.0)], "from 2.6"),
+            (vec![(0.1, 0.0312), (1.0, 5.0)], "to 0.031, 1 to 5"),
+        ] {
+            assert_eq!(told(&stretches, &axis), words);
+        }
+        assert_eq!(short(43.21), "43");
+        assert_eq!(short(1e-6), "1e-6");
+    }
+}

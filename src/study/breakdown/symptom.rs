@@ -1,0 +1,311 @@
+//! What a draw shows when a method does not meet the stated error.
+
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+use crate::correlate::subspace_mac;
+use crate::dof::Dof;
+use crate::modal::{ModalModel, Mode, mac};
+
+/// How far off a method may be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatedError {
+    /// Error of a frequency, as a share of the half-power width of its mode.
+    pub frequency_widths: f64,
+    /// Error of a frequency in percent, held beside the other.
+    pub frequency_percent: Option<f64>,
+    /// Error of a damping ratio, percent.
+    pub damping_percent: f64,
+    /// Least MAC of a shape.
+    pub mac: f64,
+    /// Error of the size of the residues of a mode, percent; not held without it.
+    pub residue_percent: Option<f64>,
+}
+
+impl Default for StatedError {
+    /// A tenth of the half-power width, 10 % of the damping ratio, a MAC of 0.9, 20 % of the residues.
+    fn default() -> Self {
+        Self {
+            frequency_widths: 0.1,
+            frequency_percent: None,
+            damping_percent: 10.0,
+            mac: 0.9,
+            residue_percent: Some(20.0),
+        }
+    }
+}
+
+/// What is wrong with a draw; of several the first in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Symptom {
+    /// The method or the estimation of FRFs ended with an error.
+    NoAnswer,
+    /// Two modes are told as one.
+    Merged,
+    /// A mode is missing.
+    Missed,
+    /// There is a mode that is none.
+    Invented,
+    /// A frequency is off.
+    Frequency,
+    /// A damping ratio is too high.
+    DampingHigh,
+    /// A damping ratio is too low.
+    DampingLow,
+    /// A shape is wrong.
+    Shape,
+    /// Residues are too small.
+    ResidueSmall,
+    /// Residues are too large.
+    ResidueLarge,
+}
+
+/// All symptoms in their order.
+pub const SYMPTOMS: [Symptom; 10] = [
+    Symptom::NoAnswer,
+    Symptom::Merged,
+    Symptom::Missed,
+    Symptom::Invented,
+    Symptom::Frequency,
+    Symptom::DampingHigh,
+    Symptom::DampingLow,
+    Symptom::Shape,
+    Symptom::ResidueSmall,
+    Symptom::ResidueLarge,
+];
+
+impl Symptom {
+    /// Its name in CSV.
+    pub fn name(self) -> &'static str {
+        match self {
+            Symptom::NoAnswer => "no-answer",
+            Symptom::Merged => "merged",
+            Symptom::Missed => "missed",
+            Symptom::Invented => "invented",
+            Symptom::Frequency => "frequency",
+            Symptom::DampingHigh => "damping-high",
+            Symptom::DampingLow => "damping-low",
+            Symptom::Shape => "shape",
+            Symptom::ResidueSmall => "residue-small",
+            Symptom::ResidueLarge => "residue-large",
+        }
+    }
+
+    /// What a person sees.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Symptom::NoAnswer => "no answer",
+            Symptom::Merged => "the pair told as one mode",
+            Symptom::Missed => "a mode missed",
+            Symptom::Invented => "a mode invented",
+            Symptom::Frequency => "a frequency off",
+            Symptom::DampingHigh => "damping too high",
+            Symptom::DampingLow => "damping too low",
+            Symptom::Shape => "a shape wrong",
+            Symptom::ResidueSmall => "residues too small",
+            Symptom::ResidueLarge => "residues too large",
+        }
+    }
+
+    /// Its place in [`SYMPTOMS`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// A found mode belongs to the nearest true one that is within so many of its half-power widths.
+const REACH_WIDTHS: f64 = 1.0;
+
+/// A missing mode this near to a found one, in half-power widths, is told as one with it: there both make one peak.
+const NEIGHBOUR_WIDTHS: f64 = 2.0;
+
+/// What is wrong with the modes of a method; `None` when all of the truth is found to the stated error and nothing else.
+pub fn symptom(
+    (truth, responses): (&ModalModel, &[Dof]),
+    found: &ModalModel,
+    stated: &StatedError,
+) -> Option<Symptom> {
+    let partners = partners(&truth.modes, &found.modes);
+    if let Some(missed) = partners.iter().position(Option::is_none) {
+        return Some(missing(truth, found, &partners, missed));
+    }
+    if found.modes.len() > truth.modes.len() {
+        return Some(Symptom::Invented);
+    }
+    let pairs = || {
+        let all = truth.modes.iter().zip(&partners);
+        all.filter_map(|(own, partner)| Some((own, &found.modes[(*partner)?])))
+    };
+    let frequency = pairs().any(|(own, other)| frequency_off(own, other, stated));
+    let damping = pairs().find_map(|(own, other)| damping_off(own, other, stated));
+    let shape = pairs().any(|(own, other)| {
+        let mac = shape_mac((own, other), &found.modes, responses);
+        mac.is_none_or(|mac| mac < stated.mac)
+    });
+    let residue = pairs().find_map(|(own, other)| residue_off((own, other), &found.modes, stated));
+    frequency
+        .then_some(Symptom::Frequency)
+        .or(damping)
+        .or(shape.then_some(Symptom::Shape))
+        .or(residue)
+}
+
+fn width_hz(mode: &Mode) -> f64 {
+    2.0 * mode.damping_ratio.unwrap_or(0.0) * mode.frequency_hz
+}
+
+/// Number of the found mode of every true one, the nearest pairs first.
+fn partners(truth: &[Mode], found: &[Mode]) -> Vec<Option<usize>> {
+    let distance = |r: usize, f: usize| (truth[r].frequency_hz - found[f].frequency_hz).abs();
+    let mut near: Vec<(f64, usize, usize)> = Vec::new();
+    for (r, own) in truth.iter().enumerate() {
+        let reach = REACH_WIDTHS * width_hz(own);
+        let inside = (0..found.len()).filter(|f| distance(r, *f) <= reach);
+        near.extend(inside.map(|f| (distance(r, f), r, f)));
+    }
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut partners = vec![None; truth.len()];
+    let mut taken = vec![false; found.len()];
+    for (_, r, f) in near {
+        if partners[r].is_none() && !taken[f] {
+            partners[r] = Some(f);
+            taken[f] = true;
+        }
+    }
+    partners
+}
+
+/// A missing mode whose place a neighbour's partner covers is merged with that neighbour.
+fn missing(
+    truth: &ModalModel,
+    found: &ModalModel,
+    partners: &[Option<usize>],
+    missed: usize,
+) -> Symptom {
+    let own = &truth.modes[missed];
+    let covers = |r: usize, f: usize| {
+        let (other, found) = (&truth.modes[r], &found.modes[f]);
+        let apart = (own.frequency_hz - other.frequency_hz).abs();
+        apart <= NEIGHBOUR_WIDTHS * width_hz(own).max(width_hz(other)).max(width_hz(found))
+    };
+    let neighbours = partners.iter().enumerate();
+    let merged = neighbours.filter_map(|(r, f)| Some((r, (*f)?)));
+    match merged.into_iter().any(|(r, f)| covers(r, f)) {
+        true => Symptom::Merged,
+        false => Symptom::Missed,
+    }
+}
+
+fn frequency_off(own: &Mode, found: &Mode, stated: &StatedError) -> bool {
+    let error = (found.frequency_hz - own.frequency_hz).abs();
+    let percent = stated.frequency_percent.unwrap_or(f64::INFINITY);
+    error > stated.frequency_widths * width_hz(own) || error > 0.01 * percent * own.frequency_hz
+}
+
+fn damping_off(own: &Mode, found: &Mode, stated: &StatedError) -> Option<Symptom> {
+    let (truth, found) = (own.damping_ratio?, found.damping_ratio.unwrap_or(0.0));
+    let error = found / truth - 1.0;
+    let most = 0.01 * stated.damping_percent;
+    match error {
+        _ if error > most => Some(Symptom::DampingHigh),
+        _ if error < -most => Some(Symptom::DampingLow),
+        _ => None,
+    }
+}
+
+/// The modes that a found one shares its root with, itself among them.
+fn group<'a>(found: &'a Mode, all: &'a [Mode]) -> Vec<&'a Mode> {
+    match found.group {
+        Some(_) => all.iter().filter(|own| own.group == found.group).collect(),
+        None => vec![found],
+    }
+}
+
+/// MAC with the found shape, or with the span of the shapes of its repeated root.
+fn shape_mac((own, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> Option<f64> {
+    let at = |mode: &Mode| -> Option<Vec<Complex64>> {
+        let own = responses.iter().map(|dof| mode.shape.along_positive(dof));
+        own.collect()
+    };
+    let truth = at(own)?;
+    let span: Option<Vec<Vec<Complex64>>> = group(found, all).into_iter().map(at).collect();
+    match span?.as_slice() {
+        [one] => mac(&truth, one),
+        several => subspace_mac(&truth, several),
+    }
+}
+
+/// Root of the sum of squares over the functions. Residues of a repeated root belong to all its modes, and are not held.
+fn residue_off(
+    (own, found): (&Mode, &Mode),
+    all: &[Mode],
+    stated: &StatedError,
+) -> Option<Symptom> {
+    let most = 0.01 * stated.residue_percent?;
+    if group(found, all).len() > 1 {
+        return None;
+    }
+    let size = |mode: &Mode| {
+        let squares = mode.residues.values().map(Complex64::norm_sqr);
+        squares.sum::<f64>().sqrt()
+    };
+    match size(found) / size(own) - 1.0 {
+        error if error > most => Some(Symptom::ResidueLarge),
+        error if error < -most => Some(Symptom::ResidueSmall),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Case;
+    use super::*;
+
+    fn truth() -> ModalModel {
+        Case::default().truth(0.0, 1.0).unwrap().model
+    }
+
+    fn told(change: impl Fn(&mut Vec<Mode>)) -> Option<Symptom> {
+        let (truth, mut found) = (truth(), truth());
+        change(&mut found.modes);
+        let responses = Case::default().responses();
+        symptom((&truth, &responses), &found, &StatedError::default())
+    }
+
+    #[test]
+    fn each_symptom_is_told_by_its_name() {
+        assert_eq!(told(|_| ()), None);
+        assert_eq!(told(|m| drop(m.pop())), Some(Symptom::Missed));
+        assert_eq!(told(|m| m.push(m[0].clone())), Some(Symptom::Invented));
+        assert_eq!(told(|m| m[1].frequency_hz += 0.3), Some(Symptom::Frequency));
+        let damped = |factor: f64| told(|m| m[0].damping_ratio = Some(0.01 * factor));
+        assert_eq!(damped(1.09), None);
+        assert_eq!(damped(1.2), Some(Symptom::DampingHigh));
+        assert_eq!(damped(0.8), Some(Symptom::DampingLow));
+        let swapped = told(|m| m[0].shape = m[1].shape.clone());
+        assert_eq!(swapped, Some(Symptom::Shape));
+        let sized = |factor: f64| told(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
+        assert_eq!(sized(0.85), None);
+        assert_eq!(sized(0.7), Some(Symptom::ResidueSmall));
+        assert_eq!(sized(1.5), Some(Symptom::ResidueLarge));
+    }
+
+    #[test]
+    fn one_mode_in_place_of_a_close_pair_is_merged() {
+        let close = Case::default().with(super::super::Factor::Separation, 0.6);
+        let truth = close.truth(0.0, 1.0).unwrap().model;
+        let mut found = truth.clone();
+        found.modes.remove(1);
+        let responses = close.responses();
+        let own = symptom((&truth, &responses), &found, &StatedError::default());
+        assert_eq!(own, Some(Symptom::Merged));
+    }
+
+    #[test]
+    fn symptoms_stand_in_their_order() {
+        for (index, symptom) in SYMPTOMS.iter().enumerate() {
+            assert_eq!(symptom.index(), index);
+        }
+    }
+}

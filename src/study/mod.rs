@@ -1,0 +1,45 @@
+//! Studies: how fast and how exact every method is, and where it fails.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `breakdown` | where every method fails, over two factors |
+//! | `system` | [`System`]: a linear system known by its modes, with its FRFs, their noise and ends of records |
+//! | `bound` | [`deviations`]: the Cramér-Rao bound of poles |
+//! | `score` | [`Judge`]: which modes of a truth are observable, found, missed, and which are spurious |
+//! | `method` | [`Method`]: every estimator, with orders |
+//! | `meter` | [`Meter`]: processor time and memory, supplied by the caller |
+//! | `seed` | [`cell_random`]: random numbers from the coordinates of a cell |
+//! | `spec` | [`StudyFile`]: `study.toml` as typed |
+//! | `tally` | [`Tally`]: errors of found modes, summed over identifications |
+//! | `twin` | [`System::twin`]: the system of a test's modes |
+//! | `speed_accuracy` | [`speed_accuracy()`]: every method on a scene's tests and on their twins |
+//!
+//! A study reads no clock and no file, and draws from stated seeds alone; work runs in the caller's pool and gives the same numbers for
+//! any number of threads.
+
+mod bound;
+pub mod breakdown;
+mod error;
+mod meter;
+mod method;
+mod score;
+mod seed;
+mod spec;
+mod speed_accuracy;
+mod system;
+mod tally;
+mod twin;
+
+pub use bound::{Deviation, NoisyLines, deviations};
+pub use error::StudyError;
+pub use meter::{Cost, Meter};
+pub use method::{Method, REFINED};
+pub use score::{Judge, Known, Verdict, bounds, components, known};
+pub use seed::cell_random;
+pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};
+pub use speed_accuracy::{
+    Condition, DataRow, SpeedAccuracy, SpeedAccuracyOptions, SpeedLimits, TestStudy, Timing,
+    TwinCost, TwinRow, front, lessons, speed_accuracy,
+};
+pub use system::{FrfNoise, System, TrueMode, with_noise};
+pub use tally::Tally;

@@ -1,0 +1,152 @@
+//! A test's FRFs by estimator and length of record.
+
+use crate::axis::{Band, TimeAxis};
+use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, hammer};
+use crate::modal::ModalModel;
+use crate::record::{HitInfo, ReadError, Recording, Samples, Stretch};
+use crate::scene::{Scene, SceneError, TestPlan, test_data};
+
+use super::super::StudyError;
+use super::SpeedAccuracyOptions;
+
+/// FRFs of one estimator from records of one length.
+pub(super) struct Variant {
+    /// `None` for FRFs that came as such.
+    pub estimator: Option<&'static str>,
+    pub set: FrfSet,
+}
+
+/// What methods are tried on.
+pub(super) struct TestSets {
+    /// The first is the scene's own, from whole records.
+    pub sets: Vec<Variant>,
+    pub band: Band,
+    /// Of a synthetic recording.
+    pub truth: Option<ModalModel>,
+    pub notes: Vec<String>,
+}
+
+pub(super) fn of_test(
+    scene: &Scene,
+    test: &TestPlan,
+    options: &SpeedAccuracyOptions,
+) -> Result<TestSets, StudyError> {
+    let data = test_data(scene, test)?;
+    let truth = data.recording.map(|recording| recording.truth);
+    let mut own = match data.ingested.recording {
+        Some(mut recording) => recorded(scene, test, (recording.as_mut(), options))?,
+        None => stated(test, data.ingested.frfs)?,
+    };
+    own.truth = truth;
+    Ok(own)
+}
+
+/// FRFs that came as such have one estimator and one resolution.
+fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError> {
+    let axes = SceneError::Axes {
+        test: test.name.clone(),
+        got: sets.len(),
+    };
+    let set = sets.pop().filter(|_| sets.is_empty()).ok_or(axes)?;
+    let axis = set.axis();
+    let whole = Band::new(axis.hz(0).max(axis.step_hz), axis.hz(axis.len - 1));
+    let band = test.band.or(set.valid_band).or(whole.ok());
+    let band = band.ok_or(FrfError::BandEmpty {
+        lo_hz: axis.hz(0),
+        hi_hz: axis.hz(axis.len - 1),
+    })?;
+    Ok(TestSets {
+        sets: vec![Variant {
+            estimator: None,
+            set,
+        }],
+        band,
+        truth: None,
+        notes: vec!["the FRFs came as such: one estimator, one resolution".to_owned()],
+    })
+}
+
+/// The scene's way first, then shorter records, then the other estimators.
+fn recorded(
+    scene: &Scene,
+    test: &TestPlan,
+    (recording, options): (&mut dyn Recording, &SpeedAccuracyOptions),
+) -> Result<TestSets, StudyError> {
+    let base = test.hammer_options(&scene.hammer);
+    let first = hammer(recording, &base)?;
+    let excited = first.estimated.set.excited_band.unwrap_or(first.usable);
+    let wanted = test.band.unwrap_or(first.usable);
+    let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
+        lo_hz: excited.lo_hz,
+        hi_hz: excited.hi_hz,
+    })?;
+    let own = base.estimate.estimator;
+    let mut sets = vec![Variant {
+        estimator: Some(own.name()),
+        set: first.estimated.set,
+    }];
+    let mut notes = Vec::new();
+    let shorter = options.record_shares.iter().map(|share| (own, *share));
+    let named = options
+        .estimators
+        .iter()
+        .filter_map(|name| Estimator::from_name(name));
+    let others = named
+        .filter(|other| *other != own)
+        .map(|other| (other, 1.0));
+    for (estimator, share) in shorter.chain(others) {
+        let mut options = base.clone();
+        options.estimate.estimator = estimator;
+        let estimator = estimator.name();
+        match of_share(recording, share, &options) {
+            Ok(set) => sets.push(Variant {
+                estimator: Some(estimator),
+                set,
+            }),
+            Err(error) => notes.push(format!("{estimator} of {share} of the record: {error}")),
+        }
+    }
+    Ok(TestSets {
+        sets,
+        band,
+        truth: None,
+        notes,
+    })
+}
+
+fn of_share(
+    recording: &mut dyn Recording,
+    share: f64,
+    options: &HammerOptions,
+) -> Result<FrfSet, FrfError> {
+    let hits = recording.hits().iter().cloned();
+    let hits = hits.map(|hit| HitInfo {
+        axis: TimeAxis {
+            // An even number of samples, as the transform has them in pairs.
+            len: 2 * (0.5 * share * hit.axis.len as f64).round() as usize,
+            ..hit.axis
+        },
+        ..hit
+    });
+    let mut shortened = Shortened {
+        hits: hits.collect(),
+        whole: recording,
+    };
+    Ok(hammer(&mut shortened, options)?.estimated.set)
+}
+
+/// The beginning of every hit.
+struct Shortened<'a> {
+    hits: Vec<HitInfo>,
+    whole: &'a mut dyn Recording,
+}
+
+impl Recording for Shortened<'_> {
+    fn hits(&self) -> &[HitInfo] {
+        &self.hits
+    }
+
+    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
+        self.whole.read(stretch, samples)
+    }
+}

@@ -1,0 +1,176 @@
+//! Methods on a test's own data: errors against the refined solution, and what they cost.
+
+use num_complex::Complex64;
+
+use crate::axis::Band;
+use crate::fourier::ForwardPlan;
+use crate::frf::FrfSet;
+use crate::modal::{ModalModel, Mode};
+
+use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally};
+use super::data::TestSets;
+use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
+
+/// Signal-to-noise ratio of functions whose variance nobody states, dB: all modes count as observable.
+const UNSTATED_SNR_DB: f64 = 120.0;
+
+/// The refined solution of whole records.
+pub(super) struct Refined {
+    pub model: ModalModel,
+    /// Rms stated deviation of its frequencies, relative.
+    pub frequency_std: Option<f64>,
+    /// The same of its damping ratios.
+    pub damping_std: Option<f64>,
+    system: System,
+    variances: Vec<f64>,
+}
+
+impl Refined {
+    pub fn new(data: &TestSets) -> Result<Self, StudyError> {
+        let set = &data.sets[0].set;
+        let method = Method {
+            name: REFINED,
+            order: None,
+        };
+        let model = method.identify(set, data.band)?;
+        let system = System::twin(&model, set, data.band)?;
+        let variances = mean_variances(&system, set)?;
+        let frequency = |mode: &Mode| Some(mode.frequency_std_hz? / mode.frequency_hz);
+        let damping = |mode: &Mode| Some(mode.damping_std? / mode.damping_ratio?);
+        Ok(Self {
+            frequency_std: rms(model.modes.iter().map(frequency)),
+            damping_std: rms(model.modes.iter().map(damping)),
+            model,
+            system,
+            variances,
+        })
+    }
+}
+
+/// Of values that are all known; `None` of none.
+fn rms(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let all: Vec<f64> = values.collect::<Option<_>>()?;
+    let sum: f64 = all.iter().map(|own| own * own).sum();
+    (!all.is_empty()).then(|| (sum / all.len() as f64).sqrt())
+}
+
+/// Mean variance over the band of every function of a twin, as its test states it.
+fn mean_variances(system: &System, set: &FrfSet) -> Result<Vec<f64>, StudyError> {
+    let lines = set.axis().lines(&system.band);
+    let exact = system.exact()?;
+    let unstated = system.variances(&exact, UNSTATED_SNR_DB);
+    let of = |(function, unstated): (&crate::frf::Function, f64)| {
+        let pair = [&function.response, &function.reference];
+        let same = |own: &crate::frf::Function| {
+            let own = [&own.response, &own.reference];
+            own == pair || own == [pair[1], pair[0]]
+        };
+        let i = set.functions().iter().position(same)?;
+        let mean = set.variance(i)?[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
+        (mean > 0.0).then_some(mean).or(Some(unstated))
+    };
+    let all = exact.functions().iter().zip(unstated.clone()).map(of);
+    Ok(all.collect::<Option<Vec<f64>>>().unwrap_or(unstated))
+}
+
+/// Every method on every set, one after the other so that none is timed beside another.
+pub(super) fn rows(
+    data: &TestSets,
+    refined: &Refined,
+    (options, meter): (&SpeedAccuracyOptions, &dyn Meter),
+) -> Vec<DataRow> {
+    let judge = Judge::new(&refined.system, &refined.variances);
+    let mut rows = Vec::new();
+    for (number, variant) in data.sets.iter().enumerate() {
+        // Orders are tried on the scene's own functions alone: elsewhere they would tell the same again.
+        let orders = options.orders.iter().copied().filter(|_| number == 0);
+        for method in Method::all(&orders.collect::<Vec<usize>>()) {
+            let identify = || method.identify(&variant.set, data.band).ok();
+            let (found, timing) = timed(identify, options.repeats, meter);
+            let mut tally = Tally::default();
+            tally.add(&judge, found.as_ref());
+            rows.push(DataRow {
+                estimator: variant.estimator,
+                step_hz: variant.set.axis().step_hz,
+                is_reference: number == 0 && method.name == REFINED,
+                method,
+                tally,
+                timing,
+                on_front: false,
+            });
+        }
+    }
+    let known = refined.frequency_std.unwrap_or(0.0);
+    let points: Vec<_> = rows.iter().map(|row| row.point(known)).collect();
+    for row in front(&points) {
+        rows[row].on_front = true;
+    }
+    rows
+}
+
+impl DataRow {
+    /// Time, error and mistakes, as the front sees them; the refined solution has no error against itself, and an error below
+    /// what its frequencies are `known` to is no better than that.
+    fn point(&self, known: f64) -> (Option<f64>, Option<f64>, usize) {
+        let error = match self.is_reference {
+            true => Some(known),
+            false => self.tally.frequency().map(|error| error.max(known)),
+        };
+        (self.timing.median_s, error, self.tally.mistakes())
+    }
+}
+
+/// Runs work once, and where somebody measures again so many times.
+pub(super) fn timed<T>(work: impl Fn() -> T, repeats: usize, meter: &dyn Meter) -> (T, Timing) {
+    let result = work();
+    let mut times = Vec::new();
+    let mut peak_bytes = None;
+    for _ in 0..repeats {
+        if !meter.measures() {
+            break;
+        }
+        let cost = meter.measure(&mut || {
+            std::hint::black_box(work());
+        });
+        times.extend(cost.cpu_s);
+        peak_bytes = peak_bytes.max(cost.peak_bytes);
+    }
+    times.sort_by(f64::total_cmp);
+    let timing = Timing {
+        repeats: times.len(),
+        median_s: times.get(times.len() / 2).copied(),
+        spread_s: times.first().zip(times.last()).map(|(lo, hi)| hi - lo),
+        peak_bytes,
+    };
+    (result, timing)
+}
+
+/// Times a transform of every function, as long as its lines, and a pass over its values in the band.
+pub(super) fn limits(set: &FrfSet, band: Band, meter: &dyn Meter) -> SpeedLimits {
+    let lines = set.axis().lines(&band);
+    let plan = ForwardPlan::new(2 * lines.len());
+    let record: Vec<f64> = (0..plan.len()).map(|k| (k as f64).sin()).collect();
+    let transform = || -> Complex64 {
+        let of_one = |_| plan.transform(&record)[1];
+        (0..set.len()).map(of_one).sum()
+    };
+    let pass = || -> Complex64 {
+        let of_one = |i| set.values(i)[lines.clone()].iter().sum::<Complex64>();
+        (0..set.len()).map(of_one).sum()
+    };
+    SpeedLimits {
+        transform_s: each(&transform, meter),
+        pass_s: each(&pass, meter),
+    }
+}
+
+/// Processor time of a short piece of work, over so many runs that a clock can tell.
+fn each(work: &dyn Fn() -> Complex64, meter: &dyn Meter) -> Option<f64> {
+    const RUNS: u32 = 20;
+    let cost = meter.measure(&mut || {
+        for _ in 0..RUNS {
+            std::hint::black_box(work());
+        }
+    });
+    cost.cpu_s.map(|time| time / f64::from(RUNS))
+}

@@ -1,0 +1,151 @@
+//! `modalign study speed-accuracy`: the same numbers for any number of threads, the refined method at its bound, and the failures
+//! that are known.
+
+use std::path::Path;
+
+use crate::command::{fail, root, succeed, write};
+
+/// A short recording of the beam, studied at three levels of noise.
+const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators = [\"h2\"]\nrecord_shares = [0.5]\n\
+                    orders = []\nsnr_db = [30.0, 55.0, 80.0]\ndraws = 4\nrepeats = 1\n";
+/// Modes of the beam in the band.
+const MODES: usize = 6;
+/// Most rms error over the bound that is wanted of the refined method, and deviations that an rms of so few errors may be above it.
+const MOST_OVER_BOUND: f64 = 1.2;
+const SIGMAS: f64 = 4.0;
+
+fn scene(folder: &Path) {
+    let source = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
+    let files = [
+        ("scene.toml", text("scene.toml")),
+        ("model.toml", text("model.toml")),
+        ("synth.toml", spec),
+        ("study.toml", SPEC.to_owned()),
+    ];
+    write(
+        folder,
+        &files.each_ref().map(|(name, text)| (*name, text.as_str())),
+    );
+}
+
+/// Rows of a CSV file by the heads of its columns.
+struct Rows(Vec<std::collections::BTreeMap<String, String>>);
+
+impl Rows {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap();
+        let mut lines = text
+            .lines()
+            .map(|line| line.replace("\"twin, ", "\"twin; ").replace('"', ""));
+        let heads: Vec<String> = lines
+            .next()
+            .unwrap()
+            .split(',')
+            .map(str::to_owned)
+            .collect();
+        let row = |line: String| {
+            let cells = line.split(',').map(str::to_owned);
+            heads.iter().cloned().zip(cells).collect()
+        };
+        Self(lines.map(row).collect())
+    }
+
+    /// A column of the rows of one method on one kind of data, at one level or all.
+    fn values(&self, (data, method): (&str, &str), snr_db: Option<&str>, column: &str) -> Vec<f64> {
+        let own = self.0.iter().filter(|row| {
+            let level = snr_db.is_none_or(|level| row["snr_db"] == level);
+            row["data"] == data && row["method"] == method && level
+        });
+        own.filter_map(|row| row[column].parse().ok()).collect()
+    }
+}
+
+#[test]
+fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path());
+    let place = folder.path().to_str().unwrap();
+    let out = |threads: &str| {
+        let out = folder.path().join(threads);
+        let name = out.to_str().unwrap();
+        let text = succeed([
+            "study",
+            "speed-accuracy",
+            place,
+            "-o",
+            name,
+            "--threads",
+            threads,
+        ]);
+        assert!(
+            text.contains("Pareto front") && text.contains("Cramér-Rao bound"),
+            "{text}"
+        );
+        out
+    };
+    let (one, two) = (out("1"), out("2"));
+    let bytes = |folder: &Path| std::fs::read(folder.join("speed-accuracy.csv")).unwrap();
+    assert_eq!(bytes(&one), bytes(&two));
+    let stem = "speed-accuracy-roving-hammer";
+    for name in [
+        format!("{stem}-data.svg"),
+        format!("{stem}-twin.svg"),
+        format!("{stem}-bound.svg"),
+    ] {
+        let text = std::fs::read_to_string(two.join(&name)).unwrap();
+        assert!(
+            text.ends_with("</svg>\n") && !text.contains("NaN"),
+            "{name}"
+        );
+    }
+    let times = Rows::read(&two.join("times.csv"));
+    assert!(
+        times
+            .values(("data", "ml"), None, "peak_bytes")
+            .iter()
+            .all(|own| *own > 1e5)
+    );
+
+    let rows = Rows::read(&two.join("speed-accuracy.csv"));
+    let over = |data: &str, method: &str, level| {
+        let own = rows.values((data, method), level, "frequency_over_bound");
+        assert!(!own.is_empty(), "{data}, {method}");
+        (own.iter().map(|own| own * own).sum::<f64>() / own.len() as f64).sqrt()
+    };
+    let errors = (3 * 4 * MODES) as f64;
+    let most = MOST_OVER_BOUND + SIGMAS / (2.0 * errors).sqrt();
+    let refined = over("twin; white noise", "ml", None);
+    assert!(refined < most, "{refined}");
+    // Two time constants of record leave an error of their own, which the noise no longer hides; 80 dB.
+    for method in ["circle", "line", "peak", "ml"] {
+        let ended = over("twin; record ends early", method, Some("80"));
+        assert!(ended > 10.0, "{method}: {ended}");
+    }
+    // The exponentials of a band's transform are those of its modes and of its edges.
+    let exponentials = over("twin; white noise", "lsce", Some("80"));
+    assert!(exponentials > 10.0, "{exponentials}");
+    // On the data themselves every method finds the modes of the refined solution.
+    let found = rows.values(("data", "circle"), None, "found");
+    assert_eq!(found, [MODES as f64; 3]);
+}
+
+#[test]
+fn a_study_that_cannot_be_meant_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path());
+    let spec = folder.path().join("other.toml");
+    let command = ["study", "speed-accuracy", spec.to_str().unwrap()];
+    let with = |text: &str| {
+        std::fs::write(&spec, SPEC.replace("draws = 4", text)).unwrap();
+        fail(command)
+    };
+    assert!(with("drawn = 4").contains("did you mean `draws`?"));
+    assert!(with("draws = 0").contains("[speed_accuracy] draws: got 0, expected 1 or more"));
+    let unknown = with("tests = [\"other\"]");
+    assert!(
+        unknown.contains("got \"other\"") && unknown.contains("roving hammer"),
+        "{unknown}"
+    );
+}
