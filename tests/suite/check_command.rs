@@ -191,9 +191,14 @@ fn what_is_wrong_in_a_comparison_is_named_in_its_row() {
 fn an_update_keeps_its_parameters_within_their_deviations() {
     let folder = tempfile::tempdir().unwrap();
     results(folder.path(), 1, str::to_owned);
-    let own = folder.path().to_str().unwrap();
-    modalign(["update", own, "-o", own]);
-    let before = folder.path().join("update.json");
+    let (own, updated) = (folder.path(), folder.path().join("updated"));
+    succeed([
+        "update",
+        own.to_str().unwrap(),
+        "-o",
+        updated.to_str().unwrap(),
+    ]);
+    let before = updated.join("update.json");
     let rows_after = |change: &dyn Fn(&mut Value)| {
         let mut file = json(&before);
         change(&mut file["parameters"][0]);
@@ -212,8 +217,9 @@ fn an_update_keeps_its_parameters_within_their_deviations() {
     assert_eq!(moved(6.0), ["parameter youngs_modulus"]);
     let verdict = rows_after(&|own| own["verdict"] = "not supported by the data".into());
     assert_eq!(verdict, ["parameter youngs_modulus"]);
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let error = fail(["check", &path("update.json"), "--against", &path(MODES)]);
+    let modes = folder.path().join(MODES);
+    let paths = [&before, &modes].map(|path| path.to_str().unwrap());
+    let error = fail(["check", paths[0], "--against", paths[1]]);
     assert!(error.contains("two results of the same kind"), "{error}");
 }
 
