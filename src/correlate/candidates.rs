@@ -1,12 +1,14 @@
 //! Every test mode against every root: what each pair would cost, which are chosen, and how sure that is.
 
+use std::collections::BTreeMap;
+
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::common_factor::{Unlike, common_factor};
 use super::pairing::{NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
 use super::roots::{Root, elastic_modes, elastic_roots};
-use super::share::{Share, share};
+use super::share::{Share, shares};
 use super::{CorrelateError, PairOptions, assign};
 
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
@@ -51,19 +53,30 @@ impl CandidateTable {
         options: &PairOptions,
     ) -> Self {
         let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
+        let off = |i: usize, r: usize| {
+            let hz = test.modes[i].frequency_hz;
+            (hz - roots[r].hz).abs() / roots[r].hz
+        };
+        // By root, each with the shares of the modes near it.
+        let held: Vec<BTreeMap<usize, Share>> = (0..roots.len())
+            .map(|r| {
+                let near = |i: &usize| off(*i, r) <= options.max_frequency_error;
+                let near: Vec<usize> = modes.iter().copied().filter(near).collect();
+                let own = shares((theory, shapes), &near, (r, &roots));
+                let own = near.into_iter().zip(own);
+                own.filter_map(|(i, share)| Some((i, share?))).collect()
+            })
+            .collect();
         let candidate = |i: usize, r: usize| {
             let root = &roots[r];
             let hz = test.modes[i].frequency_hz;
-            let off = (hz - root.hz).abs() / root.hz;
             let (comparable, mac) = shapes.compare(i, &root.modes);
-            let share = || share((theory, shapes), i, (r, &roots));
-            let near = off <= options.max_frequency_error;
             let likeness = match comparable {
-                true => Likeness::Of(mac, near.then(share).flatten()),
+                true => Likeness::Of(mac, held[r].get(&i).copied()),
                 false => Likeness::Unknown,
             };
             let frequency_error = options.error_reference.error(hz, root.hz);
-            candidate((frequency_error, off), likeness, options)
+            candidate((frequency_error, off(i, r)), likeness, options)
         };
         let row = |&i: &usize| (0..roots.len()).map(|r| candidate(i, r)).collect();
         Self {

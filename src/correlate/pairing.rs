@@ -199,16 +199,21 @@ impl Shapes {
         })
     }
 
-    /// The test and theory vectors on the degrees of freedom at which all of these modes have a value.
-    pub fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
+    /// The degrees of freedom at which all of these modes have a value.
+    pub fn places(&self, test: &[usize], theory: &[usize]) -> Vec<usize> {
         let all = || {
             let test = test.iter().map(|&i| &self.test[i]);
             test.chain(theory.iter().map(|&j| &self.theory[j]))
         };
         let count = all().next().map_or(0, Vec::len);
-        let kept: Vec<usize> = (0..count)
+        (0..count)
             .filter(|&d| all().all(|values| values[d].is_some()))
-            .collect();
+            .collect()
+    }
+
+    /// The test and theory vectors on the degrees of freedom at which all of these modes have a value.
+    pub fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
+        let kept = self.places(test, theory);
         let vector =
             |values: &Vec<Option<Complex64>>| kept.iter().filter_map(|&d| values[d]).collect();
         [

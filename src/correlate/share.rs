@@ -35,7 +35,7 @@ pub(super) struct Share {
     pub std: f64,
 }
 
-/// The share of a root in a test mode; `None` where they have no two degrees of freedom in common.
+/// The shares of a root in test modes; `None` where they have no two degrees of freedom in common.
 ///
 /// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²` over the roots near r, with `g_j = min(1, 0.1/|f_j/f_r − f_r/f_j|)`
 /// and shapes of unit modal mass over the length of r's at the sensors, or of unit length each where a mass is not known. The share
@@ -49,11 +49,11 @@ pub(super) struct Share {
 /// # Reference
 /// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7 (coordinates of a measured shape);
 /// Fox and Kapoor (1968), AIAA Journal 6, eq. 21 (mixing of first order).
-pub(super) fn share(
+pub(super) fn shares(
     (theory, shapes): (&ModalModel, &Shapes),
-    mode: usize,
+    modes: &[usize],
     (r, roots): (usize, &[Root]),
-) -> Option<Share> {
+) -> Vec<Option<Share>> {
     let apart = |j: &usize| {
         let ratio = theory.modes[*j].frequency_hz / roots[r].hz;
         (ratio - ratio.recip()).abs()
@@ -63,37 +63,43 @@ pub(super) fn share(
     let others = others.flat_map(|(_, root)| root.modes.iter().copied());
     let own = roots[r].modes.iter().copied();
     let near: Vec<usize> = own.chain(others.filter(|j| apart(j) < FAR)).collect();
-    let [shape, mut columns] = shapes.common(&[mode], &near);
-    let shape = &shape[0];
-    if shape.len() < 2 || squared(shape) <= 0.0 {
-        return None;
-    }
+    let reach: Vec<f64> = near.iter().map(|j| (NEAR / apart(j)).min(1.0)).collect();
     let own = roots[r].modes.len();
-    if squared(&columns[..own].concat()) <= 0.0 {
-        return Some(Share {
+    // Modes that are read at the same places share their equations.
+    let mut prepared: Vec<(Vec<usize>, Option<Explanation>)> = Vec::new();
+    let share = |&mode: &usize| {
+        let places = shapes.places(&[mode], &near);
+        let shape = at(&shapes.test[mode], &places);
+        if shape.len() < 2 || squared(&shape) <= 0.0 {
+            return None;
+        }
+        let known = prepared.iter().position(|(own, _)| *own == places);
+        let known = known.unwrap_or_else(|| {
+            let mut columns: Vec<Vec<Complex64>> = near
+                .iter()
+                .map(|&j| at(&shapes.theory[j], &places))
+                .collect();
+            let moves = squared(&columns[..own].concat()) > 0.0;
+            let explanation = moves.then(|| {
+                scale(theory, (&near, own), &mut columns);
+                Explanation::new(columns, own, &reach)
+            });
+            prepared.push((places, explanation));
+            prepared.len() - 1
+        });
+        let still = Share {
             part: 0.0,
             std: 0.0,
-        });
-    }
-    scale(theory, (&near, own), &mut columns);
-    let reach: Vec<f64> = near.iter().map(|j| (NEAR / apart(j)).min(1.0)).collect();
-    let fit = Fit::new(shape, &columns, &reach);
-    let whole = squared(&fit.coordinates);
-    let part = if whole > 0.0 {
-        squared(&fit.coordinates[..own]) / whole
-    } else {
-        0.0
+        };
+        let explanation = prepared[known].1.as_ref();
+        Some(explanation.map_or(still, |explanation| explanation.share(shape)))
     };
-    let gradient = fit.coordinates.iter().enumerate().map(|(j, q)| {
-        let own = if j < own { 1.0 } else { 0.0 };
-        q * (own - part) / whole.max(f64::MIN_POSITIVE)
-    });
-    let std = 2.0 * fit.deviation_along(&gradient.collect::<Vec<_>>());
-    let held = held(shape, &columns, &fit.coordinates);
-    Some(Share {
-        part: part * held,
-        std: std * held,
-    })
+    modes.iter().map(share).collect()
+}
+
+/// Values at some places, where there are any.
+fn at(values: &[Option<Complex64>], places: &[usize]) -> Vec<Complex64> {
+    places.iter().filter_map(|&d| values[d]).collect()
 }
 
 /// Shapes of unit modal mass, over the length of the first `own` of them, where all masses are known; else of unit length each.
@@ -122,78 +128,75 @@ fn to_unit_length(column: &mut [Complex64]) {
     }
 }
 
-/// q of a shape with the deviations that each is allowed, and what it takes to say how well q is known.
-struct Fit {
-    coordinates: Vec<Complex64>,
+/// The equations that explain shapes of unit length by columns, of which the first are a root's own.
+struct Explanation {
+    columns: Vec<Vec<Complex64>>,
+    own: usize,
     /// Triangle of the stacked equations: with as many points as modes or more its product is the inverse of the covariance of q; with
     /// fewer, the covariance of the shape.
     lower: ComplexMatrix,
-    /// Allowed deviations, and the columns times their squares; with fewer points than modes.
-    few: Option<(Vec<f64>, ComplexMatrix)>,
+    unknowns: Unknowns,
 }
 
-impl Fit {
-    fn new(shape: &[Complex64], columns: &[Vec<Complex64>], reach: &[f64]) -> Self {
-        let scale = squared(shape).sqrt();
-        let deviation = DEVIATION * scale / (shape.len() as f64).sqrt();
-        let reach: Vec<f64> = reach.iter().map(|own| own * scale).collect();
-        if shape.len() < columns.len() {
-            Self::of_few_points(shape, (columns, reach), deviation)
+enum Unknowns {
+    /// One for each mode: `Qᴴ` of `[Φ/d; G⁻¹]` is the adjoint of this one's rows of the points, over d.
+    Modes(ComplexMatrix),
+    /// One for each point: allowed deviations, and the columns times their squares.
+    Points(Vec<f64>, ComplexMatrix),
+}
+
+impl Explanation {
+    fn new(columns: Vec<Vec<Complex64>>, own: usize, reach: &[f64]) -> Self {
+        let points = columns[0].len();
+        let deviation = DEVIATION / (points as f64).sqrt();
+        let (lower, unknowns) = if points < columns.len() {
+            of_few_points(&columns, reach, deviation)
         } else {
-            Self::of_many_points(shape, (columns, &reach), deviation)
+            of_many_points(&columns, reach, deviation)
+        };
+        Self {
+            columns,
+            own,
+            lower,
+            unknowns,
         }
     }
 
-    fn of_many_points(
-        shape: &[Complex64],
-        (columns, reach): (&[Vec<Complex64>], &[f64]),
-        deviation: f64,
-    ) -> Self {
-        let (points, modes) = (shape.len(), columns.len());
-        let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
-            None => columns[c][k] / deviation,
-            Some(own) if own == c => reach[c].recip().into(),
-            Some(_) => Complex64::ZERO,
+    /// The share of the root in a shape that is not zero.
+    fn share(&self, mut shape: Vec<Complex64>) -> Share {
+        to_unit_length(&mut shape);
+        let coordinates = self.coordinates(&shape);
+        let whole = squared(&coordinates);
+        let part = if whole > 0.0 {
+            squared(&coordinates[..self.own]) / whole
+        } else {
+            0.0
+        };
+        let gradient = coordinates.iter().enumerate().map(|(j, q)| {
+            let own = if j < self.own { 1.0 } else { 0.0 };
+            q * (own - part) / whole.max(f64::MIN_POSITIVE)
         });
-        let qr = thin_qr(&matrix);
-        let right = complex_matrix(points + modes, 1, |k, _| {
-            let value = shape.get(k);
-            value.map_or(Complex64::ZERO, |value| value / deviation)
-        });
-        let lower = complex_matrix(modes, modes, |i, j| qr.r[(j, i)].conj());
-        let solution = solve_lower_adjoint(&lower, &adjoint_product(&qr.q, right.as_ref()));
-        Self {
-            coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
-            lower,
-            few: None,
+        let std = 2.0 * self.deviation_along(&gradient.collect::<Vec<_>>());
+        let held = held(&shape, &self.columns, &coordinates);
+        Share {
+            part: part * held,
+            std: std * held,
         }
     }
 
-    /// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
-    fn of_few_points(
-        shape: &[Complex64],
-        (columns, reach): (&[Vec<Complex64>], Vec<f64>),
-        deviation: f64,
-    ) -> Self {
-        let (points, modes) = (shape.len(), columns.len());
-        let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
-            None => columns[k][p].conj() * reach[k],
-            Some(own) if own == p => deviation.into(),
-            Some(_) => Complex64::ZERO,
-        });
-        let lower = complex_matrix(points, points, {
-            let upper = thin_qr(&stacked).r;
-            move |i, j| upper[(j, i)].conj()
-        });
-        let right = complex_matrix(points, 1, |k, _| shape[k]);
-        let weights = solve_lower_adjoint(&lower, &solve_lower(&lower, &right));
-        let weighted = complex_matrix(points, modes, |p, c| columns[c][p] * reach[c].powi(2));
-        let solution = adjoint_product(&weighted, weights.as_ref());
-        Self {
-            coordinates: (0..modes).map(|c| solution[(c, 0)]).collect(),
-            lower,
-            few: Some((reach, weighted)),
-        }
+    /// q of a shape.
+    fn coordinates(&self, shape: &[Complex64]) -> Vec<Complex64> {
+        let right = complex_matrix(shape.len(), 1, |k, _| shape[k]);
+        let solution = match &self.unknowns {
+            Unknowns::Modes(upper) => {
+                solve_lower_adjoint(&self.lower, &adjoint_product(upper, right.as_ref()))
+            }
+            Unknowns::Points(_, weighted) => {
+                let weights = solve_lower_adjoint(&self.lower, &solve_lower(&self.lower, &right));
+                adjoint_product(weighted, weights.as_ref())
+            }
+        };
+        (0..self.columns.len()).map(|c| solution[(c, 0)]).collect()
     }
 
     /// `√(γᴴ C γ)` with the covariance C of q.
@@ -204,7 +207,7 @@ impl Fit {
             let square = |k: usize| solution[(k, 0)].norm_sqr();
             (0..solution.nrows()).map(square).sum::<f64>()
         };
-        let Some((reach, weighted)) = &self.few else {
+        let Unknowns::Points(reach, weighted) = &self.unknowns else {
             return solved(&along).sqrt();
         };
         // C = G² − G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ΦG².
@@ -214,7 +217,44 @@ impl Fit {
     }
 }
 
-/// The part of a shape that a sum of columns is.
+fn of_many_points(
+    columns: &[Vec<Complex64>],
+    reach: &[f64],
+    deviation: f64,
+) -> (ComplexMatrix, Unknowns) {
+    let (points, modes) = (columns[0].len(), columns.len());
+    let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
+        None => columns[c][k] / deviation,
+        Some(own) if own == c => reach[c].recip().into(),
+        Some(_) => Complex64::ZERO,
+    });
+    let qr = thin_qr(&matrix);
+    let lower = complex_matrix(modes, modes, |i, j| qr.r[(j, i)].conj());
+    let upper = complex_matrix(points, modes, |p, c| qr.q[(p, c)] / deviation);
+    (lower, Unknowns::Modes(upper))
+}
+
+/// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
+fn of_few_points(
+    columns: &[Vec<Complex64>],
+    reach: &[f64],
+    deviation: f64,
+) -> (ComplexMatrix, Unknowns) {
+    let (points, modes) = (columns[0].len(), columns.len());
+    let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
+        None => columns[k][p].conj() * reach[k],
+        Some(own) if own == p => deviation.into(),
+        Some(_) => Complex64::ZERO,
+    });
+    let lower = complex_matrix(points, points, {
+        let upper = thin_qr(&stacked).r;
+        move |i, j| upper[(j, i)].conj()
+    });
+    let weighted = complex_matrix(points, modes, |p, c| columns[c][p] * reach[c].powi(2));
+    (lower, Unknowns::Points(reach.to_vec(), weighted))
+}
+
+/// The part of a shape of unit length that a sum of columns is.
 fn held(shape: &[Complex64], columns: &[Vec<Complex64>], coordinates: &[Complex64]) -> f64 {
     let left = |(k, value): (usize, &Complex64)| {
         let terms = columns.iter().zip(coordinates);
@@ -222,7 +262,7 @@ fn held(shape: &[Complex64], columns: &[Vec<Complex64>], coordinates: &[Complex6
         (value - sum).norm_sqr()
     };
     let left: f64 = shape.iter().enumerate().map(left).sum();
-    (1.0 - left / squared(shape)).max(0.0)
+    (1.0 - left).max(0.0)
 }
 
 #[cfg(test)]
@@ -240,7 +280,7 @@ mod tests {
         let map = DofMap::of_models(&test, theory);
         let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
         let roots = elastic_roots(theory);
-        let of = |r| share((theory, &shapes), 0, (r, &roots)).map(|own| own.part);
+        let of = |r| shares((theory, &shapes), &[0], (r, &roots))[0].map(|own| own.part);
         (0..roots.len()).map(of).collect()
     }
 
@@ -319,7 +359,7 @@ mod tests {
             let map = DofMap::of_models(&test, theory);
             let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
             let roots = elastic_roots(theory);
-            share((theory, &shapes), 0, (0, &roots)).unwrap().std
+            shares((theory, &shapes), &[0], (0, &roots))[0].unwrap().std
         };
         // Both coordinates are known to d = 0.15/sqrt(6) of the shape, and 2|gamma| = 2 * 0.8 * 0.6.
         let expected = 0.96 * 0.15 / 6f64.sqrt();
@@ -348,9 +388,7 @@ mod tests {
         };
         let gradient = [Complex64::new(0.3, 0.1), Complex64::new(-0.2, 0.4)];
         let of = |points: usize| {
-            let mut shape = vec![Complex64::ZERO; points];
-            shape[0] = Complex64::ONE;
-            Fit::new(&shape, &columns(points), &[0.5, 0.8])
+            Explanation::new(columns(points), 1, &[0.5, 0.8])
                 .deviation_along(&gradient)
                 .powi(2)
         };
@@ -388,9 +426,9 @@ mod tests {
             .collect();
         let test: Vec<Complex64> = (0..6).map(|k| Complex64::cis((k * k) as f64)).collect();
         let reach: Vec<f64> = (1..10).map(|c| 1.0 / f64::from(c)).collect();
-        let found = Fit::new(&test, &columns, &reach).coordinates;
+        let found = Explanation::new(columns.clone(), 1, &reach).coordinates(&test);
         // What is left over of the normal equations.
-        let (d, scale) = (DEVIATION, 6f64.sqrt());
+        let d = DEVIATION / 6f64.sqrt();
         for (c, column) in columns.iter().enumerate() {
             let fitted = |k: usize| {
                 columns
@@ -402,7 +440,7 @@ mod tests {
             let rest: Complex64 = (0..6)
                 .map(|k| column[k].conj() * (test[k] - fitted(k)))
                 .sum();
-            let penalty = found[c] * d * d / (reach[c] * scale).powi(2);
+            let penalty = found[c] * d * d / reach[c].powi(2);
             assert!((rest - penalty).norm() < 1e-10, "{c}");
         }
     }

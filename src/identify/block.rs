@@ -29,6 +29,7 @@ use super::receptance::Receptances;
 use super::roots::{Root, in_reach};
 use super::sides::Sides;
 use super::strength::{Strength, Strengths};
+use super::turning::Turning;
 use super::window::{Near, Window};
 
 pub(super) use super::linearised::Unknown;
@@ -120,9 +121,10 @@ pub(super) fn fit(
         }
     }
     let misfit = here.cost / problem.freedom(&members, &unknowns);
-    for (root, residues) in members.iter_mut().zip(here.residues) {
-        root.residues = residues;
+    for (root, residues) in members.iter_mut().zip(&mut here.residues) {
+        root.residues = std::mem::take(residues);
     }
+    problem.widen(&members, &mut here);
     for (root, variances) in members.iter_mut().zip(here.residue_variances) {
         root.residue_variances = variances;
     }
@@ -217,6 +219,25 @@ impl<'a> Windowed<'a> {
             .max(1) as f64
     }
 
+    /// Adds to the variances of the residues what the errors of the unknowns make of them.
+    fn widen(&self, members: &[Root], here: &mut Linearised) {
+        if here.information.nrows() == 0 {
+            return;
+        }
+        let Some(covariance) = linalg::inverse_hermitian_raised(&here.information) else {
+            return;
+        };
+        let turning = Turning {
+            columns: &columns(members),
+            patterns: &self.patterns,
+            turns: &here.turns,
+            covariance: &covariance,
+        };
+        for (j, root) in members.iter().enumerate() {
+            turning.widen((j, root), &mut here.residue_variances[j]);
+        }
+    }
+
     /// At some poles; the window follows where they leave what it serves.
     fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
@@ -232,9 +253,7 @@ impl<'a> Windowed<'a> {
             })
             .collect();
         let (data, explained) = self.window.compressed(&self.near, (members, &moving));
-        let columns: Vec<(usize, usize)> = (0..members.len())
-            .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
-            .collect();
+        let columns = columns(members);
         let of_pattern = |pattern: &Pattern| {
             let problem = Problem {
                 data: &data,
@@ -254,6 +273,13 @@ impl<'a> Windowed<'a> {
         }
         sums
     }
+}
+
+/// Member and part of each column of shapes.
+fn columns(members: &[Root]) -> Vec<(usize, usize)> {
+    (0..members.len())
+        .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
+        .collect()
 }
 
 fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {

@@ -62,8 +62,32 @@ pub(super) struct Linearised {
     /// How strong each member is.
     pub strength: Vec<Strength>,
     pub residues: Vec<Vec<Complex64>>,
-    /// `E|δA|²` of each residue in white noise, with the poles where they are.
+    /// `E|δA|²` of each residue in white noise, with the unknowns where they are.
     pub residue_variances: Vec<Vec<f64>>,
+    /// How the shapes follow the unknowns, pattern by pattern.
+    pub turns: Vec<Turn>,
+}
+
+/// How the shapes of a pattern follow the unknowns.
+pub(super) struct Turn {
+    /// Shapes by shape and term, `R⁻¹QᴴD`, for a shape of 1 that the term has.
+    pub moves: ComplexMatrix,
+    /// Unknown and shape of each term.
+    pub of: Vec<(usize, usize)>,
+    /// Shapes by column and output, in units of the output's noise.
+    pub shapes: ComplexMatrix,
+}
+
+impl Turn {
+    /// Of outputs that say nothing.
+    fn none() -> Self {
+        let nothing = || linalg::complex_matrix(0, 0, |_, _| Complex64::ZERO);
+        Self {
+            moves: nothing(),
+            of: Vec::new(),
+            shapes: nothing(),
+        }
+    }
 }
 
 impl Linearised {
@@ -79,12 +103,14 @@ impl Linearised {
                 .collect(),
             residues: vec![vec![Complex64::ZERO; functions]; members.len()],
             residue_variances: vec![vec![0.0; functions]; members.len()],
+            turns: Vec::new(),
         }
     }
 
     /// Takes in what other outputs say.
     pub fn add(&mut self, other: Self) {
         self.cost += other.cost;
+        self.turns.extend(other.turns);
         self.information += other.information;
         self.gradient += other.gradient;
         for (own, other) in self.strength.iter_mut().zip(other.strength) {
@@ -172,6 +198,7 @@ impl Problem<'_> {
         });
         if high < self.columns.len() {
             // More shapes than numbers: nothing is known.
+            sums.turns.push(Turn::none());
             return sums;
         }
         let qr = linalg::thin_qr(&b);
@@ -183,9 +210,15 @@ impl Problem<'_> {
         sums.cost += (0..rest.ncols())
             .map(|o| rest.col(o).iter().map(Complex64::norm_sqr).sum::<f64>())
             .sum::<f64>();
-        self.add_information(&mut sums, (&qr.q, &shapes, &rest));
+        let terms = self.terms();
+        let within = self.add_information(&mut sums, &terms, (&qr.q, &shapes, &rest));
         self.add_significance(&mut sums, (&inverse, &shapes));
         self.set_residues(&mut sums, (&inverse, &shapes));
+        sums.turns.push(Turn {
+            moves: &inverse * &within,
+            of: terms.iter().map(|own| (own.number, own.column)).collect(),
+            shapes,
+        });
         sums
     }
 
@@ -225,16 +258,16 @@ impl Problem<'_> {
         terms
     }
 
-    /// What the derivatives say beside the columns of the shapes: `(1 − QQᴴ) D`, D = `factor × course` input by input.
+    /// What the derivatives say beside the columns of the shapes: `(1 − QQᴴ) D`, D = `factor × course` input by input; returns `QᴴD`.
     ///
     /// Its squares are those of D without those of QᴴD, each formed from the courses alone, of which there are far fewer than
     /// derivatives. A difference of squares keeps 1e-16 of D: poles whose derivatives have less of their own are not told apart anyway.
     fn add_information(
         &self,
         sums: &mut Linearised,
+        terms: &[Term],
         (q, shapes, rest): (&ComplexMatrix, &ComplexMatrix, &ComplexMatrix),
-    ) {
-        let terms = self.terms();
+    ) -> ComplexMatrix {
         let rows = self.data.g.nrows();
         let (inputs, outputs) = (self.pattern.inputs.len(), rest.ncols());
         let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
@@ -277,6 +310,7 @@ impl Problem<'_> {
                     alike[(other.column, one.column)] * inner;
             }
         }
+        within
     }
 
     fn add_significance(

@@ -102,6 +102,7 @@ mod strength;
 mod synthetic;
 mod transforms;
 mod tries;
+mod turning;
 mod unexplained;
 mod window;
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(super) struct Root {
     pub pivots: Vec<usize>,
     /// Residue of each function, m/(N s).
     pub residues: Vec<Complex64>,
-    /// `E|δA|²` of each in white noise, with the poles where they are, m²/(N s)²; empty for a root that was not fitted yet.
+    /// `E|δA|²` of each in white noise but for a factor that all have in common, m²/(N s)²; empty for a root that was not fitted yet.
     pub residue_variances: Vec<f64>,
     /// How well it is known.
     pub quality: Quality,
