@@ -308,6 +308,9 @@ codes! {
     /// A synthetic recording.
     Synthetic: "this recording is synthetic: it was computed from a model, nobody measured it",
         "Its truth is known exactly and stands beside it. It shows that the tool works, not that a machine behaves so.";
+    /// Letters that the font of PNG figures does not have.
+    LettersLacking: "the font of PNG figures lacks letters of this figure, and boxes stand in their place; its SVG has them",
+        "The program carries one font, with Latin, Greek, Cyrillic and Hebrew letters; fonts with Chinese, Japanese or Korean ones are too large for it. Use the SVG, which is drawn with the fonts of the machine that shows it, save the figure as PNG from report.html, or name tests and parts in letters of the font.";
     /// An assumption of a model.
     Assumption: "a value was assumed, not measured or published",
         "The parameter's status in the model says so: printed, inferred or assumed.";

@@ -114,7 +114,7 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign report out --lang zh")]
 pub struct ReportArgs {
-    /// The folder that `run -o` wrote; with the `update.json` of `update -o` in it the update is in the report.
+    /// The folder that `run -o` wrote; what `update -o` and `study … -o` put into it is in the report.
     pub folder: PathBuf,
     /// Write every figure as PNG, too, 300 dots to the inch.
     #[arg(long)]

@@ -9,10 +9,10 @@ use clap::Args;
 
 use crate::error::Error;
 use crate::io::write_all_whole;
+use crate::report::json::{self, BreakdownFile};
 use crate::report::{
-    Block, CsvText, Renderer, breakdown_block, breakdown_cells, breakdown_own_modes,
-    breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_block,
-    stability_cells, stability_svg,
+    Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_own_modes,
+    breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_cells, stability_svg,
 };
 use crate::scene::{Observer, Scene, load_modes, read_text, run_observed};
 use crate::study::breakdown::{
@@ -30,7 +30,8 @@ use super::output::Output;
 pub struct BreakdownArgs {
     /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The scene's own modes are shown in them.
     pub input: PathBuf,
-    /// Write cells, tables and figures into this folder; slices that are finished there are not computed again.
+    /// Write cells, tables and figures into this folder; slices that are finished there are not computed again. Into that of `run -o`, and
+    /// `modalign report` shows them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Only these slices of a batch: part I of N, into a folder that --merge reads.
@@ -86,21 +87,25 @@ pub fn breakdown(
         output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
         return Ok(Outcome::Done);
     }
-    let own = spec.own_modes(format, output.observer())?;
+    let (title, own_modes) = spec.own_modes(format, output.observer())?;
+    let rates = breakdown_rates(&finished);
+    let own = BreakdownFile {
+        schema: json::BREAKDOWN_SCHEMA.to_owned(),
+        title,
+        slices: finished.slices,
+        own_modes,
+        stability: finished.stability,
+    };
     if let Some(folder) = &args.output {
-        for (name, bytes) in files(&finished, &own, args.png) {
+        let measured = !finished.times.is_empty();
+        let times = measured.then(|| breakdown_times(&finished.times));
+        for (name, bytes) in files(&own, times, args.png) {
             output.file(folder.join(name), bytes);
         }
     }
-    let blocks: Vec<Block> = finished
-        .slices
-        .iter()
-        .map(|slice| breakdown_block(slice, &own))
-        .chain(finished.stability.as_ref().map(stability_block))
-        .chain(breakdown_rates(&finished))
-        .collect();
+    let blocks: Vec<Block> = breakdown_blocks(&own).into_iter().chain(rates).collect();
     output.blocks(&blocks);
-    output.json(|| json(&finished));
+    output.json(|| json::breakdown_to_json(&own));
     Ok(Outcome::Done)
 }
 
@@ -164,18 +169,18 @@ impl Spec {
         })
     }
 
-    /// The modes of `modes`, else those of the scene's tests, else none.
+    /// The modes of `modes`, else those of the scene's tests with its title, else none.
     fn own_modes(
         &self,
         format: Option<&str>,
         observer: &dyn Observer,
-    ) -> Result<Vec<OwnMode>, Error> {
+    ) -> Result<(Option<String>, Vec<OwnMode>), Error> {
         if let Some(path) = &self.table.modes {
             let (model, _) = load_modes(&self.folder.join(path), None)?;
-            return Ok(own_modes("", &model, None));
+            return Ok((None, own_modes("", &model, None)));
         }
         let Some(scene) = &self.scene else {
-            return Ok(Vec::new());
+            return Ok((None, Vec::new()));
         };
         let mut scene = Scene::load(scene)?;
         scene.format = format.map(str::to_owned);
@@ -185,7 +190,7 @@ impl Spec {
             let name = if several { test.name.as_str() } else { "" };
             own_modes(name, &test.modes, test.frfs.first())
         });
-        Ok(of_test.collect())
+        Ok((Some(scene.title), of_test.collect()))
     }
 }
 
@@ -217,11 +222,11 @@ impl CellStore for Folder<'_> {
     }
 
     fn keep(&self, name: &str, text: &str) -> Result<(), String> {
-        let _writing = self.output.map(Output::writing);
+        let file = self.file(name);
+        let _writing = self.output.map(|own| own.writing([file.as_path()]));
         std::fs::create_dir_all(&self.path)
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
-        let file = (self.file(name), text.as_bytes().to_vec());
-        write_all_whole(&[file]).map_err(|error| error.to_string())
+        write_all_whole(&[(file, text.as_bytes().to_vec())]).map_err(|error| error.to_string())
     }
 }
 
@@ -282,40 +287,31 @@ fn csv(block: Block) -> Vec<u8> {
 }
 
 /// Everything that goes into the folder beside the cells. What was measured on a clock stands in a file of its own.
-fn files(finished: &Finished, own: &[OwnMode], png: bool) -> Vec<(String, Vec<u8>)> {
-    let mut files = vec![(
-        "breakdown.csv".to_owned(),
-        csv(breakdown_cells(&finished.slices)),
-    )];
-    if !own.is_empty() {
-        let own = breakdown_own_modes(&finished.slices, own);
-        files.push(("own-modes.csv".to_owned(), csv(own)));
+fn files(own: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, Vec<u8>)> {
+    let mut files = vec![
+        (
+            "breakdown.json".to_owned(),
+            json::breakdown_to_json(own).into_bytes(),
+        ),
+        (
+            "breakdown.csv".to_owned(),
+            csv(breakdown_cells(&own.slices)),
+        ),
+    ];
+    if !own.own_modes.is_empty() {
+        let modes = breakdown_own_modes(&own.slices, &own.own_modes);
+        files.push(("own-modes.csv".to_owned(), csv(modes)));
     }
     let figure = |slice: &SliceResult| {
-        let svg = breakdown_svg(slice, &slice.points(own));
+        let svg = breakdown_svg(slice, &slice.points(&own.own_modes));
         (slice.slice.name.clone(), svg)
     };
-    let mut figures: Vec<(String, String)> = finished.slices.iter().map(figure).collect();
-    if let Some(own) = &finished.stability {
+    let mut figures: Vec<(String, String)> = own.slices.iter().map(figure).collect();
+    if let Some(own) = &own.stability {
         files.push(("stability.csv".to_owned(), csv(stability_cells(own))));
         figures.push(("stability".to_owned(), stability_svg(own)));
     }
     files.extend(figure_files(figures, png));
-    if !finished.times.is_empty() {
-        files.push((
-            "times.csv".to_owned(),
-            csv(breakdown_times(&finished.times)),
-        ));
-    }
+    files.extend(times.map(|own| ("breakdown-times.csv".to_owned(), csv(own))));
     files
-}
-
-/// All cells and courses, without times.
-fn json(finished: &Finished) -> String {
-    let value = serde_json::json!({
-        "schema": "modalign-breakdown/1",
-        "slices": finished.slices,
-        "stability": finished.stability,
-    });
-    format!("{value:#}\n")
 }

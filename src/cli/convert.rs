@@ -40,7 +40,7 @@ pub fn convert(
         precision: precision(args),
         ..WriteOptions::default()
     };
-    let writing = output.writing();
+    let writing = output.writing([args.output.as_path()]);
     let lost = write_path(&args.output, &mut merged, options)?;
     drop(writing);
     // What the file holds is what it says when it is read again.

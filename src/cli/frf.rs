@@ -53,7 +53,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         for entry in &mut source.catalog.entries {
             entry.note.window = window;
         }
-        let _writing = output.writing();
+        let _writing = output.writing([path.as_path()]);
         output.findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
     output.blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);

@@ -1,8 +1,12 @@
 //! Ctrl-C: what is being written is finished, then the program ends.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write};
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
+
+use crate::io::TEMPORARY_PREFIX;
 
 use super::color::is_dumb;
 
@@ -11,30 +15,77 @@ const PATIENCE: u32 = 500;
 
 /// Held while files are written.
 #[derive(Clone, Copy)]
-pub struct Writing(&'static Mutex<()>);
+pub struct Writing(&'static Shared);
+
+/// What writer and handler share.
+#[derive(Default)]
+struct Shared {
+    lock: Mutex<()>,
+    begun: Mutex<Begun>,
+}
+
+/// Folders that are written into, with the temporary files that others had there before.
+type Begun = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 impl Writing {
     /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a stretch of writing.
     pub fn guarded() -> Self {
-        let lock: &'static Mutex<()> = Box::leak(Box::new(Mutex::new(())));
+        let shared: &'static Shared = Box::leak(Box::default());
         // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends the program at once.
-        let _ = ctrlc::try_set_handler(move || end(lock));
-        Self(lock)
+        let _ = ctrlc::try_set_handler(move || end(shared));
+        Self(shared)
     }
 
-    /// Until the guard is dropped no interrupt ends the program.
-    pub fn begin(self) -> MutexGuard<'static, ()> {
-        self.0
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    /// Until the guard is dropped no interrupt ends the program, but one that has waited too long for these files.
+    pub fn begin<'a>(self, targets: impl IntoIterator<Item = &'a Path>) -> MutexGuard<'static, ()> {
+        let guard = self.0.lock.lock();
+        let folders: BTreeSet<PathBuf> = targets.into_iter().map(folder_of).collect();
+        let begun = folders.into_iter().map(|own| (temporaries(&own), own));
+        *self.0.begun() = begun.map(|(before, own)| (own, before)).collect();
+        guard.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn end(lock: &'static Mutex<()>) {
+impl Shared {
+    fn begun(&self) -> MutexGuard<'_, Begun> {
+        self.begun.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn folder_of(target: &Path) -> PathBuf {
+    let folder = target.parent();
+    let named = folder.filter(|own| !own.as_os_str().is_empty());
+    named.unwrap_or(Path::new(".")).to_owned()
+}
+
+/// The files in a folder that are not whole yet.
+fn temporaries(folder: &Path) -> BTreeSet<PathBuf> {
+    let is_temporary = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with(TEMPORARY_PREFIX)
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.path())
+        .filter(is_temporary)
+        .collect()
+}
+
+/// Removes what the writer has begun and will not finish.
+fn remove_begun(begun: &Begun) {
+    for (folder, before) in begun {
+        for path in temporaries(folder).difference(before) {
+            // The program ends; there is nobody to tell.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+fn end(shared: &'static Shared) {
     let mut waited = 0;
     // Held to the end: nothing new is begun.
-    let _guard = loop {
-        match lock.try_lock() {
+    let guard = loop {
+        match shared.lock.try_lock() {
             Err(TryLockError::WouldBlock) if waited < PATIENCE => {
                 waited += 1;
                 std::thread::sleep(Duration::from_millis(10));
@@ -51,5 +102,46 @@ fn end(lock: &'static Mutex<()>) {
     };
     let word = "error: interrupted; every file that is there is whole";
     let _ = writeln!(&stderr, "{clear}{word}");
+    if matches!(guard, Err(TryLockError::WouldBlock)) {
+        remove_begun(&shared.begun());
+    }
     std::process::exit(2);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_begun_is_removed_and_nothing_else() {
+        let place = tempfile::tempdir().unwrap();
+        let path = |name: &str| place.path().join(name);
+        let name = |own: &str| format!("{TEMPORARY_PREFIX}{own}");
+        std::fs::create_dir(path("out")).unwrap();
+        for own in [name("another"), "result.json".to_owned()] {
+            std::fs::write(path("out").join(own), "x").unwrap();
+        }
+        let writing = Writing(Box::leak(Box::default()));
+        let targets = [path("out/result.json"), path("new/figure.svg")];
+        let _guard = writing.begin(targets.iter().map(PathBuf::as_path));
+        std::fs::create_dir(path("new")).unwrap();
+        for own in [
+            "out/.modalign-1",
+            "new/.modalign-2",
+            "new/figure.svg",
+            ".modalign-3",
+        ] {
+            std::fs::write(path(own), "x").unwrap();
+        }
+        remove_begun(&writing.0.begun());
+        let left: Vec<bool> = ["out/.modalign-1", "new/.modalign-2"]
+            .map(|own| path(own).exists())
+            .into();
+        assert_eq!(left, [false, false]);
+        for own in ["out/result.json", "new/figure.svg", ".modalign-3"] {
+            assert!(path(own).exists(), "{own}");
+        }
+        assert!(path("out").join(name("another")).exists());
+        assert_eq!(folder_of(Path::new("result.json")), Path::new("."));
+    }
 }

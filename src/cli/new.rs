@@ -116,7 +116,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (name, text) in NAMES.iter().zip([source.as_str(), EXPECTED, &draft.scene]) {
         written.push((args.folder.join(name), NewFile::Text(text)));
     }
-    let writing = output.writing();
+    let writing = output.writing(written.iter().map(|(path, _)| path.as_path()));
     write_all_new(&written)?;
     drop(writing);
     for source in &sources {

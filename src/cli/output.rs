@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::MutexGuard;
 
 use crate::error::Error;
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::geometry::Geometry;
 use crate::io::{IoError, WriteOptions, bytes_for_path, modes_source, write_all_whole};
 use crate::modal::ModalModel;
-use crate::report::{Block, Language, Renderer, Terminal};
+use crate::report::{Block, Language, Renderer, Terminal, png_lacks_letters};
 use crate::scene::Observer;
 
 use super::args::Global;
@@ -123,9 +123,12 @@ impl Output {
         self.progress.as_ref().map_or(&(), |own| own)
     }
 
-    /// Until the guard is dropped, while files are written, an interrupt waits.
-    pub fn writing(&self) -> MutexGuard<'static, ()> {
-        self.writing.begin()
+    /// Until the guard is dropped, while these files are written, an interrupt waits.
+    pub fn writing<'a>(
+        &self,
+        targets: impl IntoIterator<Item = &'a Path>,
+    ) -> MutexGuard<'static, ()> {
+        self.writing.begin(targets)
     }
 
     /// Ends what is shown of the progress.
@@ -196,8 +199,10 @@ impl Output {
     /// [`Error::Io`] when a file cannot be written, [`Error::Output`] when standard output cannot.
     pub fn finish(mut self) -> Result<(), Error> {
         self.end_progress();
+        let boxed = lacking_letters(&self.files);
+        self.findings(&boxed);
         if !self.files.is_empty() {
-            let _writing = self.writing();
+            let _writing = self.writing(self.files.iter().map(|(path, _)| path.as_path()));
             write_all_whole(&self.files)?;
         }
         let mut stdout = std::io::stdout().lock();
@@ -217,10 +222,28 @@ impl Output {
     }
 }
 
+/// The figures whose PNG shows boxes, by the SVG beside each.
+fn lacking_letters(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
+    let is = |path: &Path, kind: &str| path.extension().is_some_and(|own| own == kind);
+    let pngs = files.iter().filter(|(path, _)| is(path, "png"));
+    let pngs: BTreeSet<PathBuf> = pngs.map(|(path, _)| path.with_extension("svg")).collect();
+    let drawn = files.iter().filter(|(path, _)| pngs.contains(path));
+    let lacks = |bytes: &[u8]| std::str::from_utf8(bytes).is_ok_and(png_lacks_letters);
+    let finding = |path: &Path| {
+        let path = path.with_extension("png").display().to_string();
+        let (line, byte) = (None, None);
+        let place = Place::File { path, line, byte };
+        Finding::new(Severity::Warning, Code::LettersLacking, place)
+    };
+    drawn
+        .filter(|(_, bytes)| lacks(bytes))
+        .map(|(path, _)| finding(path))
+        .collect()
+}
+
 /// Findings as lines, each once; of a code with many the first are listed and the rest counted.
 fn finding_lines(findings: &[(String, Finding)], language: Language) -> Vec<String> {
-    let mut by_code: BTreeMap<(std::cmp::Reverse<crate::finding::Severity>, Code), Vec<String>> =
-        BTreeMap::new();
+    let mut by_code: BTreeMap<(std::cmp::Reverse<Severity>, Code), Vec<String>> = BTreeMap::new();
     let mut known = BTreeSet::new();
     for (test, finding) in findings {
         let lines = by_code

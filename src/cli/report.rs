@@ -1,19 +1,20 @@
 //! The HTML report of a run: written with it, and built again by `modalign report`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::error::Error;
 use crate::io::IoError;
 use crate::report::json::{
-    REPORT_SCHEMA, RunReport, Section, UpdateFile, report_from_json, report_to_json,
+    REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, report_from_json,
+    report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
-    Block, Language, TableGroup, claims_block, comparison_blocks, energies_block, figure_files,
-    figures_svg, hits_block, limits_block, modes_block, parameters_block, placement_blocks,
-    published_comparison_block, published_roots_block, quantities_block, report_page,
-    update_figures_svg,
+    Beside, Block, Language, TableGroup, claims_block, comparison_blocks, energies_block,
+    figure_files, figures_svg, hits_block, limits_block, modes_block, parameters_block,
+    placement_blocks, published_comparison_block, published_roots_block, quantities_block,
+    report_page, update_figures_svg,
 };
 use crate::scene::{Scene, SceneResult, figures, read_text};
 
@@ -28,12 +29,16 @@ const DATA: &str = "report.json";
 const PAGE: &str = "report.html";
 /// The result of `update -o`.
 const UPDATE: &str = "update.json";
+/// The results of `study … -o`.
+const SPEED_ACCURACY: &str = "speed-accuracy.json";
+const BREAKDOWN: &str = "breakdown.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let (own, updated) = (stored(&args.folder)?, update_of(&args.folder)?);
-    let mut files = pages(&own, updated.as_ref(), (output.language(), args.png));
+    let (own, beside) = (stored(&args.folder)?, beside(&args.folder)?);
+    let mut files = pages(&own, &beside, (output.language(), args.png));
     // An update that lacks something is on the page as far as it goes.
+    let updated = beside.updated;
     let whole: Option<UpdateFile> = updated.and_then(|own| serde_json::from_value(own).ok());
     if let Some(whole) = &whole {
         let synthetic = own.figures.tests.iter().any(|test| test.synthetic);
@@ -60,7 +65,13 @@ pub(super) fn rebuilt(
     form: (Language, bool),
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     match folder.join(DATA).exists() {
-        true => Ok(pages(&stored(folder)?, Some(updated), form)),
+        true => {
+            let beside = Beside {
+                updated: Some(updated.clone()),
+                ..studies(folder)?
+            };
+            Ok(pages(&stored(folder)?, &beside, form))
+        }
         false => Ok(Vec::new()),
     }
 }
@@ -108,38 +119,55 @@ pub(super) fn report_files(
         provenance,
     };
     let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
-    let updated = update_of(folder)?;
-    files.extend(pages(&report, updated.as_ref(), (language, png)));
+    files.extend(pages(&report, &beside(folder)?, (language, png)));
     Ok(files)
 }
 
-/// The page and its figures, with an update where there is one.
+/// The page and its figures, with what other verbs put beside the run.
 fn pages(
     report: &RunReport,
-    updated: Option<&Value>,
+    beside: &Beside,
     (language, png): (Language, bool),
 ) -> Vec<(String, Vec<u8>)> {
-    let page = report_page(report, updated, language);
+    let page = report_page(report, beside, language);
     let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
     files.extend(in_folder(figures_svg(&report.figures), png));
     files
 }
 
-/// `update.json` in a folder; `None` where there is none.
-fn update_of(folder: &Path) -> Result<Option<Value>, Error> {
-    let path = folder.join(UPDATE);
-    if !path.exists() {
-        return Ok(None);
+/// What other verbs put into a folder.
+fn beside(folder: &Path) -> Result<Beside, Error> {
+    Ok(Beside {
+        updated: found(folder.join(UPDATE), update_from)?,
+        ..studies(folder)?
+    })
+}
+
+/// The studies in a folder.
+fn studies(folder: &Path) -> Result<Beside, Error> {
+    Ok(Beside {
+        updated: None,
+        speed_accuracy: found(folder.join(SPEED_ACCURACY), speed_accuracy_from_json)?,
+        breakdown: found(folder.join(BREAKDOWN), breakdown_from_json)?,
+    })
+}
+
+/// What a file holds; `None` where there is none.
+fn found<T>(path: PathBuf, read: fn(&str, &str) -> Result<T, IoError>) -> Result<Option<T>, Error> {
+    match path.exists() {
+        true => Ok(Some(read(&read_text(&path)?, &path.display().to_string())?)),
+        false => Ok(None),
     }
-    let text = read_text(&path)?;
-    let value = serde_json::from_str(&text).map_err(|error| IoError::Json {
-        path: path.display().to_string(),
+}
+
+fn update_from(text: &str, path: &str) -> Result<Value, IoError> {
+    serde_json::from_str(text).map_err(|error| IoError::Json {
+        path: path.to_owned(),
         line: error.line(),
         column: error.column(),
         got: error.to_string(),
         expected: "schema modalign-update/1",
-    })?;
-    Ok(Some(value))
+    })
 }
 
 /// The tables of the page, by tab.

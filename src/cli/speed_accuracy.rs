@@ -28,7 +28,8 @@ pub struct SpeedAccuracyArgs {
     /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
     #[arg(value_name = "SCENE|SPEC")]
     path: PathBuf,
-    /// Write speed-accuracy.csv, times.csv, speed-accuracy.json and the figures into this folder.
+    /// Write speed-accuracy.csv, speed-accuracy-times.csv, speed-accuracy.json and the figures into this folder; into that of `run -o`, and `modalign
+    /// report` shows them.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write every figure as PNG, too, 300 dots to the inch.
@@ -96,7 +97,10 @@ fn files(own: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
             "speed-accuracy.csv",
             CsvText.render(&[speed_accuracy_table(own)]),
         ),
-        ("times.csv", CsvText.render(&[times_table(own)])),
+        (
+            "speed-accuracy-times.csv",
+            CsvText.render(&[times_table(own)]),
+        ),
         ("speed-accuracy.json", json::speed_accuracy_to_json(own)),
     ];
     let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));

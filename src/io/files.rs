@@ -172,6 +172,9 @@ pub fn write_atomically(
     persist(beside(path, content)?, path)
 }
 
+/// How the name of a file begins that is not whole yet.
+pub const TEMPORARY_PREFIX: &str = ".modalign-";
+
 /// A temporary file beside a path, written whole; it goes when it is dropped.
 fn beside(
     path: &Path,
@@ -189,7 +192,7 @@ fn beside(
     std::fs::create_dir_all(folder).map_err(system(&name, "create the folder of"))?;
     let mut builder = tempfile::Builder::new();
     let mut temporary = readable(&mut builder)
-        .prefix(".modalign-")
+        .prefix(TEMPORARY_PREFIX)
         .tempfile_in(folder)
         .map_err(system(&name, "write"))?;
     let mut buffered = std::io::BufWriter::new(temporary.as_file_mut());

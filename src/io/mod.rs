@@ -46,8 +46,9 @@ pub use catalog::{
 };
 pub use error::IoError;
 pub use files::{
-    NewFile, bytes_for_path, detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes,
-    writable_extensions, write_all_new, write_all_whole, write_atomically, write_path,
+    NewFile, TEMPORARY_PREFIX, bytes_for_path, detect, format_of, open_bytes, open_path,
+    sha256_hex, sha256_of_bytes, writable_extensions, write_all_new, write_all_whole,
+    write_atomically, write_path,
 };
 pub use frfs::frf_sets;
 pub use hdf5::Hdf5;

@@ -5,6 +5,7 @@ use crate::study::breakdown::{
     short, told, wilson,
 };
 
+use super::json::BreakdownFile;
 use super::{Block, Cell, Column, Table};
 
 /// Every cell of every slice and method: the counted share with its interval, and how often each symptom was seen.
@@ -60,8 +61,17 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
     rows
 }
 
+/// Every slice in words, and the digits lost by order.
+pub fn breakdown_blocks(own: &BreakdownFile) -> Vec<Block> {
+    let slices = own.slices.iter();
+    let slices = slices.map(|slice| breakdown_block(slice, &own.own_modes));
+    slices
+        .chain(own.stability.as_ref().map(stability_block))
+        .collect()
+}
+
 /// A slice in words: where each method does, what is seen where it does not, and how far the own modes are from that.
-pub fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
+fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
     let slice = &result.slice;
     let reaches: Vec<Vec<Reach>> = (0..slice.methods.len())
         .map(|method| result.reaches(method))
@@ -297,7 +307,7 @@ pub fn stability_cells(own: &Stability) -> Block {
 const LOST: f64 = 0.1;
 
 /// The highest order up to which each method keeps its poles, in f64 and in f32.
-pub fn stability_block(own: &Stability) -> Block {
+fn stability_block(own: &Stability) -> Block {
     let row = |course: &crate::study::breakdown::StabilityCourse| {
         let upto = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
             let good = course.points.iter();

@@ -30,8 +30,8 @@ mod verdicts;
 
 pub use block::{Align, Block, Cell, Column, Table};
 pub use breakdown::{
-    breakdown_block, breakdown_cells, breakdown_own_modes, breakdown_rates, breakdown_times,
-    stability_block, stability_cells,
+    breakdown_blocks, breakdown_cells, breakdown_own_modes, breakdown_rates, breakdown_times,
+    stability_cells,
 };
 pub use compare::{details_blocks, simplest_details_block};
 pub use comparison::{
@@ -39,7 +39,7 @@ pub use comparison::{
 };
 pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
-pub use html::{Html, report_page};
+pub use html::{Beside, Html, report_page};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use language::Language;
 pub use latex::Latex;
@@ -51,8 +51,8 @@ pub use measures::{
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use placement::placement_blocks;
 pub use plot::{
-    breakdown_svg, figure_files, figures_svg, speed_accuracy_figures, stability_svg,
-    update_figures_svg,
+    breakdown_svg, figure_files, figures_svg, png_lacks_letters, speed_accuracy_figures,
+    stability_svg, update_figures_svg,
 };
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,

@@ -112,7 +112,9 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::number(Some(row.step_hz), 6),
                 Cell::Missing,
             ];
-            whole_row(place, row.method, &row.tally)
+            let mut own = whole_row(place, row.method, &row.tally);
+            own.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
+            own
         }));
         rows.extend(test.twin.iter().map(|row| {
             let place = [
@@ -122,7 +124,9 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::Missing,
                 Cell::number(Some(row.snr_db), 1),
             ];
-            whole_row(place, row.method, &row.tally)
+            let mut own = whole_row(place, row.method, &row.tally);
+            own.push(Cell::Missing);
+            own
         }));
     }
     let text = ["test", "data", "estimator"].map(Column::text);
@@ -141,6 +145,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
         "damping_over_bound",
         "frequency_bound_rms",
         "damping_bound_rms",
+        "refined",
     ];
     let columns = text.into_iter().chain(place);
     let columns = columns.chain([Column::text("method")]);

@@ -3,9 +3,9 @@
     python3 -m venv venv && venv/bin/pip install websocket-client
     venv/bin/python tests/reference/report.py target/release/modalign OUT
 
-Needs Debian's `chromium`. Runs the scenes `free-free-beam` and `cycloid-ball` with `-o` (folders that hold a report.html
-are kept), then checks of each page: no console error, no request beside the file, size and first paint, every tab draws, values under the
-pointer, zoom, animation, poles clicked on and off and saved as a selection.json that `modalign identify` takes, keyboard, print.
+Needs Debian's `chromium`. Runs the scenes `free-free-beam` and `cycloid-ball` with `-o` and two short studies of each (folders that
+hold a breakdown.json are kept), then checks of each page: no console error, no request beside the file, size and first paint, every tab draws, values under the
+pointer, zoom, animation, charts and maps of the studies, poles clicked on and off and saved as a selection.json that `modalign identify` takes, keyboard, print.
 Screenshots of every tab at 1400 and 420 pixels, light and dark, are for looking at. Not part of `cargo test`.
 """
 
@@ -23,6 +23,29 @@ import websocket
 SCENES = ["free-free-beam", "cycloid-ball"]
 MOST_BYTES = 3_000_000
 MOST_PAINT_MS = 1000
+
+# Few draws: the figures are looked at, not what they say.
+STUDY = """schema = "modalign-study/1"
+scene = "SCENE"
+[speed_accuracy]
+TESTS
+estimators = ["h1", "h2"]
+record_shares = [0.5]
+orders = [32]
+snr_db = [30.0, 50.0, 70.0]
+draws = 1
+repeats = 1
+[breakdown]
+draws = 20
+refine = 1
+stability = { highest_order = 30 }
+[[breakdown.slice]]
+x = { factor = "damping", lo = 0.001, hi = 0.1, count = 5, scale = "log" }
+y = { factor = "noise", lo = 10.0, hi = 70.0, count = 4 }
+[[breakdown.slice]]
+x = { factor = "separation", lo = 0.1, hi = 20.0, count = 5, scale = "log" }
+y = { factor = "references", lo = 1.0, hi = 3.0 }
+"""
 
 
 class Chromium:
@@ -222,6 +245,38 @@ def check_selection(page, check, binary, folder, downloads):
     check("its modes are the picked poles", near and len(modes) >= 1, f"{len(modes)} modes")
 
 
+def check_studies(page, check):
+    page.tab("methods")
+    check("the studies are drawn", page.run("document.querySelectorAll('#methods .plot svg').length") >= 5)
+    pick = "(() => {{ const s = document.querySelectorAll('#methods select')[{}]; s.selectedIndex = {}; s.dispatchEvent(new Event('change')); }})()"
+    labels = page.run("[...document.querySelectorAll('#methods .choice span')].map((s) => s.textContent)")
+    middle = "(() => {{ const b = document.querySelectorAll('#methods .plot svg')[{}].querySelectorAll({!r})[{}].getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()"
+    scroll = "document.querySelectorAll('#methods .plot')[{}].scrollIntoView({{ block: 'center' }})"
+    page.run(scroll.format(0))
+    page.mouse("mouseMoved", *page.run(middle.format(0, "path[transform]", 0)))
+    check("a method tells time and error", " ms" in tip(page) and "%" in tip(page), repr(tip(page)))
+    page.run(pick.format(labels.index("Cost"), 1))
+    check("memory stands in place of time", "MiB" in page.run("document.querySelector('#methods .plot svg').textContent"))
+    page.run(pick.format(labels.index("Data"), 1))
+    check("the twin stands in place of the data", "dB" in page.run("[...document.querySelectorAll('#methods .note')].map((n) => n.textContent).join()"))
+    plots = page.run("[...document.querySelectorAll('#methods .plot svg')].findIndex((s) => s.getAttribute('aria-label').startsWith('noise-damping'))")
+    check("there is a map", plots >= 0)
+    contours = f"document.querySelectorAll('#methods .plot svg')[{plots}].querySelectorAll('path[stroke-width=\"2\"]').length"
+    before = page.run(contours)
+    page.run(scroll.format(plots))
+    page.mouse("mouseMoved", *page.run(middle.format(plots, "circle", 0)))
+    check("a mode tells how far it is from failing", "mode " in tip(page) and "circle: " in tip(page), repr(tip(page)))
+    x, y, width, height = page.run(f"(() => {{ const b = document.querySelectorAll('#methods .plot svg')[{plots}].getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; }})()")
+    page.mouse("mouseMoved", x + width - 40, y + 30)
+    check("a place tells the share of every method", tip(page).count("%") == 7, repr(tip(page)))
+    page.run(pick.format(labels.index("Method"), 2))
+    check("one method has one contour", before > 1 and page.run(contours) == 1, f"{before} {page.run(contours)}")
+    told = page.run("document.querySelector('#methods ul.told').innerText")
+    check("its distances are told", "circle" in told, repr(told))
+    page.run(pick.format(labels.index("Map"), 1))
+    check("the method stays when another map is taken", page.run("document.querySelectorAll('#methods select')[%d].selectedIndex" % labels.index("Method")) == 2)
+
+
 def check_keyboard(page, check):
     page.run("document.querySelector('nav [aria-selected=true]').focus()")
     before = page.run("document.querySelector('nav [aria-selected=true]').id")
@@ -258,6 +313,7 @@ def check_page(binary, folder, shots, downloads):
             check(f"tab {name} draws", drawn)
         check_hover_and_zoom(page, check)
         check_animation(page, check)
+        check_studies(page, check)
         check_keyboard(page, check)
         check_selection(page, check, binary, folder, downloads)
         check("no error on the console, nothing loaded", not page.errors(), str(page.errors()))
@@ -289,8 +345,14 @@ def main():
     failed = []
     for scene in SCENES:
         folder = out / scene
-        if not (folder / "report.html").exists():
-            subprocess.run([binary, "run", f"measurements/{scene}", "-q", "-o", str(folder.resolve())], cwd=root, check=False, stdout=subprocess.DEVNULL)
+        if not (folder / "breakdown.json").exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            spec = (out / f"{scene}.study.toml").resolve()
+            tests = 'tests = ["large cylinder"]' if scene == "cycloid-ball" else ""
+            spec.write_text(STUDY.replace("SCENE", str(root / "measurements" / scene)).replace("TESTS", tests))
+            for words in [["run", f"measurements/{scene}"], ["study", "speed-accuracy", str(spec)], ["study", "breakdown", str(spec)]]:
+                subprocess.run([binary, *words, "-q", "-o", str(folder.resolve())], cwd=root, check=False, stdout=subprocess.DEVNULL)
+            subprocess.run([binary, "report", str(folder.resolve())], check=True, stdout=subprocess.DEVNULL)
         failed += [f"{scene}: {what}" for what in check_page(binary, folder, shots, downloads)]
     print(f"{len(failed)} checks failed" if failed else "all checks passed", *failed, sep="\n")
     sys.exit(1 if failed else 0)

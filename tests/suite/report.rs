@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::command::{fail, json, succeed, write};
+use crate::command::{fail, json, modalign, root, succeed, write};
 
 /// The beam's scene run into a folder that nobody writes into, and its page.
 fn beam() -> (&'static Path, &'static str) {
@@ -157,6 +157,105 @@ fn a_report_is_built_again_as_it_was_and_in_the_other_language() {
         updated.contains("id=\"tab-update\"")
             && updated.contains("youngs_modulus: 2.1000e11 → 2.0500e11 ± 1.0e8")
     );
+}
+
+/// Studies of a few draws.
+const STUDY: &str = r#"
+schema = "modalign-study/1"
+[speed_accuracy]
+estimators = []
+record_shares = []
+orders = []
+snr_db = [40.0, 60.0]
+draws = 1
+repeats = 1
+[breakdown]
+draws = 2
+refine = 0
+methods = ["circle", "peak"]
+stability = { highest_order = 4 }
+[[breakdown.slice]]
+x = { factor = "damping", lo = 0.001, hi = 0.1, count = 3, scale = "log" }
+y = { factor = "noise", lo = 10.0, hi = 70.0, count = 2 }
+"#;
+
+#[test]
+fn studies_in_the_folder_of_a_run_are_on_its_page() {
+    let place = tempfile::tempdir().unwrap();
+    let beam = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
+    let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
+    let files = [
+        ("scene.toml", text("scene.toml")),
+        ("model.toml", text("model.toml")),
+        ("synth.toml", spec),
+        ("study.toml", STUDY.to_owned()),
+    ];
+    let files = files.each_ref().map(|(name, text)| (*name, text.as_str()));
+    write(place.path(), &files);
+    let scene = place.path().to_str().unwrap();
+    let folder = place.path().join("out");
+    let out = folder.to_str().unwrap();
+    let page = || {
+        succeed(["report", out]);
+        std::fs::read_to_string(folder.join("report.html")).unwrap()
+    };
+    modalign(["run", scene, "-o", out]);
+    assert!(!page().contains("tab-methods"));
+    succeed(["study", "speed-accuracy", scene, "-o", out]);
+    succeed(["study", "breakdown", scene, "-o", out]);
+    for name in ["speed-accuracy-times.csv", "breakdown-times.csv"] {
+        assert!(
+            folder.join(name).exists(),
+            "no study writes over the other's {name}"
+        );
+    }
+    let whole = page();
+    let studies = &data(&whole)["studies"];
+    let [rows, times] = ["rows", "times"].map(|key| studies["speed"][key].as_array().unwrap());
+    // Seven methods on the data, and on the twin in three conditions at two levels.
+    assert_eq!(rows.len(), 7 + 7 * 3 * 2);
+    assert!(times.iter().any(|row| row["cpu_s"].as_f64().unwrap() > 0.0));
+    let slice = &studies["breakdown"]["slices"][0];
+    assert_eq!(slice["methods"], serde_json::json!(["circle", "peak"]));
+    let inside = slice["points"].as_array().unwrap().len() as u64;
+    assert_eq!(
+        inside + slice["outside"].as_u64().unwrap(),
+        6,
+        "modes of the bar"
+    );
+    assert_eq!(studies["breakdown"]["courses"].as_array().unwrap().len(), 4);
+    for part in [
+        "id=\"tab-methods\"",
+        "<figcaption>roving hammer: Pareto front of time and error</figcaption>",
+        "<figcaption>Where methods fail: noise-damping</figcaption>",
+        "In white noise from 40 to 60 dB",
+    ] {
+        assert!(whole.contains(part), "{part}");
+    }
+    // `run` into the same folder shows them as well, and an update beside them changes nothing in them.
+    modalign(["run", scene, "-o", out]);
+    let again = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    assert_eq!(data(&again)["studies"], *studies);
+    // The data have changed since: another seed.
+    let path = place.path().join("synth.toml");
+    let spec = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, format!("{}\n", spec.replace("seed = ", "seed = 1"))).unwrap();
+    modalign(["run", scene, "-o", out]);
+    let other = page();
+    assert!(data(&other)["studies"].as_object().unwrap().is_empty());
+    for name in ["speed-accuracy.json", "breakdown.json"] {
+        assert!(other.contains(&format!("The study in {name}")), "{name}");
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replacen("/1\"", "/9\"", 1)).unwrap();
+        let message = fail(["report", out]);
+        assert!(
+            message.contains(name) && message.contains("/9"),
+            "{message}"
+        );
+        std::fs::write(&path, text).unwrap();
+    }
 }
 
 #[test]

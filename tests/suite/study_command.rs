@@ -100,7 +100,7 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
             "{name}"
         );
     }
-    let times = Rows::read(&two.join("times.csv"));
+    let times = Rows::read(&two.join("speed-accuracy-times.csv"));
     assert!(
         times
             .values(("data", "ml"), None, "peak_bytes")

@@ -69,10 +69,12 @@ function drawEnergies(host) {
         const told = root.hz > 0 ? `${digits(root.hz, 5)} Hz${root.multiplicity > 1 ? ` (${root.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
         return el('div', { class: 'root' }, el('span', { class: 'n' }, told), row, el('small', {}, root.class || ''));
       }));
+      // A name that does not fit is told by the pointer alone.
+      for (const part of list.querySelectorAll('.told')) if (part.scrollWidth > part.clientWidth) part.textContent = '';
     };
+    host.append(key, list);
     fill();
     drawings.add({ host: list, draw: fill });
-    host.append(key, list);
   }
 }
 

@@ -3,15 +3,33 @@
 //! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and findings are plain HTML that
 //! needs no script; the script draws figures from the JSON in the page and hides all tabs but one.
 
+mod methods;
+#[cfg(test)]
+mod methods_tests;
 mod numbers;
 mod page;
+mod script_words;
 mod summary;
 mod update;
 mod words;
 
+use serde_json::Value;
+
+use super::json::BreakdownFile;
 use super::{Align, Block, Cell, Column, Renderer, Table};
 
 pub use page::report_page;
+
+/// What other verbs put beside a run, and its page shows with it.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// `update.json`.
+    pub updated: Option<Value>,
+    /// `speed-accuracy.json`.
+    pub speed_accuracy: Option<Value>,
+    /// `breakdown.json`.
+    pub breakdown: Option<BreakdownFile>,
+}
 
 /// Renders blocks as a page of its own.
 pub struct Html;

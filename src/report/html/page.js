@@ -1,6 +1,6 @@
 // Tabs, theme, printing: what holds the page together.
 
-const DRAW = { errors: drawErrors, shapes: drawShapes, mac: drawMac, frf: drawFrf, poles: drawPoles, circles: drawCircles, energies: drawEnergies, update: drawUpdate };
+const DRAW = { errors: drawErrors, shapes: drawShapes, mac: drawMac, frf: drawFrf, poles: drawPoles, circles: drawCircles, energies: drawEnergies, update: drawUpdate, speed: drawSpeed, maps: drawMaps, precision: drawPrecision };
 
 /** Whether the page has been painted; figures come after it. */
 let painted = false;

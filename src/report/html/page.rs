@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 use super::super::Language;
 use super::super::json::RunReport;
 use super::words::{page_words, sentence, word};
-use super::{escape, fragment, head};
-use super::{summary, update};
+use super::{Beside, escape, fragment, head};
+use super::{methods, summary, update};
 
 /// The script, in the order in which its parts need each other.
-pub(super) const SCRIPT: [&str; 10] = [
+pub(super) const SCRIPT: [&str; 12] = [
     include_str!("base.js"),
     include_str!("plot.js"),
     include_str!("frf.js"),
@@ -19,6 +19,8 @@ pub(super) const SCRIPT: [&str; 10] = [
     include_str!("scene3d.js"),
     include_str!("shapes.js"),
     include_str!("bars.js"),
+    include_str!("speed.js"),
+    include_str!("maps.js"),
     include_str!("page.js"),
 ];
 
@@ -34,11 +36,13 @@ const BEFORE_UPDATE: &str = "This shows the model before the update.";
 const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
 const OTHER_RESULTS: &str = "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.";
 
-/// The report of a run, with the result of updating (`update.json`) where there is one of the same tests.
-pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
+/// The report of a run, with what lies beside it and is of the same tests: the result of updating, studies of the methods.
+pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> String {
+    let updated = beside.updated.as_ref();
+    let studied = methods::methods(report, beside, language);
     let stale = updated.is_some_and(|own| !update::of_run(own, &report.figures));
     let updated = updated.filter(|_| !stale);
-    let mut tabs: Vec<Tab> = tabs(report, updated, language)
+    let mut tabs: Vec<Tab> = tabs(report, (updated, studied.content), language)
         .into_iter()
         .filter(|tab| tab.drawn || !tab.content.is_empty())
         .collect();
@@ -63,6 +67,7 @@ pub fn report_page(report: &RunReport, updated: Option<&Value>, language: Langua
         "title": report.title,
         "figures": report.figures,
         "update": updated,
+        "studies": studied.data,
     });
     // A script element ends at the first `</`, and `<!--` changes what ends it, whatever they stand in.
     let data = data.to_string().replace('<', "\\u003c");
@@ -116,7 +121,11 @@ fn navigation(tabs: &[Tab], language: Language) -> String {
     format!("<nav role=\"tablist\">\n{buttons}</nav>\n")
 }
 
-fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<Tab> {
+fn tabs(
+    report: &RunReport,
+    (updated, studied): (Option<&Value>, String),
+    language: Language,
+) -> Vec<Tab> {
     let figures = &report.figures;
     let any = |has: fn(&crate::scene::TestFigures) -> bool| figures.tests.iter().any(has);
     let section = |id: &str| {
@@ -183,6 +192,7 @@ fn tabs(report: &RunReport, updated: Option<&Value>, language: Language) -> Vec<
             updated.is_some(),
         ),
         tab("published", "Published results", published, false),
+        tab("methods", "Methods", studied, false),
         tab("hits", "Hits", section("hits"), false),
         tab(
             "findings",
@@ -233,7 +243,7 @@ mod tests {
 
     #[test]
     fn names_cannot_end_the_script_or_open_one() {
-        let page = report_page(&report(), None, Language::English);
+        let page = report_page(&report(), &Beside::default(), Language::English);
         assert_eq!(page.matches("<script").count(), 2, "data and code");
         assert_eq!(page.matches("</script>").count(), 2);
         assert!(!page.to_lowercase().contains("\"</script>"));
@@ -242,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_page_loads_nothing_and_leaves_empty_tabs_away() {
-        let page = report_page(&report(), None, Language::English);
+        let page = report_page(&report(), &Beside::default(), Language::English);
         for door in ["http://", "https://", "src=", "@import", "url("] {
             let used = page.replace("http://www.w3.org/", "").replace("url(#", "");
             assert!(!used.contains(door), "{door}");
@@ -252,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_chinese_page_has_chinese_tabs_and_heads() {
-        let page = report_page(&report(), None, Language::Chinese);
+        let page = report_page(&report(), &Beside::default(), Language::Chinese);
         assert!(page.contains("<html lang=\"zh\">"));
         assert!(page.contains(">对比</a>") && page.contains("<th scope=\"col\">阶次</th>"));
     }

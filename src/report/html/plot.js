@@ -1,5 +1,8 @@
 // One plot: axes with ticks, lines and marks, zoom, values under the pointer, saving as SVG or PNG.
 
+/** Marks that tell series apart without colour: circle, square, triangle, diamond, cross, plus, triangle upside down. */
+const MARKS = ['M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0Z', 'M-3.6 -3.6h7.2v7.2h-7.2Z', 'M0 -4.6L4.3 3.4H-4.3Z', 'M0 -5L5 0L0 5L-5 0Z', 'M-3.5 -3.5L3.5 3.5M3.5 -3.5L-3.5 3.5', 'M0 -4.6V4.6M-4.6 0H4.6', 'M0 4.6L4.3 -3.4H-4.3Z'];
+
 const MARGIN = { left: 72, right: 22, top: 10, bottom: 40 };
 
 /** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. */
@@ -50,13 +53,14 @@ function power(m, n) {
 
 /**
  * A plot in an element. Options: `x`, `y` = {label, log, min, max}; `series` = [{name, x, y, kind: 'line' | 'points' | 'bars', color,
- * dash, size, hidden, error, edge}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
+ * dash, size, hidden, error, edge, mark, dots, rim, legend}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
  * `link` shares the range of x with other plots; `equal` gives both axes one scale; `under(plot, group)` and `over` draw more;
- * `pick(nearest)` is called with a point that was clicked; `tell(nearest)` gives the lines of the tooltip.
+ * `pick(nearest)` is called with a point that was clicked; `tell(nearest)` gives the lines of the tooltip, `at(x, y)` those where no point
+ * is within `reach` pixels. A colour is a number of the palette, a name in it, or as it is.
  */
 class Plot {
   constructor(host, options) {
-    this.o = { height: 260, series: [], marks: [], ...options };
+    this.o = { height: 260, series: [], marks: [], reach: 40, ...options };
     this.host = host;
     this.range = { x: null, y: null };
     this.hidden = new Set(this.o.series.filter((own) => own.hidden).map((own) => own.name));
@@ -208,7 +212,7 @@ class Plot {
   }
 
   color(series) {
-    return typeof series.color === 'string' ? series.color : palette.series[(series.color ?? this.o.series.indexOf(series)) % palette.series.length];
+    return typeof series.color === 'string' ? palette[series.color] || series.color : palette.series[(series.color ?? this.o.series.indexOf(series)) % palette.series.length];
   }
 
   line(group, series) {
@@ -235,21 +239,29 @@ class Plot {
     return series.edge ? this.o.height - MARGIN.bottom - 6 : this.sy(y);
   }
 
+  /** Whether a value has a place on the axis; on a logarithmic one 0 has none. */
+  drawable(y) {
+    return y !== null && Number.isFinite(y) && !(this.o.y.log && y <= 0);
+  }
+
   points(group, series, color) {
     const { sx, sy } = this;
     const bars = series.kind === 'bars';
     const zero = bars ? sy(Math.max(0, this.sy.range[0])) : 0;
     series.x.forEach((value, k) => {
       const y = series.y[k];
-      if (y === null || !Number.isFinite(y)) return;
+      if (!this.drawable(y)) return;
       const [px, py] = [sx(value), this.high(series, y)];
       if (bars) {
         const half = Math.min(22, (series.wide * (sx(1) - sx(0))) / 2);
         group.append(svg('rect', { x: px - half, width: Math.max(1, 2 * half), y: Math.min(py, zero), height: Math.max(1, Math.abs(py - zero)), fill: color, rx: 1.5 }));
       } else if (series.edge) {
         group.append(svg('path', { d: `M${px - 4} ${py - 4}l8 8M${px + 4} ${py - 4}l-8 8`, fill: 'none', stroke: color, 'stroke-width': 1.5 }));
+      } else if (series.mark !== undefined) {
+        group.append(svg('path', { d: MARKS[series.mark % MARKS.length], transform: `translate(${px} ${py})`, fill: palette.paper, stroke: color, 'stroke-width': 1.6 }));
+        if (series.dots && series.dots[k]) group.append(svg('circle', { cx: px, cy: py, r: 1.9, fill: color }));
       } else {
-        group.append(svg('circle', { cx: px, cy: py, r: series.size || 2.5, fill: series.open ? 'none' : color, stroke: color, 'stroke-width': 1 }));
+        group.append(svg('circle', { cx: px, cy: py, r: series.size || 2.5, fill: series.open ? 'none' : color, stroke: series.rim ? palette[series.rim] : color, 'stroke-width': 1 }));
       }
       if (series.error && series.error[k]) {
         const [a, b] = [sy(y - series.error[k]), sy(y + series.error[k])];
@@ -267,10 +279,11 @@ class Plot {
         else this.hidden.delete(series.name);
         this.draw();
       };
-      const swatch = el('i', { style: `border-color:${this.color(series)};border-style:${series.dash ? 'dashed' : 'solid'}` });
+      const swatch = series.mark === undefined ? el('i', { style: `border-color:${this.color(series)};border-style:${!series.dash ? 'solid' : series.dash.startsWith('2') ? 'dotted' : 'dashed'}` }) : svg('svg', { viewBox: '-7 -7 14 14', width: 14, height: 14 });
+      if (series.mark !== undefined) swatch.append(svg('path', { d: MARKS[series.mark % MARKS.length], fill: 'none', stroke: this.color(series), 'stroke-width': 1.6 }));
       return el('button', { type: 'button', class: 'series', 'aria-pressed': String(on), onclick: flip }, swatch, series.name);
     };
-    this.legend.replaceChildren(...this.o.series.filter((own) => own.name).map(item));
+    this.legend.replaceChildren(...this.o.series.filter((own) => own.name && own.legend !== false).map(item));
   }
 
   /** The point nearest to a pixel: by x alone, or by distance for points. */
@@ -281,19 +294,22 @@ class Plot {
       const flat = series.kind === 'points' || this.o.equal;
       series.x.forEach((value, k) => {
         const y = series.y[k];
-        if (y === null || !Number.isFinite(y)) return;
+        if (!this.drawable(y)) return;
         const [dx, dy] = [this.sx(value) - px, this.high(series, y) - py];
         const distance = flat ? Math.hypot(dx, dy) : Math.abs(dx) + 0.02 * Math.abs(dy);
         if (!best || distance < best.distance) best = { distance, series, k, x: value, y };
       });
     }
-    return best && best.distance < 40 ? best : null;
+    return best && best.distance < this.o.reach ? best : null;
   }
 
   hover(px, py, clientX, clientY) {
     const near = this.nearest(px, py);
     this.cursor.replaceChildren();
-    if (!near) return tip.hide();
+    if (!near) {
+      const inside = px > MARGIN.left && px < this.width - MARGIN.right && py > MARGIN.top && py < this.o.height - MARGIN.bottom;
+      return inside && this.o.at ? tip.show(clientX, clientY, this.o.at(this.sx.back(px), this.sy.back(py))) : tip.hide();
+    }
     const [x, y] = [this.sx(near.x), this.high(near.series, near.y)];
     if (!this.o.equal && near.series.kind !== 'points') this.cursor.append(svg('line', { x1: x, x2: x, y1: MARGIN.top, y2: this.o.height - MARGIN.bottom, stroke: palette.faint, 'stroke-width': 0.7 }));
     this.cursor.append(svg('circle', { cx: x, cy: y, r: 4.5, fill: 'none', stroke: palette.ink, 'stroke-width': 1.5 }));

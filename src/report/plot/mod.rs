@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::scene::{Figures, TestFigures};
 
 pub use breakdown::{breakdown_svg, stability_svg};
+pub use png::png_lacks_letters;
 pub use speed_accuracy::speed_accuracy_figures;
 pub use update::update_figures_svg;
 
@@ -52,7 +53,8 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
 /// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn from it at 300 dots to the
 /// inch in the pool of the caller.
 ///
-/// The PNG's font has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there. The figures' own words are English.
+/// The PNG's font has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there ([`png_lacks_letters`]). The figures' own
+/// words are English.
 pub fn figure_files(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
     let drawn: Vec<(String, Vec<u8>)> = match png {
         true => figures

@@ -36,6 +36,31 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     encoded(&image, scale * PX_PER_INCH / METRES_PER_INCH)
 }
 
+/// Letters up to here, and punctuation and signs from the second to the third, are in the font; the first without need to look.
+const LATIN_TO_CYRILLIC: char = '\u{052f}';
+const SIGNS: std::ops::RangeInclusive<char> = '\u{2000}'..='\u{22ff}';
+
+/// Whether a figure has letters that the font of its PNG lacks: boxes stand there.
+pub fn png_lacks_letters(svg: &str) -> bool {
+    let doubtful = |own: char| own > LATIN_TO_CYRILLIC && !SIGNS.contains(&own);
+    let tree = svg
+        .contains(doubtful)
+        .then(|| usvg::Tree::from_str(svg, &options()));
+    tree.and_then(Result::ok)
+        .is_some_and(|tree| lacks_letters(tree.root()))
+}
+
+fn lacks_letters(group: &usvg::Group) -> bool {
+    group.children().iter().any(|node| match node {
+        usvg::Node::Group(own) => lacks_letters(own),
+        usvg::Node::Text(own) => {
+            let mut glyphs = own.layouted().iter().flat_map(|own| &own.positioned_glyphs);
+            glyphs.any(|own| own.id.0 == 0)
+        }
+        _ => false,
+    })
+}
+
 fn options() -> usvg::Options<'static> {
     let mut options = usvg::Options::default();
     let fonts = options.fontdb_mut();
@@ -169,6 +194,24 @@ pub(super) mod tests {
             assert!(shape(&letter.to_string()) != unknown, "{letter}");
         }
         assert!(shape("模") == unknown);
+    }
+
+    #[test]
+    fn letters_that_the_font_lacks_are_known() {
+        let lacks = |text: &str| {
+            let mut canvas = Canvas::new(96.0, 48.0);
+            canvas.clip([0.0, 0.0], [96.0, 48.0]);
+            canvas.text([2.0, 24.0], text, (Anchor::Start, "#000000"));
+            canvas.unclip();
+            png_lacks_letters(&canvas.finish())
+        };
+        for text in ["wing, Flügel, крыло, πτερό, כנף", "1 − 2 → 10⁻³ ± …"]
+        {
+            assert!(!lacks(text), "{text}");
+        }
+        for text in ["翼", "wing 翼", "ปีก", "जुड़ा"] {
+            assert!(lacks(text), "{text}");
+        }
     }
 
     #[test]

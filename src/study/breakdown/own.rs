@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
@@ -11,7 +12,7 @@ use super::slice::{Bound, LEVEL, SliceResult};
 use super::{Axis, Factor, Field, Scale};
 
 /// A mode with the values of the factors that are known of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OwnMode {
     /// Name of its test, where there are several.
     pub test: String,
@@ -41,6 +42,7 @@ pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<Ow
             let constant = zeta * std::f64::consts::TAU * mode.frequency_hz;
             values.extend(record.map(|record| (Factor::RecordLength, record * constant)));
         }
+        values.retain(|_, value| value.is_finite());
         OwnMode {
             test: test.to_owned(),
             number: index + 1,

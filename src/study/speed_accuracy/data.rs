@@ -2,7 +2,7 @@
 
 use crate::axis::{Band, TimeAxis};
 use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, hammer};
-use crate::modal::ModalModel;
+use crate::modal::{InputFile, ModalModel};
 use crate::record::{HitInfo, ReadError, Recording, Samples, Stretch};
 use crate::scene::{Scene, SceneError, TestPlan, test_data};
 
@@ -23,6 +23,7 @@ pub(super) struct TestSets {
     pub band: Band,
     /// Of a synthetic recording.
     pub truth: Option<ModalModel>,
+    pub inputs: Vec<InputFile>,
     pub notes: Vec<String>,
 }
 
@@ -38,6 +39,7 @@ pub(super) fn of_test(
         None => stated(test, data.ingested.frfs)?,
     };
     own.truth = truth;
+    own.inputs = data.inputs;
     Ok(own)
 }
 
@@ -62,6 +64,7 @@ fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError
         }],
         band,
         truth: None,
+        inputs: Vec::new(),
         notes: vec!["the FRFs came as such: one estimator, one resolution".to_owned()],
     })
 }
@@ -110,6 +113,7 @@ fn recorded(
         sets,
         band,
         truth: None,
+        inputs: Vec::new(),
         notes,
     })
 }

@@ -20,6 +20,7 @@ mod options;
 mod own;
 mod twins;
 
+use crate::modal::InputFile;
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
 use super::{Meter, Method, StudyError, System, Tally};
@@ -99,6 +100,8 @@ pub struct SpeedLimits {
 pub struct TestStudy {
     /// Its name.
     pub name: String,
+    /// The files, or the recording, that it is made of.
+    pub inputs: Vec<InputFile>,
     /// Functions and lines of the band, of the whole records.
     pub functions: usize,
     /// Lines of the band.
@@ -242,6 +245,7 @@ fn test_study(
     let twin = twins::study(twin, seed, (meter, &mut data.notes))?;
     Ok(TestStudy {
         name: test.name.clone(),
+        inputs: data.inputs,
         functions: set.len(),
         lines: set.axis().lines(&data.band).len(),
         refined_modes: refined.model.modes.len(),

@@ -1,0 +1,219 @@
+//! The tab of methods: what it shows of studies, and which it leaves out.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use super::Beside;
+use super::methods::{Methods, methods};
+use super::words::word;
+use crate::report::Language;
+use crate::report::json::{BREAKDOWN_SCHEMA, BreakdownFile, REPORT_SCHEMA, RunReport};
+use crate::scene::{Figures, ModeMark, Provenance, TestFigures};
+use crate::study::breakdown::{
+    Axis, Case, Cell, Count, Factor, OwnMode, Scale, Slice, SliceResult, StatedError,
+};
+
+/// A run with one test of one mode.
+fn run() -> RunReport {
+    let mode = ModeMark {
+        hz: 412.3,
+        hz_std: None,
+        damping_ratio: Some(0.09),
+        damping_std: None,
+        mpc: None,
+    };
+    RunReport {
+        schema: REPORT_SCHEMA.to_owned(),
+        title: "wing".to_owned(),
+        sections: Vec::new(),
+        findings: Vec::new(),
+        limits: Vec::new(),
+        figures: Figures {
+            tests: vec![TestFigures {
+                name: "hammer".to_owned(),
+                modes: vec![mode],
+                ..TestFigures::default()
+            }],
+            ..Figures::default()
+        },
+        provenance: Provenance {
+            inputs: vec![["hammer", "hits.uff", "0a1b"].map(str::to_owned)],
+            ..Provenance::default()
+        },
+    }
+}
+
+/// A slice of four corners: the first method fails in all draws at the low end of its first axis, the second one nowhere.
+fn breakdown() -> BreakdownFile {
+    let axis = |factor, lo, hi, scale| Axis {
+        factor,
+        lo,
+        hi,
+        count: 2,
+        scale,
+    };
+    let (x, y) = (
+        axis(Factor::Damping, 0.001, 0.1, Scale::Log),
+        axis(Factor::Noise, 10.0, 70.0, Scale::Linear),
+    );
+    let count = |good| {
+        Some(Count {
+            draws: 10,
+            good,
+            symptoms: vec![0; 10],
+        })
+    };
+    let cell = |node: (usize, usize)| Cell {
+        node,
+        x: x.at(node.0 as f64),
+        y: y.at(node.1 as f64),
+        counts: vec![count(10 * node.0 as u32), count(10)],
+    };
+    // 0.98 of the first axis: 0.03 of its two decades beyond the contour at 0.95.
+    let damping = 0.001 * 100.0_f64.powf(0.98);
+    let values = [(Factor::Damping, damping), (Factor::Noise, 40.0)];
+    BreakdownFile {
+        schema: BREAKDOWN_SCHEMA.to_owned(),
+        title: Some("wing".to_owned()),
+        slices: vec![SliceResult {
+            slice: Slice {
+                name: "noise-damping".to_owned(),
+                x,
+                y,
+                case: Case::default(),
+                methods: vec!["circle".to_owned(), "ml".to_owned()],
+                stated: StatedError::default(),
+                draws: 10,
+                refine: 0,
+                seed: 1,
+            },
+            cells: [(0, 0), (0, 1), (1, 0), (1, 1)].map(cell).into(),
+        }],
+        own_modes: vec![OwnMode {
+            test: String::new(),
+            number: 1,
+            frequency_hz: 412.3,
+            values: BTreeMap::from(values),
+        }],
+        stability: None,
+    }
+}
+
+fn speed() -> Value {
+    json!({
+        "title": "wing",
+        "compared_at_snr_db": 50.0,
+        "tests": [{"name": "hammer", "inputs": [{"path": "hits.uff", "sha256": "0a1b"}]}],
+        "rows": [{"test": "hammer", "data": "data", "method": "ml", "runs": 1.0, "frequency_rms": 1.0 / 3.0, "order": null}],
+        "times": [],
+        "lessons": ["hammer: a < b."],
+        "tables": [],
+    })
+}
+
+fn shown(beside: &Beside) -> Methods {
+    methods(&run(), beside, Language::English)
+}
+
+#[test]
+fn a_map_has_contours_shares_and_the_distance_of_own_modes() {
+    let beside = |own| Beside {
+        breakdown: Some(own),
+        ..Beside::default()
+    };
+    let tab = shown(&beside(breakdown()));
+    let slice = &tab.data["breakdown"]["slices"][0];
+    assert_eq!(slice["shares"][0], json!([[0, 0], [100, 100]]));
+    assert_eq!(slice["contours"][1], json!([]));
+    let line = slice["contours"][0][0].as_array().unwrap();
+    assert!(line.len() == 2 && line.iter().all(|own| own[0] == 0.95));
+    let point = &slice["points"][0];
+    assert_eq!(point["place"], json!([0.98, 0.5]));
+    let margins = json!([
+        {"inside": true, "distance": "0.06 decades of damping"},
+        {"inside": true, "distance": null}
+    ]);
+    assert_eq!(
+        (&point["margins"], &point["nearest"]),
+        (&margins, &json!(0))
+    );
+    assert!(
+        tab.content.contains("data-draw=\"maps\"") && tab.content.contains("mode 1 (412.3 Hz)")
+    );
+    let chinese = methods(&run(), &beside(breakdown()), Language::Chinese);
+    let slice = &chinese.data["breakdown"]["slices"][0];
+    assert_eq!(slice["x"]["label"], "阻尼比 (-)");
+    let distance = &slice["points"][0]["margins"][0]["distance"];
+    assert_eq!(distance, "0.06 个数量级(阻尼比)");
+}
+
+#[test]
+fn words_for_every_factor_and_unit_are_chinese_too() {
+    use crate::study::breakdown::FACTORS;
+    for factor in FACTORS {
+        let labels = [false, true].map(|in_test| factor.label(in_test));
+        let unit = factor.unit();
+        for text in labels
+            .into_iter()
+            .chain([factor.name()])
+            .chain((!["", "dB"].contains(&unit)).then_some(unit))
+        {
+            assert!(!word(Language::Chinese, text).is_ascii(), "{text}");
+        }
+    }
+}
+
+#[test]
+fn maps_of_another_scene_or_of_other_modes_are_left_out_with_a_word() {
+    let with = |change: fn(&mut BreakdownFile)| {
+        let mut own = breakdown();
+        change(&mut own);
+        let beside = Beside {
+            breakdown: Some(own),
+            ..Beside::default()
+        };
+        let tab = shown(&beside);
+        let left_out = tab.content.contains("modes of another scene");
+        assert_eq!(left_out, tab.data.is_empty());
+        left_out
+    };
+    assert!(!with(|_| ()));
+    assert!(!with(
+        |own| (own.title, own.own_modes[0].frequency_hz) = (None, 1.0)
+    ));
+    assert!(with(|own| own.title = Some("another".to_owned())));
+    assert!(with(|own| own.own_modes[0].frequency_hz *= 1.001));
+    assert!(with(|own| own.own_modes[0].number = 2));
+    assert!(with(|own| own.own_modes[0].test = "shaker".to_owned()));
+}
+
+#[test]
+fn a_study_of_other_data_is_left_out_with_a_word() {
+    let with = |place: &str, value: &str| {
+        let mut own = speed();
+        *own.pointer_mut(place).unwrap() = json!(value);
+        shown(&Beside {
+            speed_accuracy: Some(own),
+            ..Beside::default()
+        })
+    };
+    let tab = with("/title", "wing");
+    let row = json!({"test": "hammer", "data": "data", "method": "ml", "frequency_rms": 0.33333});
+    assert_eq!(tab.data["speed"]["rows"], json!([row]));
+    assert!(
+        tab.content.contains("hammer: a &lt; b.") && tab.content.contains("data-draw=\"speed\"")
+    );
+    for (place, value) in [
+        ("/title", "another"),
+        ("/tests/0/name", "shaker"),
+        ("/tests/0/inputs/0/sha256", "ffff"),
+    ] {
+        let tab = with(place, value);
+        assert!(
+            tab.data.is_empty() && tab.content.contains("is left out"),
+            "{place}"
+        );
+    }
+    assert!(shown(&Beside::default()).content.is_empty());
+}
