@@ -203,8 +203,7 @@ fn deviations_of_shapes_are_those_of_their_errors() {
     hold_shape_errors((0..20).map(separated_modes));
 }
 
-/// Two modes a little more than the sum of their widths apart, hit at two points through noise whose ratio differs from sensor to sensor:
-/// with poles and participation factors where they are the mean would be SO.
+/// Two modes a little more than the sum of their widths apart, hit at two points through noise whose ratio differs from sensor to sensor.
 #[test]
 fn deviations_of_shapes_reckon_with_errors_of_poles_and_participation() {
     let pair = Pair {

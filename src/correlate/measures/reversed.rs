@@ -58,7 +58,8 @@ pub struct ReversedSensor {
 /// Over two pairs, which agree by chance more often, the direction is at most -0.5 and the gain 0.02 or more.
 /// A poor pair says little: with the parts `f` of the other sensors that disagree in each pair, `Π f` over the pairs in which a sensor
 /// disagrees is how often a good one does, and times the number of sensors that is to be below 0.1:
-/// over two pairs in which no other sensor disagrees there must be eleven sensors at least.
+/// over two pairs in which no other sensor disagrees there must be eleven sensors at least. Signs of sensors with less than a tenth of
+/// the mean share of a pair are noise and count as no disagreement.
 /// Never half of the sensors and more are found: which half is then reversed nobody can say.
 ///
 /// # Errors
@@ -129,7 +130,9 @@ fn significant(pairs: &[PairShapes], suspects: &[usize]) -> Vec<usize> {
     }
     let both: Vec<(&PairShapes, Complex64)> = pairs.iter().zip(products).collect();
     let disagrees = |(pair, product): &(&PairShapes, Complex64), q: usize| {
-        (product.conj() * term(pair, q)).re < 0.0
+        let sensors = pair.values.iter().flatten().count() as f64;
+        let counts = share(pair, q) * sensors >= LEAST_SHARE;
+        counts && (product.conj() * term(pair, q)).re < 0.0
     };
     let part = |own: &(&PairShapes, Complex64)| {
         let count = own.0.values.len();
@@ -154,6 +157,11 @@ fn significant(pairs: &[PairShapes], suspects: &[usize]) -> Vec<usize> {
 /// `ψ_q* φ_q` of a pair.
 fn term(pair: &PairShapes, q: usize) -> Complex64 {
     pair.values[q].map_or(Complex64::ZERO, |(test, theory)| theory.conj() * test)
+}
+
+/// A sensor's share of the squared length of a pair of unit shapes, mean of test and theory.
+fn share(pair: &PairShapes, q: usize) -> f64 {
+    pair.values[q].map_or(0.0, |(a, b)| 0.5 * (a.norm_sqr() + b.norm_sqr()))
 }
 
 /// `Σ_q ψ_q* φ_q` of a pair of unit shapes.
@@ -189,9 +197,7 @@ impl Gain {
             let both = pairs.iter().zip(products);
             both.map(|(pair, product)| of(pair, *product)).sum::<f64>() / pairs.len().max(1) as f64
         };
-        let share = |pair: &PairShapes| {
-            pair.values[q].map_or(0.0, |(a, b)| 0.5 * (a.norm_sqr() + b.norm_sqr()))
-        };
+        let share = |pair: &PairShapes| share(pair, q);
         Self {
             mac: mean(&|pair, s| (s - 2.0 * term(pair, q)).norm_sqr() - s.norm_sqr()),
             of_reversed: mean(&|pair, s| 4.0 * share(pair) * (s.norm() + share(pair))),
