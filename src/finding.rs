@@ -403,7 +403,7 @@ impl fmt::Display for Finding {
             .map_or_else(String::new, |u| format!(" {u}"));
         match (self.value, self.limit) {
             (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
-                write!(f, " ({} ± {})", short(value), short(spread))
+                write!(f, " ({})", with_spread(value, spread))
             }
             (Some(value), Some(limit)) => {
                 write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))
@@ -415,11 +415,16 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Four significant digits, whole numbers as they are.
+/// Four significant digits; whole numbers as they are, round ones with a power of ten where that is much shorter.
 fn short(value: f64) -> String {
     let magnitude = value.abs();
     if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {
-        format!("{value:.0}")
+        let (whole, power) = (format!("{value:.0}"), format!("{value:e}"));
+        if power.len() + 4 <= whole.len() {
+            power
+        } else {
+            whole
+        }
     } else if (1e-3..1e5).contains(&magnitude) {
         let decimals = (3 - magnitude.log10().floor() as i32).max(0) as usize;
         format!("{value:.decimals$}")
@@ -428,9 +433,32 @@ fn short(value: f64) -> String {
     }
 }
 
+/// A value and its deviation, both down to the second digit of the deviation.
+fn with_spread(value: f64, spread: f64) -> String {
+    if !(1e-9..10.0).contains(&spread) {
+        return format!("{} ± {}", short(value), short(spread));
+    }
+    let decimals = (1 - spread.log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$} ± {spread:.decimals$}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_a_sentence_are_short() {
+        for (value, expected) in [
+            (7e10, "7e10"),
+            (2e6, "2e6"),
+            (1_234_567.0, "1234567"),
+            (2.5, "2.500"),
+        ] {
+            assert_eq!(short(value), expected);
+        }
+        assert_eq!(with_spread(0.566_12, 0.008_378), "0.5661 ± 0.0084");
+        assert_eq!(with_spread(1.234, 0.0), "1.234 ± 0");
+    }
 
     #[test]
     fn the_sentence_has_place_value_and_limit() {

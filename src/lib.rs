@@ -80,6 +80,9 @@
 //! | type | what it is | module |
 //! |---|---|---|
 //! | [`Dof`] | point, axis and sign of a sensor or hit | `dof` |
+//! | [`quantity::Quantity`], [`quantity::Unit`], [`quantity::FrfKind`] | what a channel measures, its factor to SI, the kind of an FRF | `quantity` |
+//! | [`axis::FrequencyAxis`], [`axis::TimeAxis`], [`axis::Band`] | evenly spaced axes, and a range of frequency | `axis` |
+//! | [`geometry::Geometry`], [`geometry::Sensor`] | nodes and lines of a test; where a sensor or hit is on a model | `geometry` |
 //! | [`Finding`] | what the data says that is not a failure | `finding` |
 //! | [`io::Format`], [`io::Source`] | a file format; an opened file read in blocks | `io` |
 //! | [`record::Hit`], [`record::Recording`] | one hit: a force and its responses; hits read as they are needed | `record` |
@@ -114,8 +117,13 @@
 //! | [`scene::Figures`] | what the figures of a report show | `scene` |
 //! | [`study::System`] | a linear system known by its modes, as studies draw from it | `study` |
 //! | [`study::breakdown::Slice`] | where methods fail, over two factors | `study` |
+//! | [`study::SceneNeeds`] | the modes, orders, methods, theory and parameters that a scene needs | `study` |
 //! | [`report::Renderer`] | blocks to text | `report` |
 //! | [`report::json::RunReport`] | a run as its HTML page shows it, [`report::report_page`] | `report` |
+//! | [`error::Error`] | the error of whoever runs several stages; each stage has its own | `error` |
+//!
+//! Matrix decompositions and transforms are in `linalg` and `fourier`, the only places that name a crate for them; the command
+//! line is `cli`, behind the feature of that name.
 //!
 //! # Who may use whom
 //!

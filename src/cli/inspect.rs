@@ -190,7 +190,7 @@ fn entry_table(entries: &[Entry]) -> Table {
         cells
     };
     Table {
-        caption: format!("{} records and functions", entries.len()),
+        caption: format!("Records and functions: {}", entries.len()),
         columns: std::iter::once(Column::number("no."))
             .chain(heads.map(Column::text))
             .collect(),

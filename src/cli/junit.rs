@@ -4,6 +4,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::scene::{LimitCheck, RowVerdict};
 
+/// Significant digits, unless more are needed to tell a value from its limit.
+const DIGITS: usize = 6;
+
 /// A suite with a test case for each row; a missed row fails with everything that it missed.
 pub fn junit(suite: &str, baseline: &str, rows: &[RowVerdict]) -> String {
     let failures = rows.iter().filter(|row| !row.met()).count();
@@ -46,14 +49,25 @@ fn case(suite: &str, row: &RowVerdict) -> String {
 }
 
 fn sentence(check: &LimitCheck) -> String {
-    let got = check
-        .value
-        .map_or_else(|| "nothing".to_owned(), |value| value.to_string());
     let relation = if check.upper { "at most" } else { "at least" };
-    format!(
-        "{}: got {got}, expected {relation} {}",
-        check.what, check.limit
-    )
+    let what = &check.what;
+    let Some(value) = check.value else {
+        let limit = short(check.limit, DIGITS);
+        return format!("{what}: got nothing, expected {relation} {limit}");
+    };
+    // As many digits as tell the two apart.
+    let texts = (DIGITS..=17).map(|digits| [value, check.limit].map(|own| short(own, digits)));
+    let mut told = texts.filter(|[got, limit]| got != limit);
+    let [got, limit] = told
+        .next()
+        .unwrap_or_else(|| [value, check.limit].map(|own| own.to_string()));
+    format!("{what}: got {got}, expected {relation} {limit}")
+}
+
+/// So many significant digits, no trailing zeros.
+fn short(value: f64, digits: usize) -> String {
+    let rounded = format!("{value:.*e}", digits - 1);
+    rounded.parse().unwrap_or(value).to_string()
 }
 
 /// Text without runs of blanks, as `xs:token` wants it.
@@ -119,7 +133,7 @@ mod tests {
             checks: vec![LimitCheck {
                 what: "MAC".to_owned(),
                 value: None,
-                limit: 1.0,
+                limit: 0.999_999_999_999,
                 upper: false,
             }],
         };

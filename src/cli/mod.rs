@@ -17,6 +17,7 @@ mod interrupt;
 mod junit;
 mod meter;
 mod new;
+mod order;
 mod output;
 mod progress;
 mod report;

@@ -7,8 +7,8 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::io::IoError;
 use crate::report::json::{
-    REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, report_from_json,
-    report_to_json, speed_accuracy_from_json,
+    REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, order_from_json,
+    report_from_json, report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
     Beside, Block, Language, TableGroup, claims_block, comparison_blocks, energies_block,
@@ -32,6 +32,7 @@ const UPDATE: &str = "update.json";
 /// The results of `study … -o`.
 const SPEED_ACCURACY: &str = "speed-accuracy.json";
 const BREAKDOWN: &str = "breakdown.json";
+const ORDER: &str = "order.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
@@ -149,6 +150,7 @@ fn studies(folder: &Path) -> Result<Beside, Error> {
         updated: None,
         speed_accuracy: found(folder.join(SPEED_ACCURACY), speed_accuracy_from_json)?,
         breakdown: found(folder.join(BREAKDOWN), breakdown_from_json)?,
+        order: found(folder.join(ORDER), order_from_json)?,
     })
 }
 

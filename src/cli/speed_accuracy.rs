@@ -1,6 +1,6 @@
 //! `modalign study speed-accuracy`: how fast and exact every method is.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -9,15 +9,12 @@ use crate::report::{
     CsvText, Renderer, figure_files, json, speed_accuracy_blocks, speed_accuracy_figures,
     speed_accuracy_table, times_table,
 };
-use crate::scene::{Scene, read_text};
-use crate::study::{SpeedAccuracy, StudyFile, parse_study, speed_accuracy};
+use crate::study::{SpeedAccuracy, speed_accuracy};
 
 use super::Outcome;
 use super::meter::ProcessMeter;
 use super::output::Output;
-
-/// Name of the spec in a scene's folder.
-const SPEC: &str = "study.toml";
+use super::study::load;
 
 /// `study speed-accuracy`.
 #[derive(Debug, Args)]
@@ -38,36 +35,6 @@ pub struct SpeedAccuracyArgs {
     /// Draws of the noise at each level, instead of the spec's.
     #[arg(long, value_name = "N")]
     draws: Option<usize>,
-}
-
-/// The scene with its spec; the defaults for a scene without one.
-fn load(path: &Path, format: Option<&str>) -> Result<(Scene, StudyFile), Error> {
-    let is_scene = Scene::is_path(path);
-    let beside = path.is_dir().then(|| path.join(SPEC));
-    let spec = match is_scene {
-        true => beside.filter(|spec| spec.is_file()),
-        false => Some(path.to_owned()),
-    };
-    let file = match &spec {
-        None => StudyFile::default(),
-        Some(spec) => parse_study(
-            &read_text(spec).map_err(Error::Io)?,
-            &spec.display().to_string(),
-        )
-        .map_err(Error::Scene)?,
-    };
-    let folder = spec
-        .as_deref()
-        .and_then(Path::parent)
-        .unwrap_or(Path::new(""));
-    let scene = match (is_scene, &file.scene) {
-        (true, _) => path.to_owned(),
-        (false, None) => folder.join("scene.toml"),
-        (false, Some(scene)) => folder.join(scene),
-    };
-    let mut scene = Scene::load(&scene)?;
-    scene.format = format.map(str::to_owned);
-    Ok((scene, file))
 }
 
 /// Runs the study.

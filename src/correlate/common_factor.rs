@@ -111,7 +111,7 @@ mod tests {
         assert!((own.value.unwrap() * 0.36 - 1.0).abs() < 0.01, "{own}");
         let spread = own.limit.unwrap() / own.value.unwrap();
         assert!((spread - 0.02).abs() < 1e-4, "{spread}");
-        assert!(own.to_string().contains("(2.778 ± 0.0555"), "{own}");
+        assert!(own.to_string().contains("(2.778 ± 0.056)"), "{own}");
     }
 
     #[test]

@@ -158,7 +158,12 @@ pub fn pair(
     let shapes = Shapes::new(test, theory, &map, options)?;
     let table = CandidateTable::new(test, theory, &shapes, options);
     let root_of = table.assign();
-    let mut findings = map.findings(options.min_dofs);
+    // Without any shape of the theory there is nothing to be tied; that modes are paired by frequency alone is told by their rows.
+    let has_shapes = theory.modes.iter().any(|mode| !mode.shape.is_empty());
+    let mut findings = Vec::new();
+    if has_shapes {
+        findings.extend(map.findings(options.min_dofs));
+    }
     findings.extend(table.findings(test, &root_of, options));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {

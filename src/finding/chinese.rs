@@ -1,6 +1,6 @@
 //! Sentences and explanations of findings in Chinese.
 
-use super::{Code, Finding, Place, Severity, short};
+use super::{Code, Finding, Place, Severity, short, with_spread};
 
 macro_rules! chinese {
     ($($name:ident: $sentence:literal, $explanation:literal;)*) => {
@@ -228,7 +228,7 @@ impl Finding {
         let told = |value: f64| format!("{}{unit}", short(value));
         let numbers = match (self.value, self.limit) {
             (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
-                format!("（{} ± {}）", told(value), told(spread))
+                format!("（{}）", with_spread(value, spread))
             }
             (Some(value), Some(limit)) => format!("（{}，限值 {}）", told(value), told(limit)),
             (Some(value), None) => format!("（{}）", told(value)),

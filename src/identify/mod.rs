@@ -98,6 +98,9 @@ mod stable;
 pub mod stages;
 mod standing;
 mod strength;
+mod support;
+#[cfg(test)]
+mod support_tests;
 #[cfg(test)]
 mod synthetic;
 mod transforms;
@@ -119,6 +122,7 @@ use crate::modal::{ModalModel, Pole, PoleSelection};
 pub use circle_detail::{CircleDetail, circle_detail};
 pub use error::IdentifyError;
 pub use indicators::{Indicators, cmif_at, indicators};
+pub use support::{Foretold, Support, Tried, support};
 
 /// Options that an estimator is built with.
 #[derive(Clone, Copy, Debug, PartialEq)]

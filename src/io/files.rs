@@ -189,7 +189,7 @@ fn beside(
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(system(&name, "create the folder of"))?;
+    std::fs::create_dir_all(folder).map_err(system(&name, "create the folder for it"))?;
     let mut builder = tempfile::Builder::new();
     let mut temporary = readable(&mut builder)
         .prefix(TEMPORARY_PREFIX)

@@ -85,7 +85,7 @@ impl<'de> Deserialize<'de> for PairKey {
         let text = String::deserialize(deserializer)?;
         let (response, reference) = text.split_once('|').ok_or_else(|| {
             D::Error::custom(format!(
-                "got residue key `{text}`, expected RESPONSE|REFERENCE"
+                "residue key `{text}` in place of RESPONSE|REFERENCE"
             ))
         })?;
         Ok(PairKey(
@@ -219,16 +219,17 @@ fn frequency_and_damping(mode: &ModeJson) -> Result<(f64, Option<f64>), String> 
     let damping = mode
         .damping_ratio
         .or_else(|| pole.map(|p| p.damping_ratio()));
-    let frequency =
-        frequency.ok_or("got neither frequency_hz nor pole_rad_s, expected one of them")?;
+    let frequency = frequency.ok_or("neither frequency_hz nor pole_rad_s")?;
     if frequency.is_nan() || frequency < 0.0 {
-        return Err(format!("got frequency_hz {frequency}, expected 0 or more"));
+        return Err(format!(
+            "frequency_hz {frequency}, which is below 0 or no number"
+        ));
     }
     if let (Some(pole), Some(zeta)) = (pole, damping) {
         let own = Pole::from_frequency(frequency, zeta);
         if (own.lambda - pole.lambda).norm() > REDUNDANCY * own.lambda.norm() {
             return Err(format!(
-                "got pole {} rad/s, expected {} from frequency_hz and damping_ratio",
+                "pole_rad_s {} where frequency_hz and damping_ratio make it {}",
                 pole.lambda, own.lambda
             ));
         }
@@ -240,7 +241,7 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
     let (frequency_hz, damping_ratio) = frequency_and_damping(&mode)?;
     let scaling = mode.scaling.as_deref().unwrap_or("unknown");
     let scaling = Scaling::from_name(scaling).ok_or_else(|| {
-        format!("got scaling {scaling:?}, expected unit-modal-mass, unit-max or unknown")
+        format!("scaling {scaling:?} in place of unit-modal-mass, unit-max or unknown")
     })?;
     Ok(Mode {
         frequency_hz,
@@ -323,7 +324,7 @@ mod tests {
         assert!(message(r#"{"schema": "other/1", "modes": []}"#).contains("schema \"other/1\""));
         let wrong = r#"{"schema": "modalign-modes/1", "modes": [{"frequency_hz": 1.0, "damping_ratio": 0.1, "pole_rad_s": [-1, 6]}]}"#;
         assert!(
-            message(wrong).contains("mode 1: got pole"),
+            message(wrong).contains("mode 1: pole_rad_s"),
             "{}",
             message(wrong)
         );

@@ -42,6 +42,9 @@ impl Column {
     }
 }
 
+/// No deviation is printed with more decimals than these.
+const MOST_DECIMALS: i32 = 9;
+
 /// One field of a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Cell {
@@ -84,6 +87,15 @@ impl Cell {
         })
     }
 
+    /// A standard deviation, or missing: two digits of it, where fixed decimals would leave fewer or print 0.
+    pub fn deviation(value: Option<f64>, decimals: usize) -> Self {
+        let second = |std: f64| 1 - std.log10().floor() as i32;
+        let wanted = value
+            .filter(|std| *std > 0.0 && std.is_finite())
+            .map_or(0, |std| second(std).clamp(0, MOST_DECIMALS) as usize);
+        Cell::number(value, decimals.max(wanted))
+    }
+
     /// The text for people, with a dash for what is missing.
     pub fn display(&self) -> String {
         match self {
@@ -92,12 +104,18 @@ impl Cell {
                 value,
                 decimals,
                 signed: false,
-            } => format!("{value:.decimals$}"),
+            } => without_sign_of_zero(format!("{value:.decimals$}")),
             Cell::Number {
                 value,
                 decimals,
                 signed: true,
-            } => format!("{value:+.decimals$}"),
+            } => {
+                let text = without_sign_of_zero(format!("{value:.decimals$}"));
+                match *value > 0.0 && text.chars().any(|c| matches!(c, '1'..='9')) {
+                    true => format!("+{text}"),
+                    false => text,
+                }
+            }
             Cell::Missing => "—".to_owned(),
         }
     }
@@ -109,6 +127,26 @@ impl Cell {
             Cell::Number { value, .. } => value.to_string(),
             Cell::Missing => String::new(),
         }
+    }
+}
+
+/// `-0.00` is 0.00: the sign of what rounds to nothing tells nothing.
+fn without_sign_of_zero(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number with at most so many significant digits, none of them a trailing zero: plain between 0.001 and a million, else with a
+/// power of ten.
+pub(super) fn significant(value: f64, digits: usize) -> String {
+    let rounded = format!("{value:.*e}", digits.max(1) - 1);
+    let value = rounded.parse().unwrap_or(value);
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 
@@ -152,5 +190,53 @@ impl Table {
             }
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_deviation_is_not_printed_as_zero() {
+        for (std, expected) in [
+            (Some(0.0), "0.000"),
+            (Some(2.894e-4), "0.00029"),
+            (Some(0.0346), "0.035"),
+            (Some(1.5), "1.500"),
+            (Some(1e-12), "0.000000000"),
+            (None, "—"),
+        ] {
+            assert_eq!(Cell::deviation(std, 3).display(), expected);
+        }
+    }
+
+    #[test]
+    fn nothing_has_no_sign() {
+        for (value, expected) in [(-0.04, "0.0"), (-0.06, "-0.1"), (0.04, "0.0")] {
+            assert_eq!(Cell::number(Some(value), 1).display(), expected);
+        }
+        for (value, expected) in [
+            (-0.04, "0.0"),
+            (-0.06, "-0.1"),
+            (0.04, "0.0"),
+            (0.06, "+0.1"),
+        ] {
+            assert_eq!(Cell::signed(Some(value), 1).display(), expected);
+        }
+    }
+
+    #[test]
+    fn numbers_keep_their_significant_digits_alone() {
+        for (value, digits, expected) in [
+            (6.927526007451222e10, 7, "6.927526e10"),
+            (7e10, 7, "7e10"),
+            (0.25, 6, "0.25"),
+            (300.0000001, 4, "300"),
+            (-732.5666, 5, "-732.57"),
+            (0.0, 4, "0"),
+        ] {
+            assert_eq!(significant(value, digits), expected);
+        }
     }
 }

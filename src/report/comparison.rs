@@ -6,6 +6,7 @@ use crate::correlate::{
 use crate::scene::{LimitCheck, Theory};
 use crate::theory::{ParameterSpec, ParameterStatus};
 
+use super::block::significant;
 use super::{Block, Cell, Column, Table};
 
 /// A comparison table of some of the tests.
@@ -253,7 +254,7 @@ pub(super) fn provenance(theory: &Theory) -> Vec<String> {
 fn full_cells(cell: &TestCell) -> Vec<Cell> {
     vec![
         Cell::number(cell.hz, 2),
-        Cell::number(cell.hz_std, 3),
+        Cell::deviation(cell.hz_std, 3),
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
         Cell::number(cell.mac, 4),
@@ -329,6 +330,9 @@ fn summary_table(table: &ComparisonTable) -> Table {
     }
 }
 
+/// As many digits of a parameter as anybody states; an updated one has more.
+const PARAMETER_DIGITS: usize = 8;
+
 /// The model's parameters with the values used and where they come from; `None` for a model without any.
 pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
     let status = |status: ParameterStatus| match status {
@@ -339,10 +343,14 @@ pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
     let row = |(spec, value): &(ParameterSpec, f64)| {
         vec![
             Cell::text(&spec.name),
-            Cell::text(plain(*value)),
+            Cell::text(significant(*value, PARAMETER_DIGITS)),
             Cell::text(&spec.unit),
             Cell::text(if is_set(spec, *value) {
-                format!("set ({} {})", status(spec.status), plain(spec.nominal))
+                format!(
+                    "set ({} {})",
+                    status(spec.status),
+                    significant(spec.nominal, PARAMETER_DIGITS)
+                )
             } else {
                 status(spec.status).to_owned()
             }),
@@ -361,16 +369,6 @@ pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
             footnotes: Vec::new(),
         })
     })
-}
-
-/// As short as it is exact: plain between 0.001 and a million, else with an exponent.
-fn plain(value: f64) -> String {
-    let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
-    if plain {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
 }
 
 /// The limits and whether each is met; `None` when there is none.

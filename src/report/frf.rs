@@ -72,7 +72,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
         columns: vec![
             Column::text("hit"),
             Column::text("at"),
-            Column::number("peak, N"),
+            Column::number("peak (N)"),
             Column::text("verdict"),
             Column::text("why"),
         ],

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::{Code, Finding, Severity};
 
+use super::phrases::PHRASES_OF_RUNS;
 use super::{Block, Cell, Table};
 
 /// A language of headings and findings.
@@ -164,6 +165,22 @@ const PHRASES: &[(&str, &str)] = &[
         "FRFs of {} and {} over frequency",
         "{} 与 {} 的频响函数随频率",
     ),
+    ("{}: how many roots the data support", "{}:数据支持多少个根"),
+    ("{}: lowest order of every method", "{}:各方法的最低阶数"),
+    (
+        "{}: where one mode at a time is enough",
+        "{}:单模态方法足够之处",
+    ),
+    ("roots", "根数"),
+    ("the last of them", "最后一个"),
+    ("FRFs that need it", "需要它的频响函数数"),
+    ("left-out lines", "留出谱线"),
+    ("misfit/noise", "失拟/噪声"),
+    ("lowest", "最低"),
+    ("its own", "自选"),
+    ("invented", "虚假"),
+    ("tried", "已试"),
+    ("enough", "足够"),
     (
         "{}: Pareto front of time and error",
         "{}:时间与误差的帕累托前沿",
@@ -199,6 +216,15 @@ const PHRASES: &[(&str, &str)] = &[
 /// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the columns that hold them.
 const LABELS: &[(&str, &[(&str, &str)])] = &[
     (
+        "the last of them",
+        &[
+            ("background alone", "仅背景"),
+            ("identified", "已识别"),
+            ("pole that stays", "稳定极点"),
+        ],
+    ),
+    ("enough", &[("none alone", "单独均不足")]),
+    (
         "verdict",
         &[
             ("paired", "已配对"),
@@ -209,6 +235,19 @@ const LABELS: &[(&str, &[(&str, &str)])] = &[
             ("not-observable", "不可观测"),
             ("outside-band", "频带外"),
             ("extra", "多余"),
+            ("used", "采用"),
+            ("used (stated)", "采用(指定)"),
+            ("left out", "剔除"),
+            ("left out (stated)", "剔除(指定)"),
+            ("met", "满足"),
+            ("MISSED", "未满足"),
+            ("reproduced", "已复现"),
+            ("NOT reproduced", "未复现"),
+            ("not checkable", "无法核对"),
+            ("identified", "可识别"),
+            ("at bound", "位于边界"),
+            ("not supported by the data", "数据不支持"),
+            ("not supported by the data; held", "数据不支持;保持不变"),
         ],
     ),
     (
@@ -273,6 +312,7 @@ fn phrase(text: &str) -> String {
     let own = |phrase: &str| phrase.replace("{}", "").chars().count();
     let fits = PHRASES
         .iter()
+        .chain(PHRASES_OF_RUNS)
         .filter_map(|(from, to)| Some((own(from), filled(to, &names(from, text)?))));
     let best = fits.max_by_key(|(letters, _)| *letters);
     best.map_or_else(|| text.to_owned(), |(_, translated)| translated)
@@ -374,13 +414,11 @@ mod tests {
 
     #[test]
     fn every_phrase_has_one_translation_with_its_names() {
-        for (index, (from, to)) in PHRASES.iter().enumerate() {
+        let mut known = std::collections::BTreeSet::new();
+        for (from, to) in PHRASES.iter().chain(PHRASES_OF_RUNS) {
             let count = |text: &str| text.matches("{}").count();
             assert_eq!(count(from), count(to), "{from}");
-            assert!(
-                PHRASES[..index].iter().all(|(other, _)| other != from),
-                "{from}"
-            );
+            assert!(known.insert(from), "{from}");
         }
     }
 }

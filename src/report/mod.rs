@@ -17,6 +17,8 @@ mod latex;
 mod markdown;
 mod measures;
 mod modes;
+mod order;
+mod phrases;
 mod placement;
 mod plot;
 mod published;
@@ -49,10 +51,11 @@ pub use measures::{
     orthogonality_blocks, reversed_block,
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
+pub use order::{order_blocks, order_table};
 pub use placement::placement_blocks;
 pub use plot::{
-    breakdown_svg, figure_files, figures_svg, png_lacks_letters, speed_accuracy_figures,
-    stability_svg, update_figures_svg,
+    breakdown_svg, figure_files, figures_svg, order_figures, png_lacks_letters,
+    speed_accuracy_figures, stability_svg, update_figures_svg,
 };
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,

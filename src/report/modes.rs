@@ -35,13 +35,13 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         let mut cells = vec![
             Cell::text((index + 1).to_string()),
             Cell::number(Some(mode.frequency_hz), 3),
-            Cell::number(mode.frequency_std_hz, 4),
+            Cell::deviation(mode.frequency_std_hz, 4),
             Cell::number(percent(mode.damping_ratio), 4),
-            Cell::number(percent(mode.damping_std), 4),
+            Cell::deviation(percent(mode.damping_std), 4),
         ];
         if biased {
-            cells.push(Cell::number(mode.frequency_bias_hz, 4));
-            cells.push(Cell::number(percent(mode.damping_bias), 4));
+            cells.push(Cell::deviation(mode.frequency_bias_hz, 4));
+            cells.push(Cell::deviation(percent(mode.damping_bias), 4));
         }
         cells.extend([
             Cell::number(mode.mpc, 4),

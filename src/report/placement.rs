@@ -64,12 +64,20 @@ fn steps_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
         ],
         rows: (1..).zip(&own.steps).map(row).collect(),
         footnotes: vec![
-            format!(
-                "Of {} modes of the model in the band the test's points see {}, with these {}.",
-                modes(|root| root.modes.len()),
-                modes(|root| root.seen),
-                modes(|root| root.planned)
-            ),
+            if own.steps.is_empty() {
+                format!(
+                    "Of {} modes of the model in the band the test's points see {}; no further point shows another.",
+                    modes(|root| root.modes.len()),
+                    modes(|root| root.seen)
+                )
+            } else {
+                format!(
+                    "Of {} modes of the model in the band the test's points see {}, with these {}.",
+                    modes(|root| root.modes.len()),
+                    modes(|root| root.seen),
+                    modes(|root| root.planned)
+                )
+            },
             format!(
                 "Out of {} points that can be hit and {} that can carry a sensor; each step is the point that shows most, a hit and a sensor together where neither does alone.",
                 placed.candidates.hits.len(),

@@ -52,9 +52,12 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
          relative, of data against the refined solution, of the twin against its truth; shape: √(1−MAC)."
             .to_owned(),
         format!(
-            "Twin: {} modes of {truth} in white noise of {snr_db:.0} dB. CPU time of this machine: median of {} warm runs of all \
-             threads, longest less shortest.",
-            test.twin_modes, study.options.repeats
+            "Twin: {} modes of {truth} in white noise of {snr_db:.0} dB. CPU time of this machine, of all threads: {}.",
+            test.twin_modes,
+            match study.options.repeats {
+                1 => "one warm run".to_owned(),
+                repeats => format!("median of {repeats} warm runs, longest less shortest"),
+            }
         ),
     ];
     let [limit, _] = test.limits;
@@ -87,7 +90,7 @@ fn front_row(
         Cell::number(timing.median_s.map(|own| 1e3 * own), 2),
         Cell::number(timing.spread_s.map(|own| 1e3 * own), 2),
         Cell::number(timing.peak_bytes.map(|own| own as f64 / 1_048_576.0), 2),
-        percent(tally.frequency(), 6),
+        Cell::deviation(tally.frequency().map(|v| 100.0 * v), 6),
         percent(tally.damping(), 4),
         percent(tally.shape(), 4),
         count(tally.found),

@@ -3,6 +3,7 @@
 use crate::scene::SceneUpdate;
 use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};
 
+use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
 use super::{Block, Cell, Column, Table};
 
@@ -25,20 +26,19 @@ pub fn update_blocks(title: &str, own: &SceneUpdate) -> Vec<Block> {
 }
 
 fn parameters(own: &SceneUpdate) -> Block {
-    let significant = |value: f64| Cell::text(format!("{value:.5e}"));
     let row = |p: &crate::update::UpdatedParameter| {
         vec![
             Cell::text(&p.name),
             Cell::text(&p.unit),
-            significant(p.initial),
-            significant(p.updated),
+            Cell::text(significant(p.initial, 6)),
+            Cell::text(significant(p.updated, 6)),
             Cell::signed(
                 Some(100.0 * (p.updated / p.initial - 1.0)).filter(|c| c.is_finite()),
                 3,
             ),
-            significant(p.std),
-            significant(p.prior_std),
-            Cell::number(Some(p.posterior_over_prior), 3),
+            Cell::text(significant(p.std, 3)),
+            Cell::text(significant(p.prior_std, 3)),
+            Cell::deviation(Some(p.posterior_over_prior), 3),
             Cell::text(if p.held {
                 format!("{}; held", p.verdict.name())
             } else {
@@ -146,8 +146,8 @@ fn misfit(own: &UpdateResult) -> String {
 fn combinations(own: &UpdateResult) -> Block {
     let row = |c: &crate::update::Combination| {
         vec![
-            Cell::text(format!("{:.3e}", c.singular_value)),
-            Cell::number(Some(c.posterior_over_prior), 4),
+            Cell::text(significant(c.singular_value, 4)),
+            Cell::deviation(Some(c.posterior_over_prior), 4),
             Cell::text(&c.text),
         ]
     };
@@ -174,7 +174,7 @@ fn fits(own: &SceneUpdate) -> Block {
             Cell::signed(b.error_percent, 3),
             Cell::number(b.mac, 4),
             Cell::number(a.model_hz, 3),
-            Cell::number(a.model_std_hz, 3),
+            Cell::deviation(a.model_std_hz, 3),
             Cell::signed(a.error_percent, 3),
             Cell::number(a.mac, 4),
         ]
@@ -194,20 +194,30 @@ fn fits(own: &SceneUpdate) -> Block {
     let summary = |name: &str, fit: &Fit| {
         let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
         format!(
-            "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {:.4} of {} residuals.",
+            "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
             fit.paired(),
             fit.rows.len(),
             percent(fit.largest_percent),
             percent(fit.rms_percent),
-            fit.chi_square,
+            significant(fit.chi_square, 5),
             fit.data_count
         )
     };
+    let all = before.rows.iter().chain(&after.rows);
+    let shapes = all.into_iter().any(|row| row.mac.is_some());
+    let macs = shapes.then(|| {
+        "MAC as the update weighs it: of the real parts, as an undamped model has no others, each component over its deviation. A \
+         comparison counts the complex shapes, all components alike."
+            .to_owned()
+    });
     Block::Table(Table {
         caption: "The modes that counted".to_owned(),
         columns,
         rows: before.rows.iter().zip(&after.rows).map(row).collect(),
-        footnotes: vec![summary("Before", before), summary("After", after)],
+        footnotes: [summary("Before", before), summary("After", after)]
+            .into_iter()
+            .chain(macs)
+            .collect(),
     })
 }
 
@@ -296,7 +306,7 @@ fn explanation(own: &Explanation) -> Vec<Block> {
 }
 
 fn row(own: &Change) -> Vec<Cell> {
-    let values: Vec<String> = own.values.iter().map(|v| format!("{v:.5e}")).collect();
+    let values: Vec<String> = own.values.iter().map(|v| significant(*v, 6)).collect();
     let name = if own.parameters.is_empty() {
         "none".to_owned()
     } else {

@@ -1,4 +1,4 @@
-//! Studies: how fast and how exact every method is, and where it fails.
+//! Studies: how fast and how exact every method is, where it fails, and how little a scene needs.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -7,6 +7,7 @@
 //! | `bound` | [`deviations`]: the Cramér-Rao bound of poles |
 //! | `score` | [`Judge`]: which modes of a truth are observable, found, missed, and which are spurious |
 //! | `method` | [`Method`]: every estimator, with orders |
+//! | `order` | [`order()`]: as few modes, as low an order, as simple a method, theory and parameter set as a scene bears |
 //! | `meter` | [`Meter`]: processor time and memory, supplied by the caller |
 //! | `seed` | [`cell_random`]: random numbers from the coordinates of a cell |
 //! | `spec` | [`StudyFile`]: `study.toml` as typed |
@@ -22,6 +23,7 @@ pub mod breakdown;
 mod error;
 mod meter;
 mod method;
+mod order;
 mod score;
 mod seed;
 mod spec;
@@ -34,6 +36,10 @@ pub use bound::{Deviation, NoisyLines, deviations};
 pub use error::StudyError;
 pub use meter::{Cost, Meter};
 pub use method::{Method, REFINED};
+pub use order::{
+    LowestOrder, ModeNeeds, OrderOptions, OrderTried, ParameterNeeds, SceneNeeds, SingleMode,
+    TestNeeds, TheoryNeeds, answers, order,
+};
 pub use score::{Judge, Known, Verdict, bounds, components, known};
 pub use seed::cell_random;
 pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use crate::scene::{SceneError, parse};
 
 use super::breakdown::BreakdownTable;
+use super::order::OrderOptions;
 use super::speed_accuracy::SpeedAccuracyOptions;
 
 /// The schema text of a spec.
@@ -23,6 +24,9 @@ pub struct StudyFile {
     /// `[breakdown]`.
     #[serde(default)]
     pub breakdown: BreakdownTable,
+    /// `[order]`.
+    #[serde(default)]
+    pub order: OrderOptions,
     /// `[speed_accuracy]`.
     #[serde(default)]
     pub speed_accuracy: SpeedAccuracyOptions,

@@ -129,7 +129,8 @@ pub fn modes_of_matrices(
     let solution = solve(matrices)?;
     let damping = |j: usize| {
         let c = matrices.damping.as_ref()?;
-        let (energy, _) = quadratic_form(c, &solution.vectors, j);
+        let forces = c * solution.vectors.subcols(j, 1);
+        let energy = dot(solution.vectors.col_as_slice(j), forces.col_as_slice(0));
         Some(energy / (2.0 * solution.omega_rad_s[j]))
     };
     let moved = |vectors: &RealMatrix| &matrices.mass * vectors;
@@ -226,47 +227,37 @@ impl Solution {
 
 fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
     let raw = linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?;
-    let n = raw.omega_squared.len();
-    let mut quotients = Vec::with_capacity(n);
-    for j in 0..n {
-        quotients.push(rayleigh_quotient(&matrices.stiffness, &raw.vectors, j)?);
-    }
+    let quotients = rayleigh_quotients(&matrices.stiffness, &raw.vectors)?;
     let total = row_squares(&raw.vectors);
     Ok(Solution::arranged(&raw.vectors, &quotients, &total))
 }
 
-/// `phi^T K phi` of a mass-normalised column, exactly 0 within its rounding bound.
-fn rayleigh_quotient(
+/// `phi^T K phi` of mass-normalised columns, exactly 0 within its rounding bound.
+fn rayleigh_quotients(
     stiffness: &RealMatrix,
     vectors: &RealMatrix,
-    j: usize,
-) -> Result<f64, TheoryError> {
-    let (value, magnitude) = quadratic_form(stiffness, vectors, j);
-    let limit = vectors.nrows() as f64 * f64::EPSILON * magnitude;
-    if value < -limit {
-        return Err(TheoryError::NegativeStiffness {
-            got_rad2_s2: value,
-            limit_rad2_s2: limit,
-        });
-    }
-    Ok(if value <= limit { 0.0 } else { value })
+) -> Result<Vec<f64>, TheoryError> {
+    let sizes =
+        |of: &RealMatrix| RealMatrix::from_fn(of.nrows(), of.ncols(), |r, c| of[(r, c)].abs());
+    let size = sizes(vectors);
+    let (forces, largest) = (stiffness * vectors, sizes(stiffness) * &size);
+    let quotient = |j: usize| {
+        let value = dot(vectors.col_as_slice(j), forces.col_as_slice(j));
+        let magnitude = dot(size.col_as_slice(j), largest.col_as_slice(j));
+        let limit = vectors.nrows() as f64 * f64::EPSILON * magnitude;
+        if value < -limit {
+            return Err(TheoryError::NegativeStiffness {
+                got_rad2_s2: value,
+                limit_rad2_s2: limit,
+            });
+        }
+        Ok(if value <= limit { 0.0 } else { value })
+    };
+    (0..vectors.ncols()).map(quotient).collect()
 }
 
-/// `phi^T A phi` and `|phi|^T |A| |phi|` of column `j`.
-fn quadratic_form(matrix: &RealMatrix, vectors: &RealMatrix, j: usize) -> (f64, f64) {
-    let n = matrix.nrows();
-    let (mut value, mut magnitude) = (0.0, 0.0);
-    for c in 0..n {
-        let (mut column, mut column_magnitude) = (0.0, 0.0);
-        for r in 0..n {
-            let term = matrix[(r, c)] * vectors[(r, j)];
-            column += term;
-            column_magnitude += term.abs();
-        }
-        value += column * vectors[(c, j)];
-        magnitude += column_magnitude * vectors[(c, j)].abs();
-    }
-    (value, magnitude)
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Runs of two or more neighbours, each within [`REPEATED_SPACING`] of the one before, in ascending order.

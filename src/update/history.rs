@@ -20,11 +20,11 @@ impl StopReason {
     /// In words.
     pub fn sentence(self) -> &'static str {
         match self {
-            StopReason::NoDecrease => "converged: no step lowers the objective",
-            StopReason::SmallStep => "converged: the steps have become as small as rounding",
-            StopReason::NothingSeen => "nothing changed: the test sees none of the free parameters",
+            StopReason::NoDecrease => "Converged: no step lowers the objective",
+            StopReason::SmallStep => "Converged: the steps have become as small as rounding",
+            StopReason::NothingSeen => "Nothing changed: the test sees none of the free parameters",
             StopReason::IterationLimit => {
-                "not converged: the stated number of iterations is reached"
+                "Not converged: the stated number of iterations is reached"
             }
         }
     }

@@ -327,7 +327,7 @@ def check_page(binary, folder, shots, downloads):
                     page.shot(shots / f"{folder.name}-{width}-{'dark' if dark else 'light'}-{name}.png")
                 check(f"no error at {width}", not page.errors(), str(page.errors()))
         page.open(path, 1400, True)
-        pdf = base64.b64decode(page.call("Page.printToPDF", printBackground=True)["data"])
+        pdf = base64.b64decode(page.call("Page.printToPDF", printBackground=True, preferCSSPageSize=True)["data"])
         (shots / f"{folder.name}.pdf").write_bytes(pdf)
         check("it prints", len(pdf) > 50_000 and not page.errors(), str(page.errors()))
     finally:

@@ -1,5 +1,5 @@
 //! `modalign study speed-accuracy`: the same numbers for any number of threads, the refined method at its bound, and the failures
-//! that are known.
+//! that are known. `modalign study order`: what the beam needs is known.
 
 use std::path::Path;
 
@@ -20,7 +20,10 @@ fn scene(folder: &Path) {
     let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
     let files = [
         ("scene.toml", text("scene.toml")),
-        ("model.toml", text("model.toml")),
+        (
+            "model.toml",
+            text("model.toml").replace("elements = 60", "elements = 30"),
+        ),
         ("synth.toml", spec),
         ("study.toml", SPEC.to_owned()),
     ];
@@ -147,5 +150,78 @@ fn a_study_that_cannot_be_meant_says_why() {
     assert!(
         unknown.contains("got \"other\"") && unknown.contains("roving hammer"),
         "{unknown}"
+    );
+}
+
+#[test]
+fn what_the_beam_needs_is_the_same_for_any_threads_and_on_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path());
+    let place = folder.path().to_str().unwrap();
+    let out = |threads: &str| {
+        let out = folder.path().join(threads);
+        let text = succeed([
+            "study",
+            "order",
+            place,
+            "-o",
+            out.to_str().unwrap(),
+            "--threads",
+            threads,
+        ]);
+        let files = [
+            "order.csv",
+            "order.json",
+            "order.md",
+            "order-roving-hammer.svg",
+        ];
+        (
+            text,
+            files.map(|name| std::fs::read_to_string(out.join(name)).unwrap()),
+        )
+    };
+    let (one, two) = (out("1"), out("2"));
+    assert_eq!(one, two);
+    let (text, [csv, json, page, figure]) = one;
+    assert!(text.contains("the data support 6 roots by BIC"), "{text}");
+    assert!(page.contains("one mode at a time is enough for 6 of 6 modes"));
+    assert!(csv.lines().count() > 7 && figure.contains("BIC above its least"));
+    let own: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(own["schema"], "modalign-order/1");
+    let test = &own["tests"][0];
+    assert_eq!(test["roots_by_bic"], 6);
+    assert_eq!(own["parameters"]["needed"].as_array().unwrap().len(), 2);
+    for method in test["orders"].as_array().unwrap() {
+        let lowest = method["lowest"].as_u64().unwrap();
+        assert!(
+            lowest <= method["own"]["order"].as_u64().unwrap(),
+            "{method}"
+        );
+    }
+    // The page of a run shows it.
+    let run = folder.path().join("run");
+    let run = run.to_str().unwrap();
+    succeed(["run", place, "-o", run]);
+    std::fs::copy(
+        folder.path().join("1/order.json"),
+        folder.path().join("run/order.json"),
+    )
+    .unwrap();
+    succeed(["report", run]);
+    let page = std::fs::read_to_string(folder.path().join("run/report.html")).unwrap();
+    assert!(page.contains("What this scene needs, and what it does not"));
+    assert!(page.contains("the data support 6 roots by BIC"));
+}
+
+#[test]
+fn a_spec_that_cannot_be_meant_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path());
+    let wrong = "schema = \"modalign-study/1\"\n[order]\ntheory_percent = -1.0\n";
+    write(folder.path(), &[("study.toml", wrong)]);
+    let text = fail(["study", "order", folder.path().to_str().unwrap()]);
+    assert!(
+        text.contains("[order] theory_percent: got -1, expected a number above 0"),
+        "{text}"
     );
 }

@@ -64,7 +64,7 @@ function drawEnergies(host) {
         const row = el('div', { class: 'share', tabindex: '0', role: 'img', 'aria-label': `${digits(root.hz, 5)} Hz: ${root[part].map(([name, share]) => `${name} ${percent(share)}`).join(', ')}` });
         const sorted = [...root[part]].sort((a, b) => names.indexOf(a[0]) - names.indexOf(b[0]));
         for (const [name, share] of sorted) {
-          row.append(el('i', { class: share > 0.14 ? 'told' : null, style: `width:${100 * share}%;background:${color(name)}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }, share > 0.14 ? name : ''));
+          row.append(el('i', { class: share > 0.14 ? 'told' : null, style: `width:${100 * share}%;background:${color(name)};color:${inkOver(color(name))}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }, share > 0.14 ? name : ''));
         }
         const told = root.hz > 0 ? `${digits(root.hz, 5)} Hz${root.multiplicity > 1 ? ` (${root.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
         return el('div', { class: 'root' }, el('span', { class: 'n' }, told), row, el('small', {}, root.class || ''));

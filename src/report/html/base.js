@@ -72,6 +72,13 @@ function inkOn(share) {
   return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] > 140 ? '#111722' : '#ffffff';
 }
 
+/** Dark or white, whichever has more contrast on a colour `#rrggbb` (WCAG relative luminance). */
+function inkOver(color) {
+  const [r, g, b] = [1, 3, 5].map((k) => parseInt(color.slice(k, k + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  const luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  return luminance > 0.19 ? '#10131a' : '#ffffff';
+}
+
 /** The one tooltip of the page. */
 const tip = {
   node: null,

@@ -19,10 +19,10 @@ function drawCircle(host, test, own) {
   host.append(two);
   const around = Array.from({ length: 121 }, (_, k) => (k * Math.PI) / 60);
   const circle = { x: around.map((t) => own.center[0] + own.radius * Math.cos(t)), y: around.map((t) => own.center[1] + own.radius * Math.sin(t)) };
-  left.append(el('h4', {}, own.function));
+  left.append(el('h4', {}, `${own.function}: ${T('receptance without the other modes')}`));
   new Plot(left, {
     name: `${test.name}-circle-${own.mode}`, height: 420, equal: true,
-    x: { label: `${T('Real part')}, ${T('receptance without the other modes (m/N)')}` }, y: { label: `${T('Imaginary part')} (m/N)` },
+    x: { label: `${T('Real part')} (m/N)` }, y: { label: `${T('Imaginary part')} (m/N)` },
     series: [
       { name: T('circle'), ...circle, color: 1, quiet: true },
       { name: T('data'), kind: 'points', x: own.re, y: own.im, color: 0, size: 3 },
@@ -47,7 +47,7 @@ function surface(host, test, own) {
   host.append(el('h4', {}, T('Damping surface: damping ratio of each pair of lines')));
   const canvasHost = el('div', { class: 'plot' });
   host.append(canvasHost, el('p', { class: 'note' }, `${T('median')} ${percent(median)}, ${T('range')} ${percent(sorted[0])} … ${percent(sorted[sorted.length - 1])}${window}. ${span(T('below'), own.below_hz)}, ${span(T('above'), own.above_hz)}`));
-  const view = new View3d(canvasHost, { height: 380, label: T('Damping surface: damping ratio of each pair of lines'), turn: [-0.7, 0.55], fit: 0.6 });
+  const view = new View3d(canvasHost, { height: 380, label: T('Damping surface: damping ratio of each pair of lines'), turn: [-0.7, 0.55], fit: 0.6, triad: false });
   const [rows, columns] = [own.below_hz, own.above_hz];
   const top = Math.max(...values, 1.5 * median);
   const spot = (i, j, value) => [(i / Math.max(1, rows.length - 1)) * 2 - 1, (j / Math.max(1, columns.length - 1)) * 2 - 1, (1.4 * value) / top - 0.7];

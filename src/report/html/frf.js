@@ -33,6 +33,7 @@ function drawFrf(host) {
 
 function drawCurve(host, test, curve, hz, state) {
   const set = test.frfs;
+  const unit = curve.unit.replace('/s2', '/s²');
   const x = curve.lines.map(hz);
   const fitted = curve.fit_magnitude.length > 0;
   const group = linked();
@@ -51,15 +52,15 @@ function drawCurve(host, test, curve, hz, state) {
     return all;
   };
   left.append(el('h4', {}, `${T('Bode')}: ${curve.response} / ${curve.reference}`));
-  new Plot(left, { ...shared, marks, name: `${name}-magnitude`, height: 300, x: range, y: { label: `${T('Magnitude')} (${curve.unit})`, log: true }, series: series(curve.magnitude, curve.fit_magnitude) });
-  const degrees = [-180, -90, 0, 90, 180].map((at) => ({ at, text: String(at), main: true }));
+  new Plot(left, { ...shared, marks, name: `${name}-magnitude`, height: 300, x: range, y: { label: `${T('Magnitude')} (${unit})`, log: true }, series: series(curve.magnitude, curve.fit_magnitude) });
+  const degrees = [-180, -90, 0, 90, 180].map((at) => ({ at, text: String(at).replace('-', '−'), main: true }));
   new Plot(left, { ...shared, name: `${name}-phase`, height: 190, x: range, y: { label: T('Phase (°)'), min: -190, max: 190, ticks: degrees }, series: series(curve.phase_deg, curve.fit_phase_deg, { wraps: true }) });
   if (curve.coherence.length) {
     new Plot(left, { ...shared, name: `${name}-coherence`, height: 140, x: range, y: { label: T('Coherence'), min: 0, max: 1.02 }, series: [{ name: T('Coherence'), x, y: curve.coherence, color: 2 }] });
   }
   if (fitted) left.append(el('p', { class: 'note' }, T('fit: identified modes and two residual terms')));
   right.append(el('h4', {}, T('Nyquist')));
-  nyquist(right, { curve, x, fitted, group, name, unit: curve.unit, range: set.band_hz });
+  nyquist(right, { curve, x, fitted, group, name, unit, range: set.band_hz });
 }
 
 /** The curve in the complex plane over the range of frequency that the Bode diagram shows. */
@@ -81,7 +82,7 @@ function nyquist(host, { curve, x, fitted, group, name, unit, range }) {
     const [lo, hi] = shown || range;
     const keep = x.map((value, k) => k).filter((k) => x[k] >= lo && x[k] <= hi);
     const series = [{ name: T('data'), color: 0, kind: keep.length < 250 ? 'points' : 'line', size: 2, ...parts(curve.magnitude, curve.phase_deg, keep) }];
-    if (fitted) series.push({ name: T('fit'), color: 1, ...parts(curve.fit_magnitude, curve.fit_phase_deg, keep) });
+    if (fitted) series.push({ name: T('fit'), color: 1, dash: '6 3', ...parts(curve.fit_magnitude, curve.fit_phase_deg, keep) });
     body.replaceChildren();
     new Plot(body, {
       name: `${name}-nyquist`, height: 420, equal: true, series,

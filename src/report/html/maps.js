@@ -92,20 +92,23 @@ function contourSeries(slice, k) {
   return { name: slice.methods[k] + note, quiet: true, color: k, width: 2, dash: DASHES[k % DASHES.length], x, y };
 }
 
-/** The darker, the more methods fail; of one method, the more of the draws. */
+/** The darker, the more methods fail; of one method, the more of the draws. Tiles are finer than the grid, so that shades end at the contours. */
 function shade(plot, group, slice, method) {
-  const [columns, rows] = [slice.shares[0].length, slice.shares[0][0].length];
-  const at = (axis, scale, k, count) => scale(valueAt(axis, k / (count - 1)));
-  for (let i = 0; i + 1 < columns; i++) {
-    for (let j = 0; j + 1 < rows; j++) {
-      const middle = [(i + 0.5) / (columns - 1), (j + 0.5) / (rows - 1)];
-      const tone = method === null
-        ? DARKEST.all * slice.shares.filter((grid) => shareAt(grid, middle) < HOLDS).length / slice.methods.length
-        : DARKEST.one * (1 - shareAt(slice.shares[method], middle) / 100);
-      if (tone < 0.005) continue;
-      const [x1, x2] = [at(slice.x, plot.sx, i, columns), at(slice.x, plot.sx, i + 1, columns)];
-      const [y1, y2] = [at(slice.y, plot.sy, j + 1, rows), at(slice.y, plot.sy, j, rows)];
-      group.append(svg('rect', { x: x1, y: y1, width: x2 - x1, height: y2 - y1, fill: heat(tone), 'shape-rendering': 'crispEdges' }));
+  const finer = (count, least) => (count - 1) * Math.ceil(least / (count - 1));
+  const [across, up] = [finer(slice.shares[0].length, 72), finer(slice.shares[0][0].length, 48)];
+  const tone = (i, j) => {
+    const middle = [(i + 0.5) / across, (j + 0.5) / up];
+    if (method !== null) return DARKEST.one * Math.round(50 * (1 - shareAt(slice.shares[method], middle) / 100)) / 50;
+    return DARKEST.all * slice.shares.filter((grid) => shareAt(grid, middle) < HOLDS).length / slice.methods.length;
+  };
+  for (let j = 0; j < up; j++) {
+    const [top, bottom] = [j + 1, j].map((k) => plot.sy(valueAt(slice.y, k / up)));
+    for (let i = 0; i < across;) {
+      const [from, own] = [i, tone(i, j)];
+      while (i < across && tone(i, j) === own) i++;
+      if (own < 0.005) continue;
+      const [left, right] = [from, i].map((k) => plot.sx(valueAt(slice.x, k / across)));
+      group.append(svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: heat(own), 'shape-rendering': 'crispEdges' }));
     }
   }
 }

@@ -13,8 +13,10 @@ use crate::study::breakdown::{
 
 const SPEED: &str = "Speed against accuracy";
 const BREAKDOWN: &str = "Where methods fail";
+const ORDER: &str = "What this scene needs, and what it does not";
 const MAP: &str = "Small structures are drawn again and again. Inside its contour a method finds their modes to the stated error in 95 % of the draws; beyond it, it does not. Points are the modes of this run.";
 const OTHER_SPEED: &str = "The study in speed-accuracy.json is of another scene or of other data than this run, and is left out; run `modalign study speed-accuracy` again.";
+const OTHER_ORDER: &str = "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.";
 const OTHER_BREAKDOWN: &str = "The study in breakdown.json shows the modes of another scene, or other modes than this run, and is left out; run `modalign study breakdown` again: finished slices are kept.";
 
 /// Share of a frequency by which one that was written twice may differ.
@@ -34,9 +36,16 @@ pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -
     let mut tab = Methods::default();
     let w = |text: &'static str| escape(word(language, text));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
+    if let Some(own) = &beside.order {
+        tab.content += &format!("<h3>{}</h3>\n", w(ORDER));
+        tab.content += &match is_of_run(own, report) {
+            true => sentences(&own["answers"]) + &tables(own, language),
+            false => note(OTHER_ORDER),
+        };
+    }
     if let Some(own) = &beside.speed_accuracy {
         tab.content += &format!("<h3>{}</h3>\n", w(SPEED));
-        if speed_is_of_run(own, report) {
+        if is_of_run(own, report) {
             tab.content += &speed_text(own, language);
             tab.data.insert("speed".to_owned(), speed_data(own));
         } else {
@@ -50,7 +59,7 @@ pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -
             tab.content += &format!(
                 "<p>{}</p>\n<div class=\"drawn\" data-draw=\"maps\"></div>\n<div class=\"drawn\" data-draw=\"precision\"></div>\n{}",
                 w(MAP),
-                fragment(&tables)
+                fragment(&tables, language)
             );
             let data = breakdown_data(own, language);
             tab.data.insert("breakdown".to_owned(), data);
@@ -66,7 +75,7 @@ fn items(value: &Value) -> impl Iterator<Item = &Value> {
 }
 
 /// Whether a study has the title of the run's scene, and each of its tests the name and the data of one of the run's.
-fn speed_is_of_run(own: &Value, report: &RunReport) -> bool {
+fn is_of_run(own: &Value, report: &RunReport) -> bool {
     let same_data = |test: &Value| {
         let name = test["name"].as_str().unwrap_or_default();
         let hashes = items(&test["inputs"]).filter_map(|file| file["sha256"].as_str());
@@ -96,12 +105,20 @@ fn breakdown_is_of_run(own: &BreakdownFile, report: &RunReport) -> bool {
 
 /// What the study teaches, its figures, its tables.
 fn speed_text(own: &Value, language: Language) -> String {
-    let lessons = items(&own["lessons"]).filter_map(Value::as_str);
-    let lessons = lessons.map(|text| format!("<p class=\"why\">{}</p>\n", escape(text)));
-    let tables = serde_json::from_value::<Vec<Block>>(own["tables"].clone());
-    lessons.collect::<String>()
+    sentences(&own["lessons"])
         + "<div class=\"drawn\" data-draw=\"speed\"></div>\n"
-        + &fragment(&language.translated(tables.unwrap_or_default()))
+        + &tables(own, language)
+}
+
+fn sentences(own: &Value) -> String {
+    let all = items(own).filter_map(Value::as_str);
+    all.map(|text| format!("<p class=\"why\">{}</p>\n", escape(text)))
+        .collect()
+}
+
+fn tables(own: &Value, language: Language) -> String {
+    let tables = serde_json::from_value::<Vec<Block>>(own["tables"].clone());
+    fragment(&language.translated(tables.unwrap_or_default()), language)
 }
 
 /// What the figures show of a row.

@@ -217,3 +217,27 @@ fn a_study_of_other_data_is_left_out_with_a_word() {
     }
     assert!(shown(&Beside::default()).content.is_empty());
 }
+
+#[test]
+fn what_a_scene_needs_stands_before_what_methods_do() {
+    let mut own = json!({
+        "schema": "modalign-order/1",
+        "title": "wing",
+        "tests": [{"name": "hammer", "inputs": speed()["tests"][0]["inputs"]}],
+        "answers": ["hammer: 2 roots < 3."],
+        "tables": [],
+    });
+    let tab = |order: &Value| {
+        shown(&Beside {
+            order: Some(order.clone()),
+            speed_accuracy: Some(speed()),
+            ..Beside::default()
+        })
+    };
+    let content = tab(&own).content;
+    let needs = content.find("hammer: 2 roots &lt; 3.").unwrap();
+    assert!(needs < content.find("data-draw=\"speed\"").unwrap());
+    own["title"] = json!("another");
+    let content = tab(&own).content;
+    assert!(content.contains("order.json is of another scene") && !content.contains("2 roots"));
+}

@@ -16,7 +16,7 @@ mod words;
 use serde_json::Value;
 
 use super::json::BreakdownFile;
-use super::{Align, Block, Cell, Column, Renderer, Table};
+use super::{Align, Block, Cell, Column, Language, Renderer, Table};
 
 pub use page::report_page;
 
@@ -29,10 +29,15 @@ pub struct Beside {
     pub speed_accuracy: Option<Value>,
     /// `breakdown.json`.
     pub breakdown: Option<BreakdownFile>,
+    /// `order.json`.
+    pub order: Option<Value>,
 }
 
 /// Renders blocks as a page of its own.
 pub struct Html;
+
+/// A table of more columns than this does not fit on an upright page.
+const MOST_UPRIGHT: usize = 9;
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
@@ -54,7 +59,7 @@ impl Renderer for Html {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n{}<body>\n<main class=\"plain\">\n{}</main>\n</body>\n</html>\n",
             head(title.unwrap_or("modalign")),
-            fragment(blocks)
+            fragment(blocks, Language::English)
         )
     }
 }
@@ -68,8 +73,9 @@ fn head(title: &str) -> String {
 }
 
 /// Blocks as HTML without a page around them.
-fn fragment(blocks: &[Block]) -> String {
-    blocks.iter().map(block_text).collect()
+fn fragment(blocks: &[Block], language: Language) -> String {
+    let text = |block| block_text(block, language);
+    blocks.iter().map(text).collect()
 }
 
 /// Text as it may stand between tags and in attributes.
@@ -88,11 +94,11 @@ fn escape(text: &str) -> String {
     escaped
 }
 
-fn block_text(block: &Block) -> String {
+fn block_text(block: &Block, language: Language) -> String {
     match block {
         Block::Heading(text) => format!("<h2>{}</h2>\n", escape(text)),
         Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
-        Block::Table(table) => table_text(table),
+        Block::Table(table) => table_text(table, language),
         Block::Findings { findings, .. } if findings.is_empty() => String::new(),
         Block::Findings { findings, language } => {
             let item = |finding: &crate::finding::Finding| {
@@ -117,7 +123,7 @@ fn class(column: &Column) -> &'static str {
     }
 }
 
-fn table_text(table: &Table) -> String {
+fn table_text(table: &Table, language: Language) -> String {
     let heads = table.columns.iter().map(|column| {
         let text = escape(&column.head).replace('\n', "<br>");
         format!("<th scope=\"col\"{}>{text}</th>", class(column))
@@ -138,11 +144,20 @@ fn table_text(table: &Table) -> String {
         0 => String::new(),
         1..=3 => format!("<div class=\"notes\">{notes}</div>\n"),
         count => {
-            format!("<details class=\"notes\"><summary>… ({count})</summary>\n{notes}</details>\n")
+            let notes_word = words::word(language, "Notes");
+            format!(
+                "<details class=\"notes\"><summary>{notes_word} ({count})</summary>\n{notes}</details>\n"
+            )
         }
     };
+    // On paper a broad table has a page across.
+    let broad = if table.columns.len() > MOST_UPRIGHT {
+        " broad"
+    } else {
+        ""
+    };
     format!(
-        "<figure class=\"table\">\n<figcaption>{}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n<table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{notes}</figure>\n",
+        "<figure class=\"table{broad}\">\n<figcaption>{}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n<table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{notes}</figure>\n",
         escape(&table.caption),
         heads.collect::<String>(),
         rows.collect::<String>(),
@@ -166,12 +181,12 @@ fn cell_text(cell: &Cell, column: &Column) -> String {
 fn verdict_class(text: &str) -> Option<&'static str> {
     Some(match text {
         "paired" | "已配对" | "identified" | "可识别" | "used" | "used (stated)" | "reproduced"
-        | "met" | "yes" => "good",
+        | "met" | "yes" | "采用" | "采用(指定)" | "已复现" | "满足" => "good",
         "ambiguous" | "不明确" | "at bound" | "位于边界" | "missed-expected" | "漏检(预期)"
-        | "not checkable" => "fair",
+        | "not checkable" | "无法核对" => "fair",
         "MISSED" | "NOT reproduced" | "missed-unexpected" | "漏检(非预期)" | "extra" | "多余"
         | "left out" | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
-        | "漏检(未判定)" => "bad",
+        | "漏检(未判定)" | "剔除" | "剔除(指定)" | "未复现" | "未满足" => "bad",
         "not-observable"
         | "不可观测"
         | "outside-band"
@@ -220,7 +235,10 @@ mod tests {
             findings,
             language: Language::default(),
         };
-        let text = fragment(&[block(vec![finding]), block(Vec::new())]);
+        let text = fragment(
+            &[block(vec![finding]), block(Vec::new())],
+            Language::English,
+        );
         assert!(
             text.starts_with("<ul class=\"findings\">\n<li class=\"warning\">"),
             "{text}"

@@ -131,7 +131,7 @@ fn tabs(
     let section = |id: &str| {
         let own = report.sections.iter().filter(|own| own.id == id);
         let blocks = own.flat_map(|own| own.blocks.clone()).collect();
-        fragment(&language.translated(blocks))
+        fragment(&language.translated(blocks), language)
     };
     let tab = |id, title, content, drawn| Tab {
         id,

@@ -5,27 +5,35 @@ const MARKS = ['M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0Z', 'M-3.6 -3.6h7.2v7.2h-7.2Z'
 
 const MARGIN = { left: 72, right: 22, top: 10, bottom: 40 };
 
-/** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. */
-function linearTicks(lo, hi, count) {
+/** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. Numbers are in units of a power of ten, which the axis tells. */
+function linearTicks(lo, hi, count, unit = 0) {
   const raw = (hi - lo) / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * ([1, 2, 5, 10].find((own) => own * power >= raw * 0.999) || 10);
+  const step = power * ([1, 2, 5, 10].find((own) => own * power >= raw * 0.85) || 10);
+  const decimals = Math.max(0, unit - Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
   for (let n = Math.ceil(lo / step - 1e-9); n * step <= hi + 1e-9 * step; n++) {
-    ticks.push({ at: n * step, text: short(n * step, step), main: true });
+    const value = n * step * 10 ** -unit;
+    ticks.push({ at: n * step, text: (n === 0 ? 0 : value).toFixed(Math.min(12, decimals)).replace('-', '−'), main: true });
   }
   return ticks;
 }
 
-/** A tick's number, no longer than its step needs. */
-function short(value, step) {
-  const size = Math.max(Math.abs(value), step);
-  const place = Math.floor(Math.log10(step) + 1e-9);
-  if (size >= 1e5 || step < 1e-4) {
-    const first = value === 0 ? place : Math.floor(Math.log10(Math.abs(value)) + 1e-9);
-    return value === 0 ? '0' : value.toExponential(Math.max(0, first - place)).replace('e+', 'e');
-  }
-  return value.toFixed(Math.max(0, -place));
+/** The power of ten that a linear axis is told in: 0 where its numbers are short as they are. */
+function commonPower(lo, hi) {
+  const largest = Math.max(Math.abs(lo), Math.abs(hi));
+  if (!(largest > 0) || (largest >= 1e-2 && largest < 1e5)) return 0;
+  return Math.floor(Math.log10(largest) + 1e-9);
+}
+
+const raised = (n) => String(n).replace(/./g, (c) => '⁰¹²³⁴⁵⁶⁷⁸⁹⁻'['0123456789-'.indexOf(c)]);
+
+/** The label of an axis with the power of ten of its numbers beside the unit. */
+function labelWith(label, power) {
+  if (!power) return label;
+  const ten = `10${raised(power)}`;
+  const unit = label.match(/ \((.*)\)$/);
+  return unit ? `${label.slice(0, unit.index)} (${ten} ${unit[1]})` : `${label} (${ten})`;
 }
 
 /** Ticks of a logarithmic axis: powers of ten, and 2 to 9 between them, labelled where there is room. */
@@ -43,17 +51,18 @@ function logTicks(lo, hi) {
       if (main || decades < 8) ticks.push({ at, main, text: told ? power(m, n) : '' });
     }
   }
-  return decades > 0.7 && ticks.filter((own) => own.text).length > 1 ? ticks : linearTicks(lo, hi, 5);
+  if (decades > 0.7 && ticks.filter((own) => own.text).length > 1) return ticks;
+  return linearTicks(lo, hi, 5).map((own) => ({ ...own, text: digits(own.at, 3) }));
 }
 
 function power(m, n) {
   if (n >= -2 && n <= 5) return Number((m * 10 ** n).toPrecision(3)).toString();
-  return `${m === 1 ? '' : `${m}·`}10${String(n).replace(/./g, (c) => '⁰¹²³⁴⁵⁶⁷⁸⁹⁻'['0123456789-'.indexOf(c)])}`;
+  return `${m === 1 ? '' : `${m}·`}10${raised(n)}`;
 }
 
 /**
  * A plot in an element. Options: `x`, `y` = {label, log, min, max}; `series` = [{name, x, y, kind: 'line' | 'points' | 'bars', color,
- * dash, size, hidden, error, edge, mark, dots, rim, legend}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
+ * dash, size, hidden, error, edge, mark, dots, rim, bold, legend}]; `marks` = vertical lines [{x, text}]; `band` = [lo, hi] that is not shaded; `height`; `name` for files;
  * `link` shares the range of x with other plots; `equal` gives both axes one scale; `under(plot, group)` and `over` draw more;
  * `pick(nearest)` is called with a point that was clicked; `tell(nearest)` gives the lines of the tooltip, `at(x, y)` those where no point
  * is within `reach` pixels. A colour is a number of the palette, a name in it, or as it is.
@@ -180,10 +189,12 @@ class Plot {
     const ticks = (axis, count) => {
       const [lo, hi] = this[`s${axis}`].range;
       if (this.o[axis].ticks) return this.o[axis].ticks.filter((own) => own.at >= lo && own.at <= hi);
-      return this.o[axis].log ? logTicks(lo, hi) : linearTicks(lo, hi, count);
+      return this.o[axis].log ? logTicks(lo, hi) : linearTicks(lo, hi, count, unit(axis));
     };
+    const unit = (axis) => (this.o[axis].log || this.o[axis].ticks ? 0 : commonPower(...this[`s${axis}`].range));
+    const label = (axis) => labelWith(this.o[axis].label, unit(axis));
     const edge = (attributes) => this.svg.append(svg('line', attributes));
-    for (const own of ticks('x', this.width / 90)) {
+    for (const own of ticks('x', this.width / (this.width < 500 ? 65 : 90))) {
       const x = this.sx(own.at);
       edge({ x1: x, x2: x, y1: top, y2: bottom, stroke: palette.grid, 'stroke-width': own.main ? 1 : 0.5 });
       if (own.text) this.svg.append(svg('text', { x, y: bottom + 15, fill: palette.faint, 'text-anchor': 'middle' }, own.text));
@@ -194,9 +205,9 @@ class Plot {
       if (own.text) this.svg.append(svg('text', { x: left - 6, y: y + 4, fill: palette.faint, 'text-anchor': 'end' }, own.text));
     }
     this.svg.append(svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: 'none', stroke: palette.axis }));
-    this.svg.append(svg('text', { x: (left + right) / 2, y: height - 6, fill: palette.ink, 'text-anchor': 'middle', 'font-size': 12 }, this.o.x.label));
+    this.svg.append(svg('text', { x: (left + right) / 2, y: height - 6, fill: palette.ink, 'text-anchor': 'middle', 'font-size': 12 }, label('x')));
     const middle = (top + bottom) / 2;
-    this.svg.append(svg('text', { x: 13, y: middle, fill: palette.ink, 'text-anchor': 'middle', 'font-size': 12, transform: `rotate(-90 13 ${middle})` }, this.o.y.label));
+    this.svg.append(svg('text', { x: 13, y: middle, fill: palette.ink, 'text-anchor': 'middle', 'font-size': 12, transform: `rotate(-90 13 ${middle})` }, label('y')));
   }
 
   marks(group) {
@@ -261,7 +272,7 @@ class Plot {
         group.append(svg('path', { d: MARKS[series.mark % MARKS.length], transform: `translate(${px} ${py})`, fill: palette.paper, stroke: color, 'stroke-width': 1.6 }));
         if (series.dots && series.dots[k]) group.append(svg('circle', { cx: px, cy: py, r: 1.9, fill: color }));
       } else {
-        group.append(svg('circle', { cx: px, cy: py, r: series.size || 2.5, fill: series.open ? 'none' : color, stroke: series.rim ? palette[series.rim] : color, 'stroke-width': 1 }));
+        group.append(svg('circle', { cx: px, cy: py, ...this.dot(series, color) }));
       }
       if (series.error && series.error[k]) {
         const [a, b] = [sy(y - series.error[k]), sy(y + series.error[k])];
@@ -279,11 +290,25 @@ class Plot {
         else this.hidden.delete(series.name);
         this.draw();
       };
-      const swatch = series.mark === undefined ? el('i', { style: `border-color:${this.color(series)};border-style:${!series.dash ? 'solid' : series.dash.startsWith('2') ? 'dotted' : 'dashed'}` }) : svg('svg', { viewBox: '-7 -7 14 14', width: 14, height: 14 });
-      if (series.mark !== undefined) swatch.append(svg('path', { d: MARKS[series.mark % MARKS.length], fill: 'none', stroke: this.color(series), 'stroke-width': 1.6 }));
-      return el('button', { type: 'button', class: 'series', 'aria-pressed': String(on), onclick: flip }, swatch, series.name);
+      return el('button', { type: 'button', class: 'series', 'aria-pressed': String(on), onclick: flip }, this.swatch(series), series.name);
     };
     this.legend.replaceChildren(...this.o.series.filter((own) => own.name && own.legend !== false).map(item));
+  }
+
+  /** What stands for a series in the legend: a stretch of its line, or its mark. */
+  swatch(series) {
+    const color = this.color(series);
+    if (series.kind !== 'points') return el('i', { style: `border-color:${color};border-style:${!series.dash ? 'solid' : series.dash.startsWith('2') ? 'dotted' : 'dashed'}` });
+    const own = svg('svg', { viewBox: '-7 -7 14 14', width: 14, height: 14 });
+    const mark = series.edge ? MARKS[4] : MARKS[series.mark % MARKS.length];
+    if (mark) own.append(svg('path', { d: mark, fill: 'none', stroke: color, 'stroke-width': 1.6 }));
+    else own.append(svg('circle', this.dot(series, color)));
+    return own;
+  }
+
+  /** A dot of a series. */
+  dot(series, color) {
+    return { r: series.size || 2.5, fill: series.open ? 'none' : color, stroke: series.rim ? palette[series.rim] : color, 'stroke-width': series.bold || 1 };
   }
 
   /** The point nearest to a pixel: by x alone, or by distance for points. */

@@ -12,6 +12,7 @@ class PolePicker {
     this.own = test.stabilization;
     this.picked = new Set();
     this.at = null;
+    this.indicator = [];
     this.plotHost = el('div');
     this.count = el('b', { class: 'count' });
     this.list = el('div', { class: 'scroll' });
@@ -43,7 +44,7 @@ class PolePicker {
     const { own } = this;
     const series = STATUS.map((name, status) => {
       const index = own.status.map((value, k) => k).filter((k) => own.status[k] === status);
-      return { name: T(name), status, kind: 'points', index, x: index.map((k) => own.hz[k]), y: index.map((k) => own.order[k]), color: [6, 0, 2][status], open: status === 0, size: status === 0 ? 2 : 3 };
+      return { name: T(name), status, kind: 'points', index, x: index.map((k) => own.hz[k]), y: index.map((k) => own.order[k]), color: [6, 0, 2][status], open: status === 0, size: [2, 3, 4][status], ...(status === 2 ? { rim: 'ink', bold: 1.6 } : {}) };
     });
     const orders = own.order.length ? [Math.min(...own.order), Math.max(...own.order)] : [0, 1];
     const pad = Math.max(1, 0.06 * (orders[1] - orders[0]));
@@ -79,15 +80,14 @@ class PolePicker {
       const path = course.map((value, k) => `${k ? 'L' : 'M'}${plot.sx(hz[k]).toFixed(1)} ${y(value).toFixed(1)}`).join('');
       group.append(svg('path', { d: path, fill: 'none', stroke: palette.axis, 'stroke-width': j ? 0.8 : 1.4, opacity: j ? 0.6 : 1 }));
     });
-    const right = plot.width - MARGIN.right;
-    for (const own of logTicks(lo, hi).filter((tick) => tick.text)) {
-      group.append(svg('text', { x: right - 4, y: y(own.at) + 3, 'text-anchor': 'end', fill: palette.faint, 'font-size': 9.5 }, own.text));
-    }
-    // Numbers of modes stand at the top.
-    group.append(svg('text', { x: right - 4, y: bottom - 6, 'text-anchor': 'end', fill: palette.faint, 'font-size': 10 }, T('CMIF (m/(N s))')));
+    // Numbers of modes stand at the top, the name of the axis at the bottom; both are read over poles and curve.
+    const told = logTicks(lo, hi).filter((tick) => tick.text).map((own) => [y(own.at) + 3, own.text]);
+    this.indicator = [...told.filter(([at]) => at < bottom - 18), [bottom - 6, T('CMIF (m/(N s))')]];
   }
 
   over(plot, group) {
+    const beside = { x: plot.width - MARGIN.right - 4, 'text-anchor': 'end', fill: palette.faint, stroke: palette.paper, 'stroke-width': 3, 'paint-order': 'stroke', 'font-size': 10 };
+    for (const [y, text] of this.indicator) group.append(svg('text', { ...beside, y }, text));
     const ring = (k, attributes) => group.append(svg('circle', { cx: plot.sx(this.own.hz[k]), cy: plot.sy(this.own.order[k]), fill: 'none', ...attributes }));
     for (const k of this.picked) ring(k, { r: 6.5, stroke: palette.series[1], 'stroke-width': 2.2 });
     if (this.at !== null) ring(this.at, { r: 9, stroke: palette.ink, 'stroke-width': 1, 'stroke-dasharray': '2 2' });

@@ -1,12 +1,13 @@
 // A view of points in space on a canvas: parallel projection, z up, turned by pointer or keys.
 
 class View3d {
-  constructor(host, { height = 420, label = '', turn = [-0.6, 0.35], fit = 1 } = {}) {
+  constructor(host, { height = 420, label = '', turn = [-0.6, 0.35], fit = 1, triad = true } = {}) {
     this.host = host;
     this.height = height;
     this.turn = [...turn];
     this.zoom = 1;
     this.size = fit;
+    this.triad = triad;
     this.mates = [this];
     this.scene = () => {};
     this.canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': `${label}. ${T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')}` });
@@ -85,7 +86,7 @@ class View3d {
     pen.fillStyle = palette.paper;
     pen.fillRect(0, 0, width, this.height);
     this.scene(new Pen(pen, this, width));
-    this.axes(pen);
+    if (this.triad) this.axes(pen);
   }
 
   /** Takes the scale at which these points fill the view as it is turned now. */

@@ -113,8 +113,8 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("range", "范围"),
     ("of which the window", "其中窗函数"),
     (
-        "receptance without the other modes (m/N)",
-        "去除其他模态的位移导纳 (m/N)",
+        "receptance without the other modes",
+        "去除其他模态的位移导纳",
     ),
     ("Kinetic energy", "动能"),
     ("Strain energy", "应变能"),

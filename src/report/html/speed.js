@@ -128,7 +128,7 @@ function costWords(row, onTwin) {
   return [
     methodName(row) + (row.on_front === 'yes' ? ` · ${T('Pareto front')}` : ''),
     ...from,
-    `${T('CPU time')} ${digits(1e3 * row.cpu_s, 3)} ± ${digits(1e3 * (row.spread_s || 0), 2)} ms`,
+    `${T('CPU time')} ${digits(1e3 * row.cpu_s, 3)}${row.spread_s > 0 ? ` ± ${digits(1e3 * row.spread_s, 2)}` : ''} ms`,
     row.peak_bytes === undefined ? '' : `${T('Peak memory')} ${digits(row.peak_bytes / 2 ** 20, 3)} MiB`,
     `${T('error')}: ${errors.map(([key, name]) => `${name} ${percent(row[`${key}_rms`])}`).join(', ')}`,
     fill(T('{} of {} modes found, {} invented'), row.found, row.observable, row.spurious),

@@ -191,28 +191,34 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
             return told;
         }
     }
+    let further = overview.updatable.then(|| {
+        let text = "`modalign update` says which parameters the test can tell.";
+        word(language, text).to_owned()
+    });
     if let Some(factor) = overview.stiffness_factor {
         let text = match factor < 1.0 {
             true => {
-                "All paired frequencies of the test lie below the model's: it is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell."
+                "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test."
             }
             false => {
-                "All paired frequencies of the test lie above the model's: it is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell."
+                "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test."
             }
         };
-        return vec![sentence(language, text, &[format!("{factor:.3}")])];
+        let leaning = sentence(language, text, &[format!("{factor:.3}")]);
+        return [leaning].into_iter().chain(further).collect();
     }
     let errors = overview.rows.iter().flat_map(|row| {
         let cells = row.cells.iter();
         cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
     });
     let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
-    let text = "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.";
+    let text = "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}.";
     let told = largest.map(|(row, cell, error)| {
         let place = format!("{} ({})", row.label, cell.test);
         sentence(language, text, &[format!("{error:+.2} %"), place])
     });
-    told.into_iter().collect()
+    let further = further.filter(|_| told.is_some());
+    told.into_iter().chain(further).collect()
 }
 
 fn changed(own: &Value, language: Language) -> String {
@@ -398,7 +404,7 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
     let files: String = own.stated.iter().map(stated).collect();
     format!(
         "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
-        fragment(&tables),
+        fragment(&tables, language),
         word(language, "Files that state the run")
     )
 }
@@ -429,8 +435,15 @@ mod tests {
             of_theory: true,
             rows: Vec::new(),
             stiffness_factor: Some(0.96),
+            updatable: true,
         };
+        let fixed = Overview {
+            updatable: false,
+            ..overview.clone()
+        };
+        assert_eq!(advice(&fixed, None, Language::English).len(), 1);
         let told = advice(&overview, None, Language::English);
+        assert!(told[1].contains("`modalign update`"), "{told:?}");
         assert!(
             told[0].contains("too stiff") && told[0].contains("0.960"),
             "{told:?}"

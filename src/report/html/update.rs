@@ -139,7 +139,7 @@ pub(super) fn reasons(updated: &Value, language: Language) -> String {
             footnotes: vec![sentence(language, text, &[freed(proposed, language)])],
         }));
     }
-    fragment(&blocks)
+    fragment(&blocks, language)
 }
 
 fn freed(own: &Value, language: Language) -> String {
@@ -230,23 +230,26 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
         &[],
         &["error before (%)", "error after (%)", "MAC"],
     ));
-    fragment(&[
-        Block::Table(Table {
-            caption: w("Parameters of the model, updated").to_owned(),
-            columns: of_parameters,
-            rows: items(&updated["parameters"])
-                .iter()
-                .map(parameter)
-                .collect(),
-            footnotes: Vec::new(),
-        }),
-        Block::Table(Table {
-            caption: w("Frequencies before and after").to_owned(),
-            columns: of_fits,
-            rows: before.iter().zip(&after).map(fit).collect(),
-            footnotes: Vec::new(),
-        }),
-    ])
+    fragment(
+        &[
+            Block::Table(Table {
+                caption: w("Parameters of the model, updated").to_owned(),
+                columns: of_parameters,
+                rows: items(&updated["parameters"])
+                    .iter()
+                    .map(parameter)
+                    .collect(),
+                footnotes: Vec::new(),
+            }),
+            Block::Table(Table {
+                caption: w("Frequencies before and after").to_owned(),
+                columns: of_fits,
+                rows: before.iter().zip(&after).map(fit).collect(),
+                footnotes: Vec::new(),
+            }),
+        ],
+        language,
+    )
 }
 
 #[cfg(test)]
@@ -268,7 +271,7 @@ mod tests {
             "does not explain",
             "40.00",
             "2.00",
-            "not converged",
+            "Not converged",
             "2 of 5",
         ] {
             assert!(line.contains(part), "{part}: {line}");
@@ -303,6 +306,7 @@ mod tests {
                 of_theory: true,
                 rows: vec![root(11.0), root(21.0)],
                 stiffness_factor: None,
+                updatable: false,
             }),
             tests: vec![TestFigures {
                 name: "a f".to_owned(),

@@ -52,6 +52,7 @@ const WORDS: &[(&str, &str)] = &[
     ("not supported by the data", "数据不支持"),
     ("Skip to content", "跳到正文"),
     ("Light or dark", "浅色或深色"),
+    ("Notes", "说明"),
     ("Made by {}", "由 {} 生成"),
     (
         "Figures need a script; tables do not.",
@@ -108,16 +109,20 @@ const WORDS: &[(&str, &str)] = &[
         "用这些测点和锤击点无法观测的根:{} 个",
     ),
     (
-        "All paired frequencies of the test lie below the model's: it is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell.",
-        "试验的配对频率均低于模型:模型过刚或过轻。若所有刚度乘以 {},平均频率与试验一致;具体是哪个刚度,可用 `modalign update` 判断。",
+        "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test.",
+        "试验的配对频率均低于模型:模型过刚或过轻。若所有刚度乘以 {},平均频率与试验一致。",
     ),
     (
-        "All paired frequencies of the test lie above the model's: it is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test; which stiffness it is, `modalign update` can tell.",
-        "试验的配对频率均高于模型:模型过软或过重。若所有刚度乘以 {},平均频率与试验一致;具体是哪个刚度,可用 `modalign update` 判断。",
+        "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test.",
+        "试验的配对频率均高于模型:模型过软或过重。若所有刚度乘以 {},平均频率与试验一致。",
     ),
     (
-        "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}. `modalign update` says which parameters the test can tell.",
-        "误差没有明显偏向一侧,单一系数无法解释;最大为 {}({})。`modalign update` 可给出试验能识别的参数。",
+        "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}.",
+        "误差没有明显偏向一侧,单一系数无法解释;最大为 {}({})。",
+    ),
+    (
+        "`modalign update` says which parameters the test can tell.",
+        "`modalign update` 可给出试验能识别的参数。",
     ),
     ("{}: {} → {} ± {} {}", "{}:{} → {} ± {} {}"),
     ("Limit missed: {}", "超出限值:{}"),
@@ -178,19 +183,19 @@ const WORDS: &[(&str, &str)] = &[
         " {} / {} 个起点到达此最优点。",
     ),
     (
-        "converged: no step lowers the objective",
+        "Converged: no step lowers the objective",
         "已收敛:没有步能降低目标函数",
     ),
     (
-        "converged: the steps have become as small as rounding",
+        "Converged: the steps have become as small as rounding",
         "已收敛:步长已小到舍入误差",
     ),
     (
-        "nothing changed: the test sees none of the free parameters",
+        "Nothing changed: the test sees none of the free parameters",
         "未改变:试验看不到任何自由参数",
     ),
     (
-        "not converged: the stated number of iterations is reached",
+        "Not converged: the stated number of iterations is reached",
         "未收敛:已达到规定的迭代次数",
     ),
     (
@@ -225,6 +230,14 @@ const WORDS: &[(&str, &str)] = &[
     ("Methods", "方法"),
     ("Speed against accuracy", "速度与精度"),
     ("Where methods fail", "方法的失效边界"),
+    (
+        "What this scene needs, and what it does not",
+        "本场景需要什么,不需要什么",
+    ),
+    (
+        "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.",
+        "order.json 中的研究来自其他场景或其他数据,未列出;请重新运行 `modalign study order`。",
+    ),
     (
         "Small structures are drawn again and again. Inside its contour a method finds their modes to the stated error in 95 % of the draws; beyond it, it does not. Points are the modes of this run.",
         "反复抽取小型结构。在等值线之内,方法在 95 % 的抽样中以规定误差找到其模态;在其外则不能。点为本次运行的模态。",

@@ -24,8 +24,9 @@ pub use measures::{
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use run::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
 pub use study::{
-    BREAKDOWN_SCHEMA, BreakdownFile, SPEED_ACCURACY_SCHEMA, breakdown_from_json, breakdown_to_json,
-    speed_accuracy_from_json, speed_accuracy_to_json,
+    BREAKDOWN_SCHEMA, BreakdownFile, ORDER_SCHEMA, SPEED_ACCURACY_SCHEMA, breakdown_from_json,
+    breakdown_to_json, order_from_json, order_to_json, speed_accuracy_from_json,
+    speed_accuracy_to_json,
 };
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};

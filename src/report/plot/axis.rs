@@ -86,6 +86,41 @@ impl Axis {
         }
     }
 
+    /// The power of ten that the numbers of a linear axis are told in: 0 where they are short as they are.
+    fn common_power(&self) -> i32 {
+        let largest = f64::max(self.lo.abs(), self.hi.abs());
+        if self.log || self.step.is_some() || (1e-2..1e5).contains(&largest) || largest == 0.0 {
+            0
+        } else {
+            (largest.log10() + 1e-9).floor() as i32
+        }
+    }
+
+    /// Ticks and label, with a common power of ten beside the unit.
+    fn told(&self, count: f64, label: &str) -> (Vec<Tick>, String) {
+        let power = self.common_power();
+        if power == 0 {
+            return (self.ticks(count), label.to_owned());
+        }
+        let unit = 10f64.powi(power);
+        let scaled = Self {
+            lo: self.lo / unit,
+            hi: self.hi / unit,
+            ..*self
+        };
+        let back = |tick: Tick| Tick {
+            at: tick.at * unit,
+            ..tick
+        };
+        let ticks = scaled.ticks(count).into_iter().map(back).collect();
+        let ten = power_of_ten(power);
+        let label = match label.rsplit_once(" (") {
+            Some((name, unit)) => format!("{name} ({ten} {unit}"),
+            None => format!("{label} ({ten})"),
+        };
+        (ticks, label)
+    }
+
     fn steps(&self, count: f64) -> Vec<Tick> {
         let step = self.step.unwrap_or_else(|| {
             let raw = (self.hi - self.lo) / count.max(1.0);
@@ -162,14 +197,16 @@ fn power_of_ten(n: i32) -> String {
 /// A frame with grid, ticks and labels around a plot of two axes; an empty label is of an axis whose numbers stand elsewhere.
 pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
-    for tick in x.ticks((right - left) / 80.0) {
+    let (ticks, x_told) = x.told((right - left) / 80.0, x_label);
+    for tick in ticks {
         let at = x.place(tick.at);
         canvas.line([at, top], [at, bottom], (GRID, 0.6));
         if !x_label.is_empty() {
             canvas.text([at, bottom + 15.0], &tick.text, (Anchor::Middle, INK));
         }
     }
-    for tick in y.ticks((bottom - top) / 40.0) {
+    let (ticks, y_told) = y.told((bottom - top) / 40.0, y_label);
+    for tick in ticks {
         let at = y.place(tick.at);
         canvas.line([left, at], [right, at], (GRID, 0.6));
         canvas.text([left - 6.0, at + 4.0], &tick.text, (Anchor::End, INK));
@@ -177,12 +214,12 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
     canvas.rect([left, top], [right, bottom], ("none", FAINT));
     canvas.text(
         [0.5 * (left + right), bottom + 32.0],
-        x_label,
+        if x_label.is_empty() { "" } else { &x_told },
         (Anchor::Middle, INK),
     );
     canvas.turned(
         [left - 48.0, 0.5 * (top + bottom)],
-        y_label,
+        &y_told,
         (Anchor::Middle, INK),
         -90.0,
     );
@@ -224,6 +261,18 @@ mod tests {
                 .iter()
                 .all(|tick| tick.at >= 2e-8 * 0.999 && tick.at <= 3e-3 * 1.001)
         );
+    }
+
+    #[test]
+    fn small_numbers_have_their_power_of_ten_in_the_label() {
+        let axis = Axis::linear((-2.6e-8, 1e-9), (0.0, 100.0));
+        let (ticks, label) = axis.told(6.0, "Imaginary part (m/N)");
+        let texts: Vec<&str> = ticks.iter().map(|tick| tick.text.as_str()).collect();
+        assert_eq!(texts, ["-2.5", "-2.0", "-1.5", "-1.0", "-0.5", "0.0"]);
+        assert_eq!(label, "Imaginary part (10⁻⁸ m/N)");
+        assert!((ticks[0].at + 2.5e-8).abs() < 1e-20);
+        let plain = Axis::linear((0.0, 3200.0), (0.0, 100.0));
+        assert_eq!(plain.told(6.0, "Frequency (Hz)").1, "Frequency (Hz)");
     }
 
     #[test]

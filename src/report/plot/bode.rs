@@ -14,7 +14,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     let coherent = !curve.coherence.is_empty();
     let bottoms = [260.0, 400.0, 490.0];
     let last = if coherent { 2 } else { 1 };
-    let mut canvas = Canvas::new(RIGHT + 15.0, bottoms[last] + 44.0);
+    let mut canvas = Canvas::new(RIGHT + 22.0, bottoms[last] + 44.0);
     let hz: Vec<f64> = curve
         .lines
         .iter()
@@ -50,7 +50,10 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     frame(
         &mut canvas,
         (&x, &y),
-        (label(0), &format!("Magnitude ({})", curve.unit)),
+        (
+            label(0),
+            &format!("Magnitude ({})", curve.unit.replace("/s2", "/s²")),
+        ),
     );
     canvas.clip([LEFT, 28.0], [RIGHT, bottoms[0]]);
     marks(&mut canvas, test, &x, (28.0, bottoms[0]));

@@ -10,17 +10,21 @@ mod canvas;
 mod circle;
 mod mac;
 mod mark;
+mod order;
 mod png;
 mod poles;
 mod shapes;
 mod speed_accuracy;
 mod update;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::scene::{Figures, TestFigures};
 
 pub use breakdown::{breakdown_svg, stability_svg};
+pub use order::order_figures;
 pub use png::png_lacks_letters;
 pub use speed_accuracy::speed_accuracy_figures;
 pub use update::update_figures_svg;
@@ -55,7 +59,8 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
 ///
 /// The PNG's font has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there ([`png_lacks_letters`]). The figures' own
 /// words are English.
-pub fn figure_files(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
+pub fn figure_files(mut figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
+    number_the_same(&mut figures);
     let drawn: Vec<(String, Vec<u8>)> = match png {
         true => figures
             .par_iter()
@@ -67,6 +72,18 @@ pub fn figure_files(figures: Vec<(String, String)>, png: bool) -> Vec<(String, V
         .into_iter()
         .map(|(name, svg)| (format!("{name}.svg"), svg.into_bytes()));
     svgs.chain(drawn).collect()
+}
+
+/// The second figure of a name is called name-2, and so on: two tests may differ in letters that files cannot have.
+fn number_the_same(figures: &mut [(String, String)]) {
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    for (name, _) in figures {
+        let count = seen.entry(name.clone()).or_default();
+        *count += 1;
+        if *count > 1 {
+            *name = format!("{name}-{count}");
+        }
+    }
 }
 
 /// The name of a test; of one that nobody measured it says so.

@@ -37,7 +37,7 @@ pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> St
     let styles = [
         (1.6, ("none", COLORS[6])),
         (2.4, (COLORS[0], "none")),
-        (2.8, (COLORS[2], "none")),
+        (3.4, (COLORS[2], INK)),
     ];
     for (k, status) in own.status.iter().enumerate() {
         let (radius, style) = styles[usize::from(*status).min(2)];

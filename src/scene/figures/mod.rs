@@ -121,6 +121,9 @@ pub fn figures(
         Some(model) => model.sensors_with(&scene.sensors),
         None => scene.sensors.clone(),
     };
+    let updatable = model
+        .as_ref()
+        .is_some_and(|model| !model.model.parameters().is_empty());
     let band = super::chain::theory_band(scene, &result.tests);
     let motion = match &model {
         Some(model) => bodies::theory_motion(model, band)?,
@@ -149,7 +152,7 @@ pub fn figures(
         });
     }
     let figures = Figures {
-        overview: result.table.as_ref().map(overview::overview),
+        overview: (result.table.as_ref()).map(|table| overview::overview(table, updatable)),
         tests,
         theory: motion,
         energies: energies(result, band),

@@ -22,6 +22,9 @@ pub struct Overview {
     /// test to theory. `None` unless the pairs, three or more, are all off to one side, and their mean by more than twice its
     /// standard deviation.
     pub stiffness_factor: Option<f64>,
+    /// Whether the theory has parameters that an update could change.
+    #[serde(default)]
+    pub updatable: bool,
 }
 
 /// A root of the theory, or a test mode without a partner.
@@ -59,13 +62,14 @@ pub struct OverviewCell {
     pub not_judged: bool,
 }
 
-pub(super) fn overview(table: &ComparisonTable) -> Overview {
+pub(super) fn overview(table: &ComparisonTable, updatable: bool) -> Overview {
     let rows = table.rows.iter().map(row).collect();
     Overview {
         tests: table.summary.clone(),
         of_theory: table.error_reference == ErrorReference::Theory,
         rows,
         stiffness_factor: stiffness_factor(table),
+        updatable,
     }
 }
 
@@ -167,7 +171,10 @@ mod tests {
 
     #[test]
     fn a_model_that_leans_to_one_side_has_a_factor_and_no_other() {
-        let leaning = overview(&table(&[(100.0, 97.0), (200.0, 196.0), (400.0, 396.0)]));
+        let leaning = overview(
+            &table(&[(100.0, 97.0), (200.0, 196.0), (400.0, 396.0)]),
+            true,
+        );
         let factor = ((0.97f64 + 0.98 + 0.99) / 3.0).powi(2);
         assert!((leaning.stiffness_factor.unwrap() - factor).abs() < 1e-4);
         let cell = &leaning.rows[1].cells[0];
@@ -181,7 +188,7 @@ mod tests {
             // Off by 0.06 % in the mean, of which 0.19 % are the deviation.
             &[(100.0, 99.9), (200.0, 199.9), (400.0, 399.9)],
         ] {
-            assert_eq!(overview(&table(pairs)).stiffness_factor, None);
+            assert_eq!(overview(&table(pairs), true).stiffness_factor, None);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A test's FRFs by estimator and length of record.
 
 use crate::axis::{Band, TimeAxis};
+use crate::finding::Finding;
 use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, hammer};
 use crate::modal::{InputFile, ModalModel};
 use crate::record::{HitInfo, ReadError, Recording, Samples, Stretch};
@@ -10,14 +11,14 @@ use super::super::StudyError;
 use super::SpeedAccuracyOptions;
 
 /// FRFs of one estimator from records of one length.
-pub(super) struct Variant {
+pub(in crate::study) struct Variant {
     /// `None` for FRFs that came as such.
     pub estimator: Option<&'static str>,
     pub set: FrfSet,
 }
 
 /// What methods are tried on.
-pub(super) struct TestSets {
+pub(in crate::study) struct TestSets {
     /// The first is the scene's own, from whole records.
     pub sets: Vec<Variant>,
     pub band: Band,
@@ -25,9 +26,11 @@ pub(super) struct TestSets {
     pub truth: Option<ModalModel>,
     pub inputs: Vec<InputFile>,
     pub notes: Vec<String>,
+    /// Of reading; the sets have those of estimation.
+    pub findings: Vec<Finding>,
 }
 
-pub(super) fn of_test(
+pub(in crate::study) fn of_test(
     scene: &Scene,
     test: &TestPlan,
     options: &SpeedAccuracyOptions,
@@ -40,6 +43,7 @@ pub(super) fn of_test(
     };
     own.truth = truth;
     own.inputs = data.inputs;
+    own.findings = data.ingested.findings;
     Ok(own)
 }
 
@@ -66,6 +70,7 @@ fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError
         truth: None,
         inputs: Vec::new(),
         notes: vec!["the FRFs came as such: one estimator, one resolution".to_owned()],
+        findings: Vec::new(),
     })
 }
 
@@ -115,6 +120,7 @@ fn recorded(
         truth: None,
         inputs: Vec::new(),
         notes,
+        findings: Vec::new(),
     })
 }
 

@@ -25,9 +25,11 @@ use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
 use super::{Meter, Method, StudyError, System, Tally};
 
+pub(super) use data::of_test;
 pub use front::front;
 pub use lessons::lessons;
 pub use options::SpeedAccuracyOptions;
+pub(super) use own::Refined;
 pub use twins::Condition;
 
 /// What repeats of one identification cost.
@@ -37,7 +39,7 @@ pub struct Timing {
     pub repeats: usize,
     /// Median processor time, s.
     pub median_s: Option<f64>,
-    /// Longest less shortest, s.
+    /// Longest less shortest, s; a single run has none.
     pub spread_s: Option<f64>,
     /// Most memory taken at once by a run, bytes.
     pub peak_bytes: Option<u64>,
@@ -152,7 +154,7 @@ pub fn speed_accuracy(
     (meter, observer): (&dyn Meter, &dyn Observer),
 ) -> Result<SpeedAccuracy, StudyError> {
     options.validate()?;
-    let tests = chosen(scene, options)?;
+    let tests = chosen_tests(scene, (&options.tests, "[speed_accuracy] tests"))?;
     let study = |(number, test): (usize, &&TestPlan)| {
         let steps = Steps {
             observer,
@@ -170,23 +172,26 @@ pub fn speed_accuracy(
     })
 }
 
-/// The tests that are named, or all with data.
-fn chosen<'a>(
+/// The tests that are named under a key, or all with data.
+pub(super) fn chosen_tests<'a>(
     scene: &'a Scene,
-    options: &SpeedAccuracyOptions,
+    (named, key): (&[String], &str),
 ) -> Result<Vec<&'a TestPlan>, StudyError> {
     let has_data = |test: &&TestPlan| !matches!(test.source, TestSource::Modes(_));
     let with_data: Vec<&TestPlan> = scene.tests.iter().filter(has_data).collect();
     let names = || -> Vec<&str> { with_data.iter().map(|test| test.name.as_str()).collect() };
     let wrong = |got: &str| StudyError::Value {
-        key: "[speed_accuracy] tests".to_owned(),
+        key: key.to_owned(),
         got: got.to_owned(),
-        expected: format!("one of the tests with hits or FRFs: {}", names().join(", ")),
+        expected: match with_data.is_empty() {
+            true => "a scene with a test of hits or FRFs".to_owned(),
+            false => format!("one of the tests with hits or FRFs: {}", names().join(", ")),
+        },
     };
     if with_data.is_empty() {
-        return Err(wrong("a scene without such a test"));
+        return Err(wrong("a scene without one"));
     }
-    let named = options.tests.iter().map(|name| {
+    let named = named.iter().map(|name| {
         let mut all = with_data.iter().copied();
         all.find(|test| test.name == *name)
             .ok_or_else(|| wrong(&format!("{name:?}")))
@@ -229,8 +234,8 @@ fn test_study(
     (options, meter, steps): (&SpeedAccuracyOptions, &dyn Meter, &Steps),
 ) -> Result<TestStudy, StudyError> {
     steps.step("FRFs", 1);
-    let mut data = data::of_test(scene, test, options)?;
-    let refined = own::Refined::new(&data)?;
+    let mut data = of_test(scene, test, options)?;
+    let refined = Refined::new(&data)?;
     steps.step("methods on its data", 2);
     let rows = own::rows(&data, &refined, (options, meter));
     steps.step("methods on its twin", 3);

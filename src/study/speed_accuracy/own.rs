@@ -7,7 +7,7 @@ use crate::fourier::ForwardPlan;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
 
-use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally};
+use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally, TrueMode};
 use super::data::TestSets;
 use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
 
@@ -15,7 +15,7 @@ use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
 const UNSTATED_SNR_DB: f64 = 120.0;
 
 /// The refined solution of whole records.
-pub(super) struct Refined {
+pub(in crate::study) struct Refined {
     pub model: ModalModel,
     /// Rms stated deviation of its frequencies, relative.
     pub frequency_std: Option<f64>,
@@ -32,8 +32,12 @@ impl Refined {
             name: REFINED,
             order: None,
         };
-        let model = method.identify(set, data.band)?;
-        let system = System::twin(&model, set, data.band)?;
+        Self::of(method.identify(set, data.band)?, set, data.band)
+    }
+
+    /// Of modes that were identified in a band.
+    pub fn of(model: ModalModel, set: &FrfSet, band: Band) -> Result<Self, StudyError> {
+        let system = System::twin(&model, set, band)?;
         let variances = mean_variances(&system, set)?;
         let frequency = |mode: &Mode| Some(mode.frequency_std_hz? / mode.frequency_hz);
         let damping = |mode: &Mode| Some(mode.damping_std? / mode.damping_ratio?);
@@ -44,6 +48,21 @@ impl Refined {
             system,
             variances,
         })
+    }
+
+    /// Judges what others find of its modes.
+    pub fn judge(&self) -> Judge<'_> {
+        Judge::new(&self.system, &self.variances)
+    }
+
+    /// Stated deviations of frequency and damping ratio of one of its modes, relative.
+    pub fn deviations(&self, truth: &TrueMode) -> [Option<f64>; 2] {
+        let same = |mode: &&Mode| mode.pole() == Some(truth.pole);
+        let mode = self.model.modes.iter().find(same);
+        [
+            mode.and_then(|own| Some(own.frequency_std_hz? / own.frequency_hz)),
+            mode.and_then(|own| Some(own.damping_std? / own.damping_ratio?)),
+        ]
     }
 }
 
@@ -79,7 +98,7 @@ pub(super) fn rows(
     refined: &Refined,
     (options, meter): (&SpeedAccuracyOptions, &dyn Meter),
 ) -> Vec<DataRow> {
-    let judge = Judge::new(&refined.system, &refined.variances);
+    let judge = refined.judge();
     let mut rows = Vec::new();
     for (number, variant) in data.sets.iter().enumerate() {
         // Orders are tried on the scene's own functions alone: elsewhere they would tell the same again.
@@ -139,7 +158,9 @@ pub(super) fn timed<T>(work: impl Fn() -> T, repeats: usize, meter: &dyn Meter) 
     let timing = Timing {
         repeats: times.len(),
         median_s: times.get(times.len() / 2).copied(),
-        spread_s: times.first().zip(times.last()).map(|(lo, hi)| hi - lo),
+        spread_s: (times.len() > 1)
+            .then(|| times.first().zip(times.last()).map(|(lo, hi)| hi - lo))
+            .flatten(),
         peak_bytes,
     };
     (result, timing)

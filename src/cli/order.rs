@@ -1,0 +1,57 @@
+//! `modalign study order`: what a scene needs, and what it does not.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::error::Error;
+use crate::report::{
+    CsvText, Markdown, Renderer, figure_files, json, order_blocks, order_figures, order_table,
+};
+use crate::study::order;
+
+use super::Outcome;
+use super::output::Output;
+use super::study::load;
+
+/// `study order`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign study order measurements/free-free-beam -o needs")]
+pub struct OrderArgs {
+    /// A scene's folder, whose study.toml says what counts as enough if there is one, or a study.toml.
+    #[arg(value_name = "SCENE|SPEC")]
+    path: PathBuf,
+    /// Write order.md, order.csv, order.json and a figure for each test into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Write every figure as PNG, too, 300 dots to the inch.
+    #[arg(long, requires = "output")]
+    png: bool,
+}
+
+/// Asks what the scene needs. Exit code 1 when a test could not be asked.
+pub fn needs(
+    args: &OrderArgs,
+    format: Option<&str>,
+    output: &mut Output,
+) -> Result<Outcome, Error> {
+    let (scene, spec) = load(&args.path, format)?;
+    let own = order(&scene, &spec.order, output.observer())?;
+    let blocks = order_blocks(&own);
+    if let Some(folder) = &args.output {
+        let texts = [
+            ("order.md", Markdown.render(&blocks)),
+            ("order.csv", CsvText.render(&[order_table(&own)])),
+            ("order.json", json::order_to_json(&own)),
+        ];
+        for (name, text) in texts {
+            output.file(folder.join(name), text.into_bytes());
+        }
+        for (name, bytes) in figure_files(order_figures(&own), args.png) {
+            output.file(folder.join(name), bytes);
+        }
+    }
+    output.blocks(&blocks);
+    output.json(|| json::order_to_json(&own));
+    Ok(Outcome::missed_if(!own.failed.is_empty()))
+}

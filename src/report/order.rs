@@ -1,0 +1,217 @@
+//! What a scene needs, as sentences and tables.
+
+use crate::identify::Tried;
+use crate::study::{
+    LowestOrder, ModeNeeds, OrderTried, SceneNeeds, SingleMode, TestNeeds, answers,
+};
+
+use super::{Block, Cell, Column, Table};
+
+/// The answers, then the numbers behind them.
+pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
+    let heading = format!("{}: what it needs, and what it does not", needs.title);
+    let mut blocks = vec![Block::Heading(heading)];
+    blocks.extend(answers(needs).into_iter().map(Block::Text));
+    for test in &needs.tests {
+        blocks.push(roots_block(test));
+        blocks.extend((!test.orders.is_empty()).then(|| orders_block(test)));
+        blocks.extend((!test.single.is_empty()).then(|| single_block(test, needs)));
+    }
+    blocks
+}
+
+fn count(value: usize) -> Cell {
+    Cell::number(Some(value as f64), 0)
+}
+
+/// Three decimals near the noise, and none far from it.
+fn over_noise(value: f64) -> Cell {
+    Cell::number(Some(value), if value < 100.0 { 3 } else { 0 })
+}
+
+/// A recording that was computed is called so.
+fn named(test: &TestNeeds) -> String {
+    match test.synthetic {
+        true => format!("{} (synthetic)", test.name),
+        false => test.name.clone(),
+    }
+}
+
+fn roots_block(test: &TestNeeds) -> Block {
+    let own = &test.support;
+    let mut footnotes = vec![
+        "Roots one after the other, each time the one that explains most: those that were identified, then the other poles that stay \
+         over the orders; poles are held where all lines put them. BIC less that of the background alone. Left-out lines: how unlikely they \
+         are when predicted from the others, −ln p − ln π for each value, 1 for bare noise; * the fewest within one standard error of \
+         the least. Misfit: mean square of what is left over, over the noise, for each degree of freedom, below 1 where lines share noise \
+         of the force; * the fewest within a tenth of the least up to BIC's."
+            .to_owned(),
+        match own.stretch {
+            1 => format!("{} FRFs of {} lines; each line left out by itself.", own.functions, own.lines),
+            stretch => format!(
+                "{} FRFs of {} lines; {stretch} lines predicted at a time, as many on either side left out with them, as neighbours share noise.",
+                own.functions, own.lines
+            ),
+        },
+    ];
+    if !own.noise_stated {
+        footnotes.push(
+            "No variance came with the data: the noise is told from what the fit leaves over."
+                .to_owned(),
+        );
+    }
+    footnotes.extend(test.notes.iter().map(|note| format!("Not done: {note}.")));
+    let least = [Some(own.by_bic()), own.by_prediction(), Some(own.by_rest())];
+    let row = |(number, tried): (usize, &Tried)| {
+        let star = |which: usize| {
+            Cell::text(if least[which] == Some(number) {
+                "*"
+            } else {
+                ""
+            })
+        };
+        let what = match (tried.pole, tried.identified) {
+            (None, _) => "background alone",
+            (_, true) => "identified",
+            (_, false) => "pole that stays",
+        };
+        vec![
+            count(number),
+            Cell::text(what),
+            Cell::number(tried.pole.map(|pole| pole.natural_frequency_hz()), 3),
+            Cell::number(tried.pole.map(|pole| 100.0 * pole.damping_ratio()), 4),
+            tried.pole.map_or(Cell::Missing, |_| count(tried.holding)),
+            Cell::number(Some(tried.bic), 0),
+            star(0),
+            tried
+                .predicted
+                .map_or(Cell::Missing, |own| over_noise(own.mean)),
+            star(1),
+            over_noise(tried.rest),
+            star(2),
+        ]
+    };
+    Block::Table(Table {
+        caption: format!("{}: how many roots the data support", named(test)),
+        columns: vec![
+            Column::number("roots"),
+            Column::text("the last of them"),
+            Column::number("f (Hz)"),
+            Column::number("ζ (%)"),
+            Column::number("FRFs that need it"),
+            Column::number("BIC"),
+            Column::text(""),
+            Column::number("left-out lines"),
+            Column::text(""),
+            Column::number("misfit/noise"),
+            Column::text(""),
+        ],
+        rows: own.tried.iter().enumerate().map(row).collect(),
+        footnotes,
+    })
+}
+
+fn orders_block(test: &TestNeeds) -> Block {
+    let row = |own: &LowestOrder| {
+        let tried = |tried: &OrderTried| match tried.right() {
+            true => format!("{}: right", tried.order),
+            false => format!("{}: −{} +{}", tried.order, tried.missed, tried.spurious),
+        };
+        let all: Vec<String> = own.tried.iter().map(tried).collect();
+        vec![
+            Cell::text(own.method),
+            own.lowest().map_or(Cell::Missing, count),
+            own.own.map_or(Cell::Missing, |own| count(own.order)),
+            own.own.map_or(Cell::Missing, |own| count(own.missed)),
+            own.own.map_or(Cell::Missing, |own| count(own.spurious)),
+            Cell::text(all.join(", ")),
+        ]
+    };
+    Block::Table(Table {
+        caption: format!("{}: lowest order of every method", named(test)),
+        columns: vec![
+            Column::text("method"),
+            Column::number("lowest"),
+            Column::number("its own"),
+            Column::number("missed"),
+            Column::number("invented"),
+            Column::text("tried"),
+        ],
+        rows: test.orders.iter().map(row).collect(),
+        footnotes: vec![
+            "Against the modes of `ml`: found is what lies within a quarter of the half-power width or three deviations, with a MAC of 0.9. \
+             Tried: highest order, modes missed (−) and invented (+); orders that a method refuses are left out, and what it drops by its own \
+             choice counts as missed. Missed and invented: with the order that the method takes itself. An order is the number of poles for \
+             some methods, of coefficients or of seeds for others: they do not compare from method to method."
+                .to_owned(),
+        ],
+    })
+}
+
+fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
+    let mut columns = vec![Column::number("f (Hz)"), Column::number("ζ (%)")];
+    for own in test.single.iter().take(1).flat_map(|mode| &mode.single) {
+        columns.push(Column::number(format!("{} Δf (%)", own.method)));
+        columns.push(Column::number(format!("{} Δζ (%)", own.method)));
+    }
+    columns.push(Column::text("enough"));
+    let row = |mode: &ModeNeeds| {
+        let errors = |own: &SingleMode| {
+            let percent = own.errors.map(|errors| errors.map(|error| 100.0 * error));
+            [
+                Cell::signed(percent.map(|own| own[0]), 4),
+                Cell::signed(percent.map(|own| own[1]), 2),
+            ]
+        };
+        let mut cells = vec![
+            Cell::number(Some(mode.frequency_hz), 3),
+            Cell::number(Some(100.0 * mode.damping_ratio), 4),
+        ];
+        cells.extend(mode.single.iter().flat_map(errors));
+        cells.push(Cell::text(mode.simplest().unwrap_or("none alone")));
+        cells
+    };
+    Block::Table(Table {
+        caption: format!("{}: where one mode at a time is enough", named(test)),
+        columns,
+        rows: test.single.iter().map(row).collect(),
+        footnotes: vec![format!(
+            "Errors against `ml`; enough: within {} % in frequency and {} % in damping, or within two of its deviations. —: missed, or with a MAC below 0.9.",
+            needs.options.frequency_percent, needs.options.damping_percent
+        )],
+    })
+}
+
+/// Every number of roots of every test, for programs.
+pub fn order_table(needs: &SceneNeeds) -> Block {
+    let yes = |own: bool| Cell::text(if own { "yes" } else { "no" });
+    let of_test = |test: &TestNeeds| {
+        let row = |(number, tried): (usize, &Tried)| {
+            vec![
+                Cell::text(test.name.as_str()),
+                count(number),
+                Cell::number(tried.pole.map(|pole| pole.natural_frequency_hz()), 6),
+                Cell::number(tried.pole.map(|pole| pole.damping_ratio()), 9),
+                tried.pole.map_or(Cell::Missing, |_| yes(tried.identified)),
+                tried.pole.map_or(Cell::Missing, |_| count(tried.holding)),
+                Cell::number(Some(tried.bic), 6),
+                Cell::number(tried.predicted.map(|own| own.mean), 9),
+                Cell::number(tried.predicted.map(|own| own.std), 9),
+                Cell::number(Some(tried.rest), 9),
+            ]
+        };
+        let rows = test.support.tried.iter().enumerate().map(row);
+        rows.collect::<Vec<_>>()
+    };
+    let numbers = ["roots", "frequency_hz", "damping_ratio", "identified"];
+    let more = ["holding", "bic", "predicted", "predicted_std", "rest"];
+    let columns = [Column::text("test")].into_iter();
+    Block::Table(Table {
+        caption: "Roots".to_owned(),
+        columns: columns
+            .chain(numbers.into_iter().chain(more).map(Column::number))
+            .collect(),
+        rows: needs.tests.iter().flat_map(of_test).collect(),
+        footnotes: Vec::new(),
+    })
+}

@@ -1,0 +1,122 @@
+//! What each further root brings: how unlikely left-out lines are, the rest, and BIC.
+
+use crate::identify::{Support, Tried};
+use crate::study::{SceneNeeds, TestNeeds};
+
+use super::axis::{Axis, frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::file_name;
+use super::mark::mark;
+
+const LEFT: [f64; 2] = [75.0, 475.0];
+const WIDTH: f64 = 320.0;
+const SIZE: [f64; 2] = [815.0, 400.0];
+const TOP: f64 = 48.0;
+const BOTTOM: f64 = 300.0;
+/// Distance of the marks of two courses at one number of roots, so that none hides the other.
+const BESIDE: f64 = 0.3;
+
+/// A figure for each test.
+pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
+    let of_test = |test: &TestNeeds| {
+        let name = format!("order-{}", file_name(&test.name));
+        Some((name, figure(test)?))
+    };
+    needs.tests.iter().filter_map(of_test).collect()
+}
+
+/// A course over the number of roots.
+struct Course<'a> {
+    name: &'static str,
+    value: &'a dyn Fn(&Tried) -> Option<f64>,
+    least: Option<usize>,
+}
+
+fn figure(test: &TestNeeds) -> Option<String> {
+    let own = &test.support;
+    let least = own.tried.get(own.by_bic())?.bic;
+    let bic = |tried: &Tried| Some(tried.bic - least + 1.0);
+    let rest = |tried: &Tried| Some(tried.rest);
+    let foretold = |tried: &Tried| tried.predicted.map(|own| own.mean);
+    let courses = [
+        vec![
+            Course {
+                name: "left-out lines",
+                value: &foretold,
+                least: own.by_prediction(),
+            },
+            Course {
+                name: "misfit of all lines",
+                value: &rest,
+                least: Some(own.by_rest()),
+            },
+        ],
+        vec![Course {
+            name: "BIC",
+            value: &bic,
+            least: Some(own.by_bic()),
+        }],
+    ];
+    let labels = ["Over the noise", "BIC above its least + 1"];
+    let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
+    let synthetic = if test.synthetic { " (synthetic)" } else { "" };
+    let title = format!("{}{synthetic}: how many roots the data support", test.name);
+    canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
+    let mut number = 0;
+    for ((courses, label), left) in courses.iter().zip(labels).zip(LEFT) {
+        panel(&mut canvas, (own, left, label), (courses, number))?;
+        number += courses.len();
+    }
+    let mut x = LEFT[0];
+    for (number, course) in courses.iter().flatten().enumerate() {
+        mark(
+            &mut canvas,
+            [x + 6.0, BOTTOM + 56.0],
+            (number, COLORS[number]),
+        );
+        canvas.text([x + 16.0, BOTTOM + 60.0], course.name, (Anchor::Start, INK));
+        x += 200.0;
+    }
+    let note = "Dashed: roots that were identified; beyond it poles that stay over the orders. A dot in a mark: the number that is \
+                supported.";
+    canvas.text([LEFT[0], BOTTOM + 82.0], note, (Anchor::Start, FAINT));
+    Some(canvas.finish())
+}
+
+fn panel(
+    canvas: &mut Canvas,
+    (own, left, label): (&Support, f64, &str),
+    (courses, first): (&[Course], usize),
+) -> Option<()> {
+    let last = own.tried.len() - 1;
+    let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH));
+    let x = x.stepped((last as f64 / 12.0).ceil().max(1.0));
+    let all = courses
+        .iter()
+        .flat_map(|course| own.tried.iter().filter_map(course.value));
+    let (lo, hi) = range(all.filter(|value| *value > 0.0))?;
+    let y = Axis::log((0.7 * lo, 1.5 * hi), (BOTTOM, TOP));
+    frame(canvas, (&x, &y), ("Roots", label));
+    let at = x.place(own.identified as f64 + 0.5);
+    let ends = [Some([at, TOP]), Some([at, BOTTOM])];
+    canvas.curve("identified", &ends, (INK, 1.0, "7 4"));
+    for (number, course) in courses.iter().enumerate() {
+        let color = COLORS[first + number];
+        let beside = BESIDE * (number as f64 - 0.5 * (courses.len() - 1) as f64);
+        let place = |(roots, tried): (usize, &Tried)| {
+            let at = x.place(roots as f64 + beside);
+            Some([at, y.shown((course.value)(tried)?)?])
+        };
+        let points: Vec<Option<[f64; 2]>> = own.tried.iter().enumerate().map(place).collect();
+        canvas.curve("course", &points, (color, 1.1, ""));
+        for (roots, at) in points.into_iter().enumerate() {
+            if let Some(at) = at {
+                mark(canvas, at, (first + number, color));
+                if Some(roots) == course.least {
+                    canvas.dot(at, 1.8, (color, "none"));
+                }
+            }
+        }
+    }
+    Some(())
+}

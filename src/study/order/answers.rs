@@ -1,0 +1,284 @@
+//! What the numbers say, in sentences.
+
+use crate::identify::Tried;
+
+use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, TheoryNeeds};
+
+/// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American Statistical Association 90).
+const DECISIVE: f64 = 10.0;
+/// Misfit over noise from which on a last root may not be the last.
+const UNEXPLAINED: f64 = 2.0;
+/// Warnings that are told.
+const NAMED: usize = 4;
+/// Chi-square over its degrees of freedom below which the deviations are larger than the errors.
+const SMALL: f64 = 0.25;
+
+/// What the scene needs and what it does not: modes, orders and methods of every test, theory, parameters.
+pub fn answers(needs: &SceneNeeds) -> Vec<String> {
+    let of_test = |test: &TestNeeds| {
+        let all = [
+            modes(test),
+            warnings(test),
+            orders(test),
+            single(test, needs),
+        ];
+        let synthetic = if test.synthetic { " (synthetic)" } else { "" };
+        let named = |text: String| format!("{}{synthetic}: {text}", test.name);
+        all.map(|text| text.map(named))
+    };
+    let tests = needs.tests.iter().flat_map(of_test).flatten();
+    let failed = needs.failed.iter();
+    let failed = failed.map(|(name, reason)| format!("{name}: nothing to tell: {reason}."));
+    let theory = match &needs.theory {
+        Ok(own) => theory(own, needs.options.theory_percent),
+        Err(reason) => format!("Theory: nothing simpler to compare with: {reason}."),
+    };
+    let parameters = match &needs.parameters {
+        Ok(own) => parameters(own),
+        Err(reason) => format!("Parameters: nothing to tell: {reason}."),
+    };
+    tests.chain(failed).chain([theory, parameters]).collect()
+}
+
+/// `a, b and c`.
+fn listed(all: &[String]) -> String {
+    match all.split_last() {
+        None => String::new(),
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+    }
+}
+
+fn count(number: usize, what: &str) -> String {
+    match number {
+        1 => format!("1 {what}"),
+        _ => format!("{number} {what}s"),
+    }
+}
+
+fn places(tried: &[Tried]) -> String {
+    let poles = tried.iter().filter_map(|own| own.pole);
+    let text = poles.map(|pole| format!("{:.2}", pole.natural_frequency_hz()));
+    format!("{} Hz", listed(&text.collect::<Vec<_>>()))
+}
+
+fn modes(test: &TestNeeds) -> Option<String> {
+    let own = &test.support;
+    let (by_bic, identified) = (own.by_bic(), own.identified);
+    let damped = test.modes.saturating_sub(test.undamped);
+    let mut repeated = match damped.saturating_sub(identified) {
+        0 => String::new(),
+        _ => format!(" ({} at roots that modes share)", count(damped, "mode")),
+    };
+    if test.undamped > 0 {
+        repeated += &format!(
+            ", and {} without damping, no roots",
+            count(test.undamped, "mode")
+        );
+    }
+    let taken = own.tried.get(by_bic)?;
+    let against = if by_bic < identified {
+        let more = &own.tried[by_bic + 1..=identified];
+        format!(
+            "; the identified root at {} explains less than it costs",
+            places(more)
+        )
+    } else if by_bic > identified {
+        let more = &own.tried[identified + 1..=by_bic];
+        format!(
+            "; poles at {} that `ml` made no damped mode of explain more than they cost: the model misses part of the data there",
+            places(more)
+        )
+    } else {
+        String::new()
+    };
+    let last = match by_bic + 1 == own.tried.len() && taken.rest > UNEXPLAINED {
+        true => "at least ",
+        false => "",
+    };
+    let undecided = by_bic != identified && own.tried[identified].bic - taken.bic < DECISIVE;
+    let undecided = match undecided {
+        true => format!(" (BIC differs by less than {DECISIVE:.0}: not decided)"),
+        false => String::new(),
+    };
+    let predicted = match own.by_prediction() {
+        Some(roots) => format!("{roots} are enough to predict left-out lines"),
+        None => "too few lines can be left out to predict them".to_owned(),
+    };
+    let noise = match own.noise_stated {
+        true => "the stated noise",
+        false => "the noise, which is told from the fit itself as no variance came with the data",
+    };
+    Some(format!(
+        "the data support {last}{} by BIC, {predicted}, {} leave no more over than these but for a tenth; `ml` identified {identified}{repeated}. With \
+         {by_bic} the misfit is {:.2} times {noise}{against}{undecided}.",
+        count(by_bic, "root"),
+        own.by_rest(),
+        taken.rest
+    ))
+}
+
+fn warnings(test: &TestNeeds) -> Option<String> {
+    let all = test.warnings.iter().take(NAMED).map(ToString::to_string);
+    let all: Vec<String> = all.collect();
+    let more = match test.warnings.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    (!all.is_empty()).then(|| format!("warnings of its identification: {}{more}.", all.join("; ")))
+}
+
+fn orders(test: &TestNeeds) -> Option<String> {
+    let of = |own: &LowestOrder| {
+        let itself = match own.own {
+            None => "finds nothing itself".to_owned(),
+            Some(taken) if taken.right() => format!("takes {} itself", taken.order),
+            Some(taken) => {
+                let made = [(taken.missed, "misses"), (taken.spurious, "invents")];
+                let made = made.into_iter().filter(|(number, _)| *number > 0);
+                let made: Vec<String> = made
+                    .map(|(number, what)| format!("{what} {number}"))
+                    .collect();
+                format!("takes {} itself and {}", taken.order, listed(&made))
+            }
+        };
+        match own.lowest() {
+            Some(order) => format!("{} {order} ({itself})", own.method),
+            None if own.tried.is_empty() => format!("{} none ({itself})", own.method),
+            None => format!("{} none that was tried ({itself})", own.method),
+        }
+    };
+    let all: Vec<String> = test.orders.iter().map(of).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "lowest order that finds every observable mode of `ml` and no other: {}.",
+            listed(&all)
+        )
+    })
+}
+
+fn single(test: &TestNeeds, needs: &SceneNeeds) -> Option<String> {
+    let (modes, options) = (&test.single, &needs.options);
+    if modes.is_empty() {
+        return None;
+    }
+    let several: Vec<String> = modes
+        .iter()
+        .filter(|mode| mode.simplest().is_none())
+        .map(|mode| format!("{:.2}", mode.frequency_hz))
+        .collect();
+    let simplest = |name: &str| {
+        modes
+            .iter()
+            .filter(|own| own.simplest() == Some(name))
+            .count()
+    };
+    let methods = modes[0].single.iter().map(|own| own.method);
+    let by: Vec<String> = methods
+        .filter(|name| simplest(name) > 0)
+        .map(|name| format!("{name} for {}", simplest(name)))
+        .collect();
+    let by = match by.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", listed(&by)),
+    };
+    let rest = match several.is_empty() {
+        true => String::new(),
+        false => format!("; none alone for {} Hz", listed(&several)),
+    };
+    Some(format!(
+        "one mode at a time is enough for {} of {} observable modes{by}{rest}: within {} % in frequency and {} % in damping of `ml`, or two of its deviations.",
+        modes
+            .iter()
+            .filter(|own: &&ModeNeeds| own.simplest().is_some())
+            .count(),
+        modes.len(),
+        options.frequency_percent,
+        options.damping_percent
+    ))
+}
+
+fn theory(own: &TheoryNeeds, percent: f64) -> String {
+    match own {
+        TheoryNeeds::Coordinates {
+            model,
+            up_to_hz,
+            roots,
+            simplest,
+            needed,
+            whole,
+        } => {
+            let reach = up_to_hz.map_or(String::new(), |hz| format!(" up to {hz:.0} Hz"));
+            if needed == whole {
+                return format!(
+                    "Theory: {model} needs all of its {whole} coordinates for its {}{reach} to {percent} %.",
+                    count(*roots, "root")
+                );
+            }
+            format!(
+                "Theory: {needed} of the {whole} coordinates of {model} are enough ({simplest}) for its {}{reach} to {percent} %.",
+                count(*roots, "root")
+            )
+        }
+        TheoryNeeds::Details {
+            model,
+            signals,
+            whole,
+        } => {
+            let of = |(signal, detail): &(String, Option<String>)| {
+                format!("{signal} {}", detail.as_deref().unwrap_or(whole))
+            };
+            let all: Vec<String> = signals.iter().map(of).collect();
+            format!(
+                "Theory: the simplest detail of {model} within {percent} % of \"{whole}\": {}.",
+                listed(&all)
+            )
+        }
+    }
+}
+
+fn parameters(own: &ParameterNeeds) -> String {
+    let [none, needed, all] = own.chi_square.map(short);
+    let which = match own.needed.len() {
+        0 => "none has to change".to_owned(),
+        number => format!(
+            "{number} of {} {} to change ({})",
+            own.free.len(),
+            if number == 1 { "has" } else { "have" },
+            listed(&own.needed)
+        ),
+    };
+    let how = match (own.explains, own.needed.is_empty()) {
+        (true, true) => "as the misfit is within its uncertainty",
+        (true, false) => "which explains the misfit",
+        (false, _) => "which is best by BIC and does not explain the misfit",
+    };
+    let unseen = match own.not_supported.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Not supported by the data: {}.",
+            listed(&own.not_supported)
+        ),
+    };
+    let freedom = own.data.saturating_sub(own.needed.len()) as f64;
+    let wide = match own.chi_square[1] < SMALL * freedom {
+        true => format!(
+            " χ² far below {freedom:.0} says that the deviations which weigh the residuals are larger than the errors."
+        ),
+        false => String::new(),
+    };
+    format!(
+        "Parameters: {which}, {how}: χ² of {} residuals {none} before, {needed} with these, {all} with all {}.{wide}{unseen}",
+        own.data,
+        own.free.len()
+    )
+}
+
+/// Four digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = 3 - value.abs().log10().floor() as i32;
+    format!("{value:.*}", decimals.clamp(0, 9) as usize)
+}

@@ -1,0 +1,198 @@
+//! The lowest order of every method that has one, and the modes for which a method of one mode at a time is enough.
+
+use rayon::prelude::*;
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+use crate::identify::{ESTIMATORS, Entry, identification};
+use crate::modal::{ModalModel, Mode};
+
+use super::super::speed_accuracy::Refined;
+use super::super::{Judge, Method};
+use super::OrderOptions;
+
+/// Orders that are tried, as far as below the one that the method takes itself, or below [`ENOUGH`] where that one is wrong.
+const ORDERS: [usize; 17] = [
+    4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 64, 96, 128,
+];
+/// Orders below are tried where a method is wrong with its own.
+const ENOUGH: usize = 64;
+/// Deviations of the refined solution within which an error tells nothing.
+const DEVIATIONS: f64 = 2.0;
+
+/// What a method made of the modes with a highest order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderTried {
+    /// Highest order.
+    pub order: usize,
+    /// Observable modes of the refined solution that it missed.
+    pub missed: usize,
+    /// Modes that the refined solution does not have.
+    pub spurious: usize,
+}
+
+impl OrderTried {
+    /// Whether it found all and no other.
+    pub fn right(&self) -> bool {
+        self.missed + self.spurious == 0
+    }
+}
+
+/// The lowest order of a method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LowestOrder {
+    /// Its name in [`ESTIMATORS`].
+    pub method: &'static str,
+    /// The order that it takes itself, with what it then makes of the modes; `None` where it refuses the data or finds no pole.
+    pub own: Option<OrderTried>,
+    /// From the lowest on, until one is right; those that the method refuses are left out.
+    pub tried: Vec<OrderTried>,
+}
+
+impl LowestOrder {
+    /// The lowest that finds all modes of the refined solution and no other.
+    pub fn lowest(&self) -> Option<usize> {
+        let mut all = self.tried.iter().chain(&self.own);
+        all.find(|own| own.right()).map(|own| own.order)
+    }
+}
+
+/// A method of one mode at a time on one mode: relative errors against the refined solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingleMode {
+    /// Its name in [`ESTIMATORS`].
+    pub method: &'static str,
+    /// Errors of natural frequency and damping ratio; `None` for a mode that it missed.
+    pub errors: Option<[f64; 2]>,
+    /// Whether both are within what counts as enough, or within two deviations of the refined solution.
+    pub enough: bool,
+}
+
+/// What a mode needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModeNeeds {
+    /// Natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// The methods of one mode at a time, the simplest first.
+    pub single: Vec<SingleMode>,
+}
+
+impl ModeNeeds {
+    /// The simplest that is enough; `None` where the mode needs several at a time.
+    pub fn simplest(&self) -> Option<&'static str> {
+        let mut all = self.single.iter();
+        all.find(|own| own.enough).map(|own| own.method)
+    }
+}
+
+/// The lowest order of each method against the modes of the refined solution.
+pub(super) fn lowest_orders(refined: &Refined, set: &FrfSet, band: Band) -> Vec<LowestOrder> {
+    let judge = refined.judge();
+    let with_order = ESTIMATORS.par_iter().filter(|entry| entry.has_order);
+    with_order
+        .map(|entry| lowest_order(entry, &judge, (set, band)))
+        .collect()
+}
+
+fn lowest_order(entry: &Entry, judge: &Judge, (set, band): (&FrfSet, Band)) -> LowestOrder {
+    let method = |order| Method {
+        name: entry.name,
+        order,
+    };
+    let tried = |order, found: &ModalModel| {
+        let verdict = judge.verdict(found);
+        OrderTried {
+            order,
+            missed: verdict.missed.len(),
+            spurious: verdict.spurious.len(),
+        }
+    };
+    let own = identification(set, &method(None).options(band)).ok();
+    let own = own.and_then(|own| {
+        let orders = own.stabilization.iter().map(|point| point.order);
+        Some(tried(orders.max()?, &own.model))
+    });
+    let highest = match own {
+        Some(own) if own.right() => own.order,
+        Some(own) => own.order.max(ENOUGH),
+        None => ENOUGH,
+    };
+    let mut lower = Vec::new();
+    for order in ORDERS.into_iter().filter(|order| *order < highest) {
+        let found = method(Some(order)).identify(set, band);
+        lower.extend(found.ok().map(|found| tried(order, &found)));
+        if lower.last().is_some_and(OrderTried::right) {
+            break;
+        }
+    }
+    LowestOrder {
+        method: entry.name,
+        own,
+        tried: lower,
+    }
+}
+
+/// What a method found, and which of it each mode of the refined solution is.
+struct Found {
+    method: &'static str,
+    modes: Vec<Mode>,
+    partners: Vec<Option<usize>>,
+}
+
+/// Every observable mode of the refined solution by the methods of one mode at a time.
+pub(super) fn single(
+    refined: &Refined,
+    (set, band): (&FrfSet, Band),
+    options: &OrderOptions,
+) -> Vec<ModeNeeds> {
+    let judge = refined.judge();
+    let without_order = ESTIMATORS.iter().filter(|entry| !entry.has_order);
+    let found: Vec<Found> = without_order
+        .map(|entry| {
+            let method = Method {
+                name: entry.name,
+                order: None,
+            };
+            let model = method.identify(set, band).ok();
+            let partners = model.as_ref().map(|found| judge.verdict(found).partner);
+            Found {
+                method: entry.name,
+                modes: model.map_or(Vec::new(), |found| found.modes),
+                partners: partners.unwrap_or_default(),
+            }
+        })
+        .collect();
+    let own = |(r, truth): (usize, &crate::study::TrueMode)| {
+        let stds = refined.deviations(truth);
+        let of = |found: &Found| {
+            let mode = found.partners.get(r).copied().flatten();
+            let errors = mode.and_then(|place| {
+                let mode = &found.modes[place];
+                let damping = mode.damping_ratio? / truth.pole.damping_ratio() - 1.0;
+                Some([mode.frequency_hz / truth.hz() - 1.0, damping])
+            });
+            let wanted = [options.frequency_percent, options.damping_percent];
+            let within = |own: [f64; 2]| {
+                let limits = wanted.map(|percent| 0.01 * percent).into_iter().zip(stds);
+                own.into_iter().zip(limits).all(|(error, (wanted, std))| {
+                    error.abs() <= wanted.max(DEVIATIONS * std.unwrap_or(0.0))
+                })
+            };
+            SingleMode {
+                method: found.method,
+                errors,
+                enough: errors.is_some_and(within),
+            }
+        };
+        ModeNeeds {
+            frequency_hz: truth.hz(),
+            damping_ratio: truth.pole.damping_ratio(),
+            single: found.iter().map(of).collect(),
+        }
+    };
+    let modes = judge.system().modes.iter().enumerate();
+    let observable = modes.filter(|(r, _)| judge.known()[*r].observable);
+    observable.map(own).collect()
+}

@@ -1,0 +1,197 @@
+//! What a scene needs and what it does not: as few modes, as low an order, as simple a method, theory and parameter set as the data bear.
+//!
+//! | file | question |
+//! |---|---|
+//! | `options` | [`OrderOptions`]: what counts as enough |
+//! | `methods` | the lowest order of every method that has one, and the modes for which one mode at a time is enough |
+//! | `model` | the simplest theory, and the fewest parameters that bring it to the tests |
+//! | `answers` | [`answers`]: what the numbers say, in sentences |
+//!
+//! How many modes the data support is told by [`crate::identify::support`].
+
+mod answers;
+mod methods;
+mod model;
+mod options;
+#[cfg(test)]
+mod tests;
+
+use crate::axis::Band;
+use crate::finding::{Finding, Severity};
+use crate::frf::FrfSet;
+use crate::identify::{Support, identification, support};
+use crate::modal::{InputFile, ModalModel};
+use crate::scene::{Observer, Scene, TestPlan, TestSource};
+
+use super::speed_accuracy::{Refined, SpeedAccuracyOptions, chosen_tests, of_test};
+use super::{Method, REFINED, StudyError};
+
+pub use answers::answers;
+pub use methods::{LowestOrder, ModeNeeds, OrderTried, SingleMode};
+pub use model::{ParameterNeeds, TheoryNeeds};
+pub use options::OrderOptions;
+
+/// What a test needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TestNeeds {
+    /// Its name.
+    pub name: String,
+    /// The files, or the recording, that it is made of.
+    pub inputs: Vec<InputFile>,
+    /// Whether its recording was computed; nothing of it was measured then.
+    pub synthetic: bool,
+    /// The band that was searched.
+    pub band: Band,
+    /// Warnings of reading, estimation and the refined identification.
+    pub warnings: Vec<Finding>,
+    /// How many roots its data support.
+    pub support: Support,
+    /// Modes that the refined method took.
+    pub modes: usize,
+    /// Those of them whose damping it could not tell; they are no roots.
+    pub undamped: usize,
+    /// The lowest order of each method that has one.
+    pub orders: Vec<LowestOrder>,
+    /// Single-mode methods on every mode.
+    pub single: Vec<ModeNeeds>,
+    /// What could not be done, and why.
+    pub notes: Vec<String>,
+}
+
+/// What a scene needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneNeeds {
+    /// Title of the scene.
+    pub title: String,
+    /// What counts as enough.
+    pub options: OrderOptions,
+    /// Its tests.
+    pub tests: Vec<TestNeeds>,
+    /// Tests of which nothing can be told, and why.
+    pub failed: Vec<(String, String)>,
+    /// The simplest theory, or why there is none to tell.
+    pub theory: Result<TheoryNeeds, String>,
+    /// The fewest parameters, or why there are none to tell.
+    pub parameters: Result<ParameterNeeds, String>,
+}
+
+/// Asks what a scene needs.
+///
+/// # Errors
+/// [`StudyError`] for options that cannot be meant, for a model or an `[update]` that is wrong, and where there is nothing to tell: the first
+/// test's reason.
+pub fn order(
+    scene: &Scene,
+    options: &OrderOptions,
+    observer: &dyn Observer,
+) -> Result<SceneNeeds, StudyError> {
+    options.validate()?;
+    let has_data = |test: &TestPlan| !matches!(test.source, TestSource::Modes(_));
+    let tests = match options.tests.is_empty() && !scene.tests.iter().any(has_data) {
+        true => Vec::new(),
+        false => chosen_tests(scene, (&options.tests, "[order] tests"))?,
+    };
+    let steps = tests.len() + 2;
+    let (mut needs, mut failed) = (Vec::new(), Vec::new());
+    for (number, test) in tests.iter().enumerate() {
+        observer.step(&test.name, number + 1, steps);
+        match test_needs(scene, test, options) {
+            Ok(own) => needs.push(own),
+            Err(error) => failed.push((test.name.clone(), error)),
+        }
+    }
+    observer.step("theory", steps - 1, steps);
+    let ends = needs.iter().map(|test| test.band.hi_hz);
+    let theory = model::theory(scene, ends.reduce(f64::max), options)?;
+    observer.step("parameters", steps, steps);
+    let parameters = model::parameters(scene)?;
+    if needs.is_empty() && theory.is_err() && parameters.is_err() {
+        if let Some((_, error)) = failed.into_iter().next() {
+            return Err(error);
+        }
+        return Err(StudyError::Value {
+            key: "study order".to_owned(),
+            got: "a scene with nothing to ask".to_owned(),
+            expected: "a test of hits or FRFs, a model with a simpler one, or [update]".to_owned(),
+        });
+    }
+    Ok(SceneNeeds {
+        title: scene.title.clone(),
+        options: options.clone(),
+        tests: needs,
+        failed: failed
+            .into_iter()
+            .map(|(name, error)| (name, error.to_string()))
+            .collect(),
+        theory,
+        parameters,
+    })
+}
+
+fn test_needs(
+    scene: &Scene,
+    test: &TestPlan,
+    options: &OrderOptions,
+) -> Result<TestNeeds, StudyError> {
+    let only_its_own = SpeedAccuracyOptions {
+        estimators: Vec::new(),
+        record_shares: Vec::new(),
+        ..SpeedAccuracyOptions::default()
+    };
+    let data = of_test(scene, test, &only_its_own)?;
+    let set = &data.sets[0].set;
+    let refined = Method {
+        name: REFINED,
+        order: None,
+    };
+    let own = identification(set, &refined.options(data.band))?;
+    let support = support(set, data.band, &own)?;
+    let modes = own.model.modes.len();
+    let all = own.model.modes.iter();
+    let undamped = all.filter(|mode| mode.pole().is_none()).count();
+    let findings = [&data.findings, &set.findings, &own.model.findings];
+    let mut warnings: Vec<Finding> = Vec::new();
+    for finding in findings.into_iter().flatten() {
+        if finding.severity >= Severity::Warning && !warnings.contains(finding) {
+            warnings.push(finding.clone());
+        }
+    }
+    let (orders, single, notes) = if modes == 0 {
+        let note = "methods are not compared: no mode was identified in the band";
+        (Vec::new(), Vec::new(), vec![note.to_owned()])
+    } else {
+        compared((own.model, set, data.band), options)
+    };
+    Ok(TestNeeds {
+        name: test.name.clone(),
+        inputs: data.inputs,
+        synthetic: data.truth.is_some(),
+        band: data.band,
+        warnings,
+        support,
+        modes,
+        undamped,
+        orders,
+        single,
+        notes,
+    })
+}
+
+/// Methods against the refined solution.
+fn compared(
+    (model, set, band): (ModalModel, &FrfSet, Band),
+    options: &OrderOptions,
+) -> (Vec<LowestOrder>, Vec<ModeNeeds>, Vec<String>) {
+    // Without a residue of every pair, nobody can say what a method should have found.
+    match Refined::of(model, set, band) {
+        Ok(refined) => (
+            methods::lowest_orders(&refined, set, band),
+            methods::single(&refined, (set, band), options),
+            Vec::new(),
+        ),
+        Err(error) => {
+            let note = format!("methods are not compared: {error}");
+            (Vec::new(), Vec::new(), vec![note])
+        }
+    }
+}
