@@ -67,6 +67,11 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
             Cell::text(reasons(hit)),
         ]
     };
+    let rows: Vec<Vec<Cell>> = hits.iter().map(row).collect();
+    let not_passed = hits.iter().any(|hit| !reasons(hit).is_empty());
+    let footnote = not_passed.then(|| {
+        "A rule that is not passed stands with its value and, in brackets, its limit.".to_owned()
+    });
     Block::Table(Table {
         caption: "Hits".to_owned(),
         columns: vec![
@@ -76,11 +81,8 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
             Column::text("verdict"),
             Column::text("why"),
         ],
-        rows: hits.iter().map(row).collect(),
-        footnotes: vec![
-            "A rule that is not passed stands with its value and, in brackets, its limit."
-                .to_owned(),
-        ],
+        rows,
+        footnotes: footnote.into_iter().collect(),
     })
 }
 

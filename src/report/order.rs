@@ -39,6 +39,10 @@ fn named(test: &TestNeeds) -> String {
 
 fn roots_block(test: &TestNeeds) -> Block {
     let own = &test.support;
+    let functions = match own.functions {
+        1 => "1 FRF".to_owned(),
+        count => format!("{count} FRFs"),
+    };
     let mut footnotes = vec![
         "Roots one after the other, each time the one that explains most: those that were identified, then the other poles that stay \
          over the orders; poles are held where all lines put them. BIC less that of the background alone. Left-out lines: how unlikely they \
@@ -47,10 +51,10 @@ fn roots_block(test: &TestNeeds) -> Block {
          of the force; * the fewest within a tenth of the least up to BIC's."
             .to_owned(),
         match own.stretch {
-            1 => format!("{} FRFs of {} lines; each line left out by itself.", own.functions, own.lines),
+            1 => format!("{functions} of {} lines; each line left out by itself.", own.lines),
             stretch => format!(
-                "{} FRFs of {} lines; {stretch} lines predicted at a time, as many on either side left out with them, as neighbours share noise.",
-                own.functions, own.lines
+                "{functions} of {} lines; {stretch} lines predicted at a time, as many on either side left out with them, as neighbours share noise.",
+                own.lines
             ),
         },
     ];

@@ -184,7 +184,7 @@ fn what_the_beam_needs_is_the_same_for_any_threads_and_on_its_page() {
     assert_eq!(one, two);
     let (text, [csv, json, page, figure]) = one;
     assert!(text.contains("the data support 6 roots by BIC"), "{text}");
-    assert!(page.contains("one mode at a time is enough for 6 of 6 modes"));
+    assert!(page.contains("one mode at a time is enough for 6 of 6 observable modes"));
     assert!(csv.lines().count() > 7 && figure.contains("BIC above its least"));
     let own: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(own["schema"], "modalign-order/1");

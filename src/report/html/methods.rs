@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::super::json::{BreakdownFile, RunReport};
 use super::super::{Block, Language, breakdown_blocks};
+use super::summary::marked;
 use super::words::word;
 use super::{Beside, escape, fragment};
 use crate::study::breakdown::{
@@ -112,7 +113,7 @@ fn speed_text(own: &Value, language: Language) -> String {
 
 fn sentences(own: &Value) -> String {
     let all = items(own).filter_map(Value::as_str);
-    all.map(|text| format!("<p class=\"why\">{}</p>\n", escape(text)))
+    all.map(|text| format!("<p class=\"why\">{}</p>\n", marked(text)))
         .collect()
 }
 

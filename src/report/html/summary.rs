@@ -271,7 +271,7 @@ fn list(items: &[String]) -> String {
 }
 
 /// Text in which what stands between backticks is code.
-fn marked(text: &str) -> String {
+pub(super) fn marked(text: &str) -> String {
     let mut out = String::new();
     for (index, part) in escape(text).split('`').enumerate() {
         match index % 2 {
