@@ -56,12 +56,12 @@ impl Sums {
 
     /// Adds the spectra of the force and the response of each of these hits, in order.
     pub fn add(&mut self, hits: &[(&[Complex64], &[Complex64])]) {
-        let gxx = self.gxx.chunks_mut(LINES_AT_ONCE);
-        let gfx = self.gfx.chunks_mut(LINES_AT_ONCE);
         let begun = std::mem::replace(&mut self.begun, true);
         vectorised(
             #[inline(always)]
             || {
+                let gxx = self.gxx.chunks_mut(LINES_AT_ONCE);
+                let gfx = self.gfx.chunks_mut(LINES_AT_ONCE);
                 for (piece, (gxx, gfx)) in gxx.zip(gfx).enumerate() {
                     if !begun {
                         gxx.fill(0.0);

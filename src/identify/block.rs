@@ -84,6 +84,8 @@ pub(super) struct Surroundings<'a> {
     pub residues: &'a ComplexMatrix,
     /// Coordinates of the background of all lines, where it is taken out first.
     pub far: Option<&'a ComplexMatrix>,
+    /// Whether nothing is expected to move any more, so that the variances of the residues count.
+    pub last: bool,
 }
 
 /// Fits a block with so many steps at most; none finds the residues alone. The window is left as the last step needed it.
@@ -124,7 +126,9 @@ pub(super) fn fit(
     for (root, residues) in members.iter_mut().zip(&mut here.residues) {
         root.residues = std::mem::take(residues);
     }
-    problem.widen(&members, &mut here);
+    if around.last {
+        problem.widen((&members, &block.core), &mut here);
+    }
     for (root, variances) in members.iter_mut().zip(here.residue_variances) {
         root.residue_variances = variances;
     }
@@ -219,8 +223,8 @@ impl<'a> Windowed<'a> {
             .max(1) as f64
     }
 
-    /// Adds to the variances of the residues what the errors of the unknowns make of them.
-    fn widen(&self, members: &[Root], here: &mut Linearised) {
+    /// Adds to the variances of the residues of the core what the errors of the unknowns make of them.
+    fn widen(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
         if here.information.nrows() == 0 {
             return;
         }
@@ -233,8 +237,8 @@ impl<'a> Windowed<'a> {
             turns: &here.turns,
             covariance: &covariance,
         };
-        for (j, root) in members.iter().enumerate() {
-            turning.widen((j, root), &mut here.residue_variances[j]);
+        for &j in core {
+            turning.widen((j, &members[j]), &mut here.residue_variances[j]);
         }
     }
 

@@ -85,6 +85,7 @@ impl Correlation {
             (0..functions).map(of).sum::<f64>() / (length * functions) as f64
         };
         let quiet: Vec<Range<usize>> = (0..count)
+            .into_par_iter()
             .map(|n| n * length..(n + 1) * length)
             .filter(|stretch| power(stretch) < QUIET)
             .collect();

@@ -23,6 +23,8 @@ const REACH: usize = 64;
 /// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
 /// room for chance.
 const MOST_SCATTER: f64 = 0.035;
+/// Lines whose sums stay in the nearest cache.
+const LINES_AT_ONCE: usize = 1024;
 /// Relative floor of a variance, so that data without any noise can still be divided by it.
 const FLOOR: f64 = 1e-24;
 
@@ -62,7 +64,7 @@ pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
             variance: from_second_differences(values),
             by_force: vec![0.0; values.len()],
         });
-        raise_to_floor(&mut own.variance, values);
+        raise_to_floor(&mut own.variance, values.iter().map(Complex64::norm_sqr));
         Noise {
             variance: own.variance,
             by_force: own.by_force,
@@ -97,58 +99,79 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
 
 /// A function of which a fit leaves something over.
 pub(super) struct LeftOver {
-    /// Its values, as measured.
-    pub values: Vec<Complex64>,
-    /// What is left over of them.
-    pub rest: Vec<Complex64>,
-    /// Variances that came with the data.
-    pub stated: Option<Vec<f64>>,
+    /// |H|² at every line, as measured.
+    power: Vec<f64>,
+    /// The same of what is left over.
+    left: Vec<f64>,
+    /// Variances of the function's own.
+    own: Vec<f64>,
+    /// Whether these came with the data.
+    stated: bool,
+}
+
+impl LeftOver {
+    /// Of |H|², what is left over of H, variances that came with the data, and the mean square of the second difference of unit noise:
+    /// 6 for white noise.
+    pub fn new(
+        power: Vec<f64>,
+        rest: &[Complex64],
+        (stated, by_lines): (Option<Vec<f64>>, f64),
+    ) -> Self {
+        let even = || {
+            let mut own = from_second_differences(rest);
+            own.iter_mut().for_each(|v| *v *= 6.0 / by_lines);
+            raise_to_floor(&mut own, power.iter().copied());
+            own
+        };
+        Self {
+            left: rest.iter().map(Complex64::norm_sqr).collect(),
+            stated: stated.is_some(),
+            own: stated.unwrap_or_else(even),
+            power,
+        }
+    }
 }
 
 /// Variances of functions of one hit point from what a fit leaves over of them.
 ///
 /// What is the function's own came with the data; else it is even over the lines, and second differences tell it, which what a missing
 /// mode leaves hardly moves. Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in
-/// all resonances together tells it, better than the variances of a few hits do. The mean square of the second difference of unit
-/// noise is `by_lines`, 6 for white noise; `alike` lines count for one.
-pub(super) fn of_rest(functions: &[LeftOver], (by_lines, alike): (f64, f64)) -> Vec<Smooth> {
-    let even = |function: &LeftOver| {
-        let even = from_second_differences(&function.rest);
-        let mut own: Vec<f64> = even.iter().map(|v| 6.0 / by_lines * v).collect();
-        raise_to_floor(&mut own, &function.values);
-        own
-    };
-    let unstated: Vec<&LeftOver> = functions.iter().filter(|f| f.stated.is_none()).collect();
-    let mut own: Vec<Vec<f64>> = unstated.into_par_iter().map(even).collect();
-    share_course(&mut own);
-    let mut own = own.into_iter();
-    let own: Vec<Option<Vec<f64>>> = functions
-        .iter()
-        .map(|function| function.stated.clone().or_else(|| own.next()))
+/// all resonances together tells it, better than the variances of a few hits do; `alike` lines count for one.
+pub(super) fn of_rest(mut functions: Vec<LeftOver>, alike: f64) -> Vec<Smooth> {
+    let unstated = functions.iter_mut().filter(|function| !function.stated);
+    share_course(unstated.map(|function| &mut function.own).collect());
+    let estimated: Vec<Estimated> = functions
+        .into_iter()
+        .map(|function| Estimated {
+            variance: function.left,
+            power: function.power,
+            degrees_of_freedom: Some(2.0),
+            alike,
+            own: Some(function.own),
+        })
         .collect();
-    let left = |(LeftOver { values, rest, .. }, own): (&LeftOver, Option<Vec<f64>>)| Estimated {
-        variance: rest.iter().map(Complex64::norm_sqr).collect(),
-        power: values.iter().map(Complex64::norm_sqr).collect(),
-        degrees_of_freedom: Some(2.0),
-        alike,
-        own,
-    };
-    let estimated: Vec<Estimated> = functions.par_iter().zip(own).map(left).collect();
     noise_course::smooth(&estimated.iter().collect::<Vec<_>>())
 }
 
 /// Functions whose variances differ from a common course by no more than such estimates scatter have that course, each with a level of
 /// its own: the scatter of each by itself would look like power that noise does not have where there are many.
-fn share_course(own: &mut [Vec<f64>]) {
-    let lines = own.first().map_or(0, Vec::len);
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / lines as f64;
-    let levels: Vec<f64> = own.iter().map(|values| mean(values)).collect();
+fn share_course(mut own: Vec<&mut Vec<f64>>) {
+    let lines = own.first().map_or(0, |values| values.len());
+    let levels: Vec<f64> = own
+        .par_iter()
+        .map(|values| values.iter().sum::<f64>() / lines as f64)
+        .collect();
     let mut course = vec![0.0; lines];
-    for (values, level) in own.iter().zip(&levels) {
-        for (sum, v) in course.iter_mut().zip(values) {
-            *sum += v / (level * levels.len() as f64);
+    let pieces = course.par_chunks_mut(LINES_AT_ONCE).enumerate();
+    pieces.for_each(|(number, sums)| {
+        let first = number * LINES_AT_ONCE;
+        for (values, level) in own.iter().zip(&levels) {
+            let part = (level * levels.len() as f64).recip();
+            for (sum, v) in sums.iter_mut().zip(&values[first..]) {
+                *sum += v * part;
+            }
         }
-    }
+    });
     let course = &course;
     own.par_iter_mut().zip(levels).for_each(|(values, level)| {
         let apart = |(v, c): (&f64, &f64)| (v / (level * c)).ln().powi(2);
@@ -161,8 +184,9 @@ fn share_course(own: &mut [Vec<f64>]) {
     });
 }
 
-fn raise_to_floor(variance: &mut [f64], values: &[Complex64]) {
-    let mean_square = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len() as f64;
+/// Raises variances to what rounding leaves of so much power at each line.
+fn raise_to_floor(variance: &mut [f64], power: impl Iterator<Item = f64>) {
+    let mean_square = power.sum::<f64>() / variance.len() as f64;
     let floor = if mean_square > 0.0 {
         FLOOR * mean_square
     } else {
@@ -182,22 +206,25 @@ fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec
 /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has variance `6v`, and the
 /// median of its squared magnitude is `6v ln 2`. Resonances take few lines and do not move the median.
 fn from_second_differences(values: &[Complex64]) -> Vec<f64> {
-    let mut squares: Vec<f64> = values
-        .windows(3)
-        .map(|h| (h[0] - 2.0 * h[1] + h[2]).norm_sqr() / (6.0 * std::f64::consts::LN_2))
+    let scale = (6.0 * std::f64::consts::LN_2).recip();
+    let square = |k: usize| (values[k - 1] - 2.0 * values[k] + values[k + 1]).norm_sqr() * scale;
+    let last = values.len() - 2;
+    // The first and the last line have those of their neighbours.
+    let squares: Vec<f64> = (0..values.len())
+        .map(|k| square(k.clamp(1, last)))
         .collect();
-    let (first, last) = (squares[0], squares[squares.len() - 1]);
-    squares.insert(0, first);
-    squares.push(last);
     running_median(&squares)
 }
 
 /// Median over `±REACH` lines, evaluated every `HOP` lines and straight between.
 fn running_median(values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
-    let median = |centre: usize| {
-        let mut near =
-            values[centre.saturating_sub(REACH)..(centre + REACH + 1).min(values.len())].to_vec();
+    let mut near = Vec::with_capacity(2 * REACH + 1);
+    let mut median = |centre: usize| {
+        near.clear();
+        near.extend_from_slice(
+            &values[centre.saturating_sub(REACH)..(centre + REACH + 1).min(values.len())],
+        );
         let middle = near.len() / 2;
         *near.select_nth_unstable_by(middle, f64::total_cmp).1
     };
@@ -216,6 +243,10 @@ fn running_median(values: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::identify::synthetic::white_noise;
+
+    fn powers(values: &[Complex64]) -> Vec<f64> {
+        values.iter().map(Complex64::norm_sqr).collect()
+    }
 
     #[test]
     fn second_differences_return_the_variance_of_white_noise_under_a_resonance() {
@@ -241,14 +272,10 @@ mod tests {
             .map(|f| {
                 let own = white_noise(4000, 1e-6, 10 + f);
                 let rest = (0..4000).map(|k| own[k] + force(k) * values[k]);
-                LeftOver {
-                    values: values.clone(),
-                    rest: rest.collect(),
-                    stated: None,
-                }
+                LeftOver::new(powers(&values), &rest.collect::<Vec<_>>(), (None, 6.0))
             })
             .collect();
-        let told = of_rest(&functions, (6.0, 1.0));
+        let told = of_rest(functions, 1.0);
         let between: f64 = told.iter().map(|own| own.variance[500]).sum::<f64>() / 6.0;
         assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
         // Half a dozen independent errors within each of eight resonances: their mean square to a sixth.
@@ -269,14 +296,11 @@ mod tests {
             let left = |f: u64| {
                 let stated = if f == 5 { 1e-5 } else { 1e-6 };
                 let own = white_noise(4000, stated, 10 + f);
-                LeftOver {
-                    values: values.clone(),
-                    rest: (0..4000).map(|k| own[k] + force[k] * values[k]).collect(),
-                    stated: Some(vec![stated; 4000]),
-                }
+                let rest = (0..4000).map(|k| own[k] + force[k] * values[k]);
+                let stated = Some(vec![stated; 4000]);
+                LeftOver::new(powers(&values), &rest.collect::<Vec<_>>(), (stated, 6.0))
             };
-            let functions: Vec<LeftOver> = (0..6).map(left).collect();
-            of_rest(&functions, (6.0, 1.0))
+            of_rest((0..6).map(left).collect(), 1.0)
         };
         let top = |own: &Smooth| {
             let tops = (0..8).flat_map(|n| 240 + 500 * n..260 + 500 * n);

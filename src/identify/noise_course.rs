@@ -8,9 +8,10 @@
 
 use std::ops::Range;
 
-use pulp::Arch;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::signal::vectorised;
 
 /// Lines that one `a` holds for, and further lines on either side that it is told from.
 const OWN: usize = 16;
@@ -80,32 +81,36 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
         let most = own.most();
         let long = |n: usize| own.even(edge(n)..edge(n + 1), by_power[n], most);
         let of_response: Vec<f64> = (0..count).map(long).collect();
-        let mut smooth = Smooth::default();
+        let mut smooth = Smooth {
+            variance: Vec::with_capacity(lines),
+            by_force: Vec::with_capacity(lines),
+        };
         for start in (0..own.variance.len()).step_by(OWN) {
             let block = start..(start + OWN).min(own.variance.len());
             let near = start.saturating_sub(BESIDE)..(block.end + BESIDE).min(own.variance.len());
             let place = (block.start as f64 + 0.5 * OWN as f64) / lines as f64;
             let (b, response) = (between(&by_power, place), between(&of_response, place));
+            // Of a few dozen lines, `a` takes what b misses by chance.
+            let share = |force: f64| {
+                let share = force / (response + force);
+                if share.is_finite() { share } else { 0.0 }
+            };
+            let force = own.power[block.clone()].iter().map(|p| b * p);
+            if let Some(stated) = &own.own {
+                let each = stated[block].iter().zip(force.clone());
+                smooth.variance.extend(each.map(|(a, force)| a + force));
+                smooth.by_force.extend(force.map(share));
+                continue;
+            }
             let a = own.even(near, b, most);
-            for k in block {
-                let force = b * own.power[k];
-                let expected = own.own.as_ref().map_or(a, |own| own[k]) + force;
-                let outstanding = own.own.is_none() && own.variance[k] > most * expected;
-                let variance = if outstanding {
-                    own.variance[k]
-                } else {
-                    expected
-                };
-                smooth.variance.push(variance);
-                // Of a few dozen lines, `a` takes what b misses by chance.
-                let share = if outstanding {
-                    0.0
-                } else {
-                    force / (response + force)
-                };
+            for (told, force) in own.variance[block].iter().zip(force) {
+                let outstanding = *told > most * (a + force);
+                smooth
+                    .variance
+                    .push(if outstanding { *told } else { a + force });
                 smooth
                     .by_force
-                    .push(if share.is_finite() { share } else { 0.0 });
+                    .push(if outstanding { 0.0 } else { share(force) });
             }
         }
         smooth
@@ -260,7 +265,7 @@ fn deviance((own, variance, power): (&[f64], &[f64], &[f64]), b: f64, most: f64)
     if !own.iter().any(|a| *a > 0.0) {
         return 0.0;
     }
-    Arch::new().dispatch(
+    vectorised(
         #[inline(always)]
         || sum_of_deviances((own, variance, power), b, most),
     )

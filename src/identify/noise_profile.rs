@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::receptance::Receptances;
+
+/// Lines whose sums stay in the nearest cache.
+const LINES_AT_ONCE: usize = 1024;
 
 /// Variance of function f at line k of the window: `level_f² course_k²`.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,16 +21,24 @@ pub(super) struct Profile {
 impl Profile {
     /// Of the lines of a window.
     pub fn new(data: &Receptances, lines: Range<usize>) -> Self {
-        let level: Vec<f64> = (0..data.functions())
-            .map(|f| data.mean_variance(f, lines.clone()).sqrt())
+        let mean: Vec<f64> = (0..data.functions())
+            .into_par_iter()
+            .map(|f| data.mean_variance(f, lines.clone()))
             .collect();
-        let mut squares = vec![0.0; lines.len()];
-        for (variance, level) in data.variance.iter().zip(&level) {
-            for (sum, v) in squares.iter_mut().zip(&variance[lines.clone()]) {
-                *sum += v / (level * level * data.functions() as f64);
+        let mut course = vec![0.0; lines.len()];
+        let pieces = course.par_chunks_mut(LINES_AT_ONCE).enumerate();
+        pieces.for_each(|(number, sums)| {
+            let first = lines.start + number * LINES_AT_ONCE;
+            for (variance, mean) in data.variance.iter().zip(&mean) {
+                let part = (mean * data.functions() as f64).recip();
+                let variance = &variance[first..first + sums.len()];
+                for (sum, v) in sums.iter_mut().zip(variance) {
+                    *sum += v * part;
+                }
             }
-        }
-        let course = squares.into_iter().map(f64::sqrt).collect();
+            sums.iter_mut().for_each(|sum| *sum = sum.sqrt());
+        });
+        let level = mean.into_iter().map(f64::sqrt).collect();
         Self { level, course }
     }
 }

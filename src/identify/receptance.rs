@@ -133,10 +133,18 @@ impl Receptances {
         };
         let noise = noise.into_par_iter().enumerate().map(of_receptance);
         let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
-        let value = |k: usize, i: usize| scales.of(set, i).0[k] * set.values(i)[lines.start + k];
+        let mut values = ComplexMatrix::zeros(omega.len(), set.len());
+        linalg::by_column(&mut values, |i, column| {
+            let measured = &set.values(i)[lines.clone()];
+            for ((value, measured), factor) in
+                column.iter_mut().zip(measured).zip(&scales.of(set, i).0)
+            {
+                *value = factor * measured;
+            }
+        });
         let mut data = Self {
             step,
-            values: Values(linalg::complex_matrix(omega.len(), set.len(), value)),
+            values: Values(values),
             variance,
             by_force,
             stated,
@@ -190,23 +198,24 @@ impl Receptances {
     /// The noise of all functions from what a fit leaves over of them, which is then over that noise. To variances that came with the
     /// data it adds noise of the force that they do not tell.
     pub fn measure_noise(&mut self, rest: &mut Rest) {
-        let how = (
-            self.correlation.of_second_difference(),
-            self.correlation.alike(),
-        );
-        let before = self.variance.clone();
-        for group in self.shared.groups().to_vec() {
-            let left = group.par_iter().map(|f| self.left_over(*f, rest));
-            let told = noise::of_rest(&left.collect::<Vec<_>>(), how);
-            for (f, told) in group.into_iter().zip(told) {
-                let variance = told.variance.iter().zip(self.measured_scale[f].iter());
-                self.variance[f] = variance.map(|(v, s)| v / (s * s)).collect();
-                self.by_force[f] = match &self.stated[f] {
-                    Some(stated) => force_part(stated, &self.variance[f]),
-                    None => told.by_force,
-                };
+        let by_lines = self.correlation.of_second_difference();
+        let alike = self.correlation.alike();
+        let mut now = vec![Smooth::default(); self.functions()];
+        for group in self.shared.groups() {
+            let left = |f: &usize| self.left_over(*f, rest, by_lines);
+            let told = noise::of_rest(group.par_iter().map(left).collect(), alike);
+            let own = |(f, told): (&usize, Smooth)| (*f, self.as_receptance(*f, told));
+            let own: Vec<(usize, Smooth)> = group.par_iter().zip(told).map(own).collect();
+            for (f, own) in own {
+                now[f] = own;
             }
         }
+        let (now, by_force) = now
+            .into_iter()
+            .map(|own| (own.variance, own.by_force))
+            .unzip();
+        let before = std::mem::replace(&mut self.variance, now);
+        self.by_force = by_force;
         self.raise_variances();
         rest.over(&before, &self.variance);
         self.renew();
@@ -238,19 +247,30 @@ impl Receptances {
         self.far.get_or_init(|| Far::new(self, &self.outside))
     }
 
-    fn left_over(&self, f: usize, rest: &Rest) -> LeftOver {
+    /// Of function f, as measured.
+    fn left_over(&self, f: usize, rest: &Rest, by_lines: f64) -> LeftOver {
         let scale = &self.measured_scale[f];
-        let left = |k: usize| rest.at(f, k) * self.deviation(f, k) * scale[k];
-        let stated = self.stated[f].as_ref();
+        let values = self.values[f].iter().zip(scale.iter());
+        let deviations = self.variance[f].iter().zip(scale.iter());
+        let own = rest.of(f, 0..self.lines()).iter().zip(deviations);
+        let own: Vec<Complex64> = own.map(|(rest, (v, s))| rest * (v.sqrt() * s)).collect();
         let squared = |(v, s): (&f64, &f64)| v * s * s;
-        LeftOver {
-            values: self.values[f]
-                .iter()
-                .zip(scale.iter())
-                .map(|(h, s)| h * s)
-                .collect(),
-            rest: (0..self.lines()).map(left).collect(),
-            stated: stated.map(|own| own.variance.iter().zip(scale.iter()).map(squared).collect()),
+        let stated = self.stated[f].as_ref();
+        let stated = stated.map(|own| own.variance.iter().zip(scale.iter()).map(squared).collect());
+        let power = values.map(|(h, s)| h.norm_sqr() * s * s).collect();
+        LeftOver::new(power, &own, (stated, by_lines))
+    }
+
+    /// Variances of function f as it was measured as those of its receptance.
+    fn as_receptance(&self, f: usize, told: Smooth) -> Smooth {
+        let variance = told.variance.iter().zip(self.measured_scale[f].iter());
+        let variance: Vec<f64> = variance.map(|(v, s)| v / (s * s)).collect();
+        Smooth {
+            by_force: match &self.stated[f] {
+                Some(stated) => force_part(stated, &variance),
+                None => told.by_force,
+            },
+            variance,
         }
     }
 

@@ -71,7 +71,9 @@ pub(super) fn refine(
     let mut beyond: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
     windows.retain(|window| window.is_of(data));
-    for _ in 0..SWEEPS {
+    for round in 1..=SWEEPS {
+        // Of the last look at a block its variances stay.
+        whole |= round == SWEEPS;
         let fresh = roots
             .iter()
             .any(|root| matches!(root.progress, Progress::Fresh(_)));
@@ -104,6 +106,7 @@ pub(super) fn refine(
             roots: &roots,
             residues: &residues(&roots, data.functions()),
             far: beyond.as_ref(),
+            last: whole,
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()

@@ -33,34 +33,41 @@ impl Turning<'_> {
         let Some(column) = self.columns.iter().position(|own| own.0 == j) else {
             return;
         };
-        let slopes = self.slopes(root, column);
-        let slopes: Vec<Vec<Complex64>> = slopes
-            .into_iter()
-            .map(|own| without_scale(own, &root.residues, variances))
-            .collect();
-        for (f, variance) in variances.iter_mut().enumerate() {
-            let row = |k: usize| -> Complex64 {
-                let terms = slopes.iter().enumerate();
-                terms
-                    .map(|(l, slope)| self.covariance[(k, l)] * slope[f].conj())
-                    .sum()
-            };
-            let added: Complex64 = (0..slopes.len()).map(|k| slopes[k][f] * row(k)).sum();
-            *variance += added.re.max(0.0);
+        let mut added = vec![0.0; root.residues.len()];
+        let mut slopes = self.slopes(root, column);
+        for unknown in 0..slopes.ncols() {
+            without_scale(slopes.col_as_slice_mut(unknown), &root.residues, variances);
+        }
+        let by_covariance = &slopes * self.covariance;
+        for unknown in 0..slopes.ncols() {
+            let terms = by_covariance.col_as_slice(unknown).iter();
+            let terms = terms.zip(slopes.col_as_slice(unknown));
+            for (sum, (product, slope)) in added.iter_mut().zip(terms) {
+                *sum += product.re * slope.re + product.im * slope.im;
+            }
+        }
+        for (variance, added) in variances.iter_mut().zip(added) {
+            *variance += added.max(0.0);
         }
     }
 
-    /// Derivatives of the residues by each unknown, as far as they come by the shape.
-    fn slopes(&self, root: &Root, column: usize) -> Vec<Vec<Complex64>> {
-        let count = self.covariance.nrows();
-        let mut slopes = vec![vec![Complex64::ZERO; root.residues.len()]; count];
+    /// Derivatives of the residues by each unknown, as far as they come by the shape: functions × unknowns.
+    fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
+        let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
         for (pattern, turn) in self.patterns.iter().zip(self.turns) {
+            let factors: Vec<Complex64> = pattern
+                .inputs
+                .iter()
+                .map(|input| root.parts[0][*input] * root.decay().abs())
+                .collect();
             for (t, &(unknown, of)) in turn.of.iter().enumerate() {
-                for (o, (functions, level)) in pattern.outputs.iter().enumerate() {
-                    let slope = -turn.moves[(column, t)] * turn.shapes[(of, o)] * level;
-                    for (f, input) in functions.iter().zip(&pattern.inputs) {
-                        let factor = root.parts[0][*input] * root.decay().abs();
-                        slopes[unknown][*f] += slope * factor;
+                let moves = -turn.moves[(column, t)];
+                let slopes = slopes.col_as_slice_mut(unknown);
+                let shapes = turn.shapes.row(of);
+                for ((functions, level), shape) in pattern.outputs.iter().zip(shapes.iter()) {
+                    let slope = moves * shape * level;
+                    for (f, factor) in functions.iter().zip(&factors) {
+                        slopes[*f] += slope * factor;
                     }
                 }
             }
@@ -69,12 +76,8 @@ impl Turning<'_> {
     }
 }
 
-/// What is left of a change of residues beside one that all have in common.
-fn without_scale(
-    mut slope: Vec<Complex64>,
-    residues: &[Complex64],
-    variances: &[f64],
-) -> Vec<Complex64> {
+/// Leaves of a change of residues what is beside one that all have in common.
+fn without_scale(slope: &mut [Complex64], residues: &[Complex64], variances: &[f64]) {
     let (mut product, mut square) = (Complex64::ZERO, 0.0);
     for ((s, a), v) in slope.iter().zip(residues).zip(variances) {
         if *v > 0.0 {
@@ -88,5 +91,4 @@ fn without_scale(
             *s -= common * a;
         }
     }
-    slope
 }

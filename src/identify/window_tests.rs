@@ -65,6 +65,7 @@ fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (Near, f64) {
         roots: &[],
         residues: &residues,
         far: None,
+        last: false,
     };
     let known = zero(window.lines().len(), 2);
     let near = window.near(&around, &known);
