@@ -212,18 +212,10 @@ impl Dof {
     }
 
     /// Component (none first), then numbers by value before names.
-    fn sort_key(&self) -> (&str, u8, u64, &str, Axis, bool, u32) {
+    fn point_key(&self) -> (&str, bool, u64, &str) {
         let (component, name) = self.point.split_once('.').unwrap_or(("", &self.point));
         let number = name.parse::<u64>().ok();
-        (
-            component,
-            u8::from(number.is_none()),
-            number.unwrap_or(0),
-            name,
-            self.axis,
-            self.negative,
-            self.repeat,
-        )
+        (component, number.is_none(), number.unwrap_or(0), name)
     }
 }
 
@@ -235,7 +227,11 @@ impl PartialOrd for Dof {
 
 impl Ord for Dof {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.sort_key().cmp(&other.sort_key())
+        let points = || self.point_key().cmp(&other.point_key());
+        let key = |dof: &Self| (dof.axis, dof.negative, dof.repeat);
+        let same = self.point == other.point;
+        let points = if same { Ordering::Equal } else { points() };
+        points.then_with(|| key(self).cmp(&key(other)))
     }
 }
 

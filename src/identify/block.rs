@@ -84,7 +84,7 @@ pub(super) struct Surroundings<'a> {
     pub residues: &'a ComplexMatrix,
     /// Coordinates of the background of all lines, where it is taken out first.
     pub far: Option<&'a ComplexMatrix>,
-    /// Whether nothing is expected to move any more, so that the variances of the residues count.
+    /// Whether nothing is expected to move any more and the deviations of the shapes are wanted.
     pub last: bool,
 }
 

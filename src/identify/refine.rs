@@ -106,7 +106,7 @@ pub(super) fn refine(
             roots: &roots,
             residues: &residues(&roots, data.functions()),
             far: beyond.as_ref(),
-            last: whole,
+            last: whole && matches!(stop, Stop::Fine | Stop::Residues),
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()

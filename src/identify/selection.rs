@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::axis::Band;
 use crate::dof::Dof;
@@ -55,8 +56,13 @@ pub(super) fn modal_model(
     let added = set.added_damping_rad_s;
     let mut findings = table.findings;
     let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
-    for candidate in &table.candidates {
-        let (mut modes, finding) = modes_of_root(set, method, candidate)?;
+    let own: Vec<_> = table
+        .candidates
+        .par_iter()
+        .map(|candidate| modes_of_root(set, method, candidate))
+        .collect();
+    for (candidate, own) in table.candidates.iter().zip(own) {
+        let (mut modes, finding) = own?;
         let lines = candidate.pole.half_power_width_hz() / set.axis().step_hz;
         modes
             .iter_mut()

@@ -91,7 +91,7 @@ pub(super) fn deviations(
     residues: &Residues,
     shape: &ModeShape,
 ) -> Option<BTreeMap<Dof, f64>> {
-    let values: BTreeMap<Dof, Complex64> = shape.iter().map(|(d, v)| (d.clone(), v)).collect();
+    let values: Column = shape.iter().collect();
     let mut best: BTreeMap<Dof, f64> = BTreeMap::new();
     let columns = Columns::new(residues);
     for (other, column) in &columns.by_other {
@@ -100,11 +100,11 @@ pub(super) fn deviations(
         };
         for row in column.keys() {
             let pair = match columns.turned {
-                true => (other.clone(), row.clone()),
-                false => (row.clone(), other.clone()),
+                true => ((*other).clone(), (*row).clone()),
+                false => ((*row).clone(), (*other).clone()),
             };
             let std = stds.get(&pair)? / factor.norm();
-            let least = best.entry(row.clone()).or_insert(std);
+            let least = best.entry((*row).clone()).or_insert(std);
             *least = least.min(std);
         }
     }
@@ -115,45 +115,43 @@ pub(super) fn deviations(
 }
 
 /// The residue matrix as columns along the longer side.
-struct Columns {
+struct Columns<'a> {
     /// Whether the references carry the shape.
     turned: bool,
-    by_other: BTreeMap<Dof, BTreeMap<Dof, Complex64>>,
+    by_other: BTreeMap<&'a Dof, Column<'a>>,
 }
 
-impl Columns {
-    fn new(residues: &Residues) -> Self {
+/// Values by degree of freedom.
+type Column<'a> = BTreeMap<&'a Dof, Complex64>;
+
+impl<'a> Columns<'a> {
+    fn new(residues: &'a Residues) -> Self {
         let responses: BTreeSet<&Dof> = residues.keys().map(|(response, _)| response).collect();
         let references: BTreeSet<&Dof> = residues.keys().map(|(_, reference)| reference).collect();
         let turned = references.len() > responses.len();
-        let mut by_other: BTreeMap<Dof, BTreeMap<Dof, Complex64>> = BTreeMap::new();
+        let mut by_other: BTreeMap<&Dof, Column> = BTreeMap::new();
         for ((response, reference), value) in residues {
             let (row, column) = if turned {
                 (reference, response)
             } else {
                 (response, reference)
             };
-            by_other
-                .entry(column.clone())
-                .or_default()
-                .insert(row.clone(), *value);
+            by_other.entry(column).or_default().insert(row, *value);
         }
         Self { turned, by_other }
     }
 
     /// Least-squares shape of all columns that hang together, and what it does not explain.
     fn merged(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
-        let mut order: Vec<&BTreeMap<Dof, Complex64>> = self.by_other.values().collect();
-        let power = |column: &BTreeMap<Dof, Complex64>| -> f64 {
-            column.values().map(Complex64::norm_sqr).sum()
-        };
+        let mut order: Vec<&Column> = self.by_other.values().collect();
+        let power = |column: &Column| -> f64 { column.values().map(Complex64::norm_sqr).sum() };
         order.sort_by(|a, b| {
             let longer = b.len().cmp(&a.len());
             longer.then(power(b).total_cmp(&power(a)))
         });
         let mut shape = order
             .first()
-            .map_or_else(BTreeMap::new, |column| (*column).clone());
+            .map_or_else(Column::new, |column| (*column).clone());
         let mut factors = vec![None; order.len()];
         for _ in 0..ROUNDS.max(order.len()) {
             for (factor, column) in factors.iter_mut().zip(&order) {
@@ -162,15 +160,13 @@ impl Columns {
             shape = mean_shape(&order, &factors);
         }
         let misfit = misfit(&order, &factors, &shape);
-        (shape, misfit)
+        let shape = shape.into_iter().map(|(dof, value)| (dof.clone(), value));
+        (shape.collect(), misfit)
     }
 }
 
 /// Factor that brings the shape to a column, from the degrees of freedom that both have.
-fn factor_of(
-    shape: &BTreeMap<Dof, Complex64>,
-    column: &BTreeMap<Dof, Complex64>,
-) -> Option<Complex64> {
+fn factor_of(shape: &Column, column: &Column) -> Option<Complex64> {
     let common: Vec<(Complex64, Complex64)> = column
         .iter()
         .filter_map(|(dof, value)| Some((*shape.get(dof)?, *value)))
@@ -180,15 +176,12 @@ fn factor_of(
 }
 
 /// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the columns that have the row.
-fn mean_shape(
-    columns: &[&BTreeMap<Dof, Complex64>],
-    factors: &[Option<Complex64>],
-) -> BTreeMap<Dof, Complex64> {
-    let mut sums: BTreeMap<Dof, (Complex64, f64)> = BTreeMap::new();
+fn mean_shape<'a>(columns: &[&Column<'a>], factors: &[Option<Complex64>]) -> Column<'a> {
+    let mut sums: BTreeMap<&Dof, (Complex64, f64)> = BTreeMap::new();
     for (column, factor) in columns.iter().zip(factors) {
         let Some(factor) = factor else { continue };
         for (dof, value) in *column {
-            let sum = sums.entry(dof.clone()).or_default();
+            let sum = sums.entry(dof).or_default();
             sum.0 += factor.conj() * value;
             sum.1 += factor.norm_sqr();
         }
@@ -199,11 +192,7 @@ fn mean_shape(
         .collect()
 }
 
-fn misfit(
-    columns: &[&BTreeMap<Dof, Complex64>],
-    factors: &[Option<Complex64>],
-    shape: &BTreeMap<Dof, Complex64>,
-) -> Option<f64> {
+fn misfit(columns: &[&Column], factors: &[Option<Complex64>], shape: &Column) -> Option<f64> {
     let (mut left, mut all) = (0.0, 0.0);
     for (column, factor) in columns.iter().zip(factors) {
         let Some(factor) = factor else { continue };
