@@ -7,6 +7,7 @@ mod ritz;
 mod sparse;
 #[cfg(test)]
 mod sparse_tests;
+mod vectorised;
 
 use faer::linalg::solvers::{Solve, SolveLstsq};
 use faer::{Mat, Side, c64};
@@ -15,6 +16,7 @@ use num_complex::Complex64;
 pub use lanczos::{SparseModes, Wanted, sparse_modes};
 pub use products::{add_square, adjoint_product, by_column, less_product};
 pub use sparse::SparseMatrix;
+pub use vectorised::vectorised;
 
 /// Vector of three, for positions and directions.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use crate::signal::vectorised;
+use crate::linalg::vectorised;
 
 use super::Estimator;
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::signal::vectorised;
+use crate::linalg::vectorised;
 
 use super::sums::{LineSums, Sums};
 

@@ -11,7 +11,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::signal::vectorised;
+use crate::linalg::vectorised;
 
 /// Lines that one `a` holds for, and further lines on either side that it is told from.
 const OWN: usize = 16;

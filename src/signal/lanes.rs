@@ -1,29 +1,10 @@
 //! Sums and bounds of many values, as wide as the processor adds: partial results side by side, in an order that does not depend
 //! on anything, compiled for the vector units that are there.
 
-use pulp::{Arch, NullaryFnOnce};
+use crate::linalg::vectorised;
 
 /// Partial results side by side, as many as keep the vector units of common processors busy.
 const LANES: usize = 16;
-
-/// Runs a loop compiled for the vector units that this processor has: a closure that is `#[inline(always)]`.
-#[inline(always)]
-pub fn vectorised<R>(run: impl FnMut() -> R) -> R {
-    Arch::new().dispatch(Loop(run))
-}
-
-/// A loop that is called where it is. As `FnOnce` a closure is called through a function between that has no vector units, and that is
-/// not inlined where the loop is long.
-struct Loop<F>(F);
-
-impl<R, F: FnMut() -> R> NullaryFnOnce for Loop<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn call(mut self) -> R {
-        (self.0)()
-    }
-}
 
 /// `Σ f(x)`.
 #[inline]

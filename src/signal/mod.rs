@@ -17,7 +17,7 @@ pub use judge::{
     Check, Drift, JudgeLimits, Outcome, ResponseRecord, Rule, drift_of, judge_force, judge_levels,
     judge_response, least_delay_samples, odd_one_out, overloaded,
 };
-pub use lanes::{Extent, lane_count, lane_moments, lane_sum, lane_sum_of_pairs, vectorised};
+pub use lanes::{Extent, lane_count, lane_moments, lane_sum, lane_sum_of_pairs};
 pub use pulse::{ONSET_FRACTION, PreTrigger, Pulse};
 pub use segment::{Segment, Segments, TriggerOptions, segments};
 pub use window::{ExponentialWindow, ForceWindow};

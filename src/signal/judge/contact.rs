@@ -23,7 +23,9 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::super::{Pulse, vectorised};
+use crate::linalg::vectorised;
+
+use super::super::Pulse;
 use super::quiet::{converter_step, trimmed_deviation};
 use super::{Check, JudgeLimits, Outcome, Rule};
 
