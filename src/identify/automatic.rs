@@ -1,8 +1,8 @@
 //! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
 //!
 //! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen, and the
-//!    lower parts of a wide band have estimates of their own. With several references, the functions each by itself say as well where
-//!    roots are and how many modes share each ([`several`](super::several)).
+//!    lower parts of a wide band have estimates of their own. With several references, where the roots of these seeds leave over more
+//!    than noise, the functions each by itself say as well where roots are and how many modes share each ([`several`](super::several)).
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
 //! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
 //!    a fifth of its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
@@ -84,28 +84,7 @@ impl PoleEstimator for Automatic {
         let indicator = Indicator::new(&data);
         let found = search::search(&data, &indicator, self.options.false_alarm_probability);
         let mut fit = Fit::new(data, sides, self.options);
-        fit.seed(&found)?;
-        fit.settle(Stop::Coarse);
-        for round in 0..=SEARCHES {
-            let other = fit.measure_noise();
-            fit.settle(Stop::Judging);
-            if round == SEARCHES {
-                break;
-            }
-            let before = fit.roots.clone();
-            let gain = fit.search();
-            // The noise of the same roots is the same.
-            if gain.is_none() && !other && fit.roots == before {
-                break;
-            }
-            // Where more roots leave such doubts and explain little, what the next would fit is not modes.
-            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
-            if gain.is_none() || !worthwhile && fit.misses_data(&fit.doubts()) {
-                fit.measure_noise();
-                fit.settle(Stop::Judging);
-                break;
-            }
-        }
+        fit.first_roots(&found)?;
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
@@ -151,22 +130,39 @@ impl Fit {
         ((first - outside).max(0.5 * first), last + outside)
     }
 
-    /// Roots from the poles that stay over the orders.
+    /// Roots from the poles that stay over the orders, and from what they leave over.
     ///
-    /// Many references leave few orders, and a root that many modes share is then fewer poles than it has modes: the poles of the
-    /// functions as outputs of one input say where roots are, and their residues how many modes each has ([`several`](super::several)).
-    fn seed(&mut self, found: &Found) -> Result<(), IdentifyError> {
+    /// Many references leave few orders, and a root that many modes share is then fewer poles than it has modes. Where the roots of all
+    /// references together leave over more than noise, the functions are asked one by one as well.
+    fn first_roots(&mut self, found: &Found) -> Result<(), IdentifyError> {
         let lscf = LeastSquaresComplexFrequency {
             max_order: self.options.max_order,
         };
-        self.roots = self.stable_roots(&lscf, found)?;
-        if self.sides.inputs == 1 {
+        let seeds = self.stable_roots(&lscf, found)?;
+        let several = self.sides.inputs > 1;
+        self.roots = seeds.clone();
+        let mut changed = self.settle_and_judge();
+        if several && !self.leaves_more_than_noise() {
             return Ok(());
         }
+        if several {
+            self.ask_functions((&lscf, found), seeds)?;
+            changed = self.settle_and_judge();
+        }
+        self.search_rounds(changed);
+        Ok(())
+    }
+
+    /// Roots from the functions as outputs of one input, which say where roots are, and whose residues say how many modes each has
+    /// ([`several`](super::several)).
+    fn ask_functions(
+        &mut self,
+        (lscf, found): (&LeastSquaresComplexFrequency, &Found),
+        by_inputs: Vec<Root>,
+    ) -> Result<(), IdentifyError> {
         let one = self.sides.as_one_input();
         let sides = std::mem::replace(&mut self.sides, one);
-        let by_inputs = std::mem::take(&mut self.roots);
-        self.roots = alone(&[by_inputs.clone(), self.stable_roots(&lscf, found)?].concat());
+        self.roots = alone(&[by_inputs.clone(), self.stable_roots(lscf, found)?].concat());
         self.settle(Stop::Coarse);
         if !self.data.variance_measured() {
             self.measure_noise();
@@ -180,6 +176,37 @@ impl Fit {
         let own = (&self.data, &self.sides);
         self.roots = completed(own, by_inputs, (&free, &standings), chance);
         Ok(())
+    }
+
+    /// Roots that pass beside the noise that they leave; whether that changed.
+    fn settle_and_judge(&mut self) -> bool {
+        self.settle(Stop::Coarse);
+        self.judge_by_noise()
+    }
+
+    fn judge_by_noise(&mut self) -> bool {
+        let changed = self.measure_noise();
+        self.settle(Stop::Judging);
+        changed
+    }
+
+    /// Searches what is left over until nothing more is found, where the noise may have changed since it was last judged by.
+    fn search_rounds(&mut self, mut changed: bool) {
+        for _ in 0..SEARCHES {
+            let before = self.roots.clone();
+            let gain = self.search();
+            // The noise of the same roots is the same.
+            if gain.is_none() && !changed && self.roots == before {
+                break;
+            }
+            // Where more roots leave such doubts and explain little, what the next would fit is not modes.
+            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
+            let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
+            changed = self.judge_by_noise();
+            if last {
+                break;
+            }
+        }
     }
 
     fn stable_roots(

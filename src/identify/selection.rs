@@ -119,6 +119,10 @@ fn modes_of_root(
         .pole
         .without_added_damping(set.added_damping_rad_s);
     let residues = by_pair(set, candidate.residues.as_deref().unwrap_or_default());
+    let residues: Residues = residues
+        .into_iter()
+        .map(|((response, reference), a)| ((response.clone(), reference.clone()), a))
+        .collect();
     let frequency_hz = pole.natural_frequency_hz();
     let warning = |code, value: f64, limit: f64| {
         Finding::new(Severity::Warning, code, Place::Mode(frequency_hz))
@@ -184,8 +188,9 @@ fn mode(
     }
 }
 
-fn by_pair<T: Copy>(set: &FrfSet, values: &[T]) -> BTreeMap<(Dof, Dof), T> {
-    let pair = set.functions().iter().zip(values);
-    pair.map(|(f, a)| ((f.response.clone(), f.reference.clone()), *a))
+fn by_pair<'a, T: Copy>(set: &'a FrfSet, values: &[T]) -> BTreeMap<(&'a Dof, &'a Dof), T> {
+    let pairs = set.functions().iter().zip(values);
+    pairs
+        .map(|(f, a)| ((&f.response, &f.reference), *a))
         .collect()
 }

@@ -87,66 +87,95 @@ pub(super) fn as_of_a_real_mode(square: Complex64) -> bool {
 /// Standard deviation of each component of a shape, in its scale, from those of the residues: of the column that tells it best. `None`
 /// where a component has none.
 pub(super) fn deviations(
-    stds: &BTreeMap<(Dof, Dof), f64>,
+    stds: &BTreeMap<(&Dof, &Dof), f64>,
     residues: &Residues,
     shape: &ModeShape,
 ) -> Option<BTreeMap<Dof, f64>> {
-    let values: Column = shape.iter().collect();
-    let mut best: BTreeMap<Dof, f64> = BTreeMap::new();
     let columns = Columns::new(residues);
+    let values: Column = columns.rows.iter().map(|row| shape.get(row)).collect();
+    let mut best: Vec<Option<f64>> = vec![None; columns.rows.len()];
     for (other, column) in &columns.by_other {
         let Some(factor) = factor_of(&values, column).filter(|factor| factor.norm() > 0.0) else {
             continue;
         };
-        for row in column.keys() {
+        for ((row, value), best) in columns.rows.iter().zip(column).zip(&mut best) {
+            if value.is_none() {
+                continue;
+            }
             let pair = match columns.turned {
-                true => ((*other).clone(), (*row).clone()),
-                false => ((*row).clone(), (*other).clone()),
+                true => (*other, *row),
+                false => (*row, *other),
             };
             let std = stds.get(&pair)? / factor.norm();
-            let least = best.entry((*row).clone()).or_insert(std);
-            *least = least.min(std);
+            *best = Some(best.map_or(std, |least| least.min(std)));
         }
     }
-    values.keys().all(|dof| best.contains_key(dof)).then(|| {
-        best.retain(|dof, _| values.contains_key(dof));
-        best
-    })
+    let of_shape = columns.rows.iter().zip(&best).zip(&values);
+    let own: BTreeMap<Dof, f64> = of_shape
+        .filter(|(_, value)| value.is_some())
+        .filter_map(|((row, std), _)| Some(((*row).clone(), (*std)?)))
+        .collect();
+    (own.len() == shape.len()).then_some(own)
 }
 
 /// The residue matrix as columns along the longer side.
 struct Columns<'a> {
     /// Whether the references carry the shape.
     turned: bool,
-    by_other: BTreeMap<&'a Dof, Column<'a>>,
+    /// Degrees of freedom of the longer side, in order.
+    rows: Vec<&'a Dof>,
+    /// By those of the other side, in order.
+    by_other: Vec<(&'a Dof, Column)>,
 }
 
-/// Values by degree of freedom.
-type Column<'a> = BTreeMap<&'a Dof, Complex64>;
+/// Values by row, where there are any.
+type Column = Vec<Option<Complex64>>;
 
 impl<'a> Columns<'a> {
     fn new(residues: &'a Residues) -> Self {
-        let responses: BTreeSet<&Dof> = residues.keys().map(|(response, _)| response).collect();
+        let mut responses: Vec<&Dof> = residues.keys().map(|(response, _)| response).collect();
+        // Pairs are in the order of their responses.
+        responses.dedup();
         let references: BTreeSet<&Dof> = residues.keys().map(|(_, reference)| reference).collect();
+        let references: Vec<&Dof> = references.into_iter().collect();
         let turned = references.len() > responses.len();
-        let mut by_other: BTreeMap<&Dof, Column> = BTreeMap::new();
+        let (rows, others) = if turned {
+            (references, responses)
+        } else {
+            (responses, references)
+        };
+        let nothing = vec![None; rows.len()];
+        let mut by_other: Vec<(&Dof, Column)> = others
+            .into_iter()
+            .map(|other| (other, nothing.clone()))
+            .collect();
         for ((response, reference), value) in residues {
-            let (row, column) = if turned {
+            let (row, other) = if turned {
                 (reference, response)
             } else {
                 (response, reference)
             };
-            by_other.entry(column).or_default().insert(row, *value);
+            let row = rows.binary_search(&row);
+            let other = by_other.binary_search_by(|(own, _)| (*own).cmp(other));
+            if let (Ok(row), Ok(other)) = (row, other) {
+                by_other[other].1[row] = Some(*value);
+            }
         }
-        Self { turned, by_other }
+        Self {
+            turned,
+            rows,
+            by_other,
+        }
     }
 
     /// Least-squares shape of all columns that hang together, and what it does not explain.
     fn merged(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
-        let mut order: Vec<&Column> = self.by_other.values().collect();
-        let power = |column: &Column| -> f64 { column.values().map(Complex64::norm_sqr).sum() };
+        let mut order: Vec<&Column> = self.by_other.iter().map(|(_, column)| column).collect();
+        let length = |column: &Column| column.iter().flatten().count();
+        let power =
+            |column: &Column| -> f64 { column.iter().flatten().map(Complex64::norm_sqr).sum() };
         order.sort_by(|a, b| {
-            let longer = b.len().cmp(&a.len());
+            let longer = length(b).cmp(&length(a));
             longer.then(power(b).total_cmp(&power(a)))
         });
         let mut shape = order
@@ -160,44 +189,46 @@ impl<'a> Columns<'a> {
             shape = mean_shape(&order, &factors);
         }
         let misfit = misfit(&order, &factors, &shape);
-        let shape = shape.into_iter().map(|(dof, value)| (dof.clone(), value));
-        (shape.collect(), misfit)
+        let known = self.rows.iter().zip(shape);
+        let known = known.filter_map(|(dof, value)| Some(((*dof).clone(), value?)));
+        (known.collect(), misfit)
     }
 }
 
 /// Factor that brings the shape to a column, from the degrees of freedom that both have.
 fn factor_of(shape: &Column, column: &Column) -> Option<Complex64> {
-    let common: Vec<(Complex64, Complex64)> = column
+    let common = shape
         .iter()
-        .filter_map(|(dof, value)| Some((*shape.get(dof)?, *value)))
-        .collect();
-    let (own, other): (Vec<Complex64>, Vec<Complex64>) = common.into_iter().unzip();
+        .zip(column)
+        .filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let (own, other): (Vec<Complex64>, Vec<Complex64>) = common.unzip();
     modal_scale_factor(&own, &other)
 }
 
 /// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the columns that have the row.
-fn mean_shape<'a>(columns: &[&Column<'a>], factors: &[Option<Complex64>]) -> Column<'a> {
-    let mut sums: BTreeMap<&Dof, (Complex64, f64)> = BTreeMap::new();
+fn mean_shape(columns: &[&Column], factors: &[Option<Complex64>]) -> Column {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut sums = vec![(Complex64::ZERO, 0.0); rows];
     for (column, factor) in columns.iter().zip(factors) {
         let Some(factor) = factor else { continue };
-        for (dof, value) in *column {
-            let sum = sums.entry(dof).or_default();
-            sum.0 += factor.conj() * value;
-            sum.1 += factor.norm_sqr();
+        for (sum, value) in sums.iter_mut().zip(*column) {
+            if let Some(value) = value {
+                sum.0 += factor.conj() * value;
+                sum.1 += factor.norm_sqr();
+            }
         }
     }
-    let known = sums.into_iter().filter(|(_, (_, weight))| *weight > 0.0);
-    known
-        .map(|(dof, (sum, weight))| (dof, sum / weight))
-        .collect()
+    let mean = |(sum, weight): (Complex64, f64)| (weight > 0.0).then(|| sum / weight);
+    sums.into_iter().map(mean).collect()
 }
 
 fn misfit(columns: &[&Column], factors: &[Option<Complex64>], shape: &Column) -> Option<f64> {
     let (mut left, mut all) = (0.0, 0.0);
     for (column, factor) in columns.iter().zip(factors) {
         let Some(factor) = factor else { continue };
-        for (dof, value) in *column {
-            left += (value - factor * shape.get(dof)?).norm_sqr();
+        for (value, shape) in column.iter().zip(shape) {
+            let Some(value) = value else { continue };
+            left += (value - factor * (*shape)?).norm_sqr();
             all += value.norm_sqr();
         }
     }
@@ -214,9 +245,10 @@ fn driving_point(
 ) -> Option<Complex64> {
     let (mut product, mut square, mut total) = (Complex64::ZERO, 0.0, Complex64::ZERO);
     for ((response, reference), residue) in residues {
-        let sign = driving_point_sign(response, reference);
-        let own = shape.get(response).or_else(|| shape.get(reference));
-        let (Some(sign), Some(own)) = (sign, own) else {
+        let Some(sign) = driving_point_sign(response, reference) else {
+            continue;
+        };
+        let Some(own) = shape.get(response).or_else(|| shape.get(reference)) else {
             continue;
         };
         let phi_squared = Complex64::new(0.0, 2.0 * damped_rad_s * sign) * residue;

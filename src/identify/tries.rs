@@ -35,6 +35,14 @@ impl Fit {
             .or_else(|| self.double(&self.rest()))
     }
 
+    /// Whether what the fit leaves over is more than noise: in some stretch, or of a double pole.
+    pub fn leaves_more_than_noise(&self) -> bool {
+        let chance = self.options.false_alarm_probability;
+        let (own, rest) = ((&self.data, &self.sides), self.rest());
+        !roots_to_try(own, &self.roots, &rest, (chance, 1)).is_empty()
+            || !roots_to_double(own, &self.roots, &rest, chance).is_empty()
+    }
+
     fn most_tried(&self) -> usize {
         (self.roots.len() / 4).max(FEWEST_TRIED)
     }

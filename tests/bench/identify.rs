@@ -174,7 +174,8 @@ impl Stages {
     }
 }
 
-/// The automatic identification, and its shares: the stages of its two LSCFs and the residues once by themselves, the rest refinement.
+/// The automatic identification, and its shares: the stages of its LSCF, which explains these data, and the residues once by themselves,
+/// the rest refinement.
 fn whole(
     (set, modes): (&FrfSet, &[Mode]),
     (band, references, threads): (Band, usize, usize),
@@ -195,24 +196,9 @@ fn whole(
         poles.len(),
         found(modes, &poles)
     );
-    // All references together as one have the highest order, and those apart as much less as their poles are more.
-    let one = highest_order(&own);
-    let mut looks = vec![(one, true, threads)];
-    if references > 1 {
-        looks.push((one / references, false, threads));
-    }
-    let mut shares = [Time::NONE; 3];
-    let mut receptances = Time::NONE;
-    for (order, one_reference, threads) in looks {
-        let own = lscf((set, modes), (band, order, one_reference, threads), 1)?;
-        receptances = own.receptances;
-        for (share, part) in shares
-            .iter_mut()
-            .zip([own.transforms, own.products, own.some])
-        {
-            *share = sum(*share, part);
-        }
-    }
+    let look = (band, highest_order(&own), references == 1, threads);
+    let stages = lscf((set, modes), look, 1)?;
+    let shares = [stages.transforms, stages.products, stages.some];
     let (fit, ()) = pool.install(|| timed(1, || residues(set, band, &poles)))?;
     let rest = |of: fn(&Time) -> f64| {
         let known = shares.iter().map(of).sum::<f64>();
@@ -227,7 +213,7 @@ fn whole(
         "    FFT {transforms}, products {products}, eigenvalues {eigenvalues}, residues with receptances and noise {}, refinement and tests {}; receptances {}",
         text(fit, None),
         text(refinement, None),
-        text(receptances, None)
+        text(stages.receptances, None)
     );
     Ok(())
 }
@@ -239,13 +225,6 @@ fn highest_order(own: &Identification) -> usize {
 
 fn pole(mode: &modalign::modal::Mode) -> Option<Complex64> {
     mode.pole().map(|pole| pole.lambda)
-}
-
-impl Time {
-    const NONE: Self = Self {
-        clock: 0.0,
-        processor: 0.0,
-    };
 }
 
 fn sum(a: Time, b: Time) -> Time {
