@@ -26,10 +26,11 @@ use super::roots::Root;
 
 /// Powers of each course.
 const POWERS: usize = 3;
-/// How far poles may be from where the window was made for them, in decay rates. The third power of this is left away of a course, and
-/// must be rounding: a mode may be a million times weaker than its neighbour.
-const NEAR: f64 = 3e-5;
-/// Functions, most, of which the whole energy is looked at.
+/// How far poles may be from where the window was made for them, in decay rates: the third power of this is left away of a course. It
+/// may be this part of the noise beside the strongest response in the window, as far as the bounds allow: the least leaves rounding.
+const NEAR: Range<f64> = 3e-5..1e-2;
+const LEFT_AWAY: f64 = 1e-3;
+/// Functions, most, of which the whole energy, and the strongest response, is looked at.
 const SAMPLED: usize = 48;
 /// Coordinates, most, over those that a window made anew would have.
 const GROWN: f64 = 1.5;
@@ -44,6 +45,8 @@ pub(super) struct Window {
     background: usize,
     /// λ_0 of each course.
     about: Vec<Complex64>,
+    /// Largest ε that it serves.
+    near: f64,
     /// Coordinates of background and powers: an upper triangle.
     triangle: ComplexMatrix,
     /// What gives the coordinates of values: lines × coordinates.
@@ -93,6 +96,7 @@ impl Window {
             background: first,
             triangle: qr.r,
             version: data.version(),
+            near: near(data, lines, &profile),
             about,
             weights,
             profile,
@@ -205,7 +209,7 @@ impl Window {
         };
         let offsets = self.about.iter().map(offset).enumerate();
         let nearest = offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
-        (nearest.1.norm() <= NEAR).then_some(nearest)
+        (nearest.1.norm() <= self.near).then_some(nearest)
     }
 
     /// The values without what is known: courses, lines × twice the roots, and the background of all lines.
@@ -318,6 +322,19 @@ impl Window {
         };
         (compressed, explained)
     }
+}
+
+/// How far poles may be from where a window is made for them.
+fn near(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
+    let stride = data.functions().div_ceil(SAMPLED);
+    let strongest = |f: usize| {
+        let values = data.values[f][lines.clone()].iter().zip(&profile.course);
+        let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));
+        powers.fold(0.0, f64::max) / profile.level[f].powi(2)
+    };
+    let sampled = (0..data.functions()).step_by(stride);
+    let over_noise = sampled.map(strongest).fold(1.0, f64::max).sqrt();
+    (LEFT_AWAY / over_noise).cbrt().clamp(NEAR.start, NEAR.end)
 }
 
 /// Powers of the course of each pole: lines × powers of all.

@@ -132,6 +132,25 @@ fn coordinates_tell_what_the_lines_do_for_poles_nearby_and_for_poles_that_moved_
 }
 
 #[test]
+fn poles_that_a_window_serves_leave_away_far_less_than_noise() {
+    let (data, sides, truth) = measured();
+    let about = |offset: f64| truth.map(|lambda| lambda + offset * lambda.re.abs());
+    let window = |offset: f64| Window::new(&data, &(60..341), about(offset).to_vec());
+    let offsets = (1..1000).map(|step| f64::from(step) * 1e-5);
+    let served = offsets.take_while(|offset| window(*offset).serves(&truth));
+    let reach = served.last().unwrap();
+    // More than rounding allows, less than a hundredth of a decay rate.
+    assert!((1e-4..1e-2).contains(&reach), "{reach}");
+    let window = window(reach);
+    let (near, _) = all(&window, (&data, &sides));
+    let (_, explained) = window.compressed(&near, (&members(&truth), &[]));
+    let (expected, _) = by_lines(&data, &window, (&truth, 1));
+    // A thousandth of the noise, beside noise, in each of the functions.
+    let apart = (explained - expected).abs();
+    assert!(apart < 2e-3 * SENSORS as f64, "{explained} {expected}");
+}
+
+#[test]
 fn a_window_is_that_of_its_noise_and_of_its_lines() {
     let (mut data, _, truth) = measured();
     let window = Window::new(&data, &(60..341), truth.to_vec());
