@@ -73,15 +73,26 @@ impl LeftOver<'_> {
             .iter()
             .filter(|root| distance(root) < root.decay().max(decay));
         let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let more = there.and_then(|own| self.root_at((own.lambda, true), stretch, roots));
-        more.or_else(|| self.root_at((middle, false), stretch, roots))
+        let more = there.and_then(|own| {
+            let most = self.room(own.lambda, roots);
+            self.root_at((own.lambda, most), stretch, roots)
+        });
+        more.or_else(|| self.root_at((middle, 1), stretch, roots))
             .filter(|root| resonates(root.lambda))
     }
 
-    /// A root at a pole, of one mode or of several.
+    /// Modes that a pole can have beside those that are there: inputs and outputs tell no more apart.
+    fn room(&self, lambda: Complex64, roots: &[Root]) -> usize {
+        let there = roots.iter().filter(|own| same_pole(own, lambda));
+        let modes: usize = there.map(Root::multiplicity).sum();
+        let most = self.sides.inputs.min(self.sides.outputs.len());
+        most.saturating_sub(modes)
+    }
+
+    /// A root at a pole, of so many modes at most.
     fn root_at(
         &self,
-        (lambda, several): (Complex64, bool),
+        (lambda, most): (Complex64, usize),
         stretch: &Stretch,
         roots: &[Root],
     ) -> Option<Root> {
@@ -106,10 +117,11 @@ impl LeftOver<'_> {
         let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(ALIKE * strengths.first().copied().unwrap_or(0.0));
-        let above = strengths.iter().filter(|s| several && **s > limit).count();
+        let above = strengths.iter().filter(|s| **s > limit).count();
         let physical = |f: usize| amplitudes[f] * self.data.deviation(f, stretch.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
         parts.retain(|part| !roots.iter().any(|own| repeats(own, lambda, part)));
+        parts.truncate(most);
         let first = parts.first()?;
         let mut root = Root::single(lambda, first, self.data.functions());
         root.join(parts.split_off(1));
@@ -120,7 +132,11 @@ impl LeftOver<'_> {
 /// Whether a root has a pole and participation factors already.
 fn repeats(own: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
     let alike = |other: &Vec<Complex64>| mac(other, part) > Some(SAME_PARTICIPATION);
-    (own.lambda - lambda).norm() < SAME * own.decay() && own.parts.iter().any(alike)
+    same_pole(own, lambda) && own.parts.iter().any(alike)
+}
+
+fn same_pole(own: &Root, lambda: Complex64) -> bool {
+    (own.lambda - lambda).norm() < SAME * own.decay()
 }
 
 /// Stretches of doubling widths that noise does not explain, the highest first, none near a higher one.
@@ -182,4 +198,50 @@ pub(super) fn strongest_inputs(
         _ => vec![Complex64::ONE; inputs],
     };
     (0..count).map(vector).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::{Band, FrequencyAxis};
+    use crate::identify::synthetic::{Measurement, Structure};
+    use crate::modal::Pole;
+
+    #[test]
+    fn a_pole_is_tried_with_no_more_modes_than_inputs_tell_apart() {
+        let axis = FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.1,
+            len: 1500,
+        };
+        let structure = Structure {
+            modes: vec![(100.0, 0.01, vec![1.0, 0.6, -0.5, 0.3])],
+        };
+        let mut how = Measurement::of_sensors(4, axis);
+        for i in 0..4 {
+            how.pairs
+                .push((how.pairs[i].0.clone(), how.pairs[1].0.clone()));
+        }
+        let set = structure.measured(&how);
+        let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let sides = Sides::new(set.functions());
+        assert_eq!(sides.inputs, 2);
+        let lambda = Pole::from_frequency(100.0, 0.01).lambda;
+        let own = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
+        // Beside a fit of one mode two independent ones stand out, far above the noise.
+        let rest = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
+            let course = own.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
+            1e3 * (1.0 + (f * f) as f64).sin() * course
+        });
+        let rest = Rest::of_all(rest);
+        let tried = |roots: &[Root]| {
+            let found = roots_to_try((&data, &sides), roots, &rest, (1e-3, 4));
+            let at_pole = |root: &&Root| (root.lambda - lambda).norm() < 1e-9 * lambda.norm();
+            found.iter().find(at_pole).map(Root::multiplicity)
+        };
+        assert_eq!(tried(std::slice::from_ref(&own)), Some(1));
+        // None where both are there.
+        let other = Root::single(lambda, &[Complex64::ZERO, Complex64::ONE], set.len());
+        assert_eq!(tried(&[own.clone(), other]), None);
+    }
 }
