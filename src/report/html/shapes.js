@@ -6,7 +6,7 @@ function drawShapes(host) {
   if (figures.theory) names.push(T('theory alone'));
   const body = el('div');
   const show = (index) => {
-    body.replaceChildren();
+    body.replaceChildren(...onPaper(T('Test'), names, index));
     if (tests[index]) body.append(...madeUp(tests[index]));
     new ShapeViewer(body, tests[index] || null);
   };
@@ -38,7 +38,7 @@ class ShapeViewer {
     this.views = [];
     this.host = el('div');
     this.said = el('p', { class: 'said', 'aria-live': 'polite' });
-    host.append(this.controls(), this.said, this.host, el('p', { class: 'note' }, this.notes()));
+    host.append(this.controls(), this.said, this.host, hint(T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
     this.layout();
     this.pick(0);
     this.animate();
@@ -92,7 +92,7 @@ class ShapeViewer {
   }
 
   notes() {
-    const notes = [T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')];
+    const notes = [];
     if (this.own.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
     if (this.own.not_drawn) notes.push(`${this.own.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
     if (this.bodies && this.bodies.nodes.some((node) => node.radius_m)) notes.push(T('Discs have the radius of gyration of their body.'));
@@ -288,6 +288,7 @@ class ShapeViewer {
     names.forEach(([text, color], n) => {
       pen.pen.fillStyle = color;
       pen.pen.fillRect(14, 14 + 18 * n, 14, 4);
+      pen.pen.fillStyle = palette.ink;
       pen.pen.font = '12px system-ui, sans-serif';
       pen.pen.textAlign = 'left';
       pen.pen.fillText(text, 34, 20 + 18 * n);
