@@ -163,7 +163,9 @@ class ShapeViewer {
     const parts = own.test === null ? [] : [`${T('test')} ${digits(own.hz, 5)} Hz, ${T('damping')} ${percent(this.test.modes[own.test].damping_ratio)}`];
     if (own.partner) {
       const theory = this.bodies ? this.bodies.hz : this.own.theory.map((mode) => mode.hz);
-      parts.push(`${T('theory')} ${own.partner.modes.map((part) => digits(theory[part[0]], 5)).join(', ')} Hz`);
+      const count = own.partner.modes.length;
+      const hz = [...new Set(own.partner.modes.map((part) => digits(theory[part[0]], 5)))];
+      parts.push(`${T('theory')} ${hz.join(', ')} Hz${count > hz.length ? ` (${count}${T('-fold')})` : ''}`);
       if (own.partner.error_percent !== null) parts.push(`${T('error')} ${signed(own.partner.error_percent)} %`);
       if (own.partner.mac !== null) parts.push(`MAC ${own.partner.mac.toFixed(3)}`);
     } else if (this.compared()) parts.push(T('without a partner'));
@@ -263,8 +265,8 @@ class ShapeViewer {
     const { own, shape } = this;
     const still = own.points.map((point) => this.place(point, null));
     const joined = (places, color, width, dash) => own.lines.forEach(([a, b]) => pen.lines([places[a], places[b]], color, width, dash));
-    joined(still, palette.grid, 1);
-    still.forEach((at) => pen.dot(at, palette.grid, 2));
+    joined(still, palette.axis, 1);
+    still.forEach((at) => pen.dot(at, palette.axis, 2));
     if (this.state.bodies && this.bodies && what !== 'test') this.drawBodies(pen);
     const part = (displacements, color, dash, square) => {
       const places = own.points.map((point, k) => this.place(point, displacements[k].known ? displacements[k] : null));
