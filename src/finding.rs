@@ -380,10 +380,10 @@ impl Finding {
         }
     }
 
-    /// With the value that was found and its unit (empty for a plain number).
+    /// With the value that was found and its unit (empty or `1` for a plain number).
     pub fn value(mut self, value: f64, unit: &str) -> Self {
         self.value = Some(value);
-        self.unit = (!unit.is_empty()).then(|| unit.to_owned());
+        self.unit = (!matches!(unit, "" | "1")).then(|| unit.to_owned());
         self
     }
 
@@ -471,6 +471,8 @@ mod tests {
             "{text}"
         );
         assert!(text.ends_with("(2.500, limit 5)"), "{text}");
+        let pure = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0)).value(0.3, "1");
+        assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
     }
 
     #[test]

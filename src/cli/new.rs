@@ -140,7 +140,7 @@ fn told(args: &NewArgs, scene: &str) -> String {
     let open = open_lines(scene);
     let mut text = format!("{}: ", path.display());
     if open.is_empty() {
-        text += "the files state everything.";
+        text += "nothing is left to fill in.";
     } else {
         text += &format!("{} lines are to be filled in:", open.len());
         for own in &open {

@@ -70,7 +70,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
     let rows: Vec<Vec<Cell>> = hits.iter().map(row).collect();
     let not_passed = hits.iter().any(|hit| !reasons(hit).is_empty());
     let footnote = not_passed.then(|| {
-        "A rule that is not passed stands with its value and, in brackets, its limit.".to_owned()
+        "What a rule noticed stands with its value and, in brackets, the limit beyond which it counts against the hit.".to_owned()
     });
     Block::Table(Table {
         caption: "Hits".to_owned(),

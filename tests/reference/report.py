@@ -3,9 +3,9 @@
     python3 -m venv venv && venv/bin/pip install websocket-client
     venv/bin/python tests/reference/report.py target/release/modalign OUT
 
-Needs Debian's `chromium`. Runs the scenes `free-free-beam` and `cycloid-ball` with `-o` and two short studies of each (folders that
+Needs Debian's `chromium`. Runs the scenes `free-free-beam` and `cycloid-ball` with `-o`, their update and two short studies of each (folders that
 hold a breakdown.json are kept), then checks of each page: no console error, no request beside the file, size and first paint, every tab draws, values under the
-pointer, zoom, animation, charts and maps of the studies, poles clicked on and off and saved as a selection.json that `modalign identify` takes, keyboard, print.
+pointer, zoom, animation, charts and maps of the studies, poles clicked on and off and saved as a selection.json that `modalign identify` takes, keyboard, print, no letters over each other.
 Screenshots of every tab at 1400 and 420 pixels, light and dark, are for looking at. Not part of `cargo test`.
 """
 
@@ -287,6 +287,18 @@ def check_keyboard(page, check):
     check("parts can be reached by keyboard", focusable > 20, str(focusable))
 
 
+# Texts of one figure that cover each other by more than a pixel, as pairs.
+OVERLAPS = """(() => { const found = [];
+    for (const figure of document.querySelectorAll('main > section:not([hidden]) svg')) {
+        const all = [...figure.querySelectorAll('text')].filter((t) => t.textContent && !t.getAttribute('transform')).map((t) => [t.textContent, t.getBoundingClientRect()]);
+        all.forEach(([one, a], k) => all.slice(k + 1).forEach(([other, b]) => {
+            const across = Math.min(a.right, b.right) - Math.max(a.left, b.left), down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+            if (across > 1 && down > 3) found.push(`${one} / ${other}`);
+        }));
+    }
+    return found; })()"""
+
+
 def check_page(binary, folder, shots, downloads):
     path = (folder / "report.html").resolve()
     size = path.stat().st_size
@@ -324,6 +336,8 @@ def check_page(binary, folder, shots, downloads):
                     page.tab(name)
                     wide = page.run("document.documentElement.scrollWidth")
                     check(f"{name} fits {width}", wide <= width, str(wide))
+                    covered = page.run(OVERLAPS)
+                    check(f"letters of {name} can be read at {width}", not covered, str(covered[:5]))
                     page.shot(shots / f"{folder.name}-{width}-{'dark' if dark else 'light'}-{name}.png")
                 check(f"no error at {width}", not page.errors(), str(page.errors()))
         page.open(path, 1400, True)
@@ -350,7 +364,7 @@ def main():
             spec = (out / f"{scene}.study.toml").resolve()
             tests = 'tests = ["large cylinder"]' if scene == "cycloid-ball" else ""
             spec.write_text(STUDY.replace("SCENE", str(root / "measurements" / scene)).replace("TESTS", tests))
-            for words in [["run", f"measurements/{scene}"], ["study", "speed-accuracy", str(spec)], ["study", "breakdown", str(spec)]]:
+            for words in [["run", f"measurements/{scene}"], ["update", f"measurements/{scene}"], ["study", "speed-accuracy", str(spec)], ["study", "breakdown", str(spec)]]:
                 subprocess.run([binary, *words, "-q", "-o", str(folder.resolve())], cwd=root, check=False, stdout=subprocess.DEVNULL)
             subprocess.run([binary, "report", str(folder.resolve())], check=True, stdout=subprocess.DEVNULL)
         failed += [f"{scene}: {what}" for what in check_page(binary, folder, shots, downloads)]

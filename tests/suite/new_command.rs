@@ -50,7 +50,7 @@ fn a_scene_of_files_that_state_everything_runs_as_it_is() {
         let mut arguments = vec!["new".to_owned(), path(scene), path(file)];
         arguments.extend(copied.then(|| "--copy".to_owned()));
         let told = succeed(&arguments);
-        assert!(told.contains("the files state everything"), "{told}");
+        assert!(told.contains("nothing is left to fill in"), "{told}");
         assert_eq!(
             folder.path().join(scene).join("raw").join(file).exists(),
             copied
@@ -226,7 +226,7 @@ fn a_stated_sensor_is_that_of_the_record_that_names_none() {
         "--response",
         "1:+Z",
     ]);
-    assert!(told.contains("the files state everything"), "{told}");
+    assert!(told.contains("nothing is left to fill in"), "{told}");
     succeed(["frf", &path("said"), "-o", &path("frfs.uff")]);
 }
 
@@ -298,7 +298,7 @@ fn what_the_files_leave_open_can_be_said_at_once() {
     ];
     let more = ["--points", points.as_str(), "--model", model.as_str()];
     let told = succeed(["new", &said, &a, &b].into_iter().chain(stated).chain(more));
-    assert!(told.contains("the files state everything"), "{told}");
+    assert!(told.contains("nothing is left to fill in"), "{told}");
     let scene = std::fs::read_to_string(path("said/scene.toml")).unwrap();
     for wanted in [
         "reference = \"2:+Z\"",

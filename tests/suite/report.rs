@@ -47,6 +47,21 @@ fn a_run_writes_a_page_with_everything_in_it() {
     ] {
         assert!(page.contains(part), "{part}");
     }
+    let at = |part: &str| page.find(part).unwrap();
+    let order = [
+        "verdict good",
+        "rms frequency error",
+        "What to change",
+        "data-draw=\"errors\"",
+    ];
+    assert!(
+        order.is_sorted_by_key(|part| at(part)),
+        "what matters first"
+    );
+    assert!(
+        !page.contains("id=\"tab-energies\""),
+        "all is in the one bar"
+    );
     let hash = modalign::io::sha256_hex(
         &crate::command::root().join("measurements/free-free-beam/scene.toml"),
     );

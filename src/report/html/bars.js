@@ -89,6 +89,8 @@ function drawUpdate(host) {
     const of = (all, key) => all.map((own) => own[key]);
     host.append(el('h3', {}, T('Objective of the update by iteration')));
     const series = [{ name: T('Objective'), x: of(taken, 'k'), y: of(taken, 'objective'), color: 0, width: 2 }, { name: 'χ²', x: of(taken, 'k'), y: of(taken, 'chi_square'), color: 1, dash: '5 3' }];
+    const { chi_square: first } = update.before || {};
+    if (first > 0) series.push({ name: T('χ² of the model as it stands'), x: [0.5, steps.length + 0.5], y: [first, first], color: 'faint', dash: '2 3', quiet: true });
     if (refused.length) series.push({ name: T('refused step'), kind: 'points', open: true, x: of(refused, 'k'), y: of(refused, 'objective'), color: 6 });
     new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5, ticks: steps.filter((own, k) => k % Math.ceil(steps.length / 20) === 0).map((own) => ({ at: own.k, text: String(own.k), main: true })) }, y: { label: T('Objective'), log: true } });
   }
@@ -96,7 +98,30 @@ function drawUpdate(host) {
   const after = (update.after && update.after.rows) || [];
   if (!before.length) return;
   const bars = (name, rows, shift, color) => ({ name, kind: 'bars', wide: 0.36, color, x: rows.map((row, k) => k + 1 + shift), y: rows.map((row) => row.error_percent) });
-  const ticks = before.map((row, k) => ({ at: k + 1, main: true, text: row.label }));
+  const { ticks, marks } = modesByTest(before.map((row) => row.label), host.clientWidth || 700);
   host.append(el('h3', {}, T('Frequency error by mode')));
-  new Plot(host, { name: 'update-errors', height: 240, series: [bars(T('before'), before, -0.2, 6), bars(T('after'), after, 0.2, 0)], x: { label: T('Mode'), min: 0.4, max: before.length + 0.6, ticks }, y: { label: T('Error (%)') } });
+  new Plot(host, {
+    name: 'update-errors', height: 240, marks, series: [bars(T('before'), before, -0.2, 6), bars(T('after'), after, 0.2, 0)],
+    x: { label: T('Mode'), min: 0.4, max: before.length + 0.6, ticks }, y: { label: T('Error (%)') },
+    tell: (near) => {
+      const k = Math.round(near.x) - 1;
+      const told = (name, row) => (row ? [`${name}: ${signed(row.error_percent, 3)} %`] : []);
+      return [before[k].label, ...told(T('before'), before[k]), ...told(T('after'), after[k])];
+    },
+  });
+}
+
+/** Labels `test f3` as ticks `f3`, as many as have room, and a line with its name where a test begins. */
+function modesByTest(labels, width) {
+  const parts = labels.map((label) => label.match(/^(.*) (\S+)$/) || [label, '', label]);
+  const room = Math.max(160, width - MARGIN.left - MARGIN.right) / labels.length;
+  const every = Math.ceil(26 / room);
+  const ticks = parts.map(([, , mode], k) => ({ at: k + 1, main: true, text: k % every === 0 ? mode : '' }));
+  const starts = parts.map((own, k) => k).filter((k) => k === 0 || parts[k][1] !== parts[k - 1][1]);
+  const marks = starts.length < 2 ? [] : starts.map((k, n) => {
+    const letters = Math.floor((((starts[n + 1] ?? labels.length) - k) * room - 6) / 6);
+    const name = parts[k][1];
+    return { x: k + 0.5, text: name.length <= letters ? name : `${name.slice(0, Math.max(0, letters - 1))}…` };
+  });
+  return { ticks, marks };
 }

@@ -132,13 +132,19 @@ let chosenTest = null;
 /** What figures of a test say that nobody measured. */
 const madeUp = (test) => (test.synthetic ? [el('p', { class: 'note' }, T('Synthetic test: computed from a model, nobody measured it.'))] : []);
 
+/** What is chosen among several, for paper, where choices are not printed. */
+const onPaper = (label, names, index) => (names.length > 1 ? [el('p', { class: 'paper' }, `${label}: ${names[index]} (${index + 1} / ${names.length})`)] : []);
+
+/** How a figure is used: nothing that paper needs. */
+const hint = (text) => el('p', { class: 'note hint' }, text);
+
 /** Tests whose figures have something, with the choice between them when there are several. */
 function ofTests(host, has, draw) {
   const tests = figures.tests.filter(has);
   const body = el('div');
   const show = (index) => {
     body.replaceChildren();
-    body.append(...madeUp(tests[index]));
+    body.append(...onPaper(T('Test'), tests.map((test) => test.name), index), ...madeUp(tests[index]));
     draw(body, tests[index]);
   };
   const first = Math.max(0, tests.findIndex((test) => test.name === chosenTest));

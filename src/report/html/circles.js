@@ -19,7 +19,7 @@ function drawCircle(host, test, own) {
   host.append(two);
   const around = Array.from({ length: 121 }, (_, k) => (k * Math.PI) / 60);
   const circle = { x: around.map((t) => own.center[0] + own.radius * Math.cos(t)), y: around.map((t) => own.center[1] + own.radius * Math.sin(t)) };
-  left.append(el('h4', {}, `${own.function}: ${T('receptance without the other modes')}`));
+  left.append(el('h4', {}, `${T('Mode')} ${own.mode}, ${own.function}: ${T('receptance without the other modes')}`));
   new Plot(left, {
     name: `${test.name}-circle-${own.mode}`, height: 420, equal: true,
     x: { label: `${T('Real part')} (m/N)` }, y: { label: `${T('Imaginary part')} (m/N)` },

@@ -25,8 +25,7 @@ function drawFrf(host) {
     if (set.curves.length < set.functions) notes.push(`${set.curves.length} ${T('of')} ${set.functions} ${T('functions are shown; the file has all')}: ${test.frf_file || ''}`);
     const lines = set.curves[0].lines.length;
     if (lines < set.whole_lines) notes.push(`${lines} ${T('of')} ${set.whole_lines} ${T('lines of each curve are shown: the extremes of each stretch')}`);
-    notes.push(T('drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows'));
-    body.append(el('p', { class: 'note' }, notes.join(' · ')));
+    body.append(el('p', { class: 'note' }, notes.join(' · ')), hint(T('drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows')));
     show();
   });
 }

@@ -8,6 +8,7 @@ mod methods;
 mod methods_tests;
 mod numbers;
 mod page;
+mod provenance;
 mod script_words;
 mod summary;
 mod update;
@@ -138,7 +139,7 @@ fn table_text(table: &Table, language: Language) -> String {
     let notes = table
         .footnotes
         .iter()
-        .map(|note| format!("<p>{}</p>\n", escape(note)));
+        .map(|note| format!("<p>{}</p>\n", summary::marked(note)));
     let notes: String = notes.collect();
     let notes = match table.footnotes.len() {
         0 => String::new(),
@@ -212,7 +213,7 @@ mod tests {
                 vec![Cell::text("f1"), Cell::number(Some(12.345), 2)],
                 vec![Cell::text("paired"), Cell::Missing],
             ],
-            footnotes: vec!["<script>".to_owned()],
+            footnotes: vec!["<script> of `ml`".to_owned()],
         };
         let page = Html.render(&[Block::Heading("Ü".to_owned()), Block::Table(table)]);
         for part in [
@@ -221,7 +222,7 @@ mod tests {
             "<th scope=\"col\" class=\"n\">f<br>(Hz)</th>",
             "<td class=\"n\">12.35</td>",
             "<td><span class=\"chip good\">paired</span></td><td class=\"n\">—</td>",
-            "<p>&lt;script&gt;</p>",
+            "<p>&lt;script&gt; of <code>ml</code></p>",
         ] {
             assert!(page.contains(part), "{part}\n{page}");
         }

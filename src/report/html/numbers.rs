@@ -22,29 +22,27 @@ pub(super) fn two_digits(std: f64) -> String {
 
 /// A value down to the second digit of its standard deviation.
 pub(super) fn to_place_of(value: f64, std: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
     let last = last_place(std);
     if plain(value.abs()) && last <= 0 {
         return format!("{value:.*}", (-last).min(12) as usize);
     }
-    let first = if value == 0.0 {
-        last
-    } else {
-        value.abs().log10().floor() as i32
-    };
+    let first = value.abs().log10().floor() as i32;
     format!("{value:.*e}", (first - last).clamp(0, 12) as usize)
 }
 
 /// Four digits, with a power of ten where that is shorter.
 pub(super) fn short(value: f64) -> String {
     let size = value.abs();
-    if size > 0.0 && !(1e-3..1e5).contains(&size) {
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !plain(size) {
         return format!("{value:.3e}");
     }
-    let decimals = 3 - if size > 0.0 {
-        size.log10().floor() as i32
-    } else {
-        0
-    };
+    let decimals = 3 - size.log10().floor() as i32;
     format!("{value:.*}", decimals.clamp(0, 6) as usize)
 }
 
@@ -55,7 +53,7 @@ mod tests {
     #[test]
     fn numbers_have_four_digits() {
         for (value, expected) in [
-            (0.0, "0.000"),
+            (0.0, "0"),
             (1.0, "1.000"),
             (123.456, "123.5"),
             (-2.1e11, "-2.100e11"),
@@ -72,6 +70,7 @@ mod tests {
             (123.456, 2.34, "123.5 ± 2.3"),
             (1.23456e7, 2.34e4, "1.2346e7 ± 2.3e4"),
             (-0.5, 0.0996, "-0.50 ± 0.10"),
+            (0.0, 0.0011, "0 ± 0.0011"),
         ] {
             let told = format!("{} ± {}", to_place_of(value, std), two_digits(std));
             assert_eq!(told, expected);

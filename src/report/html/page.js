@@ -19,6 +19,13 @@ function drawIn(part) {
 const sections = [...document.querySelectorAll('main > section')];
 const tabs = [...document.querySelectorAll('nav [role=tab]')];
 
+/** Moves the row of tabs only where one would not be seen whole. */
+function reveal(tab) {
+  const row = tab.parentNode;
+  const seen = tab.offsetLeft >= row.scrollLeft && tab.offsetLeft + tab.offsetWidth <= row.scrollLeft + row.clientWidth;
+  if (!seen) row.scrollLeft = Math.max(0, tab.offsetLeft - 60);
+}
+
 function showTab(id, focus = false) {
   const wanted = sections.find((own) => own.id === id) || sections[0];
   for (const section of sections) section.hidden = section !== wanted;
@@ -27,7 +34,7 @@ function showTab(id, focus = false) {
     tab.setAttribute('aria-selected', String(on));
     tab.tabIndex = on ? 0 : -1;
     if (on && focus) tab.focus();
-    if (on) tab.parentNode.scrollLeft = Math.max(0, tab.offsetLeft - 60);
+    if (on) reveal(tab);
   }
   tip.hide();
   if (painted) drawIn(wanted);

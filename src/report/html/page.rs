@@ -6,7 +6,7 @@ use super::super::Language;
 use super::super::json::RunReport;
 use super::words::{page_words, sentence, word};
 use super::{Beside, escape, fragment, head};
-use super::{methods, summary, update};
+use super::{methods, provenance, summary, update};
 
 /// The script, in the order in which its parts need each other.
 pub(super) const SCRIPT: [&str; 12] = [
@@ -180,7 +180,11 @@ fn tabs(
             "energies",
             "Energies",
             section("energies"),
-            !figures.energies.is_empty(),
+            // Where all is in one part, a figure of shares says nothing.
+            figures
+                .energies
+                .iter()
+                .any(|root| root.kinetic.len() > 1 || root.strain.len() > 1),
         ),
         tab(
             "update",
@@ -203,7 +207,7 @@ fn tabs(
         tab(
             "provenance",
             "Provenance",
-            summary::provenance(report, language),
+            provenance::provenance(report, language),
             false,
         ),
     ]

@@ -56,7 +56,7 @@ function logTicks(lo, hi) {
 }
 
 function power(m, n) {
-  if (n >= -2 && n <= 5) return Number((m * 10 ** n).toPrecision(3)).toString();
+  if (n >= -3 && n <= 5) return Number((m * 10 ** n).toPrecision(3)).toString();
   return `${m === 1 ? '' : `${m}·`}10${raised(n)}`;
 }
 

@@ -22,7 +22,7 @@ class PolePicker {
       bar(button(T('Pick the chosen'), () => this.pickChosen()), button(T('Drop all'), () => this.change(() => this.picked.clear())),
         button(T('Save selection.json'), () => save('selection.json', 'application/json', this.json()), { class: 'main' }), this.count),
       this.plotHost,
-      el('p', { class: 'note' }, T('Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.'), ' ', T('Save selection.json'), ', ', T('then'), ' ', command),
+      el('p', { class: 'note hint' }, T('Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.'), ' ', T('Save selection.json'), ', ', T('then'), ' ', command),
       this.list);
     this.plot = this.draw();
     this.told();

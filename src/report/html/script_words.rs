@@ -16,7 +16,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("fit", "拟合"),
     (
         "fit: identified modes and two residual terms",
-        "拟合:识别模态与两个剩余项",
+        "拟合：识别模态与两个剩余项",
     ),
     ("logarithmic frequency", "对数频率"),
     ("Bode", "伯德图"),
@@ -26,15 +26,15 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Zoom out", "缩小"),
     (
         "drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows",
-        "拖动放大,双击还原;键盘:+ − 0 与方向键",
+        "拖动放大，双击还原；键盘：+ − 0 与方向键",
     ),
     (
         "lines of each curve are shown: the extremes of each stretch",
-        "条谱线显示在每条曲线上:各段的极值",
+        "条谱线显示在每条曲线上：各段的极值",
     ),
     (
         "functions are shown; the file has all",
-        "个函数已显示;文件中有全部",
+        "个函数已显示；文件中有全部",
     ),
     ("of", "/"),
     ("Stabilisation", "稳定图"),
@@ -48,7 +48,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("picked by hand", "手选"),
     (
         "Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.",
-        "单击极点可选中或取消。键盘:方向键移动,回车选择。",
+        "单击极点可选中或取消。键盘：方向键移动，回车选择。",
     ),
     ("Save selection.json", "保存 selection.json"),
     ("Drop all", "全部取消"),
@@ -58,7 +58,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Poles of", "极点来自"),
     (
         "The modes of the run, dotted, come from a method without model orders.",
-        "点线为本次运行的模态,来自没有模型阶数的方法。",
+        "点线为本次运行的模态，来自没有模型阶数的方法。",
     ),
     ("functions", "函数数"),
     ("Theory (Hz)", "理论 (Hz)"),
@@ -87,15 +87,15 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("error", "误差"),
     (
         "drag to turn, wheel to zoom; with the keyboard the arrows and + −",
-        "拖动旋转,滚轮缩放;键盘:方向键与 + −",
+        "拖动旋转，滚轮缩放；键盘：方向键与 + −",
     ),
     (
         "No positions are known: the points stand in a row.",
-        "没有测点坐标:测点排成一行。",
+        "没有测点坐标：测点排成一行。",
     ),
     (
         "degrees of freedom without position or direction are not drawn",
-        "个自由度没有位置或方向,未绘出",
+        "个自由度没有位置或方向，未绘出",
     ),
     (
         "Discs have the radius of gyration of their body.",
@@ -105,7 +105,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("resonance", "共振点"),
     (
         "Damping surface: damping ratio of each pair of lines",
-        "阻尼曲面:每对谱线的阻尼比",
+        "阻尼曲面：每对谱线的阻尼比",
     ),
     ("below", "低于共振的谱线"),
     ("above", "高于共振的谱线"),
@@ -125,37 +125,38 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("missed", "漏检"),
     (
         "(test−theory)/theory (%), line ±1 std",
-        "(试验−理论)/理论 (%),线段 ±1 标准差",
+        "(试验−理论)/理论 (%)，线段 ±1 标准差",
     ),
     (
         "(theory−test)/test (%), line ±1 std",
-        "(理论−试验)/试验 (%),线段 ±1 标准差",
+        "(理论−试验)/试验 (%)，线段 ±1 标准差",
     ),
     (
         "a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace",
-        "重根的方框为其中一个向量的 MAC;子空间的 MAC 见对比表",
+        "重根的方框为其中一个向量的 MAC；子空间的 MAC 见对比表",
     ),
     (
         "pair with a repeated root: MAC of one of its vectors, not of their subspace",
-        "与重根配对:为其中一个向量的 MAC,而非子空间的",
+        "与重根配对：为其中一个向量的 MAC，而非子空间的",
     ),
     (
         "crossed out: no MAC, as nothing in common moves",
-        "划线格:无 MAC,共有自由度均不动",
+        "划线格：无 MAC，共有自由度均不动",
     ),
     (
         "The radii of discs that turn by an arc are not known: their rims move by the arc.",
-        "以弧长转动的圆盘半径未知:其边缘按弧长移动。",
+        "以弧长转动的圆盘半径未知：其边缘按弧长移动。",
     ),
     (
         "Synthetic test: computed from a model, nobody measured it.",
-        "合成试验:由模型计算,并非实测。",
+        "合成试验：由模型计算，并非实测。",
     ),
     ("Iteration", "迭代"),
     ("Objective", "目标函数"),
     ("before", "修正前"),
     ("after", "修正后"),
     ("Objective of the update by iteration", "修正的目标函数"),
+    ("χ² of the model as it stands", "现有模型的 χ²"),
     ("refused step", "被拒绝的步"),
     ("-fold", "重根"),
     ("Data", "数据"),
@@ -163,15 +164,15 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Cost", "代价"),
     (
         "own FRFs, against the refined solution",
-        "实测频响函数,相对精化解",
+        "实测频响函数，相对精化解",
     ),
-    ("synthetic twin, against its truth", "合成孪生,相对真值"),
+    ("synthetic twin, against its truth", "合成孪生，相对真值"),
     ("shape", "振型"),
     ("CPU time", "处理器时间"),
     ("Peak memory", "峰值内存"),
     (
         "A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes. CPU time of one machine, all threads.",
-        "标记中有点:可观测的模态全部找到且无虚假模态。圆环:位于错误最少者的前沿。处理器时间为一台机器上全部线程之和。",
+        "标记中有点：可观测的模态全部找到且无虚假模态。圆环：位于错误最少者的前沿。处理器时间为一台机器上全部线程之和。",
     ),
     (
         "Error of the twin over its Cramér-Rao bound",
@@ -179,7 +180,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ),
     (
         "Shaded: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.",
-        "阴影:在下界的 20 % 以内。标记中有点:所有抽样均无漏检与虚假模态。",
+        "阴影：在下界的 20 % 以内。标记中有点：所有抽样均无漏检与虚假模态。",
     ),
     ("white noise", "白噪声"),
     ("modes outside the band", "频带外有模态"),
@@ -201,11 +202,14 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "Shape error √(1−MAC), rms (%)",
         "振型误差 √(1−MAC) 均方根 (%)",
     ),
-    ("The twin in white noise of {} dB.", "孪生,白噪声 {} dB。"),
-    ("FRFs: {}, lines {} Hz apart", "频响函数:{},谱线间隔 {} Hz"),
+    ("The twin in white noise of {} dB.", "孪生，白噪声 {} dB。"),
+    (
+        "FRFs: {}, lines {} Hz apart",
+        "频响函数：{}，谱线间隔 {} Hz",
+    ),
     (
         "{} of {} modes found, {} invented",
-        "找到 {} / {} 阶,虚假 {} 阶",
+        "找到 {} / {} 阶，虚假 {} 阶",
     ),
     ("Signal-to-noise ratio (dB)", "信噪比 (dB)"),
     ("Frequency error / bound", "频率误差 / 下界"),
@@ -217,7 +221,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("own modes", "本次模态"),
     (
         "{} draws for each cell; the contour is where 95 % of them meet the stated error.",
-        "每格 {} 次抽样;等值线处 95 % 的抽样满足规定误差。",
+        "每格 {} 次抽样；等值线处 95 % 的抽样满足规定误差。",
     ),
     ("everywhere here", "图内处处有效"),
     ("nowhere here", "图内处处失效"),
@@ -226,11 +230,11 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("no draw fails", "无抽样失效"),
     ("every draw fails", "全部抽样失效"),
     ("mode {} ({} Hz)", "第 {} 阶 ({} Hz)"),
-    ("{} is {} from where {} fails", "{}:再变 {},{} 即失效"),
+    ("{} is {} from where {} fails", "{}：再变 {},{} 即失效"),
     ("{}: {} holds along both axes", "{}:{} 沿两轴均有效"),
     (
         "{} lies where {} fails, {} from where it holds",
-        "{}:{} 在此失效,距有效处 {}",
+        "{}:{} 在此失效，距有效处 {}",
     ),
     ("{} lies where {} fails", "{}:{} 在此失效"),
     ("holds", "有效"),
@@ -259,6 +263,6 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("data and equations in f32", "数据与方程为 f32"),
     (
         "Solid: all in f64; dashed: data in f32; dotted: data and equations in f32.",
-        "实线:全部为 f64;虚线:数据为 f32;点线:数据与方程为 f32。",
+        "实线：全部为 f64；虚线：数据为 f32；点线：数据与方程为 f32。",
     ),
 ];

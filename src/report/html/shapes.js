@@ -6,7 +6,7 @@ function drawShapes(host) {
   if (figures.theory) names.push(T('theory alone'));
   const body = el('div');
   const show = (index) => {
-    body.replaceChildren();
+    body.replaceChildren(...onPaper(T('Test'), names, index));
     if (tests[index]) body.append(...madeUp(tests[index]));
     new ShapeViewer(body, tests[index] || null);
   };
@@ -38,7 +38,7 @@ class ShapeViewer {
     this.views = [];
     this.host = el('div');
     this.said = el('p', { class: 'said', 'aria-live': 'polite' });
-    host.append(this.controls(), this.said, this.host, el('p', { class: 'note' }, this.notes()));
+    host.append(this.controls(), this.said, this.host, hint(T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
     this.layout();
     this.pick(0);
     this.animate();
@@ -92,7 +92,7 @@ class ShapeViewer {
   }
 
   notes() {
-    const notes = [T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')];
+    const notes = [];
     if (this.own.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
     if (this.own.not_drawn) notes.push(`${this.own.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
     if (this.bodies && this.bodies.nodes.some((node) => node.radius_m)) notes.push(T('Discs have the radius of gyration of their body.'));
@@ -163,7 +163,9 @@ class ShapeViewer {
     const parts = own.test === null ? [] : [`${T('test')} ${digits(own.hz, 5)} Hz, ${T('damping')} ${percent(this.test.modes[own.test].damping_ratio)}`];
     if (own.partner) {
       const theory = this.bodies ? this.bodies.hz : this.own.theory.map((mode) => mode.hz);
-      parts.push(`${T('theory')} ${own.partner.modes.map((part) => digits(theory[part[0]], 5)).join(', ')} Hz`);
+      const count = own.partner.modes.length;
+      const hz = [...new Set(own.partner.modes.map((part) => digits(theory[part[0]], 5)))];
+      parts.push(`${T('theory')} ${hz.join(', ')} Hz${count > hz.length ? ` (${count}${T('-fold')})` : ''}`);
       if (own.partner.error_percent !== null) parts.push(`${T('error')} ${signed(own.partner.error_percent)} %`);
       if (own.partner.mac !== null) parts.push(`MAC ${own.partner.mac.toFixed(3)}`);
     } else if (this.compared()) parts.push(T('without a partner'));
@@ -263,8 +265,8 @@ class ShapeViewer {
     const { own, shape } = this;
     const still = own.points.map((point) => this.place(point, null));
     const joined = (places, color, width, dash) => own.lines.forEach(([a, b]) => pen.lines([places[a], places[b]], color, width, dash));
-    joined(still, palette.grid, 1);
-    still.forEach((at) => pen.dot(at, palette.grid, 2));
+    joined(still, palette.axis, 1);
+    still.forEach((at) => pen.dot(at, palette.axis, 2));
     if (this.state.bodies && this.bodies && what !== 'test') this.drawBodies(pen);
     const part = (displacements, color, dash, square) => {
       const places = own.points.map((point, k) => this.place(point, displacements[k].known ? displacements[k] : null));
@@ -288,6 +290,7 @@ class ShapeViewer {
     names.forEach(([text, color], n) => {
       pen.pen.fillStyle = color;
       pen.pen.fillRect(14, 14 + 18 * n, 14, 4);
+      pen.pen.fillStyle = palette.ink;
       pen.pen.font = '12px system-ui, sans-serif';
       pen.pen.textAlign = 'left';
       pen.pen.fillText(text, 34, 20 + 18 * n);

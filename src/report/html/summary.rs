@@ -1,4 +1,4 @@
-//! The first tab in words and numbers, the findings with their reasons, and what the run was made from.
+//! The first tab in words and numbers, and the findings with their reasons.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -7,20 +7,20 @@ use serde_json::Value;
 
 use crate::correlate::{Status, TestSummary};
 use crate::finding::{Code, Finding, Severity};
-use crate::scene::{Overview, SourceFile};
+use crate::scene::Overview;
 
+use super::super::Language;
 use super::super::json::RunReport;
-use super::super::{Block, Cell, Column, Language, Table};
 use super::numbers::{short, to_place_of, two_digits};
 use super::words::{sentence, word};
-use super::{escape, fragment, update};
+use super::{escape, update};
 
 /// Findings of one code that are listed; more are counted.
 const LISTED: usize = 12;
 /// Roots that are named one by one.
 const NAMED: usize = 8;
 
-/// Cards of the tests, what was missed, what to change.
+/// Whether the limits are met, cards of the tests, what was missed, what to change.
 pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
     let Some(overview) = &report.figures.overview else {
         return format!(
@@ -29,13 +29,20 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
             limits(report, language)
         );
     };
-    let mut text = String::from("<div class=\"cards\">\n");
+    // A single card leaves room beside it for what was missed and what to change.
+    let alone = if overview.tests.len() == 1 {
+        " alone"
+    } else {
+        ""
+    };
+    let mut text = limits(report, language);
+    text += &format!("<div class=\"first{alone}\">\n<div class=\"cards\">\n");
     for test in &overview.tests {
         let mut figures = report.figures.tests.iter();
         let synthetic = figures.any(|own| own.name == test.test && own.synthetic);
         text += &card(test, synthetic, language);
     }
-    text += "</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n<div class=\"two\">\n";
+    text += "</div>\n<div class=\"two\">\n";
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n",
         word(language, "What was missed"),
@@ -56,11 +63,11 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
         ));
     }
     text += &format!(
-        "<div><h3>{}</h3>\n{}</div>\n</div>\n",
+        "<div><h3>{}</h3>\n{}</div>\n</div>\n</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n",
         word(language, advice_head(updated)),
         list(&advice)
     );
-    text + &limits(report, language)
+    text
 }
 
 /// A failed update is no advice.
@@ -183,10 +190,7 @@ fn missed(overview: &Overview, language: Language) -> Vec<String> {
 fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> Vec<String> {
     let parameters = updated.and_then(|own| own["parameters"].as_array());
     if let Some(parameters) = parameters {
-        let identified = parameters
-            .iter()
-            .filter(|own| own["verdict"] == "identified");
-        let told: Vec<String> = identified.map(|own| changed(own, language)).collect();
+        let told = changes(parameters, language);
         if !told.is_empty() {
             return told;
         }
@@ -221,6 +225,27 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
     told.into_iter().chain(further).collect()
 }
 
+/// The parameters that the test identified; of many those that moved most by their deviations, the others counted.
+fn changes(parameters: &[Value], language: Language) -> Vec<String> {
+    let known = parameters.iter();
+    let mut known: Vec<&Value> = known.filter(|own| own["verdict"] == "identified").collect();
+    let further = known.len().saturating_sub(NAMED);
+    if further > 0 {
+        let moved = |own: &Value| {
+            let [from, to, std] = ["initial", "updated", "std"].map(|key| own[key].as_f64());
+            (to.unwrap_or(0.0) - from.unwrap_or(0.0)).abs() / std.unwrap_or(f64::INFINITY)
+        };
+        known.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
+        known.truncate(NAMED);
+    }
+    let mut told: Vec<String> = known.iter().map(|own| changed(own, language)).collect();
+    if further > 0 {
+        let text = "{} further parameters that moved less by their deviations: tab Update.";
+        told.push(sentence(language, text, &[further.to_string()]));
+    }
+    told
+}
+
 fn changed(own: &Value, language: Language) -> String {
     let std = own["std"].as_f64().filter(|std| *std > 0.0);
     let number = |key: &str| {
@@ -239,9 +264,19 @@ fn changed(own: &Value, language: Language) -> String {
         number("initial"),
         number("updated"),
         number("std"),
-        text("unit"),
+        unit_told(&text("unit")),
     ];
     sentence(language, "{}: {} → {} ± {} {}", &values)
+        .trim_end()
+        .to_owned()
+}
+
+/// A unit behind a number: nothing for a pure number, a raised exponent.
+fn unit_told(unit: &str) -> String {
+    match unit {
+        "1" | "-" => String::new(),
+        _ => unit.replace("m2", "m²").replace("s2", "s²"),
+    }
 }
 
 fn limits(report: &RunReport, language: Language) -> String {
@@ -353,75 +388,10 @@ fn of_test(findings: &[Finding], language: Language) -> String {
             escape(language.sentence(code)),
             code.name(),
             told.len(),
-            escape(language.explanation(code)),
+            marked(language.explanation(code)),
         );
     }
     text + "</div>\n"
-}
-
-/// Program, model, seeds, methods, files with fingerprints and, of those that state the run, their text.
-pub(super) fn provenance(report: &RunReport, language: Language) -> String {
-    let own = &report.provenance;
-    let mut facts = vec![(word(language, "Program").to_owned(), own.producer.clone())];
-    facts.extend(
-        own.model
-            .iter()
-            .map(|name| (word(language, "Model").to_owned(), name.clone())),
-    );
-    for (test, seed) in &own.seeds {
-        facts.push((
-            sentence(language, "Seed of {}", std::slice::from_ref(test)),
-            seed.to_string(),
-        ));
-    }
-    let facts: String = facts
-        .iter()
-        .map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value)))
-        .collect();
-    let table = |caption: &'static str, heads: [&'static str; 3], rows: &[[String; 3]]| {
-        let row = |row: &[String; 3]| row.iter().map(Cell::text).collect();
-        Block::Table(Table {
-            caption: word(language, caption).to_owned(),
-            columns: heads
-                .iter()
-                .map(|head| Column::text(word(language, head)))
-                .collect(),
-            rows: rows.iter().map(row).collect(),
-            footnotes: Vec::new(),
-        })
-    };
-    let mut tables = Vec::new();
-    if !own.searched.is_empty() {
-        tables.push(table(
-            "Identification",
-            ["test", "method", "band (Hz)"],
-            &own.searched,
-        ));
-    }
-    if !own.inputs.is_empty() {
-        tables.push(table("Data", ["test", "file", "SHA-256"], &own.inputs));
-    }
-    let files: String = own.stated.iter().map(stated).collect();
-    format!(
-        "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
-        fragment(&tables, language),
-        word(language, "Files that state the run")
-    )
-}
-
-fn stated(file: &SourceFile) -> String {
-    let head = format!(
-        "<code>{}</code> <small class=\"hash\">{}</small>",
-        escape(&file.path),
-        file.sha256
-    );
-    match &file.text {
-        Some(text) => format!(
-            "<details><summary>{head}</summary>\n<pre tabindex=\"0\">{}</pre></details>\n",
-            escape(text)
-        ),
-        None => format!("<p>{head}</p>\n"),
-    }
 }
 
 #[cfg(test)]
@@ -454,6 +424,18 @@ mod tests {
         .unwrap();
         let told = advice(&overview, Some(&updated), Language::English);
         assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 1.0e4 N/m"]);
+    }
+
+    #[test]
+    fn of_many_parameters_those_that_moved_most_are_told() {
+        let parameter = |k: usize| serde_json::json!({"name": format!("p{k}"), "unit": "1", "initial": 1.0, "updated": 1.0 + 0.1 * k as f64, "std": 0.1, "verdict": "identified"});
+        let many: Vec<Value> = (0..NAMED + 3).map(parameter).collect();
+        let told = changes(&many, Language::English);
+        assert_eq!(told.len(), NAMED + 1);
+        assert_eq!(told[0], "p10: 1.00 → 2.00 ± 0.10", "no unit");
+        assert!(told[NAMED].starts_with("3 further"), "{told:?}");
+        assert_eq!(changes(&many[..3], Language::English).len(), 3);
+        assert_eq!(unit_told("kg m2"), "kg m²");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::super::{Block, Cell, Column, Language, Table};
-use super::numbers::short;
+use super::numbers::{short, two_digits};
 use super::words::{sentence, word};
 use super::{escape, fragment};
 use crate::scene::Figures;
@@ -32,17 +32,27 @@ fn stop_reason(updated: &Value) -> Option<StopReason> {
 pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String> {
     let fits = updated["fits"].as_bool()?;
     let text = match fits {
-        true => "The update explains the test: χ²/ν = {}, at most {} from noise.",
-        false => "The update does not explain the test: χ²/ν = {}, at most {} from noise.",
+        true => "The update explains the test: χ²/ν = {}, and noise alone reaches {}.",
+        false => "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.",
     };
-    let number = |own: Option<f64>| own.map_or_else(|| "—".to_owned(), |own| format!("{own:.2}"));
+    let number = |own: Option<f64>| match own {
+        Some(own) if own < 0.1 => two_digits(own),
+        Some(own) => format!("{own:.2}"),
+        None => "—".to_owned(),
+    };
     let freedom = updated["degrees_of_freedom"].as_f64();
     let most = freedom.filter(|nu| *nu > 0.0);
     let most = most.map(|nu| 1.0 + 2.0 * (2.0 / nu).sqrt());
     let values = [number(updated["reduced_chi_square"].as_f64()), number(most)];
     let mut line = sentence(language, text, &values);
+    let errors = ["before", "after"].map(|fit| updated[fit]["rms_percent"].as_f64());
+    if errors.iter().all(Option::is_some) {
+        let text = " Rms frequency error {} % before, {} % after.";
+        line += &sentence(language, text, &errors.map(number));
+    }
     if let Some(reason) = stop_reason(updated) {
-        line += &format!(" {}.", word(language, reason.sentence()));
+        let told = word(language, reason.sentence()).to_owned();
+        line += &sentence(language, " {}.", &[told]);
     }
     let starts = &updated["starts"];
     if let [Some(count), Some(reached)] = ["count", "reached"].map(|key| starts[key].as_u64()) {
@@ -264,7 +274,7 @@ mod tests {
     #[test]
     fn an_update_says_what_it_is_worth() {
         let own = value(
-            r#"{"fits": false, "reduced_chi_square": 40.0, "degrees_of_freedom": 8.0, "stop_reason": "iteration-limit", "starts": {"count": 5, "reached": 2}}"#,
+            r#"{"fits": false, "reduced_chi_square": 40.0, "degrees_of_freedom": 8.0, "stop_reason": "iteration-limit", "starts": {"count": 5, "reached": 2}, "before": {"rms_percent": 2.934}, "after": {"rms_percent": 0.00112}}"#,
         );
         let line = verdict_line(&own, Language::English).unwrap();
         for part in [
@@ -273,6 +283,7 @@ mod tests {
             "2.00",
             "Not converged",
             "2 of 5",
+            "2.93 % before, 0.0011 % after",
         ] {
             assert!(line.contains(part), "{part}: {line}");
         }

@@ -56,7 +56,7 @@ const WORDS: &[(&str, &str)] = &[
     ("Made by {}", "由 {} 生成"),
     (
         "Figures need a script; tables do not.",
-        "图形需要脚本;表格不需要。",
+        "图形需要脚本；表格不需要。",
     ),
     ("Summary", "摘要"),
     ("Comparison", "对比"),
@@ -90,44 +90,47 @@ const WORDS: &[(&str, &str)] = &[
     ("synthetic", "合成"),
     (
         "{}: model mode {} at {} Hz has no partner, as was expected: {}",
-        "{}:模型第 {} 阶({} Hz)无配对,符合预期:{}",
+        "{}：模型第 {} 阶({} Hz)无配对，符合预期：{}",
     ),
     (
         "{}: model mode {} at {} Hz has no partner; whether the test could see it is not known: {}",
-        "{}:模型第 {} 阶({} Hz)无配对;试验能否观测到它未知:{}",
+        "{}：模型第 {} 阶({} Hz)无配对；试验能否观测到它未知：{}",
     ),
     (
         "{}: model mode {} at {} Hz has no partner although the test should see it: {}",
-        "{}:模型第 {} 阶({} Hz)无配对,而试验本应观测到它:{}",
+        "{}：模型第 {} 阶({} Hz)无配对，而试验本应观测到它：{}",
     ),
     (
         "{}: test mode at {} Hz has no partner in the model",
-        "{}:试验模态({} Hz)在模型中无配对",
+        "{}：试验模态({} Hz)在模型中无配对",
     ),
     (
         "roots that these sensors and hits could not see: {}",
-        "用这些测点和锤击点无法观测的根:{} 个",
+        "用这些测点和锤击点无法观测的根：{} 个",
     ),
     (
         "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test.",
-        "试验的配对频率均低于模型:模型过刚或过轻。若所有刚度乘以 {},平均频率与试验一致。",
+        "试验的配对频率均低于模型：模型过刚或过轻。若所有刚度乘以 {}，平均频率与试验一致。",
     ),
     (
         "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test.",
-        "试验的配对频率均高于模型:模型过软或过重。若所有刚度乘以 {},平均频率与试验一致。",
+        "试验的配对频率均高于模型：模型过软或过重。若所有刚度乘以 {}，平均频率与试验一致。",
     ),
     (
         "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}.",
-        "误差没有明显偏向一侧,单一系数无法解释;最大为 {}({})。",
+        "误差没有明显偏向一侧，单一系数无法解释；最大为 {}({})。",
     ),
     (
         "`modalign update` says which parameters the test can tell.",
         "`modalign update` 可给出试验能识别的参数。",
     ),
-    ("{}: {} → {} ± {} {}", "{}:{} → {} ± {} {}"),
-    ("Limit missed: {}", "超出限值:{}"),
+    ("{}: {} → {} ± {} {}", "{}：{} → {} ± {} {}"),
+    ("Limit missed: {}", "超出限值：{}"),
     ("All {} stated limits are met.", "{} 项限值全部满足。"),
-    ("Warnings among the findings: {}.", "“提示”中的警告:{} 条。"),
+    (
+        "Warnings among the findings: {}.",
+        "“提示”中的警告：{} 条。",
+    ),
     (
         "This run compared no test with a model.",
         "本次运行没有试验与模型的对比。",
@@ -171,36 +174,45 @@ const WORDS: &[(&str, &str)] = &[
     ("error before (%)", "修正前误差 (%)"),
     ("error after (%)", "修正后误差 (%)"),
     (
-        "The update explains the test: χ²/ν = {}, at most {} from noise.",
-        "修正能解释试验:χ²/ν = {},噪声最多为 {}。",
+        "The update explains the test: χ²/ν = {}, and noise alone reaches {}.",
+        "修正能解释试验：χ²/ν = {}，仅噪声可达 {}。",
     ),
     (
-        "The update does not explain the test: χ²/ν = {}, at most {} from noise.",
-        "修正不能解释试验:χ²/ν = {},噪声最多为 {}。",
+        "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.",
+        "修正不能解释试验：χ²/ν = {}，仅噪声可达 {}。",
+    ),
+    (" {}.", "{}。"),
+    (
+        " Rms frequency error {} % before, {} % after.",
+        "频率误差均方根：修正前 {} %，修正后 {} %。",
+    ),
+    (
+        "{} further parameters that moved less by their deviations: tab Update.",
+        "另有 {} 个参数的变化(以标准差计)较小：见“模型修正”页。",
     ),
     (
         " {} of {} starts ended at this optimum.",
-        " {} / {} 个起点到达此最优点。",
+        "{} / {} 个起点到达此最优点。",
     ),
     (
         "Converged: no step lowers the objective",
-        "已收敛:没有步能降低目标函数",
+        "已收敛：没有步能降低目标函数",
     ),
     (
         "Converged: the steps have become as small as rounding",
-        "已收敛:步长已小到舍入误差",
+        "已收敛：步长已小到舍入误差",
     ),
     (
         "Nothing changed: the test sees none of the free parameters",
-        "未改变:试验看不到任何自由参数",
+        "未改变：试验看不到任何自由参数",
     ),
     (
         "Not converged: the stated number of iterations is reached",
-        "未收敛:已达到规定的迭代次数",
+        "未收敛：已达到规定的迭代次数",
     ),
     (
         "What the data know, best known first",
-        "数据所知,最确定的在前",
+        "数据所知，最确定的在前",
     ),
     ("combination", "组合"),
     ("One parameter changed at a time", "每次改变一个参数"),
@@ -209,11 +221,11 @@ const WORDS: &[(&str, &str)] = &[
     ("no change", "不变"),
     (
         "Proposed: {}, the smallest set that brings the residual to its uncertainty.",
-        "建议:{},使残差降到其不确定度的最小集合。",
+        "建议：{}，使残差降到其不确定度的最小集合。",
     ),
     (
         "No set brings the residual to its uncertainty; {} has the smallest BIC.",
-        "没有集合能使残差降到其不确定度;{} 的 BIC 最小。",
+        "没有集合能使残差降到其不确定度；{} 的 BIC 最小。",
     ),
     (
         "This shows the model before the update.",
@@ -225,30 +237,30 @@ const WORDS: &[(&str, &str)] = &[
     ),
     (
         "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.",
-        "此文件夹中的修正来自其他试验频率或其他模型,未列出;请重新运行 `modalign update`。",
+        "此文件夹中的修正来自其他试验频率或其他模型，未列出；请重新运行 `modalign update`。",
     ),
     ("Methods", "方法"),
     ("Speed against accuracy", "速度与精度"),
     ("Where methods fail", "方法的失效边界"),
     (
         "What this scene needs, and what it does not",
-        "本场景需要什么,不需要什么",
+        "本场景需要什么，不需要什么",
     ),
     (
         "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.",
-        "order.json 中的研究来自其他场景或其他数据,未列出;请重新运行 `modalign study order`。",
+        "order.json 中的研究来自其他场景或其他数据，未列出；请重新运行 `modalign study order`。",
     ),
     (
         "Small structures are drawn again and again. Inside its contour a method finds their modes to the stated error in 95 % of the draws; beyond it, it does not. Points are the modes of this run.",
-        "反复抽取小型结构。在等值线之内,方法在 95 % 的抽样中以规定误差找到其模态;在其外则不能。点为本次运行的模态。",
+        "反复抽取小型结构。在等值线之内，方法在 95 % 的抽样中以规定误差找到其模态；在其外则不能。点为本次运行的模态。",
     ),
     (
         "The study in speed-accuracy.json is of another scene or of other data than this run, and is left out; run `modalign study speed-accuracy` again.",
-        "speed-accuracy.json 中的研究来自其他场景或其他数据,未列出;请重新运行 `modalign study speed-accuracy`。",
+        "speed-accuracy.json 中的研究来自其他场景或其他数据，未列出；请重新运行 `modalign study speed-accuracy`。",
     ),
     (
         "The study in breakdown.json shows the modes of another scene, or other modes than this run, and is left out; run `modalign study breakdown` again: finished slices are kept.",
-        "breakdown.json 中的模态来自其他场景或与本次运行不同,未列出;请重新运行 `modalign study breakdown`:已完成的切片会保留。",
+        "breakdown.json 中的模态来自其他场景或与本次运行不同，未列出；请重新运行 `modalign study breakdown`：已完成的切片会保留。",
     ),
     // Factors of maps, their axes and units.
     ("noise", "噪声"),
@@ -299,7 +311,7 @@ const WORDS: &[(&str, &str)] = &[
     ("Signal-to-noise ratio of the force (dB)", "力的信噪比 (dB)"),
     (
         "Exponential window at the record's end (1: none)",
-        "记录末端的指数窗 (1:无)",
+        "记录末端的指数窗 (1：无)",
     ),
     ("Highest model order", "最高模型阶数"),
 ];

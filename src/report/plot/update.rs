@@ -25,13 +25,16 @@ pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, Str
         .collect()
 }
 
-/// Objective and chi-square after every step; `None` where there is none.
+/// Objective and chi-square after every step, and that of the model as it stands; `None` where there is none.
 fn history(own: &UpdateFile, mark: &str) -> Option<String> {
     let steps = &own.history;
     let all = steps
         .iter()
         .flat_map(|step| [step.objective, step.chi_square]);
-    let (lo, hi) = range(all.filter(|value| *value > 0.0))?;
+    let (lo, hi) = range(
+        all.chain([own.before.chi_square])
+            .filter(|value| *value > 0.0),
+    )?;
     let mut canvas = Canvas::new(RIGHT + 15.0, 330.0);
     let title = format!("Objective of the update by iteration{mark}");
     canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
@@ -46,6 +49,9 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
         points.collect::<Vec<_>>()
     };
     let (objective, data) = (taken(|step| step.objective), taken(|step| step.chi_square));
+    let as_it_stands = y.shown(own.before.chi_square);
+    let across = [LEFT, RIGHT].map(|x| as_it_stands.map(|y| [x, y]));
+    canvas.curve("as-it-stands", &across, (FAINT, 1.0, "2 3"));
     canvas.curve("objective", &objective, (COLORS[0], 1.6, ""));
     canvas.curve("chi-square", &data, (COLORS[1], 1.3, "5 3"));
     for at in objective.into_iter().flatten() {
@@ -55,6 +61,9 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
         ("objective: data and prior", COLORS[0]),
         ("χ² of the data", COLORS[1]),
     ];
+    if as_it_stands.is_some() {
+        names.push(("χ² of the model as it stands", FAINT));
+    }
     for (k, step) in steps.iter().enumerate().filter(|(_, step)| !step.accepted) {
         if let Some(at) = y.shown(step.objective) {
             canvas.dot([x.place(k as f64 + 1.0), at], 2.4, ("none", COLORS[6]));

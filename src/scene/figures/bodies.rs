@@ -104,7 +104,7 @@ pub(super) fn theory_motion(
         hz: solved
             .omega_rad_s
             .iter()
-            .map(|w| rounded(w / std::f64::consts::TAU, 7))
+            .map(|w| rounded(w / std::f64::consts::TAU, 9))
             .collect(),
         modes: (0..solved.omega_rad_s.len())
             .map(|j| motion(&solved, &places, j))

@@ -182,7 +182,7 @@ fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
             .collect()
     };
     let bar = inside.map(|root| EnergyBar {
-        hz: rounded(hz(root.omega_rad_s), 7),
+        hz: rounded(hz(root.omega_rad_s), 9),
         multiplicity: root.modes.len(),
         class: root.class.clone(),
         kinetic: shares(&root.energy_by_kind()),

@@ -77,7 +77,7 @@ fn row(row: &Row) -> OverviewRow {
     let theory_hz = row.theory.as_ref().map(|own| own.hz);
     OverviewRow {
         label: row.label.clone(),
-        theory_hz: theory_hz.map(|hz| rounded(hz, 7)),
+        theory_hz: theory_hz.map(|hz| rounded(hz, 9)),
         multiplicity: row.theory.as_ref().map_or(1, |own| own.modes.len()),
         cells: row
             .tests
@@ -96,7 +96,7 @@ fn own_cell(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
     };
     OverviewCell {
         test: cell.test.clone(),
-        hz: cell.hz.map(|hz| rounded(hz, 7)),
+        hz: cell.hz.map(|hz| rounded(hz, 9)),
         error_percent: cell.error_percent.map(|error| rounded(error, 5)),
         error_std_percent: cell.hz_std.and_then(relative).map(|std| rounded(std, 3)),
         mac: cell.mac.map(|mac| rounded(mac, 4)),

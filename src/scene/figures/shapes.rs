@@ -138,7 +138,7 @@ pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
             pairs.extend(places.map(|column| [own.test, column]));
         }
     }
-    let hz = |mode: &crate::modal::Mode| rounded(mode.frequency_hz, 6);
+    let hz = |mode: &crate::modal::Mode| rounded(mode.frequency_hz, 9);
     let any = pairing.mac.iter().flatten().any(Option::is_some);
     any.then(|| MacFigure {
         test_hz: shown.test.modes.modes.iter().map(hz).collect(),
@@ -300,7 +300,7 @@ fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
         .iter()
         .all(|value| imaginary(value).abs() <= 1e-6 * unit);
     ShapeValues {
-        hz: rounded(hz, 7),
+        hz: rounded(hz, 9),
         re: own
             .iter()
             .map(|value| value.map(|v| rounded(v.re, 4)))
