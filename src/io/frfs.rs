@@ -276,7 +276,16 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         expected: expected.to_owned(),
     };
     let EntryAxis::Frequency(axis) = entry.axis else {
-        return Err(not_stated("the frequency axis", "an even abscissa in Hz"));
+        let got = match entry.axis {
+            EntryAxis::Time(_) => "a time axis",
+            _ => "an abscissa that is uneven or not in Hz",
+        };
+        return Err(IoError::Grouping {
+            path,
+            what: "reading FRFs",
+            got: format!("{got} at function {}", index + 1),
+            expected: "even lines in Hz".to_owned(),
+        });
     };
     let response = entry.response.clone().or_else(|| file.response.clone());
     let response = response.ok_or_else(|| {

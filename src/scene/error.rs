@@ -69,7 +69,7 @@ pub enum SceneError {
         source: Box<IdentifyError>,
     },
     /// Functions on different axes, or none.
-    #[error("test {test:?}: got functions on {got} frequency axes, expected FRFs on one axis")]
+    #[error("test {test:?}: got {}, expected FRFs on one axis", axes(*got))]
     Axes {
         /// Name of the test.
         test: String,
@@ -99,6 +99,14 @@ pub enum SceneError {
     /// The synthetic test refused.
     #[error(transparent)]
     Synth(#[from] SynthError),
+}
+
+fn axes(count: usize) -> String {
+    match count {
+        0 => "no FRFs (what columns and arrays hold that say nothing of themselves is stated by [[test.channel]] of a scene)"
+            .to_owned(),
+        _ => format!("functions on {count} frequency axes"),
+    }
 }
 
 fn also(lines: &[usize]) -> String {

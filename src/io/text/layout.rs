@@ -129,7 +129,12 @@ pub(super) fn layout_of(
             path: path.to_owned(),
             line: 1 + skipped as u64,
             what: "rows of numbers",
-            got: "none".to_owned(),
+            got: if block.is_empty() {
+                "an empty file"
+            } else {
+                "none"
+            }
+            .to_owned(),
             expected: match stated {
                 Some(delimiter) => format!("rows separated by {}", delimiter.name()),
                 None => "rows separated by comma, semicolon, tab or blank".to_owned(),

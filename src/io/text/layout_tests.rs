@@ -143,7 +143,7 @@ fn what_could_be_read_in_two_ways_is_asked() {
     // One row that no decimal comma explains settles it.
     assert_eq!(columns(b"0,0\n0,0\n0,0\n1.5,2\n").len(), 2);
     assert!(error(b"no numbers\nat all\n").contains("rows of numbers: got \"none\""));
-    assert!(error(b"").contains("rows of numbers"));
+    assert!(error(b"").contains("rows of numbers: got \"an empty file\""));
 }
 
 #[test]
