@@ -140,12 +140,15 @@ impl Fit {
         };
         let seeds = self.stable_roots(&lscf, found)?;
         let several = self.sides.inputs > 1;
+        let noise = several.then(|| self.data.noise());
         self.roots = seeds.clone();
         let mut changed = self.settle_and_judge();
         if several && !self.leaves_more_than_noise() {
             return Ok(());
         }
-        if several {
+        if let Some(noise) = noise {
+            // What so few roots leave over says too much of the noise.
+            self.data.set_noise(noise);
             self.ask_functions((&lscf, found), seeds)?;
             changed = self.settle_and_judge();
         }

@@ -84,6 +84,14 @@ pub(super) struct Receptances {
     pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
+/// What is known of the noise at some time.
+pub(super) struct KnownNoise {
+    variance: Vec<Vec<f64>>,
+    by_force: Vec<Vec<f64>>,
+    correlation: Correlation,
+    shared: Shared,
+}
+
 impl Receptances {
     /// The functions of a set on the lines of a band, the line at 0 Hz left out.
     ///
@@ -218,6 +226,25 @@ impl Receptances {
         self.by_force = by_force;
         self.raise_variances();
         rest.over(&before, &self.variance);
+        self.renew();
+    }
+
+    /// What is known of the noise.
+    pub fn noise(&self) -> KnownNoise {
+        KnownNoise {
+            variance: self.variance.clone(),
+            by_force: self.by_force.clone(),
+            correlation: self.correlation.clone(),
+            shared: self.shared.clone(),
+        }
+    }
+
+    /// Takes back what was known of the noise before.
+    pub fn set_noise(&mut self, known: KnownNoise) {
+        self.variance = known.variance;
+        self.by_force = known.by_force;
+        self.correlation = known.correlation;
+        self.shared = known.shared;
         self.renew();
     }
 

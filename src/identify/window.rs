@@ -14,6 +14,7 @@
 use std::ops::Range;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
@@ -26,11 +27,12 @@ use super::roots::Root;
 
 /// Powers of each course.
 const POWERS: usize = 3;
-/// How far poles may be from where the window was made for them, in decay rates: the third power of this is left away of a course. It
-/// may be this part of the noise beside the strongest response in the window, as far as the bounds allow: the least leaves rounding.
-const NEAR: Range<f64> = 3e-5..1e-2;
+/// How far poles may be from where the window was made for them, in decay rates, at least and at most: the third power of this is left
+/// away of a course, and of the least that is rounding.
+const NEAR: [f64; 2] = [3e-5, 1e-2];
+/// What is left away at that distance of the strongest response in the window, over the noise of one value.
 const LEFT_AWAY: f64 = 1e-3;
-/// Functions, most, of which the whole energy, and the strongest response, is looked at.
+/// Functions, most, of which the whole energy is looked at.
 const SAMPLED: usize = 48;
 /// Coordinates, most, over those that a window made anew would have.
 const GROWN: f64 = 1.5;
@@ -326,15 +328,14 @@ impl Window {
 
 /// How far poles may be from where a window is made for them.
 fn near(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
-    let stride = data.functions().div_ceil(SAMPLED);
     let strongest = |f: usize| {
         let values = data.values[f][lines.clone()].iter().zip(&profile.course);
         let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));
         powers.fold(0.0, f64::max) / profile.level[f].powi(2)
     };
-    let sampled = (0..data.functions()).step_by(stride);
-    let over_noise = sampled.map(strongest).fold(1.0, f64::max).sqrt();
-    (LEFT_AWAY / over_noise).cbrt().clamp(NEAR.start, NEAR.end)
+    let functions = (0..data.functions()).into_par_iter();
+    let over_noise = functions.map(strongest).reduce(|| 1.0, f64::max).sqrt();
+    (LEFT_AWAY / over_noise).cbrt().clamp(NEAR[0], NEAR[1])
 }
 
 /// Powers of the course of each pole: lines × powers of all.

@@ -268,10 +268,11 @@ fn check_coherence(values: &[f64], file: &HitFile, index: usize) -> Result<(), I
 fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Read, IoError> {
     let entry = file.source.catalog().entries[index].clone();
     let path = file.source.catalog().path.clone();
+    let place = entry
+        .line
+        .map_or_else(|| path.clone(), |line| format!("{path}:{line}"));
     let not_stated = |what: &str, expected: &str| IoError::NotStated {
-        path: entry
-            .line
-            .map_or_else(|| path.clone(), |line| format!("{path}:{line}")),
+        path: place.clone(),
         what: format!("{what} of function {}", index + 1),
         expected: expected.to_owned(),
     };
@@ -281,7 +282,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
             _ => "an abscissa that is uneven or not in Hz",
         };
         return Err(IoError::Grouping {
-            path,
+            path: place,
             what: "reading FRFs",
             got: format!("{got} at function {}", index + 1),
             expected: "even lines in Hz".to_owned(),

@@ -233,7 +233,8 @@ fn changes(parameters: &[Value], language: Language) -> Vec<String> {
     if further > 0 {
         let moved = |own: &Value| {
             let [from, to, std] = ["initial", "updated", "std"].map(|key| own[key].as_f64());
-            (to.unwrap_or(0.0) - from.unwrap_or(0.0)).abs() / std.unwrap_or(f64::INFINITY)
+            let std = std.filter(|std| *std > 0.0).unwrap_or(f64::INFINITY);
+            (to.unwrap_or(0.0) - from.unwrap_or(0.0)).abs() / std
         };
         known.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
         known.truncate(NAMED);

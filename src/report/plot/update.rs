@@ -28,6 +28,9 @@ pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, Str
 /// Objective and chi-square after every step, and that of the model as it stands; `None` where there is none.
 fn history(own: &UpdateFile, mark: &str) -> Option<String> {
     let steps = &own.history;
+    if steps.is_empty() {
+        return None;
+    }
     let all = steps
         .iter()
         .flat_map(|step| [step.objective, step.chi_square]);

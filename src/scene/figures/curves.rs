@@ -17,6 +17,8 @@ use super::{rounded, to_decimals};
 pub(super) const MOST_FUNCTIONS: usize = 24;
 /// Lines on which the residual terms are fitted.
 const FITTED_LINES: usize = 1000;
+/// Least size of a line beside the largest, for which its error is relative.
+const LEAST_SIZE: f64 = 1e-9;
 /// Lines around the circle of a mode.
 const ARC_STEPS: usize = 31;
 /// Angle from the resonance up to which they go, rad.
@@ -219,10 +221,10 @@ fn fit(
         let receptance = |k: usize| set.values(i)[k] / s(k).powi(d);
         let at_line = |k: usize| -> Complex64 { modal(s(k)) };
         // Relative errors: with absolute ones the terms would mend what the peaks leave over, at the cost of all between them.
-        let size: Vec<f64> = used
-            .iter()
-            .map(|k| (receptance(*k).norm() + at_line(*k).norm()).max(f64::MIN_POSITIVE))
-            .collect();
+        let size = |k: &usize| receptance(*k).norm() + at_line(*k).norm();
+        let largest = used.iter().map(size).fold(0.0, f64::max);
+        let least = (LEAST_SIZE * largest).max(f64::MIN_POSITIVE.sqrt());
+        let size: Vec<f64> = used.iter().map(|k| size(k).max(least)).collect();
         let left = complex_matrix(used.len(), 2, |row, column| {
             let x = s(used[row]) / middle;
             let term = if column == 0 {
