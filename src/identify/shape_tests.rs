@@ -157,3 +157,21 @@ fn two_shapes_at_one_frequency_are_no_rank_one() {
     let scaled = shape_of(&pairs.map(residue).collect(), damped_rad_s());
     assert!(scaled.misfit.unwrap() > 0.25, "{:?}", scaled.misfit);
 }
+
+#[test]
+fn complex_columns_with_a_missing_pair_have_one_shape_and_leave_nothing() {
+    let value = |k: usize, turn: f64| Complex64::from_polar(1.0 + 0.3 * k as f64, turn * k as f64);
+    let (shape, factor) = (|r: usize| value(r, 0.7), |k: usize| value(k, 1.9));
+    let point = |k: usize| dof(&format!("{}:+Z", 1 + k));
+    let pairs = (0..5).flat_map(|r| (0..3).map(move |k| (r, k)));
+    let residues = pairs
+        .filter(|pair| *pair != (4, 1))
+        .map(|(r, k)| ((point(r), point(10 + k)), shape(r) * factor(k)));
+    let scaled = shape_of(&residues.collect(), damped_rad_s());
+    let largest = scaled.shape.get(&point(4)).unwrap();
+    for r in 0..5 {
+        let own = scaled.shape.get(&point(r)).unwrap() / largest;
+        assert!((own - shape(r) / shape(4)).norm() < 1e-12, "{r}: {own}");
+    }
+    assert!(scaled.misfit.unwrap() < 1e-12, "{:?}", scaled.misfit);
+}
