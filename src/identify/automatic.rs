@@ -27,7 +27,6 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use super::correlation::Correlation;
 use super::far::Rest;
 use super::indicator::Indicator;
 use super::pruning::{Change, Judge, less};
@@ -51,6 +50,8 @@ const OUTSIDE: f64 = 0.05;
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
 const DOUBTS: usize = 30;
+/// A pole is well known, in decay rates.
+const WELL_KNOWN: f64 = 0.05;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
@@ -204,12 +205,31 @@ impl Fit {
             }
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
             let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
+            if !worthwhile && self.lines_share_noise() {
+                changed = true;
+                continue;
+            }
             let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
             changed = self.judge_by_noise();
             if last {
                 break;
             }
         }
+    }
+
+    /// Whether what is left over is noise that lines share ([`Receptances::lines_share_noise`]). Roots that were fitted to what is now noise go,
+    /// so that its level does not lack what they took; what stands out all the same, the search finds.
+    fn lines_share_noise(&mut self) -> bool {
+        if !self.data.lines_share_noise(&mut self.rest()) {
+            return false;
+        }
+        self.settle(Stop::Judging);
+        self.roots
+            .retain(|root| root.quality.pole_std < WELL_KNOWN * root.decay());
+        unsettle(&mut self.roots);
+        self.settle(Stop::Judging);
+        self.judge_by_noise();
+        true
     }
 
     fn stable_roots(
@@ -391,10 +411,7 @@ impl Fit {
         unsettle(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
         let mut rest = self.rest();
-        self.data.measure_noise(&mut rest);
-        if let Some(own) = Correlation::of_rest(&rest) {
-            self.data.correlation = own;
-        }
+        self.data.tell_noise(&mut rest);
         self.data.shared = self.data.shared.of_rest(&self.data, &rest);
         let changed = |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > SAME_NOISE;
         self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)

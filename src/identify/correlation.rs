@@ -42,6 +42,14 @@ const OF_MEDIAN: f64 = std::f64::consts::FRAC_PI_2;
 const TERMS: usize = 400;
 const HALVINGS: usize = 50;
 
+/// Mean square of a second difference of unit noise that is little.
+const LITTLE: f64 = 1.0;
+/// Noise that each function has for itself: fewest quiet stretches, largest mean product of phases half-way to the longest lag and beyond, and
+/// how alike two functions are at most.
+const FEWEST_STRETCHES: usize = 8;
+const GONE: f64 = 0.3;
+const MOST_ALIKE: f64 = 0.4;
+
 /// Longest lag of a series, as a part of it, and fewest pairs of values that tell one.
 const LAGS: usize = 4;
 const FEWEST_PAIRS: f64 = 40.0;
@@ -74,48 +82,20 @@ impl Correlation {
 
     /// Of what a fit leaves over. `None` where it is more than noise nearly everywhere.
     pub fn of_rest(rest: &Rest) -> Option<Self> {
-        let (lines, functions) = (rest.lines.len(), rest.values.ncols());
-        let count = (lines / FEWEST_LINES).clamp(1, STRETCHES);
-        let length = lines / count;
-        let power = |stretch: &Range<usize>| {
-            let of = |f: usize| {
-                let own = rest.values.col_as_slice(f)[stretch.clone()].iter();
-                own.map(Complex64::norm_sqr).sum::<f64>()
-            };
-            (0..functions).map(of).sum::<f64>() / (length * functions) as f64
+        Some(Quiet::new(rest, STRETCHES)?.correlation())
+    }
+
+    /// As [`Self::of_rest`], where it can be nothing but noise of which second differences hold little: every function has its own, and lines of
+    /// a stretch that are far apart share none.
+    pub fn of_own_noise(rest: &Rest) -> Option<Self> {
+        let own_noise = |quiet: &Quiet| {
+            let (enough, longest) = (quiet.stretches.len() >= FEWEST_STRETCHES, quiet.longest());
+            let gone = || (longest / 2..=longest).all(|lag| quiet.product(lag).norm() < GONE);
+            enough && quiet.alike() < MOST_ALIKE && gone()
         };
-        let quiet: Vec<Range<usize>> = (0..count)
-            .into_par_iter()
-            .map(|n| n * length..(n + 1) * length)
-            .filter(|stretch| power(stretch) < QUIET)
-            .collect();
-        if (quiet.len() as f64) < ENOUGH * count as f64 {
-            return None;
-        }
-        let phases: Vec<Vec<Complex64>> = (0..functions)
-            .into_par_iter()
-            .map(|f| rest.values.col_as_slice(f).iter().map(phase).collect())
-            .collect();
-        let values = (quiet.len() * length * functions) as f64;
-        let limit = CERTAIN * (OF_MEDIAN / (2.0 * values)).sqrt();
-        let mut lags = Vec::new();
-        for lag in 1..=(LONGEST * length as f64) as usize {
-            let products: Vec<Complex64> = quiet
-                .par_iter()
-                .map(|stretch| mean_product(&phases, stretch.clone(), lag))
-                .collect();
-            let own = Complex64::new(
-                median(products.iter().map(|p| p.re).collect()),
-                median(products.iter().map(|p| p.im).collect()),
-            );
-            // What comes after the first that chance makes is chance, and a fit of many columns leaves a little of its own.
-            let limit = limit.max(LEAST);
-            if own.re.abs() < limit && own.im.abs() < limit {
-                break;
-            }
-            lags.push(correlation(own));
-        }
-        Some(Self { lags })
+        let mut quiet = [STRETCHES, FEWEST_STRETCHES].into_iter();
+        let quiet = quiet.find_map(|most| Quiet::new(rest, most).filter(own_noise))?;
+        Some(quiet.correlation()).filter(|own| own.of_second_difference() < LITTLE)
     }
 
     /// Of the phases of some series of values, 0 where there is none. `None` where they are too few to tell.
@@ -172,6 +152,95 @@ impl Correlation {
     pub fn of_second_difference(&self) -> f64 {
         let lag = |m: usize| self.lags.get(m - 1).map_or(0.0, |rho| rho.re);
         (6.0 - 8.0 * lag(1) + 2.0 * lag(2)).max(LEAST_DIFFERENCE)
+    }
+}
+
+/// Phases of what a fit leaves over where that is no more than noise.
+struct Quiet {
+    /// Lines of each stretch, of one length.
+    stretches: Vec<Range<usize>>,
+    /// By function and line; 0 where there is none.
+    phases: Vec<Vec<Complex64>>,
+}
+
+impl Quiet {
+    /// Of so many stretches at most; `None` where too few are quiet.
+    fn new(rest: &Rest, most: usize) -> Option<Self> {
+        let (lines, functions) = (rest.lines.len(), rest.values.ncols());
+        let count = (lines / FEWEST_LINES).clamp(1, most);
+        let length = lines / count;
+        let power = |stretch: &Range<usize>| {
+            let of = |f: usize| {
+                let own = rest.values.col_as_slice(f)[stretch.clone()].iter();
+                own.map(Complex64::norm_sqr).sum::<f64>()
+            };
+            (0..functions).map(of).sum::<f64>() / (length * functions) as f64
+        };
+        let stretches: Vec<Range<usize>> = (0..count)
+            .into_par_iter()
+            .map(|n| n * length..(n + 1) * length)
+            .filter(|stretch| power(stretch) < QUIET)
+            .collect();
+        if (stretches.len() as f64) < ENOUGH * count as f64 {
+            return None;
+        }
+        let phases = (0..functions)
+            .into_par_iter()
+            .map(|f| rest.values.col_as_slice(f).iter().map(phase).collect());
+        Some(Self {
+            stretches,
+            phases: phases.collect(),
+        })
+    }
+
+    fn length(&self) -> usize {
+        self.stretches[0].len()
+    }
+
+    /// Longest lag.
+    fn longest(&self) -> usize {
+        (LONGEST * self.length() as f64) as usize
+    }
+
+    fn correlation(&self) -> Correlation {
+        let values = (self.stretches.len() * self.length() * self.phases.len()) as f64;
+        let limit = CERTAIN * (OF_MEDIAN / (2.0 * values)).sqrt();
+        let mut lags = Vec::new();
+        for lag in 1..=self.longest() {
+            let own = self.product(lag);
+            // What comes after the first that chance makes is chance, and a fit of many columns leaves a little of its own.
+            let limit = limit.max(LEAST);
+            if own.re.abs() < limit && own.im.abs() < limit {
+                break;
+            }
+            lags.push(correlation(own));
+        }
+        Correlation { lags }
+    }
+
+    /// Median over the stretches of the mean product of phases so many lines apart.
+    fn product(&self, lag: usize) -> Complex64 {
+        let products: Vec<Complex64> = self
+            .stretches
+            .par_iter()
+            .map(|stretch| mean_product(&self.phases, stretch.clone(), lag))
+            .collect();
+        Complex64::new(
+            median(products.iter().map(|p| p.re).collect()),
+            median(products.iter().map(|p| p.im).collect()),
+        )
+    }
+
+    /// How alike the courses of neighbouring functions are: mean square of their mean product of phases over a stretch.
+    fn alike(&self) -> f64 {
+        let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), stretch: &Range<usize>| {
+            let product = stretch.clone().map(|k| a[k] * b[k].conj());
+            (product.sum::<Complex64>() / self.length() as f64).norm_sqr()
+        };
+        let pairs = || self.phases.iter().zip(&self.phases[1..]);
+        let sum = |stretch| pairs().map(|pair| square(pair, stretch)).sum::<f64>();
+        let sum: f64 = self.stretches.iter().map(sum).sum();
+        sum / (pairs().count() * self.stretches.len()) as f64
     }
 }
 

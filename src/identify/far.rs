@@ -69,6 +69,11 @@ impl Rest {
     pub fn energy(&self) -> f64 {
         self.values.squared_norm_l2()
     }
+
+    /// The same of a value.
+    pub fn mean_power(&self) -> f64 {
+        self.energy() / (self.values.nrows() * self.values.ncols()) as f64
+    }
 }
 
 impl Far {

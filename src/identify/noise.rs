@@ -16,10 +16,11 @@ use crate::frf::{FrfSet, Function};
 
 use super::noise_course::{self, Estimated, Smooth};
 
-/// Lines between two evaluations of a running median.
-const HOP: usize = 32;
-/// Lines on either side that a running median looks at.
+/// Lines on either side that a running median looks at, and lines between two evaluations of it.
 const REACH: usize = 64;
+const HOPS_PER_REACH: usize = 2;
+/// The same of a level that lines share, as a part of all.
+const LEVEL_REACH: usize = 16;
 /// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
 /// room for chance.
 const MOST_SCATTER: f64 = 0.035;
@@ -109,25 +110,39 @@ pub(super) struct LeftOver {
     stated: bool,
 }
 
+/// What tells the noise of a function.
+pub(super) enum Source {
+    /// Variances that came with the data.
+    Stated(Vec<f64>),
+    /// Second differences of what a fit leaves over; with the mean square of those of unit noise, 6 for white noise.
+    SecondDifferences(f64),
+    /// The level of what a fit leaves over.
+    Level,
+}
+
 impl LeftOver {
-    /// Of |H|², what is left over of H, variances that came with the data, and the mean square of the second difference of unit noise:
-    /// 6 for white noise.
-    pub fn new(
-        power: Vec<f64>,
-        rest: &[Complex64],
-        (stated, by_lines): (Option<Vec<f64>>, f64),
-    ) -> Self {
-        let even = || {
-            let mut own = from_second_differences(rest);
-            own.iter_mut().for_each(|v| *v *= 6.0 / by_lines);
-            raise_to_floor(&mut own, power.iter().copied());
-            own
+    /// Of |H|², and what is left over of H.
+    pub fn new(power: Vec<f64>, rest: &[Complex64], source: Source) -> Self {
+        let left: Vec<f64> = rest.iter().map(Complex64::norm_sqr).collect();
+        let (own, stated) = match source {
+            Source::Stated(own) => (own, true),
+            Source::SecondDifferences(of_unit) => {
+                let mut own = from_second_differences(rest);
+                own.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
+                raise_to_floor(&mut own, power.iter().copied());
+                (own, false)
+            }
+            Source::Level => {
+                let mut own = from_level(&left);
+                raise_to_floor(&mut own, power.iter().copied());
+                (own, false)
+            }
         };
         Self {
-            left: rest.iter().map(Complex64::norm_sqr).collect(),
-            stated: stated.is_some(),
-            own: stated.unwrap_or_else(even),
             power,
+            left,
+            own,
+            stated,
         }
     }
 }
@@ -135,7 +150,7 @@ impl LeftOver {
 /// Variances of functions of one hit point from what a fit leaves over of them.
 ///
 /// What is the function's own came with the data; else it is even over the lines, and second differences tell it, which what a missing
-/// mode leaves hardly moves. Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in
+/// mode leaves hardly moves, or the level where lines share so much noise that differences hold little of it. Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in
 /// all resonances together tells it, better than the variances of a few hits do; `alike` lines count for one.
 pub(super) fn of_rest(mut functions: Vec<LeftOver>, alike: f64) -> Vec<Smooth> {
     let unstated = functions.iter_mut().filter(|function| !function.stated);
@@ -213,26 +228,33 @@ fn from_second_differences(values: &[Complex64]) -> Vec<f64> {
     let squares: Vec<f64> = (0..values.len())
         .map(|k| square(k.clamp(1, last)))
         .collect();
-    running_median(&squares)
+    running_median(&squares, REACH)
 }
 
-/// Median over `±REACH` lines, evaluated every `HOP` lines and straight between.
-fn running_median(values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
-    let mut near = Vec::with_capacity(2 * REACH + 1);
+/// Noise of variance `v`: the median of its squared magnitude is `v ln 2`.
+fn from_level(squares: &[f64]) -> Vec<f64> {
+    let mut own = running_median(squares, REACH.max(squares.len() / LEVEL_REACH));
+    own.iter_mut().for_each(|v| *v /= std::f64::consts::LN_2);
+    own
+}
+
+/// Median over `±reach` lines, evaluated twice in a reach and straight between.
+fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
+    let (last, every) = (values.len() - 1, reach / HOPS_PER_REACH);
+    let mut near = Vec::with_capacity(2 * reach + 1);
     let mut median = |centre: usize| {
         near.clear();
         near.extend_from_slice(
-            &values[centre.saturating_sub(REACH)..(centre + REACH + 1).min(values.len())],
+            &values[centre.saturating_sub(reach)..(centre + reach + 1).min(values.len())],
         );
         let middle = near.len() / 2;
         *near.select_nth_unstable_by(middle, f64::total_cmp).1
     };
-    let medians: Vec<f64> = (0..=last.div_ceil(HOP))
-        .map(|hop| median((hop * HOP).min(last)))
+    let medians: Vec<f64> = (0..=last.div_ceil(every))
+        .map(|hop| median((hop * every).min(last)))
         .collect();
     let between = |k: usize| {
-        let (hop, part) = (k / HOP, (k % HOP) as f64 / HOP as f64);
+        let (hop, part) = (k / every, (k % every) as f64 / every as f64);
         let next = medians[(hop + 1).min(medians.len() - 1)];
         medians[hop] + part * (next - medians[hop])
     };
@@ -272,7 +294,11 @@ mod tests {
             .map(|f| {
                 let own = white_noise(4000, 1e-6, 10 + f);
                 let rest = (0..4000).map(|k| own[k] + force(k) * values[k]);
-                LeftOver::new(powers(&values), &rest.collect::<Vec<_>>(), (None, 6.0))
+                LeftOver::new(
+                    powers(&values),
+                    &rest.collect::<Vec<_>>(),
+                    Source::SecondDifferences(6.0),
+                )
             })
             .collect();
         let told = of_rest(functions, 1.0);
@@ -297,8 +323,8 @@ mod tests {
                 let stated = if f == 5 { 1e-5 } else { 1e-6 };
                 let own = white_noise(4000, stated, 10 + f);
                 let rest = (0..4000).map(|k| own[k] + force[k] * values[k]);
-                let stated = Some(vec![stated; 4000]);
-                LeftOver::new(powers(&values), &rest.collect::<Vec<_>>(), (stated, 6.0))
+                let stated = Source::Stated(vec![stated; 4000]);
+                LeftOver::new(powers(&values), &rest.collect::<Vec<_>>(), stated)
             };
             of_rest((0..6).map(left).collect(), 1.0)
         };

@@ -20,7 +20,7 @@ use super::IdentifyError;
 use super::background::Outside;
 use super::correlation::Correlation;
 use super::far::{Far, Rest};
-use super::noise::{self, LeftOver, Noise};
+use super::noise::{self, LeftOver, Noise, Source};
 use super::noise_course::Smooth;
 use super::shared::Shared;
 
@@ -28,6 +28,10 @@ use super::shared::Shared;
 const GUARD: f64 = 0.05;
 /// Fewest lines in a band that are worth a search.
 const FEWEST_LINES: usize = 8;
+/// Fewest functions whose own courses tell noise that lines share from modes.
+const FEWEST_FUNCTIONS: usize = 3;
+/// Mean power of what is left over, over the noise, from which on it is more.
+const MORE_THAN_NOISE: f64 = 2.0;
 /// Dynamic range of a set, beyond any converter's: least noise over the largest response.
 const RANGE: f64 = 1e-10;
 
@@ -78,6 +82,8 @@ pub(super) struct Receptances {
     pub correlation: Correlation,
     /// How functions of one hit point err together, as far as it is known.
     pub shared: Shared,
+    /// Whether lines share so much noise that its level tells it where the data do not.
+    by_level: bool,
     /// Least variance of each function, as measured.
     floors: Vec<f64>,
     /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
@@ -90,6 +96,7 @@ pub(super) struct KnownNoise {
     by_force: Vec<Vec<f64>>,
     correlation: Correlation,
     shared: Shared,
+    by_level: bool,
 }
 
 impl Receptances {
@@ -161,6 +168,7 @@ impl Receptances {
             version: 0,
             correlation: Correlation::of_window(set.added_damping_rad_s, (step, lines.len())),
             shared: Shared::unknown(set.functions()),
+            by_level: false,
             floors: Vec::new(),
             measured_scale: (0..set.len())
                 .map(|i| Arc::clone(&scales.of(set, i).1))
@@ -203,9 +211,39 @@ impl Receptances {
         self.stated.iter().all(Option::is_some)
     }
 
-    /// The noise of all functions from what a fit leaves over of them, which is then over that noise. To variances that came with the
-    /// data it adds noise of the force that they do not tell.
-    pub fn measure_noise(&mut self, rest: &mut Rest) {
+    /// The noise of all functions and how lines share it, from what a fit leaves over, which is then over that noise. To variances that came
+    /// with the data it adds noise of the force that they do not tell.
+    pub fn tell_noise(&mut self, rest: &mut Rest) {
+        self.measure_noise(rest);
+        if let Some(own) = Correlation::of_rest(rest) {
+            self.correlation = own;
+        }
+    }
+
+    /// Whether what the fit leaves over is noise that lines share, where it is more than second differences make of it: every function has its
+    /// own, lines that are next to each other share nearly all of it and those far apart nothing. Missing modes leave the same course in all functions. Such
+    /// noise is told from its level from then on. Records under a window of which the data say nothing have it.
+    pub fn lines_share_noise(&mut self, rest: &mut Rest) -> bool {
+        let stated = self.stated.iter().any(Option::is_some);
+        let few = self.functions() < FEWEST_FUNCTIONS;
+        if self.by_level || stated || few || rest.mean_power() < MORE_THAN_NOISE {
+            return false;
+        }
+        let before = (self.noise(), self.variance.clone());
+        self.by_level = true;
+        self.measure_noise(rest);
+        if let Some(own) = Correlation::of_own_noise(rest) {
+            self.correlation = own;
+            self.measure_noise(rest);
+            return true;
+        }
+        let (noise, variance) = before;
+        rest.over(&self.variance, &variance);
+        self.set_noise(noise);
+        false
+    }
+
+    fn measure_noise(&mut self, rest: &mut Rest) {
         let by_lines = self.correlation.of_second_difference();
         let alike = self.correlation.alike();
         let mut now = vec![Smooth::default(); self.functions()];
@@ -236,6 +274,7 @@ impl Receptances {
             by_force: self.by_force.clone(),
             correlation: self.correlation.clone(),
             shared: self.shared.clone(),
+            by_level: self.by_level,
         }
     }
 
@@ -245,6 +284,7 @@ impl Receptances {
         self.by_force = known.by_force;
         self.correlation = known.correlation;
         self.shared = known.shared;
+        self.by_level = known.by_level;
         self.renew();
     }
 
@@ -282,10 +322,15 @@ impl Receptances {
         let own = rest.of(f, 0..self.lines()).iter().zip(deviations);
         let own: Vec<Complex64> = own.map(|(rest, (v, s))| rest * (v.sqrt() * s)).collect();
         let squared = |(v, s): (&f64, &f64)| v * s * s;
-        let stated = self.stated[f].as_ref();
-        let stated = stated.map(|own| own.variance.iter().zip(scale.iter()).map(squared).collect());
+        let source = match &self.stated[f] {
+            Some(own) => {
+                Source::Stated(own.variance.iter().zip(scale.iter()).map(squared).collect())
+            }
+            None if self.by_level => Source::Level,
+            None => Source::SecondDifferences(by_lines),
+        };
         let power = values.map(|(h, s)| h.norm_sqr() * s * s).collect();
-        LeftOver::new(power, &own, (stated, by_lines))
+        LeftOver::new(power, &own, source)
     }
 
     /// Variances of function f as it was measured as those of its receptance.

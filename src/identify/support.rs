@@ -29,7 +29,6 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
 
 use super::background::{Background, Outside};
-use super::correlation::Correlation;
 use super::far::Rest;
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
@@ -141,10 +140,8 @@ pub fn support(set: &FrfSet, band: Band, own: &Identification) -> Result<Support
         first.take(Course::of(*lambda, &first));
     }
     let mut rest = first.over_noise();
-    data.measure_noise(&mut rest);
-    if let Some(correlation) = Correlation::of_rest(&rest) {
-        data.correlation = correlation;
-    }
+    data.tell_noise(&mut rest);
+    data.lines_share_noise(&mut rest);
     let mut fitted = Fitted::new(&data);
     let mut tried = vec![fitted.tried(None)];
     let mut surprises = vec![fitted.surprises()];
