@@ -52,6 +52,8 @@ const SEARCHES: usize = 4;
 const DOUBTS: usize = 30;
 /// A pole is well known, in decay rates.
 const WELL_KNOWN: f64 = 0.05;
+/// One in so many of the others goes at once.
+const GO_AT_ONCE: usize = 4;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
@@ -218,18 +220,23 @@ impl Fit {
     }
 
     /// Whether what is left over is noise that lines share ([`Receptances::lines_share_noise`]). Roots that were fitted to what is now noise go,
-    /// so that its level does not lack what they took; what stands out all the same, the search finds.
+    /// the least known first, and the noise has back what they took; what stands out all the same, the search finds.
     fn lines_share_noise(&mut self) -> bool {
         if !self.data.lines_share_noise(&mut self.rest()) {
             return false;
         }
-        self.settle(Stop::Judging);
-        self.roots
-            .retain(|root| root.quality.pole_std < WELL_KNOWN * root.decay());
-        unsettle(&mut self.roots);
-        self.settle(Stop::Judging);
         self.judge_by_noise();
-        true
+        loop {
+            let unknown = |root: &Root| root.quality.pole_std / root.decay();
+            let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
+            doubtful.retain(|own| *own >= WELL_KNOWN);
+            doubtful.sort_by(f64::total_cmp);
+            let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
+                return true;
+            };
+            self.roots.retain(|root| unknown(root) < *limit);
+            self.judge_by_noise();
+        }
     }
 
     fn stable_roots(

@@ -95,7 +95,7 @@ impl Correlation {
         };
         let mut quiet = [STRETCHES, FEWEST_STRETCHES].into_iter();
         let quiet = quiet.find_map(|most| Quiet::new(rest, most).filter(own_noise))?;
-        Some(quiet.correlation()).filter(|own| own.of_second_difference() < LITTLE)
+        Some(quiet.correlation()).filter(Self::differences_hold_little)
     }
 
     /// Of the phases of some series of values, 0 where there is none. `None` where they are too few to tell.
@@ -146,6 +146,11 @@ impl Correlation {
     /// Values that count for one where powers are added up: `Σ |ρ|²` over all lags.
     pub fn alike(&self) -> f64 {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
+    }
+
+    /// Whether second differences hold little of the noise.
+    pub fn differences_hold_little(&self) -> bool {
+        self.of_second_difference() < LITTLE
     }
 
     /// Mean square of the second difference of unit noise, 6 for white.

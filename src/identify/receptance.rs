@@ -226,7 +226,9 @@ impl Receptances {
     pub fn lines_share_noise(&mut self, rest: &mut Rest) -> bool {
         let stated = self.stated.iter().any(Option::is_some);
         let few = self.functions() < FEWEST_FUNCTIONS;
-        if self.by_level || stated || few || rest.mean_power() < MORE_THAN_NOISE {
+        let more_than_noise = rest.mean_power() > MORE_THAN_NOISE;
+        let little = self.correlation.differences_hold_little();
+        if self.by_level || stated || few || !more_than_noise && !little {
             return false;
         }
         let before = (self.noise(), self.variance.clone());
