@@ -302,26 +302,13 @@ fn product_of_phases(rho: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fourier::ComplexPlan;
-    use crate::identify::synthetic::white_noise;
+    use crate::identify::synthetic::{white_noise, windowed_noise};
     use crate::linalg;
 
     /// Spectra of noise that decays as `e^(−at)` over a record of `lines` samples: lines × functions.
     fn decaying(lines: usize, functions: usize, at_end: f64) -> linalg::ComplexMatrix {
-        let plan = ComplexPlan::inverse(lines);
-        let mut scratch = plan.scratch();
-        let columns: Vec<Vec<Complex64>> = (0..functions)
-            .map(|f| {
-                let mut line: Vec<Complex64> = white_noise(lines, 1.0, 7 + f as u64)
-                    .into_iter()
-                    .enumerate()
-                    .map(|(t, v)| v * (-at_end * t as f64 / lines as f64).exp())
-                    .collect();
-                plan.run(&mut line, &mut scratch);
-                // The plan's sign is that of an inverse; a spectrum has the other one.
-                line.reverse();
-                line
-            })
+        let columns: Vec<Vec<Complex64>> = (0..functions as u64)
+            .map(|f| windowed_noise(lines, at_end, 7 + f))
             .collect();
         linalg::complex_matrix(lines, functions, |k, f| columns[f][k])
     }
@@ -352,6 +339,33 @@ mod tests {
             assert!((a / amplitude - 1.0).abs() < 0.1, "{a} {amplitude}");
             assert!((p / pole - 1.0).abs() < 0.1, "{p} {pole}");
         }
+    }
+
+    #[test]
+    fn noise_of_its_own_is_told_from_what_missing_modes_leave() {
+        let own = |rest: linalg::ComplexMatrix| {
+            let size = ((4096 * 4) as f64).sqrt() / rest.norm_l2();
+            let rest = linalg::complex_matrix(4096, 4, |k, f| size * rest[(k, f)]);
+            Correlation::of_own_noise(&Rest::of_all(rest))
+        };
+        let noise = decaying(4096, 4, 40.0);
+        assert!(own(noise.clone()).is_some());
+        // Second differences tell white noise, and what a window leaves of which they still hold enough.
+        assert_eq!(own(decaying(4096, 4, 0.0)), None);
+        assert_eq!(own(decaying(4096, 4, 2.0)), None);
+        // One course in all functions, and a few modes.
+        assert_eq!(
+            own(linalg::complex_matrix(4096, 4, |k, f| {
+                (1.0 + f as f64) * noise[(k, 0)]
+            })),
+            None
+        );
+        let mode = |k: usize, n: usize| Complex64::new(20.0, k as f64 - 700.0 * n as f64).inv();
+        let modes = |k: usize, f: usize| -> Complex64 {
+            let part = |n: usize| (1.0 + (3 * n * n + 7 * f * n) as f64).sin() * mode(k, n);
+            (0..6).map(part).sum()
+        };
+        assert_eq!(own(linalg::complex_matrix(4096, 4, modes)), None);
     }
 
     #[test]

@@ -9,8 +9,11 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::finding::{Code, Finding};
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::{ModalModel, Pole, mac};
+use crate::quantity::FrfKind;
 
-use super::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes, white_noise};
+use super::synthetic::{
+    Measurement, Pair, Structure, close_pair, separated_modes, white_noise, windowed_noise,
+};
 use super::{IdentifyOptions, identify};
 
 fn ml(set: &FrfSet) -> ModalModel {
@@ -219,6 +222,52 @@ fn noise_that_lines_share_makes_no_modes() {
         for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
             let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
             assert!(apart.abs() < 5.0, "{seed}: {apart} at {hz} Hz");
+        }
+    }
+}
+
+/// The functions of a set without variances, and with noise 40 dB below each that a window left of white noise.
+fn with_windowed_noise(set: &FrfSet, (at_end, seed): (f64, u64)) -> FrfSet {
+    let lines = set.axis().len;
+    let power = |of: &[Complex64]| of.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let mut noisy = FrfSet::new(*set.axis());
+    for (i, function) in set.functions().iter().enumerate() {
+        let noise = windowed_noise(lines, at_end, 100 * seed + i as u64);
+        let size = 0.01 * (power(set.values(i)) / power(&noise)).sqrt();
+        let values = set.values(i).iter().zip(&noise);
+        let data = FunctionData {
+            values: values.map(|(h, z)| h + size * z).collect(),
+            ..FunctionData::default()
+        };
+        noisy.push(function.clone(), data).unwrap();
+    }
+    noisy
+}
+
+#[test]
+fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
+    let shape = |n: usize| vec![1.0, 0.4 - 0.7 * (n % 2) as f64, 0.8, 0.3 * n as f64 - 0.5];
+    let structure = Structure {
+        modes: vec![
+            (300.0, 0.02, shape(0)),
+            (520.0, 0.015, shape(1)),
+            (760.0, 0.02, shape(2)),
+        ],
+    };
+    let axis = FrequencyAxis {
+        start_hz: 100.0,
+        step_hz: 0.5,
+        len: 1800,
+    };
+    let mut how = Measurement::of_sensors(4, axis);
+    how.kind = FrfKind::Receptance;
+    for (seed, at_end) in [(1, 10.0), (2, 20.0), (3, 40.0)] {
+        let set = with_windowed_noise(&structure.measured(&how), (at_end, seed));
+        let model = ml(&set);
+        assert_eq!(model.modes.len(), 3, "{at_end}");
+        for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
+            let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            assert!(apart.abs() < 5.0, "{at_end}: {apart} at {hz} Hz");
         }
     }
 }

@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::axis::FrequencyAxis;
 use crate::dof::Dof;
+use crate::fourier::ComplexPlan;
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::Pole;
 use crate::quantity::FrfKind;
@@ -19,6 +20,18 @@ pub(super) fn white_noise(len: usize, variance: f64, seed: u64) -> Vec<Complex64
         value * (0.5 * variance).sqrt()
     };
     (0..len).map(|_| Complex64::new(draw(), draw())).collect()
+}
+
+/// The spectrum of noise that a window `e^(−at)` leaves of white noise; aT at the end of the record.
+pub(super) fn windowed_noise(lines: usize, at_end: f64, seed: u64) -> Vec<Complex64> {
+    let plan = ComplexPlan::inverse(lines);
+    let fall = |t: usize| (-at_end * t as f64 / lines as f64).exp();
+    let white = white_noise(lines, 1.0, seed).into_iter().enumerate();
+    let mut own: Vec<Complex64> = white.map(|(t, v)| v * fall(t)).collect();
+    plan.run(&mut own, &mut plan.scratch());
+    // The plan's sign is that of an inverse; a spectrum has the other one.
+    own.reverse();
+    own
 }
 
 /// A structure of unit modal masses: natural frequency in Hz, damping ratio, values along the positive axis of points 1, 2, ...
