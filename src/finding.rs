@@ -242,6 +242,9 @@ codes! {
     /// The variances came from the fit.
     NoiseFromFit: "not all FRFs bring variances; noise was told from what the fit leaves over",
         "Deviations of frequency and damping, and what counts as a mode, rest on the noise of the functions. Where one function has no variance, nor coherence and number of averages, that of all is taken from the second differences of the residual over some hundred lines. State the number of averages (`--averages`) where the coherence is there.";
+    /// Noise decays over the record.
+    LinesShareNoise: "neighbouring lines share their noise, as under an exponential window that the data do not state",
+        "Noise that is even over a record differs from line to line. Here it is nearly the same on neighbouring lines, which looks like modes; its size was told from the level of what the fit leaves over, and it raises limits and deviations. The value is the rate at which it decays over the record. Where a window e^(−at) on force and response made that, every decay rate holds it as well: take value/ω off each damping ratio. Export the FRFs without the window, or with its rate.";
     /// The model leaves over more than noise around a mode.
     ModelMisfit: "the fit leaves over more than noise around this mode; its deviations count that as noise",
         "The value is the rms of what the fit leaves over within a half-power width on either side, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value and are lower bounds all the same; damping tends to be too high. Look at the findings of the FRFs, and at whether runs agree.";

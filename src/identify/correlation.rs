@@ -148,6 +148,12 @@ impl Correlation {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
     }
 
+    /// Decay rate a of noise that falls as `e^(−at)`, from where `|ρ|² = 1/(1 + (mΔ/2a)²)` is a half, 1/s; `step` is Δ in rad/s.
+    pub fn decay(&self, step: f64) -> f64 {
+        let lines = self.lags.iter().take_while(|rho| rho.norm_sqr() > 0.5);
+        0.5 * (lines.count() as f64 + 0.5) * step
+    }
+
     /// Whether second differences hold little of the noise.
     pub fn differences_hold_little(&self) -> bool {
         self.of_second_difference() < LITTLE

@@ -265,6 +265,11 @@ fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
         let set = with_windowed_noise(&structure.measured(&how), (at_end, seed));
         let model = ml(&set);
         assert_eq!(model.modes.len(), 3, "{at_end}");
+        let told = |own: &&Finding| own.code == Code::LinesShareNoise;
+        let told = model.findings.iter().find(told).unwrap();
+        // A record of 2 s.
+        let ratio = told.value.as_ref().unwrap() / (0.5 * at_end);
+        assert!((0.7..1.4).contains(&ratio), "{at_end}: {ratio}");
         for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
             let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
             assert!(apart.abs() < 5.0, "{at_end}: {apart} at {hz} Hz");

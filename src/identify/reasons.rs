@@ -72,6 +72,10 @@ impl Evidence<'_> {
                 Place::Whole,
             ));
         }
+        if let Some(rate) = self.data.unstated_decay() {
+            let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Place::Whole);
+            findings.push(finding.value(rate, "1/s"));
+        }
         for (root, standing) in self.kept {
             findings.extend(self.of_mode(root, standing));
         }

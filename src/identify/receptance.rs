@@ -211,6 +211,11 @@ impl Receptances {
         self.stated.iter().all(Option::is_some)
     }
 
+    /// Rate at which the noise decays over the record where lines share it and the data do not say why, 1/s.
+    pub fn unstated_decay(&self) -> Option<f64> {
+        self.by_level.then(|| self.correlation.decay(self.step))
+    }
+
     /// The noise of all functions and how lines share it, from what a fit leaves over, which is then over that noise. To variances that came
     /// with the data it adds noise of the force that they do not tell.
     pub fn tell_noise(&mut self, rest: &mut Rest) {
