@@ -43,7 +43,7 @@ const TERMS: usize = 400;
 const HALVINGS: usize = 50;
 
 /// Mean square of a second difference of unit noise that is little.
-const LITTLE: f64 = 1.0;
+const LITTLE: f64 = 3.0;
 /// Noise that each function has for itself: fewest quiet stretches, largest mean product of phases half-way to the longest lag and beyond, and
 /// how alike two functions are at most.
 const FEWEST_STRETCHES: usize = 8;
@@ -73,10 +73,9 @@ impl Correlation {
             return Self::WHITE;
         }
         let ratio = step / (2.0 * added_damping_rad_s);
-        let count = ((1.0 / (LEAST * ratio)) as usize).min(lines);
         let lag = |m: usize| Complex64::new(1.0, -ratio * m as f64).inv();
         Self {
-            lags: (1..=count).map(lag).collect(),
+            lags: (1..=lines).map(lag).collect(),
         }
     }
 
@@ -172,6 +171,8 @@ struct Quiet {
     stretches: Vec<Range<usize>>,
     /// By function and line; 0 where there is none.
     phases: Vec<Vec<Complex64>>,
+    /// Lines of the band.
+    lines: usize,
 }
 
 impl Quiet {
@@ -201,6 +202,7 @@ impl Quiet {
         Some(Self {
             stretches,
             phases: phases.collect(),
+            lines,
         })
     }
 
@@ -226,6 +228,10 @@ impl Quiet {
             }
             lags.push(correlation(own));
         }
+        let told = lags.len();
+        let begin = beginning(&lags);
+        let tail = (told + 1..=self.lines).filter(|_| told > 0);
+        lags.extend(tail.map(|m| Complex64::new(0.0, begin / m as f64)));
         Correlation { lags }
     }
 
@@ -253,6 +259,14 @@ impl Quiet {
         let sum: f64 = self.stretches.iter().map(sum).sum();
         sum / (pairs().count() * self.stretches.len()) as f64
     }
+}
+
+/// `c` of the `ic/m` that noise which begins at once with the record has for lags too long to be told: each is next to nothing, all together
+/// are half of what a mode collects that decays long before the noise does. Mean of `m Im ρ` over the longer half of the lags that are told.
+fn beginning(lags: &[Complex64]) -> f64 {
+    let longer = lags.iter().enumerate().skip(lags.len() / 2);
+    let sum: f64 = longer.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
+    sum / (lags.len() - lags.len() / 2).max(1) as f64
 }
 
 fn phase(value: &Complex64) -> Complex64 {
@@ -329,21 +343,39 @@ mod tests {
 
     #[test]
     fn an_exponential_window_costs_what_theory_says() {
-        // a T = 4; a mode whose windowed decay rate is 3 a.
-        let at_end = 4.0;
-        let noise = decaying(8192, 6, at_end);
-        let size = 1.0 / noise.norm_l2() * ((8192 * 6) as f64).sqrt();
-        let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
-        let (step, decay) = (std::f64::consts::TAU, 3.0 * at_end);
-        // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ, and with (1 − u)² for the pole.
-        let q: f64 = 1.0 + at_end / decay;
-        let amplitude = 2.0 * at_end / q;
-        let pole = 2.0 * at_end * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
-        for own in [told, Correlation::of_window(at_end, (step, 8192))] {
-            let (a, p) = (own.of_amplitude(decay, step), own.of_pole(decay, step));
-            assert!((a / amplitude - 1.0).abs() < 0.1, "{a} {amplitude}");
-            assert!((p / pole - 1.0).abs() < 0.1, "{p} {pole}");
+        let size_of = |noise: &linalg::ComplexMatrix| ((8192 * 6) as f64).sqrt() / noise.norm_l2();
+        // a T; modes whose windowed decay rate is 3 a and 60 a.
+        for at_end in [1.0, 4.0, 10.0] {
+            let noise = decaying(8192, 6, at_end);
+            let size = size_of(&noise);
+            let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
+            let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+            for ratio in [3.0, 60.0] {
+                let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
+                // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the pole.
+                let q: f64 = 1.0 + at_end / decay;
+                let first = 2.0 * at_end / (1.0 - (-2.0 * at_end).exp());
+                let amplitude = first / q;
+                let pole = first * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
+                let (a, p) = (told.of_amplitude(decay, step), told.of_pole(decay, step));
+                assert!(
+                    (a / amplitude - 1.0).abs() < 0.25,
+                    "{at_end} {ratio}: {a} {amplitude}"
+                );
+                assert!(
+                    (p / pole - 1.0).abs() < 0.25,
+                    "{at_end} {ratio}: {p} {pole}"
+                );
+                if at_end >= 4.0 {
+                    let own = Correlation::of_window(at_end, (step, 8192));
+                    let (a, p) = (own.of_amplitude(decay, step), own.of_pole(decay, step));
+                    assert!(
+                        (a / amplitude - 1.0).abs() < 0.1,
+                        "{at_end} {ratio}: {a} {amplitude}"
+                    );
+                    assert!((p / pole - 1.0).abs() < 0.1, "{at_end} {ratio}: {p} {pole}");
+                }
+            }
         }
     }
 
