@@ -8,7 +8,8 @@
 //!    a fifth of its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
 //!    cannot be told apart but have different participation factors are one repeated root ([`pruning`](super::pruning)).
 //! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
-//!    noise, and raises limits and deviations ([`correlation`](super::correlation)).
+//!    noise, and raises limits and deviations ([`correlation`](super::correlation)). Where the data bring no variances and lines share
+//!    most of it, its level tells it, and roots that were fitted to it go.
 //! 5. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests, and
 //!    what is left over must become less. Where nothing stands out, each root is asked whether it stands for two
 //!    ([`doubled`](super::doubled)). Where it hardly does, what speaks against a mode (7) speaks against the root at once.
@@ -201,16 +202,16 @@ impl Fit {
         for _ in 0..SEARCHES {
             let before = self.roots.clone();
             let gain = self.search();
+            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
+            // Asked with success once.
+            if !worthwhile && self.lines_share_noise() {
+                return self.search_rounds(true);
+            }
             // The noise of the same roots is the same.
             if gain.is_none() && !changed && self.roots == before {
                 break;
             }
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
-            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
-            if !worthwhile && self.lines_share_noise() {
-                changed = true;
-                continue;
-            }
             let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
             changed = self.judge_by_noise();
             if last {
@@ -234,7 +235,18 @@ impl Fit {
             let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
                 return true;
             };
-            self.roots.retain(|root| unknown(root) < *limit);
+            let (known, unknown): (Vec<Root>, Vec<Root>) = std::mem::take(&mut self.roots)
+                .into_iter()
+                .partition(|root| unknown(root) < *limit);
+            self.dropped.extend(unknown.iter().map(|root| Dropped {
+                lambda: root.lambda,
+                reason: Reason::Unknown(root.quality.pole_std / root.decay()),
+            }));
+            // Of two that one was doubled into, the other is free again.
+            self.roots = known
+                .into_iter()
+                .map(|root| Root { pair: None, ..root })
+                .collect();
             self.judge_by_noise();
         }
     }

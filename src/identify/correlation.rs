@@ -8,10 +8,13 @@
 //! `A = 1/s − 2/s² + 2/s³` for the pole, whose course is what is left of the derivative beside the root itself. In time these
 //! are `e^(−u)` and `(1 − u)² e^(−u)`, `u = 2σt`.
 //!
-//! The correlation is told from what a fit leaves over on those stretches of the band where that is no more than the noise whose
-//! variances came with the data; what a mode leaves that is missing hangs together as well. Only phases are used, so that a few large
+//! The correlation is told from what a fit leaves over on those stretches of the band where that is no more than the noise; what a mode leaves that is missing hangs together as well. Only phases are used, so that a few large
 //! values count no more than others, and of the stretches the median. For circular Gaussian values of correlation ρ the mean product of
 //! phases is `(π/4) ρ ₂F₁(1/2, 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory, section 9.1).
+//!
+//! Noise that begins at once with the record, as all noise under a window does, has `ic/m` for long lags. Each of these is too small to be
+//! told, but all together are up to half of what a mode collects that decays long before the noise does; c follows from the lags that
+//! are told.
 
 use std::ops::Range;
 
@@ -49,6 +52,11 @@ const LITTLE: f64 = 3.0;
 const FEWEST_STRETCHES: usize = 8;
 const GONE: f64 = 0.3;
 const MOST_ALIKE: f64 = 0.4;
+
+/// Sizes of a correlation that tell how noise decays.
+const CLEAR: Range<f64> = 0.3..0.9;
+/// Least `Im ρ/|ρ|` of these, which is 0.4 to 1 where noise begins with the record, and 0 where it is even and was smoothed.
+const LEAST_PHASE: f64 = 0.3;
 
 /// Longest lag of a series, as a part of it, and fewest pairs of values that tell one.
 const LAGS: usize = 4;
@@ -147,10 +155,22 @@ impl Correlation {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
     }
 
-    /// Decay rate a of noise that falls as `e^(−at)`, from where `|ρ|² = 1/(1 + (mΔ/2a)²)` is a half, 1/s; `step` is Δ in rad/s.
-    pub fn decay(&self, step: f64) -> f64 {
-        let lines = self.lags.iter().take_while(|rho| rho.norm_sqr() > 0.5);
-        0.5 * (lines.count() as f64 + 0.5) * step
+    /// Decay rate a of noise that falls as `e^(−at)`, of `ρ = 1/(1 − imx)`, `x = Δ/2a`, 1/s, from its magnitude; `step` is Δ in rad/s. `None` where its
+    /// phase is far from that, as after smoothing over the lines.
+    pub fn decay(&self, step: f64) -> Option<f64> {
+        let own = self.lags.iter().enumerate();
+        let own: Vec<(f64, Complex64)> = own
+            .map(|(n, rho)| ((n + 1) as f64, *rho))
+            .take_while(|(_, rho)| rho.norm() > CLEAR.start)
+            .filter(|(_, rho)| rho.norm() < CLEAR.end)
+            .collect();
+        if own.is_empty() {
+            return None;
+        }
+        let phase = median(own.iter().map(|(_, rho)| rho.im / rho.norm()).collect());
+        let by_size = |(m, rho): &(f64, Complex64)| (1.0 / rho.norm_sqr() - 1.0).sqrt() / m;
+        let by_size = median(own.iter().map(by_size).collect());
+        (phase > LEAST_PHASE).then(|| 0.5 * step / by_size)
     }
 
     /// Whether second differences hold little of the noise.
@@ -229,7 +249,13 @@ impl Quiet {
             lags.push(correlation(own));
         }
         let told = lags.len();
-        let begin = beginning(&lags);
+        // What stopped it belongs to the mean: noise of a part of the record has zeros there.
+        let begin = if told < self.longest() {
+            let stop = correlation(self.product(told + 1));
+            beginning(&[lags.as_slice(), &[stop]].concat(), 0)
+        } else {
+            beginning(&lags, told / 2)
+        };
         let tail = (told + 1..=self.lines).filter(|_| told > 0);
         lags.extend(tail.map(|m| Complex64::new(0.0, begin / m as f64)));
         Correlation { lags }
@@ -262,11 +288,11 @@ impl Quiet {
 }
 
 /// `c` of the `ic/m` that noise which begins at once with the record has for lags too long to be told: each is next to nothing, all together
-/// are half of what a mode collects that decays long before the noise does. Mean of `m Im ρ` over the longer half of the lags that are told.
-fn beginning(lags: &[Complex64]) -> f64 {
-    let longer = lags.iter().enumerate().skip(lags.len() / 2);
-    let sum: f64 = longer.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
-    sum / (lags.len() - lags.len() / 2).max(1) as f64
+/// are half of what a mode collects that decays long before the noise does. Mean of `m Im ρ` from some lag on.
+fn beginning(lags: &[Complex64], from: usize) -> f64 {
+    let told = lags.iter().enumerate().skip(from);
+    let sum: f64 = told.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
+    sum / (lags.len() - from).max(1) as f64
 }
 
 fn phase(value: &Complex64) -> Complex64 {
@@ -322,6 +348,7 @@ fn product_of_phases(rho: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fourier::ComplexPlan;
     use crate::identify::synthetic::{white_noise, windowed_noise};
     use crate::linalg;
 
@@ -377,6 +404,42 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_decay_of_noise_is_told_and_smoothed_noise_has_none() {
+        let own = |noise: linalg::ComplexMatrix| {
+            let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
+            let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
+            let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+            told.decay(std::f64::consts::TAU)
+        };
+        for at_end in [4.0, 10.0, 40.0] {
+            let ratio = own(decaying(4096, 4, at_end)).unwrap() / at_end;
+            assert!((ratio - 1.0).abs() < 0.25, "{at_end}: {ratio}");
+        }
+        let white = decaying(4104, 4, 0.0);
+        let mean = |k: usize, f: usize| (k..k + 8).map(|n| white[(n, f)]).sum();
+        assert_eq!(own(linalg::complex_matrix(4096, 4, mean)), None);
+    }
+
+    #[test]
+    fn noise_in_a_part_of_the_record_costs_what_theory_says() {
+        // A quarter of 8192 samples: a mode that decays within it meets four times the mean power.
+        let plan = ComplexPlan::inverse(8192);
+        let columns: Vec<Vec<Complex64>> = (0..6)
+            .map(|f| {
+                let mut own = white_noise(8192, 4.0 / 8192.0, 30 + f);
+                own[2048..].fill(Complex64::ZERO);
+                plan.run(&mut own, &mut plan.scratch());
+                own.reverse();
+                own
+            })
+            .collect();
+        let rest = linalg::complex_matrix(8192, 6, |k, f| columns[f][k]);
+        let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+        let factor = told.of_amplitude(60.0, std::f64::consts::TAU);
+        assert!((factor / 4.0 - 1.0).abs() < 0.15, "{factor}");
     }
 
     #[test]

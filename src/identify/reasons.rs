@@ -74,7 +74,10 @@ impl Evidence<'_> {
         }
         if let Some(rate) = self.data.unstated_decay() {
             let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Place::Whole);
-            findings.push(finding.value(rate, "1/s"));
+            findings.push(match rate {
+                Some(rate) => finding.value(rate, "1/s"),
+                None => finding,
+            });
         }
         for (root, standing) in self.kept {
             findings.extend(self.of_mode(root, standing));

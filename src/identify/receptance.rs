@@ -211,9 +211,10 @@ impl Receptances {
         self.stated.iter().all(Option::is_some)
     }
 
-    /// Rate at which the noise decays over the record where lines share it and the data do not say why, 1/s.
-    pub fn unstated_decay(&self) -> Option<f64> {
-        self.by_level.then(|| self.correlation.decay(self.step))
+    /// Whether lines share noise that the data say nothing of; with the rate at which it decays over the record, 1/s, where it does.
+    pub fn unstated_decay(&self) -> Option<Option<f64>> {
+        let shared = self.by_level && self.correlation.differences_hold_little();
+        shared.then(|| self.correlation.decay(self.step))
     }
 
     /// The noise of all functions and how lines share it, from what a fit leaves over, which is then over that noise. To variances that came
@@ -226,7 +227,7 @@ impl Receptances {
     }
 
     /// Whether what the fit leaves over is noise that lines share, where it is more than second differences make of it: every function has its
-    /// own, lines that are next to each other share nearly all of it and those far apart nothing. Missing modes leave the same course in all functions. Such
+    /// own, lines that are next to each other share most of it and those far apart nothing. Missing modes leave the same course in all functions. Such
     /// noise is told from its level from then on. Records under a window of which the data say nothing have it.
     pub fn lines_share_noise(&mut self, rest: &mut Rest) -> bool {
         let stated = self.stated.iter().any(Option::is_some);
