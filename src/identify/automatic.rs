@@ -51,10 +51,6 @@ const OUTSIDE: f64 = 0.05;
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
 const DOUBTS: usize = 30;
-/// A pole is well known, in decay rates.
-const WELL_KNOWN: f64 = 0.05;
-/// One in so many of the others goes at once.
-const GO_AT_ONCE: usize = 4;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
@@ -191,7 +187,7 @@ impl Fit {
         self.judge_by_noise()
     }
 
-    fn judge_by_noise(&mut self) -> bool {
+    pub fn judge_by_noise(&mut self) -> bool {
         let changed = self.measure_noise();
         self.settle(Stop::Judging);
         changed
@@ -217,37 +213,6 @@ impl Fit {
             if last {
                 break;
             }
-        }
-    }
-
-    /// Whether what is left over is noise that lines share ([`Receptances::lines_share_noise`]). Roots that were fitted to what is now noise go,
-    /// the least known first, and the noise has back what they took; what stands out all the same, the search finds.
-    fn lines_share_noise(&mut self) -> bool {
-        if !self.data.lines_share_noise(&mut self.rest()) {
-            return false;
-        }
-        self.judge_by_noise();
-        loop {
-            let unknown = |root: &Root| root.quality.pole_std / root.decay();
-            let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
-            doubtful.retain(|own| *own >= WELL_KNOWN);
-            doubtful.sort_by(f64::total_cmp);
-            let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
-                return true;
-            };
-            let (known, unknown): (Vec<Root>, Vec<Root>) = std::mem::take(&mut self.roots)
-                .into_iter()
-                .partition(|root| unknown(root) < *limit);
-            self.dropped.extend(unknown.iter().map(|root| Dropped {
-                lambda: root.lambda,
-                reason: Reason::Unknown(root.quality.pole_std / root.decay()),
-            }));
-            // Of two that one was doubled into, the other is free again.
-            self.roots = known
-                .into_iter()
-                .map(|root| Root { pair: None, ..root })
-                .collect();
-            self.judge_by_noise();
         }
     }
 

@@ -6,7 +6,7 @@ use super::automatic::Fit;
 use super::doubled::roots_to_double;
 use super::far::Rest;
 use super::pruning::{Change, less};
-use super::reasons::Reason;
+use super::reasons::{Dropped, Reason};
 use super::refine::{Stop, unsettle};
 use super::roots::Root;
 use super::significance::upper_quantile;
@@ -21,7 +21,44 @@ pub(super) const WORTHWHILE: f64 = 2.0;
 /// mass of a sensor or from hit to hit, leaves over the same.
 const LEAST_APART: f64 = 0.04;
 
+/// A pole is well known, in decay rates.
+const WELL_KNOWN: f64 = 0.05;
+/// One in so many of the others goes at once.
+const GO_AT_ONCE: usize = 4;
+
 impl Fit {
+    /// Whether what is left over is noise that lines share
+    /// ([`Receptances::lines_share_noise`](super::receptance::Receptances::lines_share_noise)). Roots that were fitted to what is now
+    /// noise go, the least known first, and the noise has back what they took; what stands out all the same, the search finds.
+    pub fn lines_share_noise(&mut self) -> bool {
+        if !self.data.lines_share_noise(&mut self.rest()) {
+            return false;
+        }
+        self.judge_by_noise();
+        loop {
+            let unknown = |root: &Root| root.quality.pole_std / root.decay();
+            let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
+            doubtful.retain(|own| *own >= WELL_KNOWN);
+            doubtful.sort_by(f64::total_cmp);
+            let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
+                return true;
+            };
+            let (known, unknown): (Vec<Root>, Vec<Root>) = std::mem::take(&mut self.roots)
+                .into_iter()
+                .partition(|root| unknown(root) < *limit);
+            self.dropped.extend(unknown.iter().map(|root| Dropped {
+                lambda: root.lambda,
+                reason: Reason::Unknown(root.quality.pole_std / root.decay()),
+            }));
+            // Of two that one was doubled into, the other is free again.
+            self.roots = known
+                .into_iter()
+                .map(|root| Root { pair: None, ..root })
+                .collect();
+            self.judge_by_noise();
+        }
+    }
+
     /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
     pub fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
