@@ -40,7 +40,9 @@ use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
-use super::standing::{Doubt, Scrutiny, Standing, candidate, doubt, missed, standings};
+use super::standing::{
+    Doubt, Scrutiny, Standing, candidate, doubt, missed, phases_scatter, standings,
+};
 use super::tries::WORTHWHILE;
 use super::window::Window;
 use super::{Candidate, IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
@@ -379,10 +381,12 @@ impl Fit {
             .collect()
     }
 
-    /// Whether roots are doubtful in several places because the model misses the data.
+    /// Whether roots are doubtful in several places because the model misses the data, or many are no modes of the structure that the
+    /// strongest belong to.
     fn misses_data(&self, doubts: &[Option<Doubt>]) -> bool {
         let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
         misses.count() >= SEVERAL.max(self.roots.len() / 10)
+            || phases_scatter(&self.roots, &self.standings())
     }
 
     pub fn standings(&self) -> Vec<Standing> {

@@ -47,6 +47,13 @@ const BY_CHANCE: f64 = 0.01;
 /// besides what noise does.
 pub(super) const MOST_PHASE: f64 = 0.7;
 
+/// Parts in phase less out of phase: of a real shape at least, and of one that is neither real nor imaginary.
+const REAL: f64 = 0.8;
+const HALF_REAL: f64 = 0.5;
+/// Roots of such shapes from which on many are no modes: one in so many, and fewest.
+const SCATTERED: usize = 4;
+const FEWEST_SCATTERED: usize = 3;
+
 /// A root in the data around it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Standing {
@@ -225,19 +232,66 @@ pub(super) fn doubt(
     if own.share < own.echo {
         return Some(Doubt::Tiny(own.share, own.echo));
     }
-    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
-    let nearest = (0..roots.len())
-        .filter(strong)
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let repeats = distance(&nearest) < BESIDE && repeats_shape(root, &roots[nearest]);
-    if own.share >= OWN_MODE || !(strict || repeats) {
+    if own.share >= OWN_MODE {
         return None;
     }
-    let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
+    let reference = reference(roots, standings, j)?;
+    let repeats = standings[reference].share >= OWN_MODE
+        && distance(&reference) < BESIDE
+        && repeats_shape(root, &roots[reference]);
+    if !(strict || repeats) {
+        return None;
+    }
+    let (phase, other) = (residue_phase(root), residue_phase(&roots[reference]));
     // A delay of a channel turns both.
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
-    let unknown = root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay();
-    (apart > MOST_PHASE + unknown).then_some(Doubt::Phase(apart))
+    (apart > MOST_PHASE + unknown(root, own)).then_some(Doubt::Phase(apart))
+}
+
+/// The root whose phase a root's is held against: the nearest of those that are modes of their own, else the strongest.
+fn reference(roots: &[Root], standings: &[Standing], j: usize) -> Option<usize> {
+    let others = || (0..roots.len()).filter(|i| *i != j);
+    let distance = |i: &usize| apart(&roots[j], &roots[*i]);
+    let strength = |i: &usize| roots[*i].quality.significance();
+    others()
+        .filter(|i| standings[*i].share >= OWN_MODE)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .or_else(|| others().max_by(|a, b| strength(a).total_cmp(&strength(b))))
+}
+
+/// Deviation of a root's phase, rad, with what the model misses as noise.
+fn unknown(root: &Root, own: &Standing) -> f64 {
+    root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay()
+}
+
+/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter of all have shapes that are as much
+/// out of phase as in phase with real modes and with what [`doubt`] holds them against.
+///
+/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks against each is not what they leave
+/// over but that the phases of their shapes are arbitrary.
+pub(super) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
+    let strength = |root: &&Root| root.quality.significance();
+    let strongest = roots
+        .iter()
+        .max_by(|a, b| strength(a).total_cmp(&strength(b)));
+    if !strongest.is_some_and(|root| in_phase(root, residue_phase(root)) > REAL) {
+        return false;
+    }
+    let scattered = |j: &usize| {
+        let (root, own) = (&roots[*j], &standings[*j]);
+        let other = reference(roots, standings, *j).map_or(0.0, |i| residue_phase(&roots[i]));
+        let most = in_phase(root, other).max(in_phase(root, 0.0));
+        most + unknown(root, own) < HALF_REAL
+    };
+    let count = (0..roots.len()).filter(scattered).count();
+    count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))
+}
+
+/// Part of a root's residues in phase with real modes turned by `phase`, less the part out of phase: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
+fn in_phase(root: &Root, phase: f64) -> f64 {
+    let turn = Complex64::from_polar(1.0, -2.0 * phase);
+    let squares: Complex64 = root.residues.iter().map(|a| a * a * turn).sum();
+    -squares.re / root.residues.iter().map(Complex64::norm_sqr).sum::<f64>()
 }
 
 /// A root as a candidate.

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::automatic::Fit;
+use super::correlation::Correlation;
 use super::doubled::roots_to_double;
 use super::far::Rest;
 use super::pruning::{Change, less};
@@ -29,13 +30,22 @@ const GO_AT_ONCE: usize = 4;
 impl Fit {
     /// Whether what is left over is noise that lines share
     /// ([`Receptances::lines_share_noise`](super::receptance::Receptances::lines_share_noise)). Roots that were fitted to what is now
-    /// noise go, the least known first, and the noise has back what they took; what stands out all the same, the search finds.
+    /// noise go, the least known first, and the noise has back what they took; what stands out all the same, the search finds. Where
+    /// what is left over without them is no noise any more, nothing of that holds.
     pub fn lines_share_noise(&mut self) -> bool {
+        let (noise, roots, told) = (self.data.noise(), self.roots.clone(), self.dropped.len());
         if !self.data.lines_share_noise(&mut self.rest()) {
             return false;
         }
         self.judge_by_noise();
         loop {
+            if !Correlation::functions_differ(&self.rest()) {
+                self.data.set_noise(noise);
+                self.roots = roots;
+                self.dropped.truncate(told);
+                self.settle(Stop::Judging);
+                return false;
+            }
             let unknown = |root: &Root| root.quality.pole_std / root.decay();
             let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
             doubtful.retain(|own| *own >= WELL_KNOWN);
