@@ -57,6 +57,8 @@ const DOUBTS: usize = 30;
 const SAME_NOISE: f64 = 0.1;
 /// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
 const SEVERAL: usize = 2;
+/// One in so many doubtful roots goes at once where phases scatter.
+const GO_AT_ONCE: usize = 3;
 /// Factor of what the model misses from which on a dropped root is needed.
 const NEEDED: f64 = 10.0;
 /// A root stands alone where the next is so many sums of half-power widths away.
@@ -104,6 +106,8 @@ pub(super) struct Fit {
     pub options: MethodOptions,
     pub roots: Vec<Root>,
     pub dropped: Vec<Dropped>,
+    /// Roots that there were where their phases scattered.
+    scattered: Option<usize>,
     /// Poles of all model orders.
     pub listing: Vec<PoleAtOrder>,
     /// Whether poles stay where they are and residues alone are fitted.
@@ -120,6 +124,7 @@ impl Fit {
             options,
             roots: Vec::new(),
             dropped: Vec::new(),
+            scattered: None,
             listing: Vec::new(),
             fixed: false,
             windows: Vec::new(),
@@ -291,17 +296,22 @@ impl Fit {
     /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
     ///
     /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
-    /// less. Where it misses them in several places, everything is looked at again each time.
+    /// less. Where it misses them in several places, everything is looked at again each time. Where phases scatter, part of the doubtful
+    /// go at a time, as those that are left explain more then, and what they leave over counts as noise.
     pub fn doubt(&mut self) {
         let doubts = self.doubts();
-        let several = self.misses_data(&doubts);
-        let scrutiny = if several {
+        let scrutiny = if phases_scatter(&self.roots, &self.standings()) {
+            Scrutiny::Scattered
+        } else if self.misses_data(&doubts) {
             Scrutiny::Strict
         } else {
             Scrutiny::Mild
         };
+        if scrutiny == Scrutiny::Scattered {
+            self.scattered = Some(self.roots.len());
+        }
         for (root, doubt) in self.roots.iter_mut().zip(doubts) {
-            root.suspect = several || doubt.is_some();
+            root.suspect = scrutiny != Scrutiny::Mild || doubt.is_some();
         }
         for _ in 0..DOUBTS {
             let standings = self.standings();
@@ -324,6 +334,9 @@ impl Fit {
             if chosen.is_empty() {
                 break;
             }
+            if scrutiny == Scrutiny::Scattered {
+                chosen.truncate(chosen.len().div_ceil(GO_AT_ONCE));
+            }
             let tried: Vec<(Root, f64)> = chosen
                 .iter()
                 .map(|(j, _)| (self.roots[*j].clone(), standings[*j].misfit))
@@ -334,7 +347,12 @@ impl Fit {
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
             self.settle(Stop::Coarse);
-            self.restore(&tried);
+            if scrutiny == Scrutiny::Scattered {
+                self.data.count_misfit_as_noise();
+                self.judge_by_noise();
+            } else {
+                self.restore(&tried);
+            }
         }
     }
 
@@ -458,6 +476,7 @@ impl Fit {
             found,
             kept: &kept,
             dropped: &self.dropped,
+            scattered: self.scattered,
         };
         PoleTable {
             candidates: kept

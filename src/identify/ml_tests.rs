@@ -1,7 +1,7 @@
 //! The maximum likelihood method against known truth: exact without noise, at its bound with it, and silent without modes.
 
 use num_complex::Complex64;
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 
@@ -273,6 +273,77 @@ fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
         for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
             let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
             assert!(apart.abs() < 5.0, "{at_end}: {apart} at {hz} Hz");
+        }
+    }
+}
+
+/// The functions of a set without variances, each value off by a share that goes smoothly over the lines, much the same in all
+/// functions: echoes within a sixtieth of the record, as a joint or a filter leaves them.
+fn with_echoes(set: &FrfSet, (share, seed): (f64, u64)) -> FrfSet {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (axis, echoes) = (*set.axis(), 40);
+    let mut component = || random.random_range(-1.0..1.0);
+    let common: Vec<(Complex64, f64)> = (0..echoes)
+        .map(|n| {
+            let delay = (n as f64 + 0.5) / (60.0 * echoes as f64 * axis.step_hz);
+            (Complex64::new(component(), component()), delay)
+        })
+        .collect();
+    let mut echoing = FrfSet::new(axis);
+    for (i, function) in set.functions().iter().enumerate() {
+        let own: Vec<(Complex64, f64)> = common
+            .iter()
+            .map(|(a, delay)| (a * (1.0 + 0.3 * component()), *delay))
+            .collect();
+        let size = share / (2.0 / 3.0 * f64::from(echoes)).sqrt();
+        let value = |(k, h): (usize, &Complex64)| {
+            let echo = |(a, delay): &(Complex64, f64)| a * Complex64::cis(-axis.rad_s(k) * delay);
+            h * (1.0 + size * own.iter().map(echo).sum::<Complex64>())
+        };
+        let data = FunctionData {
+            values: set.values(i).iter().enumerate().map(value).collect(),
+            ..FunctionData::default()
+        };
+        echoing.push(function.clone(), data).unwrap();
+    }
+    echoing
+}
+
+#[test]
+fn what_no_few_modes_describe_makes_no_modes() {
+    let shape = |n: usize| -> Vec<f64> {
+        (0..4)
+            .map(|p| (0.9 * (n * p) as f64 + 0.5 * n as f64).cos() + 0.2)
+            .collect()
+    };
+    let structure = Structure {
+        modes: vec![
+            (1074.0, 0.034, shape(0)),
+            (1961.0, 0.045, shape(1)),
+            (2617.0, 0.045, shape(2)),
+        ],
+    };
+    let axis = FrequencyAxis {
+        start_hz: 500.0,
+        step_hz: 2.0,
+        len: 1500,
+    };
+    for seed in 1..=2 {
+        let mut how = Measurement::of_sensors(4, axis);
+        how.kind = FrfKind::Receptance;
+        (how.snr_db, how.seed) = (Some(80.0), seed);
+        let model = ml(&with_echoes(&structure.measured(&how), (0.03, seed)));
+        let told = |finding: &Finding| finding.code == Code::PhasesScatter;
+        assert!(model.findings.iter().any(told), "{seed}");
+        assert_eq!(model.modes.len(), 3, "{seed}");
+        for (mode, (hz, zeta, _)) in model.modes.iter().zip(&structure.modes) {
+            let apart = (mode.frequency_hz - hz).abs();
+            assert!(apart < 0.01 * hz, "{seed}: {apart} at {hz} Hz");
+            let damping = mode.damping_ratio.unwrap() / zeta;
+            assert!(
+                (0.85..1.15).contains(&damping),
+                "{seed}: {damping} at {hz} Hz"
+            );
         }
     }
 }

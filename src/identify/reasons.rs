@@ -59,6 +59,8 @@ pub(super) struct Evidence<'a> {
     pub kept: &'a [(&'a Root, &'a Standing)],
     /// Roots that were dropped on the way.
     pub dropped: &'a [Dropped],
+    /// Roots that there were where their phases scattered.
+    pub scattered: Option<usize>,
 }
 
 impl Evidence<'_> {
@@ -78,6 +80,10 @@ impl Evidence<'_> {
                 Some(rate) => finding.value(rate, "1/s"),
                 None => finding,
             });
+        }
+        if let Some(roots) = self.scattered {
+            let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Place::Whole);
+            findings.push(finding.value(roots as f64, ""));
         }
         for (root, standing) in self.kept {
             findings.extend(self.of_mode(root, standing));

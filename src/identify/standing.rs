@@ -169,7 +169,7 @@ pub(super) fn lines_around(data: &Receptances, root: &Root, widths: f64) -> Rang
 /// Why a root is no mode although it is above the noise.
 ///
 /// What a model does not describe (a resonance that moves from hit to hit, a record that was cut, a rattle) is fitted by roots
-/// beside the modes. They explain little of the response where the model misses the data anyway; or they repeat the shape of a
+/// beside the modes. They explain little of the response where the model misses the data or many have arbitrary phases; or they repeat the shape of a
 /// strong neighbour with another phase than modes have; or they explain so little that no structure is linear enough for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Doubt {
@@ -206,6 +206,8 @@ pub(super) enum Scrutiny {
     Mild,
     /// The model misses the data in several places.
     Strict,
+    /// It describes them with roots of arbitrary phases ([`phases_scatter`]).
+    Scattered,
 }
 
 /// What speaks against a root.
@@ -215,7 +217,7 @@ pub(super) fn doubt(
     (j, scrutiny): (usize, Scrutiny),
 ) -> Option<Doubt> {
     let (root, own) = (&roots[j], &standings[j]);
-    let strict = scrutiny == Scrutiny::Strict;
+    let strict = scrutiny != Scrutiny::Mild;
     let least = if root.multiplicity() > 1 {
         REPEATED
     } else {
@@ -225,7 +227,8 @@ pub(super) fn doubt(
         return Some(Doubt::Tiny(own.share, least));
     }
     let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
-    if own.misfit > most && own.share < LEAST_SHARE {
+    let misses = own.misfit > most || scrutiny == Scrutiny::Scattered;
+    if misses && own.share < LEAST_SHARE {
         return Some(Doubt::Share(own.share));
     }
     let distance = |i: &usize| apart(root, &roots[*i]);
@@ -239,7 +242,9 @@ pub(super) fn doubt(
     let repeats = standings[reference].share >= OWN_MODE
         && distance(&reference) < BESIDE
         && repeats_shape(root, &roots[reference]);
-    if !(strict || repeats) {
+    // Two roots in one resonance of which neither is small may turn each other.
+    let turned = scrutiny == Scrutiny::Scattered && own.share >= LEAST_SHARE;
+    if turned || !(strict || repeats) {
         return None;
     }
     let (phase, other) = (residue_phase(root), residue_phase(&roots[reference]));
