@@ -36,12 +36,19 @@ fn an_exponential_window_costs_what_theory_says() {
             let amplitude = first / q;
             let pole = first * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
             let (a, p) = (told.of_amplitude(decay, step), told.of_pole(decay, step));
+            // The tail of lags that chance hides is much of what a record which hardly decays has, and a mode far wider than the noise
+            // hangs together collects.
+            let bound = match (at_end < 4.0, at_end > 4.0) {
+                (true, _) => 0.15,
+                (_, true) => 0.2,
+                _ => 0.1,
+            };
             assert!(
-                (a / amplitude - 1.0).abs() < 0.25,
+                (a / amplitude - 1.0).abs() < bound,
                 "{at_end} {ratio}: {a} {amplitude}"
             );
             assert!(
-                (p / pole - 1.0).abs() < 0.25,
+                (p / pole - 1.0).abs() < bound,
                 "{at_end} {ratio}: {p} {pole}"
             );
             if at_end >= 4.0 {
