@@ -14,8 +14,8 @@
 //!    what is left over must become less. Where nothing stands out, each root is asked whether it stands for two
 //!    ([`doubled`](super::doubled)). Where it hardly does, what speaks against a mode (7) speaks against the root at once.
 //! 6. Poles of the background, for modes just outside, go where the data do not need them.
-//! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data, or that repeat
-//!    a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
+//! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data or many have
+//!    arbitrary phases, or that repeat a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
 //!    counts as noise in its deviations.
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
@@ -307,9 +307,6 @@ impl Fit {
         } else {
             Scrutiny::Mild
         };
-        if scrutiny == Scrutiny::Scattered {
-            self.scattered = Some(self.roots.len());
-        }
         for (root, doubt) in self.roots.iter_mut().zip(doubts) {
             root.suspect = scrutiny != Scrutiny::Mild || doubt.is_some();
         }
@@ -335,6 +332,7 @@ impl Fit {
                 break;
             }
             if scrutiny == Scrutiny::Scattered {
+                self.scattered.get_or_insert(self.roots.len());
                 chosen.truncate(chosen.len().div_ceil(GO_AT_ONCE));
             }
             let tried: Vec<(Root, f64)> = chosen

@@ -110,7 +110,7 @@ impl Correlation {
     /// Whether every function has a course of its own in what is left over, in long stretches, where noise that lines share far apart is
     /// alike by chance no longer.
     pub fn functions_differ(rest: &Rest) -> bool {
-        Quiet::new(rest, FEWEST_STRETCHES).is_none_or(|quiet| quiet.alike() < LITTLE_ALIKE)
+        Quiet::new(rest, FEWEST_STRETCHES).is_some_and(|quiet| quiet.alike() < LITTLE_ALIKE)
     }
 
     /// Of the phases of some series of values, 0 where there is none. `None` where they are too few to tell.

@@ -47,12 +47,14 @@ const BY_CHANCE: f64 = 0.01;
 /// besides what noise does.
 pub(super) const MOST_PHASE: f64 = 0.7;
 
-/// Parts in phase less out of phase: of a real shape at least, and of one that is neither real nor imaginary.
+/// Parts in phase less those in quadrature: of a real shape at least, and of one that is hardly more in phase than in quadrature.
 const REAL: f64 = 0.8;
 const HALF_REAL: f64 = 0.5;
 /// Roots of such shapes from which on many are no modes: one in so many, and fewest.
 const SCATTERED: usize = 4;
 const FEWEST_SCATTERED: usize = 3;
+/// Functions from which on a random shape is not real by chance.
+const FEWEST_FUNCTIONS: usize = 3;
 
 /// A root in the data around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,7 +219,7 @@ pub(super) fn doubt(
     (j, scrutiny): (usize, Scrutiny),
 ) -> Option<Doubt> {
     let (root, own) = (&roots[j], &standings[j]);
-    let strict = scrutiny != Scrutiny::Mild;
+    let strict = scrutiny == Scrutiny::Strict;
     let least = if root.multiplicity() > 1 {
         REPEATED
     } else {
@@ -235,19 +237,15 @@ pub(super) fn doubt(
     if own.share < own.echo {
         return Some(Doubt::Tiny(own.share, own.echo));
     }
-    if own.share >= OWN_MODE {
+    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
+    let nearest = (0..roots.len())
+        .filter(strong)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let repeats = distance(&nearest) < BESIDE && repeats_shape(root, &roots[nearest]);
+    if own.share >= OWN_MODE || !(strict || repeats) {
         return None;
     }
-    let reference = reference(roots, standings, j)?;
-    let repeats = standings[reference].share >= OWN_MODE
-        && distance(&reference) < BESIDE
-        && repeats_shape(root, &roots[reference]);
-    // Two roots in one resonance of which neither is small may turn each other.
-    let turned = scrutiny == Scrutiny::Scattered && own.share >= LEAST_SHARE;
-    if turned || !(strict || repeats) {
-        return None;
-    }
-    let (phase, other) = (residue_phase(root), residue_phase(&roots[reference]));
+    let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
     // A delay of a channel turns both.
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
     (apart > MOST_PHASE + unknown(root, own)).then_some(Doubt::Phase(apart))
@@ -269,30 +267,37 @@ fn unknown(root: &Root, own: &Standing) -> f64 {
     root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay()
 }
 
-/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter of all have shapes that are as much
-/// out of phase as in phase with real modes and with what [`doubt`] holds them against.
+/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter of all are no modes of their own and have
+/// shapes as much in quadrature as in phase with real modes and with the nearest mode of its own, or the strongest root where none is.
 ///
-/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks against each is not what they leave
-/// over but that the phases of their shapes are arbitrary.
+/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks against them is not what they leave
+/// over but that the phases of their shapes are arbitrary. Of one or two functions every shape is nearly real: only what is more in
+/// quadrature than in phase counts there.
 pub(super) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
     let strength = |root: &&Root| root.quality.significance();
     let strongest = roots
         .iter()
         .max_by(|a, b| strength(a).total_cmp(&strength(b)));
-    if !strongest.is_some_and(|root| in_phase(root, residue_phase(root)) > REAL) {
+    let Some(strongest) = strongest else {
+        return false;
+    };
+    if in_phase(strongest, residue_phase(strongest)) < REAL {
         return false;
     }
+    let few = strongest.residues.len() < FEWEST_FUNCTIONS;
+    let limit = if few { 0.0 } else { HALF_REAL };
     let scattered = |j: &usize| {
         let (root, own) = (&roots[*j], &standings[*j]);
         let other = reference(roots, standings, *j).map_or(0.0, |i| residue_phase(&roots[i]));
         let most = in_phase(root, other).max(in_phase(root, 0.0));
-        most + unknown(root, own) < HALF_REAL
+        // cos 2φ moves by 2 for each radian at most.
+        own.share < OWN_MODE && most + 2.0 * unknown(root, own) < limit
     };
     let count = (0..roots.len()).filter(scattered).count();
     count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))
 }
 
-/// Part of a root's residues in phase with real modes turned by `phase`, less the part out of phase: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
+/// Part of a root's residues in phase with real modes turned by `phase`, less the part in quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
 fn in_phase(root: &Root, phase: f64) -> f64 {
     let turn = Complex64::from_polar(1.0, -2.0 * phase);
     let squares: Complex64 = root.residues.iter().map(|a| a * a * turn).sum();

@@ -79,7 +79,10 @@ impl Receptances {
 
     /// From now on what the fit leaves over counts as noise whatever it is, where the data do not state the noise.
     pub fn count_misfit_as_noise(&mut self) {
-        self.told_from = ToldFrom::LevelOfMisfit;
+        // The level of noise that lines share holds it already.
+        if self.told_from == ToldFrom::Differences {
+            self.told_from = ToldFrom::LevelOfMisfit;
+        }
     }
 
     fn measure_noise(&mut self, rest: &mut Rest) {
