@@ -89,7 +89,7 @@ mod tests {
         }
         let channel = |role, quantity, samples| Channel {
             role,
-            dof: "1:+Z".parse().unwrap(),
+            dof: "1:+Z".parse().expect("a degree of freedom as text"),
             quantity,
             to_si: 2.0,
             samples: Samples::F64(samples),
@@ -135,18 +135,22 @@ mod tests {
         ];
         let infos = records.iter().map(Hit::info).collect();
         let whole = Box::new(Owned(records, infos));
-        let (mut cut, findings) = cut(whole, &TriggerOptions::default()).unwrap();
+        let (mut cut, findings) =
+            cut(whole, &TriggerOptions::default()).expect("a record with hits");
         let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
         let each = [Code::TriggerLevel, Code::HitLength];
         assert_eq!(codes, [each, each].concat());
-        let hits = collect(&mut cut).unwrap();
+        let hits = collect(&mut cut).expect("hits held in memory");
         assert_eq!(hits.len(), 6);
         let len = hits[0].axis.len;
         assert!((1500..=1600).contains(&len), "{len}");
         for (hit, onset) in hits.iter().zip([500, 2500, 4500, 700, 2300, 3900]) {
             assert_eq!(hit.axis.len, len);
             let force = hit.force.samples.to_f64();
-            let peak = force.iter().position(|f| *f > 9.0).unwrap();
+            let peak = force
+                .iter()
+                .position(|f| *f > 9.0)
+                .expect("a pulse above 9 N");
             // The response says which sample of the long record that is.
             let Samples::F64(response) = &hit.responses[0].samples else {
                 panic!("double precision stays");

@@ -46,13 +46,15 @@ pub(super) const AXIS: FrequencyAxis = FrequencyAxis {
 };
 
 pub(super) fn dof(text: &str) -> Dof {
-    text.parse().unwrap()
+    text.parse().expect("a degree of freedom as text")
 }
 
 /// Component of a mode at a point from 1: signs as of a free beam with point 1 and point 3 at its ends, no node nearer
 /// than 0.3 of the largest.
 pub(super) fn component(mode: usize, dof: &Dof) -> f64 {
-    let point = dof.node().unwrap() as usize;
+    let point = dof
+        .node()
+        .expect("points of the synthetic set have numbers") as usize;
     let size = 0.65 + 0.35 * (2.3 * (point * (mode + 2)) as f64).sin();
     let turned = match point {
         3 => mode % 2 == 1,
@@ -71,7 +73,8 @@ impl Beam {
             .map(|mode| self.mode(mode, &pairs))
             .collect();
         let terms: Vec<(Pole, &Residues)> = modes.iter().map(|(p, r)| (*p, r)).collect();
-        synthesise(&terms, AXIS, &pairs, self.kind, self.added_damping_rad_s).unwrap()
+        synthesise(&terms, AXIS, &pairs, self.kind, self.added_damping_rad_s)
+            .expect("terms of one length")
     }
 
     fn mode(&self, mode: usize, pairs: &[(Dof, Dof)]) -> (Pole, Residues) {
@@ -114,7 +117,7 @@ fn with_values(
             coherence: None,
             variance: set.variance(i).map(<[f64]>::to_vec),
         };
-        out.push(function, data).unwrap();
+        out.push(function, data).expect("values for every line");
     }
     out
 }
@@ -142,7 +145,8 @@ pub(super) fn joined(sets: &[FrfSet]) -> FrfSet {
                 coherence: None,
                 variance: set.variance(i).map(<[f64]>::to_vec),
             };
-            out.push(function.clone(), data).unwrap();
+            out.push(function.clone(), data)
+                .expect("values for every line");
         }
     }
     out
@@ -155,7 +159,7 @@ pub(super) const AVERAGES: u32 = 5;
 /// five hits know it: the true one times χ² of 8 degrees of freedom over 8.
 pub(super) fn add_noise(set: &mut FrfSet, snr_db: f64, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let normal = Normal::new(0.0, 1.0).unwrap();
+    let normal = Normal::new(0.0, 1.0).expect("a positive deviation");
     let mut out = FrfSet::new(*set.axis());
     out.added_damping_rad_s = set.added_damping_rad_s;
     for (i, function) in set.functions().iter().enumerate() {
@@ -180,7 +184,7 @@ pub(super) fn add_noise(set: &mut FrfSet, snr_db: f64, seed: u64) {
             coherence: None,
             variance,
         };
-        out.push(function, data).unwrap();
+        out.push(function, data).expect("values for every line");
     }
     *set = out;
 }
