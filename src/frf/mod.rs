@@ -41,6 +41,7 @@ mod hammer_tests;
 mod recording_tests;
 
 pub use checks::check_set;
+pub(crate) use checks::runs;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, Selection, estimate, estimate_recording, truncation_bounds};

@@ -30,8 +30,9 @@ use crate::frf::FrfSet;
 
 use super::far::Rest;
 use super::indicator::Indicator;
-use super::pruning::{Change, Judge, less};
-use super::reasons::{Dropped, Evidence, Reason};
+use super::moving::Moved;
+use super::pruning::{Change, Judge};
+use super::reasons::{Dropped, Evidence};
 use super::receptance::Receptances;
 use super::refine::{Stop, apart, refine, unsettle};
 use super::roots::Root;
@@ -40,31 +41,20 @@ use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
-use super::standing::{
-    Doubt, Scrutiny, Standing, candidate, doubt, missed, phases_scatter, standings,
-};
+use super::standing::{Standing, candidate, standings};
 use super::tries::WORTHWHILE;
 use super::window::Window;
 use super::{Candidate, IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
 
 /// Roots may lie outside the lines by this share of their range.
 const OUTSIDE: f64 = 0.05;
-/// Rounds of pruning after each refinement, of the search in what is left over, and of dropping what is doubtful.
+/// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
-const DOUBTS: usize = 30;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
-/// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
-const SEVERAL: usize = 2;
-/// One in so many doubtful roots goes at once where phases scatter.
-const GO_AT_ONCE: usize = 3;
-/// Factor of what the model misses from which on a dropped root is needed.
-const NEEDED: f64 = 10.0;
 /// A root stands alone where the next is so many sums of half-power widths away.
 const ALONE: f64 = 1.0;
-/// Roots within so many sums of half-power widths of a dropped one are judged again without it.
-const LEANING: f64 = 2.0;
 
 /// The maximum likelihood method.
 pub(super) struct Automatic {
@@ -78,17 +68,7 @@ impl PoleEstimator for Automatic {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let data = Receptances::guarded(set, band)?;
-        let sides = Sides::new(set.functions());
-        let sides = if sides.complete() {
-            sides
-        } else {
-            sides.as_one_input()
-        };
-        let indicator = Indicator::new(&data);
-        let found = search::search(&data, &indicator, self.options.false_alarm_probability);
-        let mut fit = Fit::new(data, sides, self.options);
-        fit.first_roots(&found)?;
+        let (mut fit, found) = self.merged(set, band)?;
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
@@ -96,6 +76,31 @@ impl PoleEstimator for Automatic {
         let mut table = fit.table((set, band), &found);
         state_orders(&mut table);
         Ok(table)
+    }
+}
+
+impl Automatic {
+    /// First roots of the runs as they are, and again with those brought together that disagree.
+    fn merged(&self, set: &FrfSet, band: Band) -> Result<(Fit, Found), IdentifyError> {
+        let mut moved = Moved::none(set.functions());
+        loop {
+            let mut data = Receptances::guarded(set, band)?;
+            moved.straighten(&mut data);
+            let sides = Sides::new(set.functions());
+            let sides = if sides.complete() {
+                sides
+            } else {
+                sides.as_one_input()
+            };
+            let indicator = Indicator::new(&data);
+            let found = search::search(&data, &indicator, self.options.false_alarm_probability);
+            let mut fit = Fit::new(data, sides, self.options);
+            fit.first_roots(&found)?;
+            if !moved.told_by(&fit.data, (&fit.roots, &fit.rest())) {
+                fit.moved = moved;
+                return Ok((fit, found));
+            }
+        }
     }
 }
 
@@ -107,7 +112,9 @@ pub(super) struct Fit {
     pub roots: Vec<Root>,
     pub dropped: Vec<Dropped>,
     /// Roots that there were where their phases scattered.
-    scattered: Option<usize>,
+    pub scattered: Option<usize>,
+    /// Modes that move from run to run.
+    moved: Moved,
     /// Poles of all model orders.
     pub listing: Vec<PoleAtOrder>,
     /// Whether poles stay where they are and residues alone are fitted.
@@ -125,6 +132,7 @@ impl Fit {
             roots: Vec::new(),
             dropped: Vec::new(),
             scattered: None,
+            moved: Moved::default(),
             listing: Vec::new(),
             fixed: false,
             windows: Vec::new(),
@@ -293,94 +301,6 @@ impl Fit {
         }
     }
 
-    /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
-    ///
-    /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
-    /// less. Where it misses them in several places, everything is looked at again each time. Where phases scatter, part of the doubtful
-    /// go at a time, as those that are left explain more then, and what they leave over counts as noise.
-    pub fn doubt(&mut self) {
-        let doubts = self.doubts();
-        let scrutiny = if phases_scatter(&self.roots, &self.standings()) {
-            Scrutiny::Scattered
-        } else if self.misses_data(&doubts) {
-            Scrutiny::Strict
-        } else {
-            Scrutiny::Mild
-        };
-        for (root, doubt) in self.roots.iter_mut().zip(doubts) {
-            root.suspect = scrutiny != Scrutiny::Mild || doubt.is_some();
-        }
-        for _ in 0..DOUBTS {
-            let standings = self.standings();
-            let doubted = |j: usize| {
-                let doubt = doubt(&self.roots, &standings, (j, scrutiny))?;
-                self.roots[j].suspect.then_some((j, doubt))
-            };
-            let mut order: Vec<(usize, Doubt)> =
-                (0..self.roots.len()).filter_map(doubted).collect();
-            order.sort_by(|a, b| standings[a.0].share.total_cmp(&standings[b.0].share));
-            let mut chosen: Vec<(usize, Doubt)> = Vec::new();
-            for (j, doubt) in order {
-                let leans = |(other, _): &(usize, Doubt)| {
-                    apart(&self.roots[j], &self.roots[*other]) < LEANING
-                };
-                if !chosen.iter().any(leans) {
-                    chosen.push((j, doubt));
-                }
-            }
-            if chosen.is_empty() {
-                break;
-            }
-            if scrutiny == Scrutiny::Scattered {
-                self.scattered.get_or_insert(self.roots.len());
-                chosen.truncate(chosen.len().div_ceil(GO_AT_ONCE));
-            }
-            let tried: Vec<(Root, f64)> = chosen
-                .iter()
-                .map(|(j, _)| (self.roots[*j].clone(), standings[*j].misfit))
-                .collect();
-            for (j, doubt) in chosen {
-                self.apply(less(&self.roots, j, Reason::Doubt(doubt)));
-            }
-            self.roots.retain(|root| !root.parts.is_empty());
-            unsettle(&mut self.roots);
-            self.settle(Stop::Coarse);
-            if scrutiny == Scrutiny::Scattered {
-                self.data.count_misfit_as_noise();
-                self.judge_by_noise();
-            } else {
-                self.restore(&tried);
-            }
-        }
-    }
-
-    /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two
-    /// roots in one resonance explain what one does not, whatever made it.
-    fn restore(&mut self, tried: &[(Root, f64)]) {
-        let described = self.data.far().beside(&self.data, &self.roots);
-        let needed = |(root, before): &&(Root, f64)| {
-            let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
-            let now = missed(&self.data, &described, root);
-            root.multiplicity() == 1 && away && now > NEEDED * before.max(1.0)
-        };
-        let needed: Vec<Root> = tried
-            .iter()
-            .filter(needed)
-            .map(|(root, _)| root.clone())
-            .collect();
-        if needed.is_empty() {
-            return;
-        }
-        let back = |dropped: &Dropped| needed.iter().any(|root| root.lambda == dropped.lambda);
-        self.dropped.retain(|dropped| !back(dropped));
-        self.roots.extend(needed.into_iter().map(|root| Root {
-            suspect: false,
-            ..root
-        }));
-        unsettle(&mut self.roots);
-        self.settle(Stop::Coarse);
-    }
-
     fn judge(&self) -> Judge<'_> {
         Judge {
             sides: &self.sides,
@@ -388,21 +308,6 @@ impl Fit {
             lines: self.data.lines(),
             step: self.data.step,
         }
-    }
-
-    pub fn doubts(&self) -> Vec<Option<Doubt>> {
-        let standings = self.standings();
-        (0..self.roots.len())
-            .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
-            .collect()
-    }
-
-    /// Whether roots are doubtful in several places because the model misses the data, or many are no modes of the structure that the
-    /// strongest belong to.
-    fn misses_data(&self, doubts: &[Option<Doubt>]) -> bool {
-        let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
-        misses.count() >= SEVERAL.max(self.roots.len() / 10)
-            || phases_scatter(&self.roots, &self.standings())
     }
 
     pub fn standings(&self) -> Vec<Standing> {
@@ -475,13 +380,14 @@ impl Fit {
             kept: &kept,
             dropped: &self.dropped,
             scattered: self.scattered,
+            moved: &self.moved,
         };
         PoleTable {
             candidates: kept
                 .iter()
                 .map(|(root, own)| Candidate {
                     residue_stds: self.residue_stds(root, own),
-                    ..candidate(root, own)
+                    ..self.moved.merged(candidate(root, own))
                 })
                 .collect(),
             findings: evidence.findings(),

@@ -41,6 +41,7 @@ mod close;
 mod close_tests;
 mod correlation;
 mod doubled;
+mod doubts;
 mod error;
 mod far;
 #[cfg(test)]
@@ -56,6 +57,7 @@ mod lscf_tests;
 mod methods_tests;
 #[cfg(test)]
 mod ml_tests;
+mod moving;
 mod multi;
 mod noise;
 mod noise_course;

@@ -10,6 +10,7 @@ use crate::frf::FrfSet;
 use crate::modal::Pole;
 
 use super::checks::{dropped_peak, reach};
+use super::moving::Moved;
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::search::Found;
@@ -61,6 +62,8 @@ pub(super) struct Evidence<'a> {
     pub dropped: &'a [Dropped],
     /// Roots that there were where their phases scattered.
     pub scattered: Option<usize>,
+    /// Modes that move from run to run.
+    pub moved: &'a Moved,
 }
 
 impl Evidence<'_> {
@@ -85,12 +88,33 @@ impl Evidence<'_> {
             let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Place::Whole);
             findings.push(finding.value(roots as f64, ""));
         }
+        findings.extend(self.of_runs());
         for (root, standing) in self.kept {
             findings.extend(self.of_mode(root, standing));
         }
         findings.extend(self.of_doubts());
         findings.extend(self.of_peaks());
         findings
+    }
+
+    /// The run that is farthest from the others, where no check of the set told it.
+    fn of_runs(&self) -> Option<Finding> {
+        let told = |own: &Finding| matches!(own.code, Code::RunsDisagree | Code::MassLoading);
+        if self.set.findings.iter().any(told) {
+            return None;
+        }
+        let away = self.moved.farthest()?;
+        let function = &self.set.functions()[away.function];
+        let place = Place::Function {
+            response: Some(function.response.clone()),
+            reference: Some(function.reference.clone()),
+        };
+        let finding = Finding::new(Severity::Warning, Code::RunsDisagree, place);
+        Some(
+            finding
+                .value(100.0 * away.shift, "%")
+                .limit(100.0 * away.limit),
+        )
     }
 
     fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
@@ -109,6 +133,11 @@ impl Evidence<'_> {
                 "",
                 limit,
             ));
+        }
+        if let Some(mode) = self.moved.of(root.lambda) {
+            let finding = Finding::new(Severity::Warning, Code::RunsMerged, place.clone());
+            let percent = 100.0 * mode.scatter / mode.lambda.im;
+            findings.push(finding.value(percent, "%"));
         }
         if root.multiplicity() > 1 {
             let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());

@@ -244,6 +244,15 @@ impl Receptances {
         (line.max(0.0) as usize).min(self.lines() - 1)
     }
 
+    /// Adds to a function what is to be corrected of it at each frequency, rad/s.
+    pub fn correct(&mut self, function: usize, by: impl Fn(f64) -> Complex64) {
+        let values = self.values.0.col_as_slice_mut(function);
+        for (value, omega) in values.iter_mut().zip(&self.omega) {
+            *value += by(*omega);
+        }
+        self.renew();
+    }
+
     /// Standard deviation of the noise of a function at one line, m/N.
     pub fn deviation(&self, function: usize, line: usize) -> f64 {
         self.variance[function][line].sqrt()

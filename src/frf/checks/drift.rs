@@ -6,6 +6,7 @@ use num_complex::Complex64;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Severity};
+use crate::frf::Function;
 
 use super::delay::{FEWEST_LINES, reach};
 use super::driving::CLEAR;
@@ -51,15 +52,14 @@ struct Resonance {
 
 /// Local frequencies of each clear and isolated resonance of the summed power, run by run, against their mean.
 ///
-/// A run is the functions of one response point where the responses outnumber the references (a roving sensor), else those
-/// of one reference (a roving hammer). The worst run is named where it is off by more than 0.15 of the half-power width
+/// The worst run is named where it is off by more than 0.15 of the half-power width
 /// and more than the noise explains. A mass `m` at a sensor lowers mode `r` by `½ m φ²` of its frequency, so that the
 /// shift is proportional to `|R|²` of the run: where that explains half of the scatter, the sensor's mass is named.
 ///
 /// # Reference
 /// Ewins (2000), Modal Testing, 2nd ed., section 3.6 (mass loading); Stetson and Palma (1976), first-order perturbation.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
-    let (runs, roving_sensor) = runs(data);
+    let (runs, roving_sensor) = runs(data.functions());
     if runs.len() < 2 {
         return Vec::new();
     }
@@ -89,10 +89,13 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 }
 
 /// Functions by run, and whether the sensor roves.
-fn runs(data: &Mobilities) -> (Vec<Vec<usize>>, bool) {
+///
+/// A run is the functions of one response point where the responses outnumber the references (a roving sensor), else those
+/// of one reference (a roving hammer).
+pub(crate) fn runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
     let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
     let mut references = BTreeMap::<Dof, Vec<usize>>::new();
-    for (i, function) in data.functions().iter().enumerate() {
+    for (i, function) in functions.iter().enumerate() {
         let response = responses.entry(site(&function.response));
         response.or_default().push(i);
         let reference = references.entry(site(&function.reference));

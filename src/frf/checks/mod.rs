@@ -27,6 +27,8 @@ mod false_alarm_tests;
 #[cfg(test)]
 mod synthetic;
 
+pub(crate) use drift::runs;
+
 use crate::finding::Finding;
 
 use super::FrfSet;

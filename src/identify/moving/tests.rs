@@ -1,0 +1,148 @@
+//! Tests whose runs disagree, against known truth.
+
+use num_complex::Complex64;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place};
+use crate::frf::{FrfSet, FunctionData};
+use crate::identify::synthetic::Pair;
+use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
+use crate::identify::{IdentifyOptions, identify};
+use crate::modal::{ModalModel, mac};
+
+use super::*;
+
+/// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
+fn roving(
+    (structure, how): &(Structure, Measurement),
+    hammer: bool,
+    shift: impl Fn(usize, usize) -> f64,
+) -> FrfSet {
+    let mut set = FrfSet::new(how.axis);
+    for (point, (sensor, hit)) in how.pairs.iter().enumerate() {
+        let mut own = structure.clone();
+        for (j, mode) in own.modes.iter_mut().enumerate() {
+            mode.0 += shift(point, j) * width_hz(mode);
+        }
+        let pair = if hammer { (hit, sensor) } else { (sensor, hit) };
+        let run = own.measured(&Measurement {
+            pairs: vec![(pair.0.clone(), pair.1.clone())],
+            seed: how.seed + 100 * point as u64,
+            ..how.clone()
+        });
+        let data = FunctionData {
+            values: run.values(0).to_vec(),
+            coherence: None,
+            variance: run.variance(0).map(<[f64]>::to_vec),
+        };
+        set.push(run.functions()[0].clone(), data).unwrap();
+    }
+    set
+}
+
+/// Three to six separated modes at 60 dB.
+fn test(seed: u64) -> (Structure, Measurement) {
+    let (structure, mut how) = separated_modes(seed);
+    how.snr_db = Some(60.0);
+    (structure, how)
+}
+
+/// The mass of a sensor: the shift of the point that moves most, half-power widths.
+fn loaded(structure: &Structure, most: f64) -> impl Fn(usize, usize) -> f64 {
+    move |point, j| {
+        let shape = &structure.modes[j].2;
+        let largest = shape.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        -most * (shape[point] / largest).powi(2)
+    }
+}
+
+fn found(set: &FrfSet) -> ModalModel {
+    identify(set, &IdentifyOptions::default()).unwrap()
+}
+
+fn told(model: &ModalModel, code: Code) -> Vec<&Finding> {
+    let own = |finding: &&Finding| finding.code == code;
+    model.findings.iter().filter(own).collect()
+}
+
+#[test]
+fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviation() {
+    for (seed, most) in [(0, 0.05), (1, 0.2), (2, 0.5), (3, 0.5), (4, 0.2)] {
+        let test = test(seed);
+        let shift = loaded(&test.0, most);
+        let model = found(&roving(&test, false, &shift));
+        let modes = &test.0.modes;
+        assert_eq!(model.modes.len(), modes.len(), "{seed}");
+        assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+        for (j, (mode, truth)) in model.modes.iter().zip(modes).enumerate() {
+            let shifts: Vec<f64> = (0..truth.2.len()).map(|p| shift(p, j)).collect();
+            let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
+            let squares: f64 = shifts.iter().map(|d| (d - mean).powi(2)).sum();
+            let scatter = (squares / (shifts.len() - 1) as f64).sqrt() * width_hz(truth);
+            let error = mode.frequency_hz - truth.0 - mean * width_hz(truth);
+            assert!(error.abs() < 0.1 * scatter, "{seed} {j}: {error} {scatter}");
+            let std = mode.frequency_std_hz.unwrap();
+            assert!(
+                (std / scatter - 1.0).abs() < 0.2,
+                "{seed} {j}: {std} {scatter}"
+            );
+            let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+            assert!(damping.abs() < 0.01, "{seed} {j}: damping {damping}");
+            let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+            let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+            assert!(mac(&shape, &known).unwrap() > 0.9999);
+        }
+    }
+}
+
+#[test]
+fn the_run_that_changed_is_named() {
+    for hammer in [false, true] {
+        let changed = |point: usize, _: usize| if point == 2 { 0.3 } else { 0.0 };
+        let test = test(5);
+        let model = found(&roving(&test, hammer, changed));
+        assert_eq!(model.modes.len(), test.0.modes.len());
+        let [finding] = told(&model, Code::RunsDisagree)[..] else {
+            panic!("{:?}", model.findings);
+        };
+        let changed: Dof = "3:+Z".parse().unwrap();
+        let Place::Function {
+            response,
+            reference,
+        } = &finding.place
+        else {
+            panic!("{finding}");
+        };
+        let own = if hammer { reference } else { response };
+        assert_eq!(own.as_ref(), Some(&changed));
+        assert!(finding.value.unwrap() > finding.limit.unwrap());
+    }
+}
+
+#[test]
+fn runs_that_agree_are_not_touched() {
+    for seed in 0..20 {
+        let model = found(&roving(&test(seed), false, |_, _| 0.0));
+        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+        assert!(told(&model, Code::RunsDisagree).is_empty(), "{seed}");
+    }
+}
+
+#[test]
+fn two_close_modes_are_no_mode_that_moves() {
+    for (seed, spacing_widths) in [(0, 0.5), (1, 0.5), (2, 1.0), (3, 1.0)] {
+        let (structure, mut how) = close_pair(
+            seed,
+            Pair {
+                spacing_widths,
+                difference: None,
+                ratio: 1.0,
+                lines_per_width: (6.0, 12.0),
+            },
+        );
+        how.snr_db = Some(60.0);
+        let model = found(&structure.measured(&how));
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+    }
+}
