@@ -27,7 +27,7 @@ use super::roots::Root;
 
 mod resonance;
 
-use resonance::{Fitted, Resonance};
+use resonance::{FirstLook, Fitted, Resonance};
 
 /// Roots within so many half-power widths of a strong one may stand for the same mode.
 const SAME: f64 = 1.0;
@@ -169,12 +169,24 @@ impl Moved {
         let known = |group: &Vec<usize>| self.of(roots[group[0]].lambda);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), (rest, self));
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
+        let look = |(group, own): (&Vec<usize>, &Option<Resonance>)| match known(group) {
+            Some(_) => FirstLook::Worthwhile,
+            None => match own {
+                Some(own) => own.first_look(&self.runs),
+                None => FirstLook::Unclear,
+            },
+        };
+        let looks: Vec<FirstLook> = groups.par_iter().zip(&resonances).map(look).collect();
+        if !looks.contains(&FirstLook::Worthwhile) {
+            return self.modes.clone();
+        }
         let start = |group: &Vec<usize>| known(group).map(Moving::poles);
         let mut poles: Vec<Option<Vec<Complex64>>> = groups.iter().map(start).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
         for _ in 0..SWEEPS {
             let fit = |place: usize| {
-                let own = resonances[place].as_ref()?;
+                let own = resonances[place].as_ref();
+                let own = own.filter(|_| looks[place] == FirstLook::Worthwhile)?;
                 let beside = |run| poles_beside(roots, (&groups, &poles), (place, run));
                 own.fitted(&self.runs, poles[place].clone(), beside)
             };
@@ -183,9 +195,13 @@ impl Moved {
             poles = fitted.iter().map(moved).collect();
         }
         // Of those that could tell it, what they tell.
-        let judge = |place: usize| {
-            let own = resonances[place].as_ref()?;
-            own.judged(fitted[place].as_ref(), &self.runs, known(&groups[place]))
+        let judge = |place: usize| match looks[place] {
+            FirstLook::Unclear => None,
+            FirstLook::Still => Some(None),
+            FirstLook::Worthwhile => {
+                let own = resonances[place].as_ref()?;
+                own.judged(fitted[place].as_ref(), &self.runs, known(&groups[place]))
+            }
         };
         let told: Vec<Option<Moving>> = (0..groups.len()).filter_map(judge).collect();
         let clear = told.len();

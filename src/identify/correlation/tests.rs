@@ -152,3 +152,17 @@ fn phases_tell_the_correlation() {
 fn a_window_that_falls_at_once_has_no_more_lags_than_lines() {
     assert_eq!(Correlation::of_window(1e12, (1.0, 100)).lags.len(), 100);
 }
+
+#[test]
+fn functions_differ_where_each_has_noise_of_its_own_and_not_where_they_share_a_course() {
+    let own = decaying(4096, 4, 100.0);
+    assert!(Correlation::functions_differ(&Rest::of_all(own)));
+    let course = windowed_noise(4096, 100.0, 1);
+    let share = |f: usize| [1.0, -0.6, 0.3, 1.4][f];
+    let alike = linalg::complex_matrix(4096, 4, |k, f| share(f) * course[k]);
+    assert!(!Correlation::functions_differ(&Rest::of_all(alike)));
+    // Half of the power of each function.
+    let mixed = decaying(4096, 4, 100.0);
+    let mixed = linalg::complex_matrix(4096, 4, |k, f| mixed[(k, f)] + course[k]);
+    assert!(!Correlation::functions_differ(&Rest::of_all(mixed)));
+}

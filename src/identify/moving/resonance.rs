@@ -21,6 +21,8 @@ const MOST_SHIFT: f64 = 1.0;
 const CLEAR: f64 = 0.1;
 /// What a known mode leaves over, over what roots leave or noise, from which on it is not told anew.
 const POOR: f64 = 2.0;
+/// Part of what the criterion asks for, from which on a single root is looked at.
+const ENOUGH: f64 = 0.3;
 /// Turns at most, and the step that ends them, decay rates.
 const TURNS: usize = 30;
 const STILL: f64 = 1e-6;
@@ -45,6 +47,17 @@ pub(super) struct Resonance<'a> {
     group: Vec<&'a Root>,
     /// All other roots.
     others: Vec<Complex64>,
+}
+
+/// What one look at a resonance says of its pole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FirstLook {
+    /// Too few runs can tell.
+    Unclear,
+    /// It is the same in all runs.
+    Still,
+    /// It may move.
+    Worthwhile,
 }
 
 /// Where a pole moves to.
@@ -137,6 +150,37 @@ impl<'a> Resonance<'a> {
         linalg::thin_qr(&columns).q
     }
 
+    /// What one step tells of a pole of its own in every run; where several roots are, that must be tried.
+    pub fn first_look(&self, runs: &[Vec<usize>]) -> FirstLook {
+        let [root] = self.group[..] else {
+            return FirstLook::Worthwhile;
+        };
+        let functions: Vec<usize> = (0..self.data.functions()).collect();
+        let run = Run::new(self, (&self.straight, &functions), &self.others);
+        let look = run.look(root.lambda);
+        let changes: Vec<(Complex64, f64)> = (runs.iter())
+            .map(|run| look.change(run.iter().copied()))
+            .collect();
+        let values = (self.omega.len() * functions.len()) as f64;
+        let alike = self.data.shared.of_pole(self.data, root);
+        let noise = alike * (look.without_derivative() / values).min(1.0);
+        let variances = changes.iter().map(|(_, weight)| 0.5 / weight);
+        if !tells(variances, self.clear(root.decay(), noise)) {
+            return FirstLook::Unclear;
+        }
+        let gained = changes.iter().map(|(d, weight)| weight * d.im * d.im);
+        let wanted = runs.len() as f64 * (2.0 * values / alike).ln();
+        match 2.0 * gained.sum::<f64>() / noise > ENOUGH * wanted {
+            true => FirstLook::Worthwhile,
+            false => FirstLook::Still,
+        }
+    }
+
+    /// Variance of a frequency in noise of unit variance up to which a run says whether it moved.
+    fn clear(&self, decay: f64, noise: f64) -> f64 {
+        (CLEAR * 2.0 * decay).powi(2) / noise
+    }
+
     /// The mode, where its pole moves or is `known` to; `None` where too few runs could tell it.
     pub fn judged(
         &self,
@@ -145,10 +189,7 @@ impl<'a> Resonance<'a> {
         known: Option<&Moving>,
     ) -> Option<Option<Moving>> {
         let Some(fitted) = fitted else {
-            return match known {
-                Some(known) => Some(Some(known.clone())),
-                None => (self.group.len() == 1).then_some(None),
-            };
+            return known.map(|known| Some(known.clone()));
         };
         let functions = self.data.functions();
         let own = self.group.iter().map(|root| root.lambda);
@@ -164,9 +205,8 @@ impl<'a> Resonance<'a> {
             let own = || self.merged(fitted, noise);
             return Some(Some(if fits { own() } else { known.clone() }));
         }
-        let most = (CLEAR * 2.0 * decay).powi(2) / noise;
-        let clear = fitted.variances.iter().filter(|v| **v < most);
-        if clear.count() < 2.max(runs.len() / 2) {
+        let most = self.clear(decay, noise);
+        if !tells(fitted.variances.iter().copied(), most) {
             return None;
         }
         let mode = self.merged(fitted, noise);
@@ -194,7 +234,7 @@ impl<'a> Resonance<'a> {
     ) -> Option<Fitted> {
         let mut poles = start.unwrap_or_else(|| vec![self.group[0].lambda; runs.len()]);
         let own: Vec<Run> = (0..runs.len())
-            .map(|run| Run::new(self, &runs[run], &beside(run)))
+            .map(|run| Run::new(self, (&self.values, &runs[run]), &beside(run)))
             .collect();
         let mut slope = 0.0;
         for _ in 0..TURNS {
@@ -225,8 +265,8 @@ impl<'a> Resonance<'a> {
         for (run, pole) in own.iter().zip(&fitted.poles) {
             let step = run.step(*pole);
             fitted.variances.push(0.5 / step.weight);
-            fitted.left += step.left;
-            for (f, amplitude) in run.functions.iter().zip(step.amplitudes) {
+            fitted.left += step.look.left;
+            for (f, amplitude) in run.functions.iter().zip(step.look.amplitudes) {
                 fitted.amplitudes[*f] = amplitude;
             }
         }
@@ -329,21 +369,57 @@ struct Run<'a> {
     values: ComplexMatrix,
 }
 
+/// What functions say of a pole.
+struct Look {
+    amplitudes: Vec<Complex64>,
+    /// Of the course of the pole's derivative in what the pole leaves over.
+    along: Vec<Complex64>,
+    /// `|g|²` of that course.
+    second: f64,
+    /// `Σ|rest|²`.
+    left: f64,
+}
+
 /// One Gauss-Newton step of a run.
 struct Step {
     change: Complex64,
     /// `Σ|A|²|g|²`: one over the variance of the change in noise of unit variance.
     weight: f64,
-    amplitudes: Vec<Complex64>,
-    left: f64,
+    look: Look,
+}
+
+impl Look {
+    /// What the pole and the course of its derivative leave over.
+    fn without_derivative(&self) -> f64 {
+        let along: f64 = self.along.iter().map(Complex64::norm_sqr).sum();
+        self.left - along / self.second
+    }
+
+    /// The change of the pole that some of the functions ask for, and its weight.
+    fn change(&self, functions: impl Iterator<Item = usize>) -> (Complex64, f64) {
+        let (mut change, mut squares) = (Complex64::ZERO, 0.0);
+        for f in functions {
+            change += self.amplitudes[f].conj() * self.along[f];
+            squares += self.amplitudes[f].norm_sqr();
+        }
+        let weight = squares * self.second;
+        if weight > 0.0 {
+            (change / weight, weight)
+        } else {
+            (Complex64::ZERO, 0.0)
+        }
+    }
 }
 
 impl<'a> Run<'a> {
-    fn new(resonance: &'a Resonance<'a>, functions: &'a [usize], beside: &[Complex64]) -> Self {
+    fn new(
+        resonance: &'a Resonance<'a>,
+        (values, functions): (&ComplexMatrix, &'a [usize]),
+        beside: &[Complex64],
+    ) -> Self {
         let others = resonance.basis(beside);
-        let (lines, count) = (resonance.omega.len(), functions.len());
-        let values = linalg::complex_matrix(lines, count, |k, place| {
-            resonance.values[(k, functions[place])]
+        let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, place| {
+            values[(k, functions[place])]
         });
         Self {
             values: without(&others, &values),
@@ -355,6 +431,16 @@ impl<'a> Run<'a> {
 
     /// From a pole towards the nearest that fits the run.
     fn step(&self, lambda: Complex64) -> Step {
+        let look = self.look(lambda);
+        let (change, weight) = look.change(0..self.functions.len());
+        Step {
+            change,
+            weight,
+            look,
+        }
+    }
+
+    fn look(&self, lambda: Complex64) -> Look {
         let Resonance { omega, profile, .. } = self.resonance;
         let course = |power: i32| {
             let column = linalg::complex_matrix(omega.len(), 1, |k, _| {
@@ -369,22 +455,13 @@ impl<'a> Run<'a> {
         let first = own.adjoint() * &self.values;
         let along = second.adjoint() * &self.values;
         let places = 0..self.functions.len();
-        let amplitudes: Vec<Complex64> = places
-            .clone()
-            .map(|place| first[(0, place)] / norm)
-            .collect();
-        let squares: f64 = amplitudes.iter().map(Complex64::norm_sqr).sum();
-        let weight = squares * second.squared_norm_l2();
-        let change = places.map(|place| amplitudes[place].conj() * along[(0, place)]);
-        let change: Complex64 = change.sum();
-        Step {
-            change: if weight > 0.0 {
-                change / weight
-            } else {
-                Complex64::ZERO
-            },
-            weight,
-            amplitudes,
+        Look {
+            amplitudes: places
+                .clone()
+                .map(|place| first[(0, place)] / norm)
+                .collect(),
+            along: places.map(|place| along[(0, place)]).collect(),
+            second: second.squared_norm_l2(),
             left: self.values.squared_norm_l2() - first.squared_norm_l2(),
         }
     }
@@ -417,6 +494,12 @@ fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
         }
     }
     0.5 * (lo + hi)
+}
+
+/// Whether enough runs know their frequency to this variance.
+fn tells(variances: impl ExactSizeIterator<Item = f64>, most: f64) -> bool {
+    let runs = variances.len();
+    variances.filter(|v| *v < most).count() >= 2.max(runs / 2)
 }
 
 /// Whether a pole lies within some lines, or so near that it is more than the background there.
