@@ -73,6 +73,7 @@ impl PoleEstimator for Automatic {
         fit.doubt();
         fit.settle(Stop::Fine);
         fit.reckon_with_outside();
+        fit.reckon_with_noise();
         let mut table = fit.table((set, band), &found);
         state_orders(&mut table);
         Ok(table)

@@ -158,6 +158,14 @@ impl Correlation {
         (1.0 + self.lags.iter().enumerate().map(term).sum::<f64>()).max(1.0)
     }
 
+    /// ρ(m), 0 where nothing hangs together any more.
+    pub fn lag(&self, m: usize) -> Complex64 {
+        match m {
+            0 => Complex64::ONE,
+            _ => self.lags.get(m - 1).copied().unwrap_or(Complex64::ZERO),
+        }
+    }
+
     /// Values that count for one where powers are added up: `Σ |ρ|²` over all lags.
     pub fn alike(&self) -> f64 {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
@@ -188,8 +196,7 @@ impl Correlation {
 
     /// Mean square of the second difference of unit noise, 6 for white.
     pub fn of_second_difference(&self) -> f64 {
-        let lag = |m: usize| self.lags.get(m - 1).map_or(0.0, |rho| rho.re);
-        (6.0 - 8.0 * lag(1) + 2.0 * lag(2)).max(LEAST_DIFFERENCE)
+        (6.0 - 8.0 * self.lag(1).re + 2.0 * self.lag(2).re).max(LEAST_DIFFERENCE)
     }
 }
 

@@ -435,12 +435,12 @@ fn noise_of_the_force_that_all_functions_share_makes_no_modes() {
         shared: true,
         lines,
     };
-    // As if it were each function's own, these would be 5 to 12, the number of functions, or more. Under a window the force's error
-    // hardly changes within a resonance, so that the fit takes much of it in: deviations are 1.7 times too small there; 1 is wanted.
+    // As if it were each function's own, these would be 5 to 12, the number of functions, or more. Under a window that the data do not
+    // state the fit takes much of the force's error in, and what is left over hangs together less than it did.
     let (white, windowed) = (
         errors_over_stated(shared(1)),
         errors_over_stated(shared(12)),
     );
     assert!((0.5..2.0).contains(&white), "{white}");
-    assert!((0.3..3.0).contains(&windowed), "{windowed}");
+    assert!((0.5..2.5).contains(&windowed), "{windowed}");
 }

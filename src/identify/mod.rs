@@ -48,6 +48,7 @@ mod far;
 mod hump_tests;
 mod indicator;
 mod indicators;
+mod influence;
 mod line;
 mod linearised;
 mod lsce;

@@ -15,6 +15,7 @@ use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
 
 use super::noise_course::{self, Estimated, Smooth};
+use super::shared::told_by_variances;
 
 /// Lines on either side that a running median looks at, and lines between two evaluations of it.
 const REACH: usize = 64;
@@ -37,6 +38,8 @@ pub(super) struct Noise {
     pub by_force: Vec<f64>,
     /// Whether the data brought them (variance or coherence).
     pub measured: bool,
+    /// Part of the force's noise that the functions of its hit point share, as far as their variances tell.
+    pub shared: f64,
 }
 
 /// Variances of all functions of a set on some lines.
@@ -56,20 +59,27 @@ pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
             .iter()
             .filter_map(|i| estimated[*i].as_ref())
             .collect();
-        measured.extend(group.into_iter().zip(noise_course::smooth(&own)));
+        let smooth = noise_course::smooth(&own);
+        let shared = told_by_variances(&own, &smooth);
+        let told = smooth.into_iter().map(|own| (own, shared));
+        measured.extend(group.into_iter().zip(told));
     }
     let of_function = |i: usize| {
         let values = &set.values(i)[lines.clone()];
-        let told: Option<&Smooth> = measured.get(&i);
-        let mut own = told.cloned().unwrap_or_else(|| Smooth {
-            variance: from_second_differences(values),
-            by_force: vec![0.0; values.len()],
-        });
+        let told: Option<&(Smooth, f64)> = measured.get(&i);
+        let mut own = told.map_or_else(
+            || Smooth {
+                variance: from_second_differences(values),
+                by_force: vec![0.0; values.len()],
+            },
+            |(own, _)| own.clone(),
+        );
         raise_to_floor(&mut own.variance, values.iter().map(Complex64::norm_sqr));
         Noise {
             variance: own.variance,
             by_force: own.by_force,
             measured: told.is_some(),
+            shared: told.map_or(0.0, |(_, shared)| *shared),
         }
     };
     (0..set.len()).into_par_iter().map(of_function).collect()

@@ -127,6 +127,8 @@ impl Receptances {
         let scales = Scales::new(set, &omega);
         let noise = noise::of_set(set, &lines);
         let by_force = noise.iter().map(|own| own.by_force.clone()).collect();
+        let window = Correlation::of_window(set.added_damping_rad_s, (step, lines.len()));
+        let shared = Shared::of_variances(set.functions(), &noise, &window);
         let of_receptance = |(i, noise): (usize, Noise)| {
             let (_, scale) = scales.of(set, i);
             let variance = noise.variance.iter().zip(scale.iter());
@@ -157,8 +159,8 @@ impl Receptances {
             outside: Outside::Anywhere,
             far: OnceLock::new(),
             version: 0,
-            correlation: Correlation::of_window(set.added_damping_rad_s, (step, lines.len())),
-            shared: Shared::unknown(set.functions()),
+            correlation: window,
+            shared,
             told_from: ToldFrom::Differences,
             floors: Vec::new(),
             measured_scale: (0..set.len())

@@ -326,7 +326,10 @@ fn block(
 }
 
 /// Lines within reach of some roots.
-fn window<'a>(data: &Receptances, roots: impl Iterator<Item = &'a Root>) -> Range<usize> {
+pub(super) fn window<'a>(
+    data: &Receptances,
+    roots: impl Iterator<Item = &'a Root>,
+) -> Range<usize> {
     let (mut start, mut end) = (data.lines(), 0);
     for root in roots {
         let side = (REACH * root.width() / data.step).ceil() as usize;

@@ -23,6 +23,8 @@ use crate::frf::Function;
 
 use super::correlation::Correlation;
 use super::far::Rest;
+use super::noise::Noise;
+use super::noise_course::{Estimated, Smooth};
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::standing::lines_around;
@@ -37,6 +39,10 @@ const MOSTLY: f64 = 2.0;
 const HALVINGS: usize = 20;
 /// Lines of a root that are compared: more tell no more.
 const MOST_LINES: usize = 64;
+/// Part of a variance that the force makes from which on the scatter of the variance is that of the force's noise.
+const MOSTLY_FORCE: f64 = 0.9;
+/// Pairs of functions and lines from which on their scatter tells something.
+const FEWEST_PAIRS: f64 = 20.0;
 /// Half-power widths on either side in which a root is compared with the response.
 const REACH: f64 = 2.0;
 
@@ -47,27 +53,48 @@ pub(super) struct Shared {
     groups: Vec<Vec<usize>>,
     /// g of each hit point and line; empty where it is 1 everywhere.
     excess: Vec<Vec<f64>>,
-    /// How noise in the direction of the response hangs together over the lines.
+    /// Part of the force's noise that the functions of each hit point share, and what of it their variances told.
+    part: Vec<f64>,
+    told: Vec<f64>,
+    /// How noise in the direction of the response hangs together over the lines, and how a known window makes it.
     along: Correlation,
+    window: Correlation,
 }
 
 impl Shared {
-    /// Nothing known yet of the functions of a set.
-    pub fn unknown(functions: &[Function]) -> Self {
+    /// As far as the variances tell, in noise that hangs together over the lines as a known window makes it, before a fit leaves anything
+    /// over.
+    pub fn of_variances(functions: &[Function], noise: &[Noise], window: &Correlation) -> Self {
         let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
         for (number, function) in functions.iter().enumerate() {
             groups.entry(&function.reference).or_default().push(number);
         }
+        let groups: Vec<Vec<usize>> = groups.into_values().collect();
+        let told: Vec<f64> = groups.iter().map(|group| noise[group[0]].shared).collect();
         Self {
-            groups: groups.into_values().collect(),
             excess: Vec::new(),
-            along: Correlation::WHITE,
+            part: told.clone(),
+            told,
+            along: window.clone(),
+            window: window.clone(),
+            groups,
         }
     }
 
     /// Numbers of the functions of each hit point.
     pub fn groups(&self) -> &[Vec<usize>] {
         &self.groups
+    }
+
+    /// Numbers of the functions of each hit point, with the part of the force's noise that they share.
+    pub fn parts_of_groups(&self) -> impl Iterator<Item = (&[usize], f64)> {
+        let groups = self.groups.iter().zip(&self.part);
+        groups.map(|(group, part)| (&group[..], *part))
+    }
+
+    /// How the force's noise hangs together over the lines.
+    pub fn along(&self) -> &Correlation {
+        &self.along
     }
 
     /// From what a fit leaves over of all lines.
@@ -79,8 +106,10 @@ impl Shared {
             .map(|group| by_stretch(&rest.lines, |lines| response.lines(group, lines)))
             .collect();
         let alike = data.correlation.alike();
-        let excess = groups.iter().map(|lines| {
-            let part = shared_part(lines, alike);
+        let part: Vec<f64> = (groups.iter().zip(&self.told))
+            .map(|(lines, told)| shared_part(lines, alike).max(*told))
+            .collect();
+        let excess = groups.iter().zip(&part).map(|(lines, part)| {
             let of = |line: &Line| 1.0 + part * (line.excess - 1.0);
             lines.iter().map(of).collect()
         });
@@ -88,6 +117,8 @@ impl Shared {
         if excess.iter().flatten().all(|g| *g <= 1.0) {
             return Self {
                 excess: Vec::new(),
+                part,
+                along: data.correlation.clone(),
                 ..self.clone()
             };
         }
@@ -99,11 +130,16 @@ impl Shared {
             });
             own.collect::<Vec<_>>()
         });
+        // A fit takes in much of what hangs together: a window that is known tells it better.
+        let along = match self.window == Correlation::WHITE {
+            true => Correlation::of_phases(&along.collect::<Vec<_>>()),
+            false => Some(self.window.clone()),
+        };
         Self {
-            groups: self.groups.clone(),
-            along: Correlation::of_phases(&along.collect::<Vec<_>>())
-                .unwrap_or_else(|| data.correlation.clone()),
+            along: along.unwrap_or_else(|| data.correlation.clone()),
             excess,
+            part,
+            ..self.clone()
         }
     }
 
@@ -209,6 +245,42 @@ impl Shared {
         }
         parts
     }
+}
+
+/// The part of the force's noise that functions of one hit point share, from how their variances scatter where the force makes nearly
+/// all of them: functions of the same hits have the same errors, so that `v/|H|²` scatters over the lines, but not from one to the
+/// other. Its logarithm from `ν` degrees of freedom each has the variance ψ′(ν/2) where they err each by itself.
+pub(super) fn told_by_variances(estimated: &[&Estimated], smooth: &[Smooth]) -> f64 {
+    let freedom = estimated.iter().map(|own| own.degrees_of_freedom);
+    let Some(freedom) = freedom.reduce(|a, b| Some(a?.min(b?))).flatten() else {
+        return 0.0;
+    };
+    let lines = estimated.iter().map(|own| own.variance.len()).min();
+    let (mut squares, mut pairs) = (0.0, 0.0);
+    for k in 0..lines.unwrap_or(0) {
+        let by_force = estimated.iter().zip(smooth);
+        let by_force = by_force.filter(|(_, smooth)| smooth.by_force[k] > MOSTLY_FORCE);
+        let logs: Vec<f64> = by_force
+            .map(|(own, _)| (own.variance[k] / own.power[k]).ln())
+            .filter(|log| log.is_finite())
+            .collect();
+        let mean = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
+        squares += logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>();
+        pairs += (logs.len() as f64 - 1.0).max(0.0);
+    }
+    if pairs < FEWEST_PAIRS {
+        return 0.0;
+    }
+    (1.0 - squares / pairs / trigamma(0.5 * freedom)).clamp(0.0, 1.0)
+}
+
+/// ψ′(x) of x > 0, by recurrence to where three terms of its series are exact to 1e-5.
+fn trigamma(x: f64) -> f64 {
+    if x < 6.0 {
+        return (x * x).recip() + trigamma(x + 1.0);
+    }
+    let inverse = x.recip();
+    inverse + 0.5 * inverse.powi(2) + inverse.powi(3) / 6.0
 }
 
 fn ratio(above: f64, below: f64) -> Option<f64> {
@@ -374,43 +446,4 @@ fn shared_part(lines: &[Line], alike: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::identify::synthetic::white_noise;
-
-    fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
-        let along = white_noise(400, variance, seed);
-        let line = |along| Line {
-            along,
-            excess,
-            noise: true,
-        };
-        along.into_iter().map(line).collect()
-    }
-
-    #[test]
-    fn noise_along_the_response_is_shared_when_it_is_larger_there() {
-        for seed in 0..20 {
-            // 400 squares of one exponential variable each tell their mean to 5 %.
-            assert!(shared_part(&lines(3.0, 3.0, seed), 1.0) > 0.7);
-            assert!((shared_part(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
-            assert!(shared_part(&lines(3.0, 1.0, seed), 1.0) <= 0.0);
-            // Functions without noise of the force have nothing to share.
-            assert!(shared_part(&lines(1.0, 1.0, seed), 1.0) <= 0.0);
-        }
-    }
-
-    #[test]
-    fn energies_along_and_across_the_response_add_up() {
-        let response = [
-            Complex64::new(1.0, 1.0),
-            Complex64::new(0.0, -2.0),
-            Complex64::ONE,
-        ];
-        let of = |own: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], own, |f| response[f]);
-        let same = of(&|f| Complex64::new(0.0, 3.0) * response[f]);
-        assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
-        let other = of(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
-        assert!((other.along - 7.0).abs() < 1e-12 && (other.across - 42.0).abs() < 1e-12);
-    }
-}
+mod tests;

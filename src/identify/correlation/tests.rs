@@ -155,14 +155,18 @@ fn a_window_that_falls_at_once_has_no_more_lags_than_lines() {
 
 #[test]
 fn functions_differ_where_each_has_noise_of_its_own_and_not_where_they_share_a_course() {
+    let differ = |noise: &linalg::ComplexMatrix| {
+        let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
+        let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
+        Correlation::functions_differ(&Rest::of_all(rest))
+    };
     let own = decaying(4096, 4, 100.0);
-    assert!(Correlation::functions_differ(&Rest::of_all(own)));
+    assert!(differ(&own));
     let course = windowed_noise(4096, 100.0, 1);
     let share = |f: usize| [1.0, -0.6, 0.3, 1.4][f];
     let alike = linalg::complex_matrix(4096, 4, |k, f| share(f) * course[k]);
-    assert!(!Correlation::functions_differ(&Rest::of_all(alike)));
-    // Half of the power of each function.
-    let mixed = decaying(4096, 4, 100.0);
-    let mixed = linalg::complex_matrix(4096, 4, |k, f| mixed[(k, f)] + course[k]);
-    assert!(!Correlation::functions_differ(&Rest::of_all(mixed)));
+    assert!(!differ(&alike));
+    // Four fifths of the power of each function.
+    let mixed = linalg::complex_matrix(4096, 4, |k, f| own[(k, f)] + 2.0 * course[k]);
+    assert!(!differ(&mixed));
 }

@@ -17,6 +17,8 @@ const REACH: f64 = 3.0;
 const BACKGROUND: usize = 3;
 /// Largest shift of a run, half-power widths: the mass of a sensor or a drift moves no mode farther, but two modes look so.
 const MOST_SHIFT: f64 = 1.0;
+/// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share makes as much.
+const LEAST_SCATTER: f64 = 0.005;
 /// Deviation of the frequency of a run, half-power widths, up to which the run says whether it moved.
 const CLEAR: f64 = 0.1;
 /// What a known mode leaves over, over what roots leave or noise, from which on it is not told anew.

@@ -10,8 +10,6 @@ use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_m
 use crate::identify::{IdentifyOptions, identify};
 use crate::modal::{ModalModel, mac};
 
-use super::*;
-
 /// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
 fn roving(
     (structure, how): &(Structure, Measurement),
