@@ -4,6 +4,7 @@
 //! wrong, and models updated to synthetic twins of their machines. And every reader on damaged files.
 
 mod close_pairs;
+mod deviations;
 mod efficiency;
 mod finding;
 mod gears;

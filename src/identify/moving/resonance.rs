@@ -214,7 +214,8 @@ impl<'a> Resonance<'a> {
         let mode = self.merged(fitted, noise);
         let far =
             |(shift, v): (&Complex64, &f64)| *v < most && shift.im.abs() > MOST_SHIFT * 2.0 * decay;
-        if mode.shifts.iter().zip(&fitted.variances).any(far) {
+        let little = mode.scatter < LEAST_SCATTER * 2.0 * decay;
+        if little || mode.shifts.iter().zip(&fitted.variances).any(far) {
             return Some(None);
         }
         let numbers = 2.0 * values / alike;
