@@ -24,10 +24,11 @@ use super::Candidate;
 use super::far::Rest;
 use super::receptance::Receptances;
 use super::roots::Root;
+use super::sides::Sides;
 
 mod resonance;
 
-use resonance::{FirstLook, Fitted, Resonance};
+use resonance::{FirstLook, Fitted, Resonance, Told};
 
 /// Roots within so many half-power widths of a strong one may stand for the same mode.
 const SAME: f64 = 1.0;
@@ -100,12 +101,12 @@ impl Moved {
     }
 
     /// Takes in what a fit of the functions as they are now brought together tells; whether that changed anything.
-    pub fn told_by(&mut self, data: &Receptances, (roots, rest): (&[Root], &Rest)) -> bool {
+    pub fn told_by(&mut self, on: (&Receptances, &Sides), fit: (&[Root], &Rest)) -> bool {
         if self.rounds == ROUNDS || self.runs.len() < 2 {
             return false;
         }
         self.rounds += 1;
-        let modes = self.moving(data, (roots, rest));
+        let modes = self.moving(on, fit);
         let same = |(now, before): (&Moving, &Moving)| now.stays(before);
         let told = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
@@ -164,7 +165,11 @@ impl Moved {
 
     /// The modes that move, as far as runs are known to disagree: where half of the resonances that could tell it say so. Those that
     /// are known already, and were brought together, stay.
-    fn moving(&self, data: &Receptances, (roots, rest): (&[Root], &Rest)) -> Vec<Moving> {
+    fn moving(
+        &self,
+        (data, sides): (&Receptances, &Sides),
+        (roots, rest): (&[Root], &Rest),
+    ) -> Vec<Moving> {
         let groups = groups(roots);
         let known = |group: &Vec<usize>| self.of(roots[group[0]].lambda);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), (rest, self));
@@ -200,16 +205,21 @@ impl Moved {
             FirstLook::Still => Some(None),
             FirstLook::Worthwhile => {
                 let own = resonances[place].as_ref()?;
-                own.judged(fitted[place].as_ref(), &self.runs, known(&groups[place]))
+                own.judged(
+                    fitted[place].as_ref(),
+                    (&self.runs, sides),
+                    known(&groups[place]),
+                )
             }
         };
-        let told: Vec<Option<Moving>> = (0..groups.len()).filter_map(judge).collect();
+        let told: Vec<Option<Told>> = (0..groups.len()).filter_map(judge).collect();
         let clear = told.len();
-        let moving: Vec<Moving> = told.into_iter().flatten().collect();
-        if 2 * moving.len() < clear {
+        let moving: Vec<Told> = told.into_iter().flatten().collect();
+        let many = moving.len() > 1 || moving.iter().all(|told| told.alone);
+        if !many || 2 * moving.len() < clear {
             return self.modes.clone();
         }
-        moving
+        moving.into_iter().map(|told| told.mode).collect()
     }
 }
 

@@ -8,6 +8,7 @@ use super::super::far::{Rest, courses, residues};
 use super::super::noise_profile::Profile;
 use super::super::receptance::Receptances;
 use super::super::roots::Root;
+use super::super::sides::Sides;
 use super::super::standing::lines_around;
 use super::{Moved, Moving, pole};
 
@@ -49,6 +50,13 @@ pub(super) struct Resonance<'a> {
     group: Vec<&'a Root>,
     /// All other roots.
     others: Vec<Complex64>,
+}
+
+/// A mode that moves.
+pub(super) struct Told {
+    pub mode: Moving,
+    /// Whether it says so beyond doubt, were it the only one.
+    pub alone: bool,
 }
 
 /// What one look at a resonance says of its pole.
@@ -187,11 +195,12 @@ impl<'a> Resonance<'a> {
     pub fn judged(
         &self,
         fitted: Option<&Fitted>,
-        runs: &[Vec<usize>],
+        (runs, sides): (&[Vec<usize>], &Sides),
         known: Option<&Moving>,
-    ) -> Option<Option<Moving>> {
+    ) -> Option<Option<Told>> {
+        let known_mode = |mode: Moving| Some(Some(Told { mode, alone: true }));
         let Some(fitted) = fitted else {
-            return known.map(|known| Some(known.clone()));
+            return known.and_then(|known| known_mode(known.clone()));
         };
         let functions = self.data.functions();
         let own = self.group.iter().map(|root| root.lambda);
@@ -205,7 +214,7 @@ impl<'a> Resonance<'a> {
         if let Some(known) = known {
             let fits = fitted.left < POOR * held.max(values);
             let own = || self.merged(fitted, noise);
-            return Some(Some(if fits { own() } else { known.clone() }));
+            return known_mode(if fits { own() } else { known.clone() });
         }
         let most = self.clear(decay, noise);
         if !tells(fitted.variances.iter().copied(), most) {
@@ -221,10 +230,29 @@ impl<'a> Resonance<'a> {
         let numbers = 2.0 * values / alike;
         let criterion =
             |left: f64, unknowns: usize| 2.0 * left / noise + unknowns as f64 * numbers.ln();
-        let of_roots = criterion(held, 2 * self.group.len() * (functions + 1));
         // Residues, frequencies, and the straight line of the decay rates.
         let of_runs = criterion(fitted.left, 2 * functions + runs.len() + 2);
-        Some((of_runs < of_roots).then_some(mode))
+        // Residues of each function by itself, or as products of shapes and participation factors.
+        let of_roots = criterion(held, 2 * self.group.len() * (functions + 1));
+        let modes: usize = self.group.iter().map(|root| root.multiplicity()).sum();
+        let unknowns = 2 * modes * (sides.outputs.len() + sides.inputs);
+        let of_products = criterion(self.left_by_roots(), unknowns);
+        Some((of_runs < of_roots).then_some(Told {
+            alone: of_runs < of_products,
+            mode,
+        }))
+    }
+
+    /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background fitted here.
+    fn left_by_roots(&self) -> f64 {
+        let own: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
+        let explained = courses(&self.omega, &own) * residues(&own, self.data.functions());
+        let Profile { course, level } = &self.profile;
+        let (lines, functions) = (self.omega.len(), self.data.functions());
+        let rest = linalg::complex_matrix(lines, functions, |k, f| {
+            self.straight[(k, f)] - explained[(k, f)] / (course[k] * level[f])
+        });
+        without(&self.basis(&self.others), &rest).squared_norm_l2()
     }
 
     /// The pole with a frequency of its own in every run, by Gauss-Newton steps from `start` or from the strong root, where the others have
