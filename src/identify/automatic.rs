@@ -51,6 +51,8 @@ const OUTSIDE: f64 = 0.05;
 /// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
+/// Times that the noise is told again at the end of the search while it changes.
+const AGAIN: usize = 3;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// A root stands alone where the next is so many sums of half-power widths away.
@@ -221,7 +223,7 @@ impl Fit {
             }
             // The noise of the same roots is the same.
             if gain.is_none() && !changed && self.roots == before {
-                break;
+                return;
             }
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
             let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
@@ -229,6 +231,13 @@ impl Fit {
             if last {
                 break;
             }
+        }
+        // What was told beside roots that are gone, or before others were there, is not the noise of those that are left.
+        for _ in 0..AGAIN {
+            if !changed {
+                break;
+            }
+            changed = self.judge_by_noise();
         }
     }
 

@@ -70,6 +70,7 @@ fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
             let variance = &data.variance[*f][lines.clone()];
             let by_force = &data.by_force[*f][lines.clone()];
             for (k, ((h, v), p)) in values.iter().zip(variance).zip(by_force).enumerate() {
+                let p = p.clamp(0.0, 1.0);
                 own[k] += a.norm_sqr() * v * (1.0 - p);
                 single[k] += (1.0 - part) * a.norm_sqr() * v * p;
                 let size = h.norm().max(f64::MIN_POSITIVE);
@@ -101,7 +102,8 @@ fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
         variance += by_force.power(&plan, each(&|k| along[k]));
     }
     let factor = variance / (energy * weights);
-    factor.is_finite().then_some(factor)
+    // Correlation that chance makes lowers nothing.
+    factor.is_finite().then_some(factor.max(1.0))
 }
 
 /// What background and the poles around leave of a pole's derivative, over the course of the noise.
