@@ -162,7 +162,10 @@ impl Fit {
         self.roots = seeds.clone();
         let mut changed = self.settle_and_judge();
         if several && !self.leaves_more_than_noise() {
-            return Ok(());
+            self.judge_again(changed);
+            if !self.leaves_more_than_noise() {
+                return Ok(());
+            }
         }
         if let Some(noise) = noise {
             // What so few roots leave over says too much of the noise.
@@ -232,7 +235,12 @@ impl Fit {
                 break;
             }
         }
-        // What was told beside roots that are gone, or before others were there, is not the noise of those that are left.
+        self.judge_again(changed);
+    }
+
+    /// Judges by the noise that the fit leaves as long as that changes: what was told beside roots that are gone, or before others were
+    /// there, is not the noise of those that are left.
+    fn judge_again(&mut self, mut changed: bool) {
         for _ in 0..AGAIN {
             if !changed {
                 break;
