@@ -99,7 +99,7 @@ impl Automatic {
             let found = search::search(&data, &indicator, self.options.false_alarm_probability);
             let mut fit = Fit::new(data, sides, self.options);
             fit.first_roots(&found)?;
-            if !moved.told_by((&fit.data, &fit.sides), (&fit.roots, &fit.rest())) {
+            if !moved.told_by(&fit.data, (&fit.roots, &fit.rest())) {
                 fit.moved = moved;
                 return Ok((fit, found));
             }

@@ -19,6 +19,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::frf::{Function, runs};
+use crate::linalg;
 
 use super::Candidate;
 use super::far::Rest;
@@ -38,6 +39,8 @@ const ROUNDS: usize = 3;
 const SETTLED: f64 = 0.01;
 /// Times that every resonance is fitted, the later ones beside the others as they move.
 const SWEEPS: usize = 3;
+/// Part of the scatter of all modes that one cause must explain.
+const ONE_CAUSE: f64 = 0.8;
 /// Deviations by which a run is away from the mean of all.
 const AWAY: f64 = 5.0;
 
@@ -45,6 +48,10 @@ const AWAY: f64 = 5.0;
 #[derive(Default)]
 pub(super) struct Moved {
     runs: Vec<Vec<usize>>,
+    /// Whether a run is a position of a sensor, not a hit point.
+    roving_sensor: bool,
+    /// Degrees of freedom of shapes and of participation factors.
+    factors: usize,
     modes: Vec<Moving>,
     rounds: usize,
 }
@@ -78,9 +85,12 @@ pub(super) struct Away {
 impl Moved {
     /// Before anything is known.
     pub fn none(functions: &[Function]) -> Self {
-        let (runs, _) = runs(functions);
+        let (runs, roving_sensor) = runs(functions);
+        let sides = Sides::new(functions);
         Self {
             runs,
+            roving_sensor,
+            factors: sides.outputs.len() + sides.inputs,
             ..Self::default()
         }
     }
@@ -101,12 +111,12 @@ impl Moved {
     }
 
     /// Takes in what a fit of the functions as they are now brought together tells; whether that changed anything.
-    pub fn told_by(&mut self, on: (&Receptances, &Sides), fit: (&[Root], &Rest)) -> bool {
+    pub fn told_by(&mut self, data: &Receptances, fit: (&[Root], &Rest)) -> bool {
         if self.rounds == ROUNDS || self.runs.len() < 2 {
             return false;
         }
         self.rounds += 1;
-        let modes = self.moving(on, fit);
+        let modes = self.moving(data, fit);
         let same = |(now, before): (&Moving, &Moving)| now.stays(before);
         let told = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
@@ -120,10 +130,11 @@ impl Moved {
             .modes
             .iter()
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&nearest) < -SAME * nearest.lambda.re).then_some(nearest)
+        (distance(&nearest) < -2.0 * SAME * nearest.lambda.re).then_some(nearest)
     }
 
-    /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of damping that of their decay rate.
+    /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of
+    /// damping at least that of the decay rate that all runs share.
     pub fn merged(&self, mode: Candidate) -> Candidate {
         let lambda = mode.pole.lambda;
         let Some(moving) = self.of(lambda) else {
@@ -134,7 +145,7 @@ impl Moved {
             frequency_std_hz: mode
                 .frequency_std_hz
                 .map(|std| std.hypot(moving.scatter / TAU)),
-            damping_std: mode.damping_std.map(|std| std.hypot(damping)),
+            damping_std: mode.damping_std.map(|std| std.max(damping)),
             ..mode
         }
     }
@@ -163,13 +174,9 @@ impl Moved {
         })
     }
 
-    /// The modes that move, as far as runs are known to disagree: where half of the resonances that could tell it say so. Those that
-    /// are known already, and were brought together, stay.
-    fn moving(
-        &self,
-        (data, sides): (&Receptances, &Sides),
-        (roots, rest): (&[Root], &Rest),
-    ) -> Vec<Moving> {
+    /// The modes that move, as far as runs are known to disagree: where half of the resonances that could tell it say so, and what moves
+    /// them has one cause.
+    fn moving(&self, data: &Receptances, (roots, rest): (&[Root], &Rest)) -> Vec<Moving> {
         let groups = groups(roots);
         let known = |group: &Vec<usize>| self.of(roots[group[0]].lambda);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), (rest, self));
@@ -200,30 +207,95 @@ impl Moved {
             poles = fitted.iter().map(moved).collect();
         }
         // Of those that could tell it, what they tell.
-        let judge = |place: usize| match looks[place] {
-            FirstLook::Unclear => None,
-            FirstLook::Still => Some(None),
-            FirstLook::Worthwhile => {
-                let own = resonances[place].as_ref()?;
-                own.judged(
-                    fitted[place].as_ref(),
-                    (&self.runs, sides),
-                    known(&groups[place]),
-                )
-            }
+        let judge = |place: usize| match (&resonances[place], looks[place]) {
+            (_, FirstLook::Unclear) => None,
+            (_, FirstLook::Still) => Some(None),
+            (Some(own), FirstLook::Worthwhile) => own.judged(
+                fitted[place].as_ref(),
+                (&self.runs, self.factors),
+                known(&groups[place]),
+            ),
+            (None, FirstLook::Worthwhile) => Told::as_known(known(&groups[place])),
         };
         let told: Vec<Option<Told>> = (0..groups.len()).filter_map(judge).collect();
         let clear = told.len();
-        let moving: Vec<Told> = told.into_iter().flatten().collect();
-        let many = moving.len() > 1 || moving.iter().all(|told| told.alone);
-        if !many || 2 * moving.len() < clear {
-            return self.modes.clone();
+        let told: Vec<Told> = told.into_iter().flatten().collect();
+        let doubt = told.len() == 1 && !told[0].alone;
+        let mut moving: Vec<Moving> = told.into_iter().map(|told| told.mode).collect();
+        if doubt || 2 * moving.len() < clear || !self.agree(&moving) {
+            return Vec::new();
         }
-        moving.into_iter().map(|told| told.mode).collect()
+        moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        moving
+    }
+
+    /// Whether the shifts of some modes have one cause: a state of the structure that changes from run to run moves all modes together, and
+    /// the mass of a sensor lowers a mode by so much as its point moves in it. Pairs of close modes, which look as if one of them moved,
+    /// do neither.
+    fn agree(&self, modes: &[Moving]) -> bool {
+        moved_together(modes) > ONE_CAUSE
+            || self.roving_sensor && moved_by_mass(modes, &self.runs) > ONE_CAUSE
     }
 }
 
+/// Part of all scatter, each mode's taken as one, that a single course over the runs explains; 0 for one mode.
+fn moved_together(modes: &[Moving]) -> f64 {
+    let Some(runs) = modes.first().map(|mode| mode.shifts.len()) else {
+        return 0.0;
+    };
+    if modes.len() < 2 {
+        return 0.0;
+    }
+    let courses = linalg::complex_matrix(runs, modes.len(), |run, j| {
+        let (shift, squares) = modes[j].centred(run);
+        Complex64::from(shift / squares.sqrt())
+    });
+    let Ok(values) = linalg::singular_values(&courses) else {
+        return 0.0;
+    };
+    // Of two modes that have nothing in common one course explains half.
+    let (first, count) = (values[0] * values[0], modes.len() as f64);
+    (first - 1.0) / (count - 1.0)
+}
+
+/// Part of the scatter that shifts `d = −b |A|²` with one b > 0 for each mode explain, A the residues of the run.
+fn moved_by_mass(modes: &[Moving], runs: &[Vec<usize>]) -> f64 {
+    let explained = |mode: &Moving| {
+        let power = |run: &Vec<usize>| {
+            let own = run.iter().map(|f| mode.residues[*f].norm_sqr());
+            own.sum::<f64>() / run.len().max(1) as f64
+        };
+        let powers: Vec<f64> = runs.iter().map(power).collect();
+        let mean = powers.iter().sum::<f64>() / powers.len() as f64;
+        let (mut cross, mut square, mut all) = (0.0, 0.0, 0.0);
+        for (run, power) in powers.iter().enumerate() {
+            let (shift, squares) = mode.centred(run);
+            cross -= shift * (power - mean);
+            square += (power - mean).powi(2);
+            all = squares;
+        }
+        if cross > 0.0 {
+            cross * cross / (square * all)
+        } else {
+            0.0
+        }
+    };
+    modes.iter().map(explained).sum::<f64>() / modes.len().max(1) as f64
+}
+
 impl Moving {
+    /// Frequency of a run less the mean of all, and the sum of the squares of all.
+    fn centred(&self, run: usize) -> (f64, f64) {
+        let count = self.shifts.len() as f64;
+        let mean = self.shifts.iter().map(|shift| shift.im).sum::<f64>() / count;
+        let squares = self
+            .shifts
+            .iter()
+            .map(|shift| (shift.im - mean).powi(2))
+            .sum();
+        (self.shifts[run].im - mean, squares)
+    }
+
     /// In each run.
     fn poles(&self) -> Vec<Complex64> {
         self.shifts
@@ -235,7 +307,7 @@ impl Moving {
     /// Whether it is where it was, as far as it matters.
     fn stays(&self, before: &Self) -> bool {
         let near =
-            |(now, then): (Complex64, Complex64)| (now - then).norm() < SETTLED * self.scatter;
+            |(now, then): (Complex64, Complex64)| (now - then).norm() <= SETTLED * self.scatter;
         self.poles().into_iter().zip(before.poles()).all(near)
     }
 

@@ -41,6 +41,8 @@ const HALVINGS: usize = 20;
 const MOST_LINES: usize = 64;
 /// Part of a variance that the force makes from which on the scatter of the variance is that of the force's noise.
 const MOSTLY_FORCE: f64 = 0.9;
+/// Deviations of it from which on it is more than chance.
+const CERTAIN: f64 = 3.0;
 /// Pairs of functions and lines from which on their scatter tells something.
 const FEWEST_PAIRS: f64 = 20.0;
 /// Half-power widths on either side in which a root is compared with the response.
@@ -130,11 +132,11 @@ impl Shared {
             });
             own.collect::<Vec<_>>()
         });
-        // A fit takes in much of what hangs together: a window that is known tells it better.
-        let along = match self.window == Correlation::WHITE {
-            true => Correlation::of_phases(&along.collect::<Vec<_>>()),
-            false => Some(self.window.clone()),
-        };
+        // A fit takes in much of what hangs together: a window that is known tells it better, where a force window does not make it more.
+        let along = Correlation::of_phases(&along.collect::<Vec<_>>());
+        let known = (self.window != Correlation::WHITE).then(|| self.window.clone());
+        let along = known.into_iter().chain(along);
+        let along = along.max_by(|a, b| a.alike().total_cmp(&b.alike()));
         Self {
             along: along.unwrap_or_else(|| data.correlation.clone()),
             excess,
@@ -251,7 +253,8 @@ impl Shared {
 /// all of them: functions of the same hits have the same errors, so that `v/|H|²` scatters over the lines, but not from one to the
 /// other. Its logarithm from `ν` degrees of freedom each has the variance ψ′(ν/2) where they err each by itself.
 pub(super) fn told_by_variances(estimated: &[&Estimated], smooth: &[Smooth]) -> f64 {
-    let freedom = estimated.iter().map(|own| own.degrees_of_freedom);
+    let stated = |own: &&Estimated| own.degrees_of_freedom.filter(|v| *v > 0.0 && v.is_finite());
+    let freedom = estimated.iter().map(stated);
     let Some(freedom) = freedom.reduce(|a, b| Some(a?.min(b?))).flatten() else {
         return 0.0;
     };
@@ -271,16 +274,24 @@ pub(super) fn told_by_variances(estimated: &[&Estimated], smooth: &[Smooth]) -> 
     if pairs < FEWEST_PAIRS {
         return 0.0;
     }
-    (1.0 - squares / pairs / trigamma(0.5 * freedom)).clamp(0.0, 1.0)
+    let part = 1.0 - squares / pairs / trigamma(0.5 * freedom);
+    // The square of such a logarithm has three times the square of its mean as its variance, about.
+    if part > CERTAIN * (3.0 / pairs).sqrt() {
+        part.min(1.0)
+    } else {
+        0.0
+    }
 }
 
 /// ψ′(x) of x > 0, by recurrence to where three terms of its series are exact to 1e-5.
-fn trigamma(x: f64) -> f64 {
-    if x < 6.0 {
-        return (x * x).recip() + trigamma(x + 1.0);
+fn trigamma(mut x: f64) -> f64 {
+    let mut below = 0.0;
+    while x < 6.0 {
+        below += (x * x).recip();
+        x += 1.0;
     }
     let inverse = x.recip();
-    inverse + 0.5 * inverse.powi(2) + inverse.powi(3) / 6.0
+    below + inverse + 0.5 * inverse.powi(2) + inverse.powi(3) / 6.0
 }
 
 fn ratio(above: f64, below: f64) -> Option<f64> {

@@ -8,7 +8,6 @@ use super::super::far::{Rest, courses, residues};
 use super::super::noise_profile::Profile;
 use super::super::receptance::Receptances;
 use super::super::roots::Root;
-use super::super::sides::Sides;
 use super::super::standing::lines_around;
 use super::{Moved, Moving, pole};
 
@@ -57,6 +56,14 @@ pub(super) struct Told {
     pub mode: Moving,
     /// Whether it says so beyond doubt, were it the only one.
     pub alone: bool,
+}
+
+impl Told {
+    /// What is known already.
+    pub fn as_known(known: Option<&Moving>) -> Option<Option<Self>> {
+        let mode = known?.clone();
+        Some(Some(Self { mode, alone: true }))
+    }
 }
 
 /// What one look at a resonance says of its pole.
@@ -195,12 +202,11 @@ impl<'a> Resonance<'a> {
     pub fn judged(
         &self,
         fitted: Option<&Fitted>,
-        (runs, sides): (&[Vec<usize>], &Sides),
+        (runs, factors): (&[Vec<usize>], usize),
         known: Option<&Moving>,
     ) -> Option<Option<Told>> {
-        let known_mode = |mode: Moving| Some(Some(Told { mode, alone: true }));
         let Some(fitted) = fitted else {
-            return known.and_then(|known| known_mode(known.clone()));
+            return Told::as_known(known);
         };
         let functions = self.data.functions();
         let own = self.group.iter().map(|root| root.lambda);
@@ -211,13 +217,8 @@ impl<'a> Resonance<'a> {
         let alike = self.data.shared.of_pole(self.data, self.group[0]);
         // Where the data do not state the noise, what the better of both leaves over tells it.
         let noise = alike * (held.min(fitted.left) / values).min(1.0);
-        if let Some(known) = known {
-            let fits = fitted.left < POOR * held.max(values);
-            let own = || self.merged(fitted, noise);
-            return known_mode(if fits { own() } else { known.clone() });
-        }
         let most = self.clear(decay, noise);
-        if !tells(fitted.variances.iter().copied(), most) {
+        if known.is_none() && !tells(fitted.variances.iter().copied(), most) {
             return None;
         }
         let mode = self.merged(fitted, noise);
@@ -235,8 +236,16 @@ impl<'a> Resonance<'a> {
         // Residues of each function by itself, or as products of shapes and participation factors.
         let of_roots = criterion(held, 2 * self.group.len() * (functions + 1));
         let modes: usize = self.group.iter().map(|root| root.multiplicity()).sum();
-        let unknowns = 2 * modes * (sides.outputs.len() + sides.inputs);
+        let unknowns = 2 * modes * factors;
         let of_products = criterion(self.left_by_roots(), unknowns);
+        if let Some(known) = known {
+            // Brought together it is one root, unless it never was one mode.
+            if self.group.len() > 1 && of_runs >= of_roots {
+                return Some(None);
+            }
+            let fits = fitted.left < POOR * held.max(values);
+            return Told::as_known(Some(if fits { &mode } else { known }));
+        }
         Some((of_runs < of_roots).then_some(Told {
             alone: of_runs < of_products,
             mode,

@@ -1,7 +1,10 @@
 //! Tests whose runs disagree, against known truth.
 
 use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
+use crate::axis::FrequencyAxis;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place};
 use crate::frf::{FrfSet, FunctionData};
@@ -142,5 +145,55 @@ fn two_close_modes_are_no_mode_that_moves() {
         let model = found(&structure.measured(&how));
         assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
         assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+    }
+}
+
+/// Three pairs of modes so many half-power widths apart, their shapes in phase, at ten sensors.
+fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, FrfSet) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut modes = Vec::new();
+    for hz in [100.0, 190.0, 300.0] {
+        let mut value = || random.random_range(0.3..1.0);
+        let first: Vec<f64> = (0..10).map(|_| value()).collect();
+        let second = first.iter().map(|v| v * (value() - 0.2)).collect();
+        modes.push((hz, 0.01, first));
+        modes.push((hz * (1.0 + 0.02 * widths), 0.01, second));
+    }
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.2,
+        len: 2000,
+    };
+    let mut how = Measurement {
+        snr_db: Some(snr_db),
+        seed,
+        ..Measurement::of_sensors(10, axis)
+    };
+    let sensors: Vec<Dof> = how.pairs.iter().map(|pair| pair.0.clone()).collect();
+    let hits = sensors[..references].iter();
+    let pairs = hits.flat_map(|hit| sensors.iter().map(move |own| (own.clone(), hit.clone())));
+    how.pairs = pairs.collect();
+    let structure = Structure { modes };
+    let set = structure.measured(&how);
+    (structure, set)
+}
+
+#[test]
+fn a_structure_of_close_pairs_alone_has_no_mode_that_moves() {
+    for (widths, references, snr_db) in [
+        (0.08, 1, 40.0),
+        (0.1, 2, 40.0),
+        (0.2, 2, 20.0),
+        (0.3, 1, 30.0),
+    ] {
+        for seed in 0..4 {
+            let (_, set) = pairs(seed, widths, references, snr_db);
+            let model = found(&set);
+            let merged = told(&model, Code::RunsMerged);
+            assert!(
+                merged.is_empty(),
+                "{widths} {references} {seed}: {merged:?}"
+            );
+        }
     }
 }
