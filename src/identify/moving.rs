@@ -28,6 +28,7 @@ use super::roots::Root;
 use super::sides::Sides;
 
 mod resonance;
+mod run;
 
 use resonance::{FirstLook, Fitted, Resonance, Told};
 

@@ -9,6 +9,7 @@ use super::super::noise_profile::Profile;
 use super::super::receptance::Receptances;
 use super::super::roots::Root;
 use super::super::standing::lines_around;
+use super::run::{Line, Run, Step, without};
 use super::{Moved, Moving, pole};
 
 /// Half-power widths on either side in which a pole is looked at.
@@ -27,21 +28,19 @@ const POOR: f64 = 2.0;
 const ENOUGH: f64 = 0.3;
 /// Turns at most, and the step that ends them, decay rates.
 const TURNS: usize = 30;
-const STILL: f64 = 1e-6;
+pub(super) const STILL: f64 = 1e-6;
 /// Steps of halving for the variance between runs.
 const HALVINGS: usize = 60;
 /// Longest step, decay rates.
 const LONGEST: f64 = 0.5;
 /// Part of what is known of all frequencies from which a run counts.
 const COUNTS: f64 = 0.01;
-/// Largest change of a decay rate over that of its frequency.
-const STEEPEST: f64 = 0.5;
 
 /// The lines around a strong root and the roots of its group, with what roots farther away explain taken away.
 pub(super) struct Resonance<'a> {
     data: &'a Receptances,
-    omega: Vec<f64>,
-    profile: Profile,
+    pub(super) omega: Vec<f64>,
+    pub(super) profile: Profile,
     /// Over the noise, as runs are brought together: lines × functions.
     straight: ComplexMatrix,
     /// The same as measured.
@@ -148,7 +147,7 @@ impl<'a> Resonance<'a> {
     }
 
     /// An orthonormal basis of the background and the courses of those poles that are near, over the course of the noise.
-    fn basis(&self, poles: &[Complex64]) -> ComplexMatrix {
+    pub(super) fn basis(&self, poles: &[Complex64]) -> ComplexMatrix {
         let near: Vec<Complex64> = (poles.iter().copied())
             .filter(|lambda| beside(&self.omega, *lambda))
             .collect();
@@ -366,147 +365,6 @@ impl<'a> Resonance<'a> {
     }
 }
 
-/// A straight line of decay over frequency.
-struct Line {
-    middle: Complex64,
-    slope: f64,
-}
-
-impl Line {
-    /// Through poles, each by the weight of its run.
-    fn through(poles: &[Complex64], steps: &[Step]) -> Self {
-        let pairs = || poles.iter().zip(steps);
-        let weights: f64 = steps.iter().map(|step| step.weight).sum();
-        let middle = pairs().map(|(pole, step)| pole * step.weight);
-        let middle = middle.sum::<Complex64>() / weights;
-        let (mut cross, mut square) = (0.0, 0.0);
-        for (pole, step) in pairs() {
-            let from = pole - middle;
-            cross += step.weight * from.re * from.im;
-            square += step.weight * from.im * from.im;
-        }
-        // Shifts of rounding have no slope.
-        let shifted = square > weights * (STILL * middle.re).powi(2);
-        let slope = if shifted { cross / square } else { 0.0 };
-        Self {
-            middle,
-            slope: slope.clamp(-STEEPEST, STEEPEST),
-        }
-    }
-
-    fn at(&self, omega: f64) -> f64 {
-        self.middle.re + self.slope * (omega - self.middle.im)
-    }
-}
-
-/// The functions of a run around a resonance.
-struct Run<'a> {
-    resonance: &'a Resonance<'a>,
-    functions: &'a [usize],
-    /// Orthonormal: background and other poles.
-    others: ComplexMatrix,
-    /// What those do not explain: lines × functions of the run.
-    values: ComplexMatrix,
-}
-
-/// What functions say of a pole.
-struct Look {
-    amplitudes: Vec<Complex64>,
-    /// Of the course of the pole's derivative in what the pole leaves over.
-    along: Vec<Complex64>,
-    /// `|g|²` of that course.
-    second: f64,
-    /// `Σ|rest|²`.
-    left: f64,
-}
-
-/// One Gauss-Newton step of a run.
-struct Step {
-    change: Complex64,
-    /// `Σ|A|²|g|²`: one over the variance of the change in noise of unit variance.
-    weight: f64,
-    look: Look,
-}
-
-impl Look {
-    /// What the pole and the course of its derivative leave over.
-    fn without_derivative(&self) -> f64 {
-        let along: f64 = self.along.iter().map(Complex64::norm_sqr).sum();
-        self.left - along / self.second
-    }
-
-    /// The change of the pole that some of the functions ask for, and its weight.
-    fn change(&self, functions: impl Iterator<Item = usize>) -> (Complex64, f64) {
-        let (mut change, mut squares) = (Complex64::ZERO, 0.0);
-        for f in functions {
-            change += self.amplitudes[f].conj() * self.along[f];
-            squares += self.amplitudes[f].norm_sqr();
-        }
-        let weight = squares * self.second;
-        if weight > 0.0 {
-            (change / weight, weight)
-        } else {
-            (Complex64::ZERO, 0.0)
-        }
-    }
-}
-
-impl<'a> Run<'a> {
-    fn new(
-        resonance: &'a Resonance<'a>,
-        (values, functions): (&ComplexMatrix, &'a [usize]),
-        beside: &[Complex64],
-    ) -> Self {
-        let others = resonance.basis(beside);
-        let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, place| {
-            values[(k, functions[place])]
-        });
-        Self {
-            values: without(&others, &values),
-            others,
-            resonance,
-            functions,
-        }
-    }
-
-    /// From a pole towards the nearest that fits the run.
-    fn step(&self, lambda: Complex64) -> Step {
-        let look = self.look(lambda);
-        let (change, weight) = look.change(0..self.functions.len());
-        Step {
-            change,
-            weight,
-            look,
-        }
-    }
-
-    fn look(&self, lambda: Complex64) -> Look {
-        let Resonance { omega, profile, .. } = self.resonance;
-        let course = |power: i32| {
-            let column = linalg::complex_matrix(omega.len(), 1, |k, _| {
-                pole(omega[k], lambda).powi(power) / profile.course[k]
-            });
-            without(&self.others, &column)
-        };
-        let own = course(1);
-        let norm = own.norm_l2();
-        let own = linalg::complex_matrix(own.nrows(), 1, |k, _| own[(k, 0)] / norm);
-        let second = without(&own, &course(2));
-        let first = own.adjoint() * &self.values;
-        let along = second.adjoint() * &self.values;
-        let places = 0..self.functions.len();
-        Look {
-            amplitudes: places
-                .clone()
-                .map(|place| first[(0, place)] / norm)
-                .collect(),
-            along: places.map(|place| along[(0, place)]).collect(),
-            second: second.squared_norm_l2(),
-            left: self.values.squared_norm_l2() - first.squared_norm_l2(),
-        }
-    }
-}
-
 /// Variance between runs beside that of each, by which the weighted scatter is what it should be (Paule and Mandel 1982); 0 where the
 /// runs scatter no more than their own variances say.
 fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
@@ -547,11 +405,6 @@ fn beside(omega: &[f64], lambda: Complex64) -> bool {
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
     let reach = (hi - lo).max(-2.0 * REACH * lambda.re);
     lambda.im > lo - reach && lambda.im < hi + reach
-}
-
-/// Columns less what an orthonormal basis explains of them.
-fn without(basis: &ComplexMatrix, columns: &ComplexMatrix) -> ComplexMatrix {
-    columns - basis * (basis.adjoint() * columns)
 }
 
 #[cfg(test)]
