@@ -19,7 +19,6 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::frf::{Function, runs};
-use crate::linalg;
 
 use super::Candidate;
 use super::far::Rest;
@@ -40,6 +39,8 @@ const ROUNDS: usize = 3;
 const SETTLED: f64 = 0.01;
 /// Times that every resonance is fitted, the later ones beside the others as they move.
 const SWEEPS: usize = 3;
+/// Runs at which a common course can be told from chance.
+const FEWEST_RUNS: usize = 4;
 /// Part of the scatter of all modes that one cause must explain.
 const ONE_CAUSE: f64 = 0.8;
 /// Deviations by which a run is away from the mean of all.
@@ -113,7 +114,7 @@ impl Moved {
 
     /// Takes in what a fit of the functions as they are now brought together tells; whether that changed anything.
     pub fn told_by(&mut self, data: &Receptances, fit: (&[Root], &Rest)) -> bool {
-        if self.rounds == ROUNDS || self.runs.len() < 2 {
+        if self.rounds == ROUNDS || self.runs.len() < FEWEST_RUNS {
             return false;
         }
         self.rounds += 1;
@@ -179,22 +180,22 @@ impl Moved {
     /// them has one cause.
     fn moving(&self, data: &Receptances, (roots, rest): (&[Root], &Rest)) -> Vec<Moving> {
         let groups = groups(roots);
-        let known = |group: &Vec<usize>| self.of(roots[group[0]].lambda);
+        let owners: Vec<Option<&Moving>> = self.owned(&groups, roots);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), (rest, self));
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
-        let look = |(group, own): (&Vec<usize>, &Option<Resonance>)| match known(group) {
+        let look = |(known, own): (&Option<&Moving>, &Option<Resonance>)| match known {
             Some(_) => FirstLook::Worthwhile,
             None => match own {
                 Some(own) => own.first_look(&self.runs),
                 None => FirstLook::Unclear,
             },
         };
-        let looks: Vec<FirstLook> = groups.par_iter().zip(&resonances).map(look).collect();
+        let looks: Vec<FirstLook> = owners.iter().zip(&resonances).map(look).collect();
         if !looks.contains(&FirstLook::Worthwhile) {
             return self.modes.clone();
         }
-        let start = |group: &Vec<usize>| known(group).map(Moving::poles);
-        let mut poles: Vec<Option<Vec<Complex64>>> = groups.iter().map(start).collect();
+        let start = |known: &Option<&Moving>| known.map(Moving::poles);
+        let mut poles: Vec<Option<Vec<Complex64>>> = owners.iter().map(start).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
         for _ in 0..SWEEPS {
             let fit = |place: usize| {
@@ -204,8 +205,11 @@ impl Moved {
                 own.fitted(&self.runs, poles[place].clone(), beside)
             };
             fitted = (0..groups.len()).into_par_iter().map(fit).collect();
-            let moved = |own: &Option<Fitted>| Some(own.as_ref()?.poles.clone());
-            poles = fitted.iter().map(moved).collect();
+            let moved = |(own, known): (&Option<Fitted>, &Option<&Moving>)| match own {
+                Some(own) => Some(own.poles.clone()),
+                None => start(known),
+            };
+            poles = fitted.iter().zip(&owners).map(moved).collect();
         }
         // Of those that could tell it, what they tell.
         let judge = |place: usize| match (&resonances[place], looks[place]) {
@@ -214,20 +218,42 @@ impl Moved {
             (Some(own), FirstLook::Worthwhile) => own.judged(
                 fitted[place].as_ref(),
                 (&self.runs, self.factors),
-                known(&groups[place]),
+                owners[place],
             ),
-            (None, FirstLook::Worthwhile) => Told::as_known(known(&groups[place])),
+            (None, FirstLook::Worthwhile) => Told::as_known(owners[place]),
         };
         let told: Vec<Option<Told>> = (0..groups.len()).filter_map(judge).collect();
         let clear = told.len();
         let told: Vec<Told> = told.into_iter().flatten().collect();
         let doubt = told.len() == 1 && !told[0].alone;
-        let mut moving: Vec<Moving> = told.into_iter().map(|told| told.mode).collect();
+        let modes =
+            |told: &[Told]| -> Vec<Moving> { told.iter().map(|told| told.mode.clone()).collect() };
+        let mut moving = modes(&told);
         if doubt || 2 * moving.len() < clear || !self.agree(&moving) {
-            return Vec::new();
+            // What is known already does not hang on what more was tried.
+            let known: Vec<Told> = told.into_iter().filter(|told| told.known).collect();
+            moving = modes(&known);
+            if !self.agree(&moving) {
+                return Vec::new();
+            }
         }
         moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         moving
+    }
+
+    /// The known mode of each group: that of its strong root, where no other group is nearer.
+    fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Option<&Moving>> {
+        let mut owners = vec![None; groups.len()];
+        for mode in &self.modes {
+            let distance =
+                |place: &usize| (roots[groups[*place][0]].lambda.im - mode.lambda.im).abs();
+            let nearest = (0..groups.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let within = |place: &usize| distance(place) < -2.0 * SAME * mode.lambda.re;
+            if let Some(place) = nearest.filter(within) {
+                owners[place] = Some(mode);
+            }
+        }
+        owners
     }
 
     /// Whether the shifts of some modes have one cause: a state of the structure that changes from run to run moves all modes together, and
@@ -239,24 +265,23 @@ impl Moved {
     }
 }
 
-/// Part of all scatter, each mode's taken as one, that a single course over the runs explains; 0 for one mode.
+/// Mean correlation of the shifts of two modes over the runs; 0 for one mode.
 fn moved_together(modes: &[Moving]) -> f64 {
-    let Some(runs) = modes.first().map(|mode| mode.shifts.len()) else {
-        return 0.0;
-    };
+    let (runs, count) = (
+        modes.first().map_or(0, |mode| mode.shifts.len()),
+        modes.len() as f64,
+    );
     if modes.len() < 2 {
         return 0.0;
     }
-    let courses = linalg::complex_matrix(runs, modes.len(), |run, j| {
-        let (shift, squares) = modes[j].centred(run);
-        Complex64::from(shift / squares.sqrt())
-    });
-    let Ok(values) = linalg::singular_values(&courses) else {
-        return 0.0;
+    let sum = |run: usize| {
+        let own = modes.iter().map(|mode| mode.centred(run));
+        own.map(|(shift, squares)| shift / squares.sqrt())
+            .sum::<f64>()
     };
-    // Of two modes that have nothing in common one course explains half.
-    let (first, count) = (values[0] * values[0], modes.len() as f64);
-    (first - 1.0) / (count - 1.0)
+    // The square of the sum of vectors of length 1.
+    let square: f64 = (0..runs).map(|run| sum(run).powi(2)).sum();
+    (square - count) / (count * (count - 1.0))
 }
 
 /// Part of the scatter that shifts `d = −b |A|²` with one b > 0 for each mode explain, A the residues of the run.

@@ -20,6 +20,8 @@ const BACKGROUND: usize = 3;
 const MOST_SHIFT: f64 = 1.0;
 /// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share makes as much.
 const LEAST_SCATTER: f64 = 0.005;
+/// Energy that rounding leaves over.
+const ROUNDING: f64 = 1e-14;
 /// Deviation of the frequency of a run, half-power widths, up to which the run says whether it moved.
 const CLEAR: f64 = 0.1;
 /// What a known mode leaves over, over what roots leave or noise, from which on it is not told anew.
@@ -55,13 +57,19 @@ pub(super) struct Told {
     pub mode: Moving,
     /// Whether it says so beyond doubt, were it the only one.
     pub alone: bool,
+    /// Whether it was known before.
+    pub known: bool,
 }
 
 impl Told {
     /// What is known already.
     pub fn as_known(known: Option<&Moving>) -> Option<Option<Self>> {
         let mode = known?.clone();
-        Some(Some(Self { mode, alone: true }))
+        Some(Some(Self {
+            mode,
+            alone: true,
+            known: true,
+        }))
     }
 }
 
@@ -212,15 +220,17 @@ impl<'a> Resonance<'a> {
         let all: Vec<Complex64> = own.chain(self.others.iter().copied()).collect();
         let held = without(&self.basis(&all), &self.straight).squared_norm_l2();
         let values = (self.omega.len() * functions) as f64;
-        let decay = -fitted.poles[0].re;
         let alike = self.data.shared.of_pole(self.data, self.group[0]);
         // Where the data do not state the noise, what the better of both leaves over tells it.
-        let noise = alike * (held.min(fitted.left) / values).min(1.0);
+        let rounding = ROUNDING * self.straight.squared_norm_l2();
+        let left = held.min(fitted.left).max(rounding).max(f64::MIN_POSITIVE);
+        let noise = alike * (left / values).min(1.0);
+        let mode = self.merged(fitted, noise);
+        let decay = -mode.lambda.re;
         let most = self.clear(decay, noise);
         if known.is_none() && !tells(fitted.variances.iter().copied(), most) {
             return None;
         }
-        let mode = self.merged(fitted, noise);
         let far =
             |(shift, v): (&Complex64, &f64)| *v < most && shift.im.abs() > MOST_SHIFT * 2.0 * decay;
         let little = mode.scatter < LEAST_SCATTER * 2.0 * decay;
@@ -247,6 +257,7 @@ impl<'a> Resonance<'a> {
         }
         Some((of_runs < of_roots).then_some(Told {
             alone: of_runs < of_products,
+            known: false,
             mode,
         }))
     }
@@ -329,11 +340,13 @@ impl<'a> Resonance<'a> {
         };
         let stepped: Vec<Complex64> = poles.iter().zip(steps).map(stepped).collect();
         let line = Line::through(&stepped, steps);
-        let on_line = |pole: &Complex64| Complex64::new(line.at(pole.im), pole.im);
+        // One that hardly counts may be far off.
+        let damped = |decay: f64| if decay < 0.0 { decay } else { line.middle.re };
+        let on_line = |pole: &Complex64| Complex64::new(damped(line.at(pole.im)), pole.im);
         let now: Vec<Complex64> = stepped.iter().map(on_line).collect();
         let strays = |(pole, step): (&Complex64, &Step)| {
             let counts = step.weight > COUNTS * weights;
-            counts && (pole.im <= lo || pole.im >= hi) || pole.re >= 0.0
+            counts && (pole.im <= lo || pole.im >= hi || pole.re >= 0.0)
         };
         let stray = now.iter().zip(steps).any(strays);
         (!stray).then_some((now, line))
