@@ -90,7 +90,8 @@ impl Moved {
         let (runs, roving_sensor) = runs(functions);
         let sides = Sides::new(functions);
         Self {
-            runs,
+            // Several references tell close modes from one that moves, and have them more often.
+            runs: if sides.inputs > 1 { Vec::new() } else { runs },
             roving_sensor,
             factors: sides.outputs.len() + sides.inputs,
             ..Self::default()
