@@ -51,8 +51,8 @@ const OUTSIDE: f64 = 0.05;
 /// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
-/// Times that the noise is told again at the end of the search while it changes.
-const AGAIN: usize = 3;
+/// Times that the noise is told again at the end of the search while it changes: none, as close modes of three references go with it.
+const AGAIN: usize = 0;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// A root stands alone where the next is so many sums of half-power widths away.
