@@ -51,8 +51,6 @@ const OUTSIDE: f64 = 0.05;
 /// Rounds of pruning after each refinement, and of the search in what is left over.
 const PRUNINGS: usize = 12;
 const SEARCHES: usize = 4;
-/// Times that the noise is told again at the end of the search while it changes: none, as close modes of three references go with it.
-const AGAIN: usize = 0;
 /// Relative change of a variance that is none.
 const SAME_NOISE: f64 = 0.1;
 /// A root stands alone where the next is so many sums of half-power widths away.
@@ -162,10 +160,7 @@ impl Fit {
         self.roots = seeds.clone();
         let mut changed = self.settle_and_judge();
         if several && !self.leaves_more_than_noise() {
-            self.judge_again(changed);
-            if !self.leaves_more_than_noise() {
-                return Ok(());
-            }
+            return Ok(());
         }
         if let Some(noise) = noise {
             // What so few roots leave over says too much of the noise.
@@ -226,7 +221,7 @@ impl Fit {
             }
             // The noise of the same roots is the same.
             if gain.is_none() && !changed && self.roots == before {
-                return;
+                break;
             }
             // Where more roots leave such doubts and explain little, what the next would fit is not modes.
             let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
@@ -234,18 +229,6 @@ impl Fit {
             if last {
                 break;
             }
-        }
-        self.judge_again(changed);
-    }
-
-    /// Judges by the noise that the fit leaves as long as that changes: what was told beside roots that are gone, or before others were
-    /// there, is not the noise of those that are left.
-    fn judge_again(&mut self, mut changed: bool) {
-        for _ in 0..AGAIN {
-            if !changed {
-                break;
-            }
-            changed = self.judge_by_noise();
         }
     }
 
