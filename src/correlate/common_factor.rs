@@ -103,13 +103,20 @@ mod tests {
     fn a_model_that_is_much_too_soft_has_its_factor_told() {
         let (test, theory) = (modes(1.0, [0.0; 5]), modes(0.36, [0.0; 5]));
         assert!(paired(&test, &theory).pairs.is_empty());
-        let own = told(&test, &theory).unwrap();
-        assert!((own.value.unwrap() * 0.36 - 1.0).abs() < 1e-12 && own.limit.unwrap() < 1e-9);
+        let own = told(&test, &theory).expect("the factor is told");
+        assert!(
+            (own.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 1e-12
+                && own.limit.expect("the finding has a limit") < 1e-9
+        );
         // Frequencies that scatter by 1 % make 2 % of the factor from mode to mode.
         let deviations = [0.01, -0.01, 0.01, -0.01, 0.0];
         let own = told(&modes(1.0, deviations), &theory).unwrap();
-        assert!((own.value.unwrap() * 0.36 - 1.0).abs() < 0.01, "{own}");
-        let spread = own.limit.unwrap() / own.value.unwrap();
+        assert!(
+            (own.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 0.01,
+            "{own}"
+        );
+        let spread = own.limit.expect("the finding has a limit")
+            / own.value.expect("the finding has a value");
         assert!((spread - 0.02).abs() < 1e-4, "{spread}");
         assert!(own.to_string().contains("(2.778 ± 0.056)"), "{own}");
     }

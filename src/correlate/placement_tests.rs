@@ -13,7 +13,9 @@ use super::pairing_tests::model;
 use super::*;
 
 fn dofs(text: &[&str]) -> Vec<Dof> {
-    text.iter().map(|own| own.parse().unwrap()).collect()
+    text.iter()
+        .map(|own| own.parse().expect("a name of a degree of freedom"))
+        .collect()
 }
 
 /// Noise far below the peak of a root of strength 1 at 200 Hz, which is 3e-5 m/N.
@@ -24,7 +26,7 @@ fn placed(theory: &ModalModel, test: &[(&str, &str)], points: &[&str]) -> Placem
         hits: dofs(points),
         sensors: dofs(points),
     };
-    let band = Band::new(10.0, 900.0).unwrap();
+    let band = Band::new(10.0, 900.0).expect("10 is below 900");
     let frfs = receptances(test, QUIET);
     placement(
         (theory, &ModalModel::default(), &frfs),
@@ -66,7 +68,9 @@ fn a_hit_beside_the_node_shows_what_one_on_it_does_not() {
     // Strength 1 at the driving point, 1 % damping.
     let omega = std::f64::consts::TAU * 200.0;
     let peak = 1.0 / (2.0 * 0.01 * omega * omega);
-    let db = plan.roots[1].peak_over_noise_db.unwrap();
+    let db = plan.roots[1]
+        .peak_over_noise_db
+        .expect("the noise is known");
     assert!(
         (db - 10.0 * (peak * peak / QUIET).log10()).abs() < 1e-9,
         "{db}"
@@ -129,7 +133,12 @@ fn what_no_point_can_see_is_said_with_its_reason() {
     assert_eq!(roots[1], (0, [true, true]));
     // It moves, but a strength of 1e-16 does not rise over the noise.
     assert_eq!(roots[2], (0, [false, false]));
-    assert!(plan.roots[2].peak_over_noise_db.unwrap() < -150.0);
+    assert!(
+        plan.roots[2]
+            .peak_over_noise_db
+            .expect("the noise is known")
+            < -150.0
+    );
 }
 
 #[test]
@@ -159,8 +168,11 @@ fn each_response_is_held_against_its_noise_in_its_own_kind() {
             sensors: Vec::new(),
         };
         let known = (&theory, &ModalModel::default(), frfs.concat());
-        let plan = placement((known.0, known.1, &known.2), None, &candidates).unwrap();
-        plan.roots[0].peak_over_noise_db.unwrap()
+        let plan = placement((known.0, known.1, &known.2), None, &candidates)
+            .expect("the theory has modes");
+        plan.roots[0]
+            .peak_over_noise_db
+            .expect("the noise is known")
     };
     let omega = std::f64::consts::TAU * 200.0;
     let same = db(FrfKind::Receptance, QUIET);
@@ -191,7 +203,7 @@ fn independence_is_the_part_of_a_row_that_no_other_point_has() {
             0.5
         };
         assert!(
-            (own.independence.unwrap() - expected).abs() < 1e-12,
+            (own.independence.expect("roots are in the band") - expected).abs() < 1e-12,
             "{own:?}"
         );
     }
@@ -204,7 +216,7 @@ fn without_masses_damping_or_noise_nothing_is_planned() {
         hits: dofs(&["1:+Z"]),
         sensors: Vec::new(),
     };
-    let band = Band::new(10.0, 900.0).unwrap();
+    let band = Band::new(10.0, 900.0).expect("10 is below 900");
     let frfs = receptances(&[("1:+Z", "1:+Z")], QUIET);
     let planned = |theory: &ModalModel, frfs: &[crate::frf::FrfSet]| {
         placement(

@@ -53,7 +53,7 @@ fn every_kind_of_matrix_market_file_is_read() {
         ),
     ];
     for (text, expected) in cases {
-        let matrix = market(text).unwrap();
+        let matrix = market(text).expect("the text is a matrix");
         assert_eq!((matrix.rows, matrix.columns), (2, 2));
         assert_eq!(full(&matrix), expected, "{text}");
     }
@@ -107,9 +107,9 @@ fn damage_of_a_matrix_market_file_is_named_with_its_line() {
 
 /// A folder with one file.
 fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a folder can be made");
     let path = folder.path().join(name);
-    std::fs::write(&path, bytes).unwrap();
+    std::fs::write(&path, bytes).expect("a file can be written");
     (folder, path)
 }
 
@@ -144,10 +144,12 @@ fn npz(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
     for (name, bytes) in members {
-        archive.start_file(format!("{name}.npy"), options).unwrap();
-        archive.write_all(bytes).unwrap();
+        archive
+            .start_file(format!("{name}.npy"), options)
+            .expect("an archive in memory");
+        archive.write_all(bytes).expect("an archive in memory");
     }
-    archive.finish().unwrap().into_inner()
+    archive.finish().expect("an archive in memory").into_inner()
 }
 
 /// [1 0 2; 0 0 3] as scipy.sparse writes it.
@@ -187,7 +189,7 @@ fn sparse_matrices_of_scipy_are_read_in_every_layout() {
     for format in ["csr", "csc", "coo"] {
         for (prefix, name) in [("", None), ("K/", Some("K")), ("K/", Some("/K"))] {
             let (_folder, path) = file("k.npz", &scipy(prefix, format));
-            let matrix = read_matrix(&path, name).unwrap();
+            let matrix = read_matrix(&path, name).expect("the file holds the matrix");
             assert_eq!((matrix.rows, matrix.columns), (2, 3), "{format}");
             assert_eq!(full(&matrix), [1.0, 0.0, 2.0, 0.0, 0.0, 3.0], "{format}");
         }
@@ -246,11 +248,14 @@ fn arrays_are_found_by_name_and_the_only_one_without() {
         "one.npz",
         &npz(&[("K", full_matrix(&[1.0, 2.0, 0.0, 4.0]))]),
     );
-    let matrix = read_matrix(&path, None).unwrap();
+    let matrix = read_matrix(&path, None).expect("the file holds the matrix");
     assert_eq!(matrix.entries, [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 4.0)]);
     let two = [("K", full_matrix(&[1.0; 4])), ("M", full_matrix(&[2.0; 4]))];
     let (_folder, path) = file("two.npz", &npz(&two));
-    assert_eq!(full(&read_matrix(&path, Some("M")).unwrap()), [2.0; 4]);
+    assert_eq!(
+        full(&read_matrix(&path, Some("M")).expect("the file holds the matrix")),
+        [2.0; 4]
+    );
     for name in [None, Some("C")] {
         let error = read_matrix(&path, name).unwrap_err().to_string();
         assert!(error.contains("K (2 x 2 f64), M (2 x 2 f64)"), "{error}");
@@ -287,10 +292,10 @@ fn datasets_and_sparse_groups_of_hdf5_are_read() {
     let data = group.create_dataset("jc");
     data.with_f64_data(&[0.0, 2.0, 4.0]).with_shape(&[3]);
     builder.add_group(group.finish());
-    let (_folder, path) = file("model.h5", &builder.finish().unwrap());
-    let mass = read_matrix(&path, Some("/M")).unwrap();
+    let (_folder, path) = file("model.h5", &builder.finish().expect("a file in memory"));
+    let mass = read_matrix(&path, Some("/M")).expect("the file holds the matrix");
     assert_eq!(mass.entries, [(0, 0, 2.0), (1, 1, 3.0)]);
-    let stiffness = read_matrix(&path, Some("K")).unwrap();
+    let stiffness = read_matrix(&path, Some("K")).expect("the file holds the matrix");
     assert_eq!(full(&stiffness), [5.0, -1.0, -1.0, 6.0]);
 }
 
@@ -298,7 +303,7 @@ fn datasets_and_sparse_groups_of_hdf5_are_read() {
 fn a_matrix_market_file_is_known_by_its_head() {
     let text = b"%%MatrixMarket matrix array real general\n1 2\n3\n4\n";
     let (_folder, path) = file("k.dat", text);
-    let matrix = read_matrix(&path, None).unwrap();
+    let matrix = read_matrix(&path, None).expect("the file holds the matrix");
     assert_eq!((matrix.rows, matrix.columns), (1, 2));
     assert_eq!(full(&matrix), [3.0, 4.0]);
     let error = read_matrix(&path.with_extension("gone"), None).unwrap_err();

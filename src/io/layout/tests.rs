@@ -53,11 +53,12 @@ fn written(source: &mut dyn Source) -> (Vec<NamedArray>, Vec<Finding>) {
         arrays.push(array);
         Ok(())
     });
-    (arrays, findings.unwrap())
+    (arrays, findings.expect("the source can be written"))
 }
 
 fn read_back(arrays: Vec<NamedArray>) -> Box<dyn Source> {
-    open_arrays("test", Box::new(Arrays::new(arrays)), &Hints::default()).unwrap()
+    open_arrays("test", Box::new(Arrays::new(arrays)), &Hints::default())
+        .expect("what was written opens")
 }
 
 proptest! {
@@ -74,7 +75,7 @@ proptest! {
             prop_assert_eq!(array.shape.iter().product::<usize>(), array.elements.len());
         }
         let names: Vec<String> = arrays.iter().map(|array| array.name.clone()).collect();
-        prop_assert_eq!(array_names(&mut source, None).unwrap(), names);
+        prop_assert_eq!(array_names(&mut source, None).expect("every source has names"), names);
         assert_same(&mut source, read_back(arrays).as_mut());
     }
 }
@@ -88,7 +89,7 @@ fn two_functions() -> MemorySource {
     let mut source = MemorySource::default();
     for response in ["1:+Z", "2:+Z"] {
         let mut entry = Entry::new(FunctionType::Frf, axis, SampleFormat::ComplexF64);
-        entry.response = Some(response.parse().unwrap());
+        entry.response = Some(response.parse().expect("a name of a degree of freedom"));
         let values = (0..3).map(|line| num_complex::Complex64::new(f64::from(line), 0.1));
         source.push(entry, Block::Complex(values.collect()), Vec::new());
     }
@@ -96,7 +97,10 @@ fn two_functions() -> MemorySource {
 }
 
 fn array<'a>(arrays: &'a [NamedArray], name: &str) -> &'a NamedArray {
-    arrays.iter().find(|array| array.name == name).unwrap()
+    arrays
+        .iter()
+        .find(|array| array.name == name)
+        .expect("an array of that name")
 }
 
 #[test]
@@ -210,7 +214,12 @@ fn what_the_layout_cannot_hold_is_said() {
 /// The one error of the layout after `spoil` of the named array.
 fn spoiled(name: &str, spoil: impl Fn(&mut NamedArray)) -> String {
     let (mut arrays, _) = written(&mut two_functions());
-    spoil(arrays.iter_mut().find(|array| array.name == name).unwrap());
+    spoil(
+        arrays
+            .iter_mut()
+            .find(|array| array.name == name)
+            .expect("an array of that name"),
+    );
     let read = read_back(arrays);
     assert_eq!(read.catalog().damage.len(), 1, "{name}");
     read.catalog().damage[0].to_string()
@@ -257,7 +266,10 @@ fn another_number_of_the_layout_is_an_error() {
         arrays[0].elements = Elements::Text(vec![schema.to_owned()]);
         open_arrays("test", Box::new(Arrays::new(arrays)), &Hints::default())
     };
-    let error = open("modalign-frf/2").err().unwrap().to_string();
+    let error = open("modalign-frf/2")
+        .err()
+        .expect("it is refused")
+        .to_string();
     assert!(
         error.contains("modalign-frf/2") && error.contains(SCHEMA),
         "{error}"

@@ -11,14 +11,17 @@ const MODES: &str = "lms-testlab-modes/OOP_inb_new_attach_0_30Hz_no euler.unv";
 
 /// What is listed for a file.
 fn expected(name: &str) -> Value {
-    let path = recording("expected.json").unwrap();
-    let all: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    let path = recording("expected.json").expect("it lies beside the recordings");
+    let all: Value = serde_json::from_slice(&std::fs::read(path).expect("the file can be read"))
+        .expect("the file is JSON");
     all[name].clone()
 }
 
 fn numbers(list: &Value) -> Vec<f64> {
-    let list = list.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
+    let list = list.as_array().expect("expected values list it");
+    list.iter()
+        .map(|v| v.as_f64().expect("expected values are numbers"))
+        .collect()
 }
 
 #[test]
@@ -30,14 +33,16 @@ fn modes_of_testlab_have_the_listed_poles_and_shapes() {
     assert_eq!(codes(source.as_ref()), [Code::UnmeasuredLeftOut]);
     assert_eq!(
         catalog.modes.len() as u64,
-        listed["n_modes"].as_u64().unwrap()
+        listed["n_modes"]
+            .as_u64()
+            .expect("expected values are whole numbers")
     );
     let (headers, natural) = (&listed["header_freq_hz"], &listed["undamped_hz"]);
     let (headers, natural) = (numbers(headers), numbers(natural));
     let (damping, poles) = (numbers(&listed["header_damping"]), &listed["eigenvalue"]);
     for (i, entry) in catalog.modes.iter().enumerate() {
         let mode = &entry.mode;
-        let pole = mode.pole().unwrap();
+        let pole = mode.pole().expect("the mode has damping");
         let listed_pole = numbers(&poles[i]);
         let listed_pole = Complex64::new(listed_pole[0], listed_pole[1]);
         assert!((pole.lambda - listed_pole).norm() < 1e-12 * listed_pole.norm());
@@ -50,22 +55,32 @@ fn modes_of_testlab_have_the_listed_poles_and_shapes() {
         let damped = pole.damped_frequency_hz();
         assert!((damped / headers[i] - 1.0).abs() < 6e-6, "mode {}", i + 1);
         // The eigenvalue has six digits, the header six decimals.
-        let zeta = mode.damping_ratio.unwrap();
+        let zeta = mode.damping_ratio.expect("the mode has damping");
         assert!((zeta - damping[i]).abs() < 2e-6, "mode {}: {zeta}", i + 1);
         let nodes: std::collections::BTreeSet<&str> =
             mode.shape.iter().map(|(dof, _)| dof.point()).collect();
         assert_eq!(
             nodes.len() as u64,
-            listed["n_nodes_per_mode"].as_u64().unwrap()
+            listed["n_nodes_per_mode"]
+                .as_u64()
+                .expect("expected values are whole numbers")
         );
         assert_eq!((entry.title.len(), entry.modal_a.is_some()), (4, true));
         assert_eq!(mode.scaling, Scaling::UnitModalMass);
     }
     let first = &catalog.modes[0].mode.shape;
-    for (node, axes) in listed["mode1_first_node_in_file"].as_object().unwrap() {
-        for (axis, value) in ["X", "Y", "Z"].iter().zip(axes.as_array().unwrap()) {
+    for (node, axes) in listed["mode1_first_node_in_file"]
+        .as_object()
+        .expect("expected values list it")
+    {
+        for (axis, value) in ["X", "Y", "Z"]
+            .iter()
+            .zip(axes.as_array().expect("expected values list it"))
+        {
             let value = numbers(value);
-            let dof = format!("{node}:+{axis}").parse().unwrap();
+            let dof = format!("{node}:+{axis}")
+                .parse()
+                .expect("a name of a degree of freedom");
             match first.get(&dof) {
                 Some(got) => assert_eq!((got.re, got.im), (value[0], value[1]), "{dof}"),
                 None => assert_eq!(value, [0.0, 0.0], "{dof}"),
@@ -87,8 +102,8 @@ fn the_autocorrelation_of_those_modes_is_the_listed_one() {
         .map(|entry| entry.mode.shape.iter().map(|(_, value)| value).collect())
         .collect();
     let (pair, count) = (numbers(&listed["automac_max_pair"]), shapes.len());
-    let listed = |name: &str| listed[name].as_f64().unwrap();
-    let of = |i: usize, j: usize| mac(&shapes[i - 1], &shapes[j - 1]).unwrap();
+    let listed = |name: &str| listed[name].as_f64().expect("expected values are numbers");
+    let of = |i: usize, j: usize| mac(&shapes[i - 1], &shapes[j - 1]).expect("no shape vanishes");
     for (got, name) in [
         (of(1, 2), "automac_12"),
         (of(1, 3), "automac_13"),

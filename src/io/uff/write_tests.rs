@@ -19,7 +19,9 @@ use crate::quantity::Quantity;
 pub(super) fn abscissa(source: &mut dyn Source, entry: usize) -> Vec<f64> {
     let len = source.catalog().entries[entry].len();
     let mut out = vec![7.0];
-    source.abscissa(entry, 0..len, &mut out).unwrap();
+    source
+        .abscissa(entry, 0..len, &mut out)
+        .expect("the abscissa is there");
     out
 }
 
@@ -222,8 +224,8 @@ prop_compose! {
         }.to_owned();
         (entry.identification.version, entry.identification.load_case) = (version, load_case);
         entry.identification.lines[1] = line;
-        entry.response = Some(format!("frame.12:-Z#{repeat}").parse().unwrap());
-        entry.reference = (repeat > 1).then(|| format!("bearing:+X#{repeat}").parse().unwrap());
+        entry.response = Some(format!("frame.12:-Z#{repeat}").parse().expect("a name of a degree of freedom"));
+        entry.reference = (repeat > 1).then(|| format!("bearing:+X#{repeat}").parse().expect("a name of a degree of freedom"));
         entry.note.averages = averages;
         entry.note.window = averages.and_then(|n| Window::from_code(i64::from(n)));
         single(entry, values, abscissa)
@@ -233,9 +235,9 @@ prop_compose! {
 proptest! {
     #[test]
     fn bytes_come_back_to_the_bit(mut source in any_source()) {
-        let (bytes, lost) = written(&mut source, Encoding::Binary, None).unwrap();
+        let (bytes, lost) = written(&mut source, Encoding::Binary, None).expect("the source can be written");
         prop_assert!(lost.is_empty(), "{:?}", lost);
-        let mut again = open(bytes).unwrap();
+        let mut again = open(bytes).expect("what was written opens");
         prop_assert!(again.catalog().damage.is_empty(), "{:?}", again.catalog().damage);
         prop_assert_eq!(&again.catalog().title, &source.catalog.title);
         let mut expected = source.catalog.entries[0].clone();
@@ -244,7 +246,7 @@ proptest! {
             // Abscissae that single precision does not hold widen the values.
             expected.format = got.format;
         } else {
-            prop_assert_eq!(bits(&all(again.as_mut(), 0).unwrap()), bits(&source.blocks[0]));
+            prop_assert_eq!(bits(&all(again.as_mut(), 0).expect("the values are there")), bits(&source.blocks[0]));
         }
         prop_assert_eq!(got, expected);
         let wanted = abscissa(&mut source, 0);
@@ -253,8 +255,8 @@ proptest! {
 
     #[test]
     fn text_keeps_its_digits(mut source in any_source()) {
-        let (bytes, _) = written(&mut source, Encoding::Text, None).unwrap();
-        let mut again = open(bytes).unwrap();
+        let (bytes, _) = written(&mut source, Encoding::Text, None).expect("the source can be written");
+        let mut again = open(bytes).expect("what was written opens");
         prop_assert!(again.catalog().damage.is_empty(), "{:?}", again.catalog().damage);
         let entry = source.catalog.entries[0].clone();
         let digits = match entry.format {
@@ -269,7 +271,7 @@ proptest! {
             Block::F64(values) => values.clone(),
             Block::Complex(values) => values.iter().flat_map(|v| [v.re, v.im]).collect(),
         }};
-        let (got, wanted) = (flat(&all(again.as_mut(), 0).unwrap()), flat(&source.blocks[0]));
+        let (got, wanted) = (flat(&all(again.as_mut(), 0).expect("the values are there")), flat(&source.blocks[0]));
         prop_assert_eq!(got.len(), wanted.len());
         for (a, b) in got.iter().zip(&wanted) {
             prop_assert!(near(*a, *b, digits), "{a} {b}");
@@ -294,19 +296,30 @@ fn what_has_no_place_is_told() {
     let mut entry = Entry::new(FunctionType::Time, axis, SampleFormat::RealF64);
     (entry.quantity, entry.to_si) = (Some(Quantity::Force), Some(0.125));
     let mut source = single(entry.clone(), Block::F64(vec![2.0]), vec![]);
-    let (bytes, lost) = written(&mut source, Encoding::Binary, None).unwrap();
+    let (bytes, lost) =
+        written(&mut source, Encoding::Binary, None).expect("the source can be written");
     assert!(
         lost.is_empty(),
         "a factor that no unit has makes SI values: {lost:?}"
     );
-    let mut again = open(bytes).unwrap();
-    assert_eq!(all(again.as_mut(), 0).unwrap(), Block::F64(vec![0.25]));
+    let mut again = open(bytes).expect("what was written opens");
+    assert_eq!(
+        all(again.as_mut(), 0).expect("the values are there"),
+        Block::F64(vec![0.25])
+    );
     assert_eq!(again.catalog().entries[0].to_si, Some(1.0));
     // A quantity whose unit nobody states is not given the file's.
     entry.to_si = None;
     let mut source = single(entry.clone(), Block::F64(vec![2.0]), vec![]);
-    let (bytes, _) = written(&mut source, Encoding::Text, None).unwrap();
-    assert_eq!(open(bytes).unwrap().catalog().entries[0].to_si, None);
+    let (bytes, _) = written(&mut source, Encoding::Text, None).expect("the source can be written");
+    assert_eq!(
+        open(bytes)
+            .expect("what was written opens")
+            .catalog()
+            .entries[0]
+            .to_si,
+        None
+    );
     entry.identification.lines[0] = "x".repeat(90);
     entry.identification.lines[3] = "theirs".to_owned();
     entry.identification.lines[4] = "theirs".to_owned();
@@ -315,7 +328,8 @@ fn what_has_no_place_is_told() {
     let mut source = single(entry.clone(), Block::F64(vec![2.0]), vec![]);
     entry.function_type = FunctionType::Variance;
     source.push(entry, Block::F64(vec![2.0]), vec![]);
-    let (bytes, lost) = written(&mut source, Encoding::Binary, None).unwrap();
+    let (bytes, lost) =
+        written(&mut source, Encoding::Binary, None).expect("the source can be written");
     let told: Vec<String> = lost
         .iter()
         .map(|finding| finding.place.to_string())
@@ -330,7 +344,14 @@ fn what_has_no_place_is_told() {
         lost.iter()
             .all(|f| (f.code, f.value) == (Code::NotCarried, Some(1.0)))
     );
-    assert_eq!(open(bytes).unwrap().catalog().entries.len(), 1);
+    assert_eq!(
+        open(bytes)
+            .expect("what was written opens")
+            .catalog()
+            .entries
+            .len(),
+        1
+    );
 }
 
 #[test]
@@ -382,7 +403,7 @@ fn digits_that_text_cuts_off_are_told() {
     let told = |axis, values: [f32; 2], abscissa: &[f64], encoding| {
         let entry = Entry::new(FunctionType::Time, axis, SampleFormat::RealF32);
         let mut source = single(entry, Block::F32(values.to_vec()), abscissa.to_vec());
-        let (_, lost) = written(&mut source, encoding, None).unwrap();
+        let (_, lost) = written(&mut source, encoding, None).expect("the source can be written");
         let names = lost.iter().map(|own| own.place.to_string());
         (
             names.collect::<Vec<_>>(),

@@ -52,7 +52,7 @@ fn response(rate: f64, omega: f64, rms: f64, seed: u64) -> Vec<f64> {
 }
 
 fn locate(samples: &[f64]) -> Pulse {
-    Pulse::locate(samples, ONSET_FRACTION).unwrap()
+    Pulse::locate(samples, ONSET_FRACTION).expect("there is a pulse")
 }
 
 fn pulse() -> Pulse {
@@ -60,7 +60,7 @@ fn pulse() -> Pulse {
 }
 
 fn of(samples: &[f64], rule: Rule) -> Check {
-    let dof = "3:-Z".parse().unwrap();
+    let dof = "3:-Z".parse().expect("a name of a degree of freedom");
     let record = ResponseRecord {
         samples,
         step_s: STEP_S,
@@ -69,7 +69,10 @@ fn of(samples: &[f64], rule: Rule) -> Check {
     };
     let checks = judge_response(&record, &pulse(), &JudgeLimits::default());
     assert!(checks.iter().all(|c| c.dof.as_ref() == Some(&dof)));
-    checks.into_iter().find(|c| c.rule == rule).unwrap()
+    checks
+        .into_iter()
+        .find(|c| c.rule == rule)
+        .expect("every rule is judged")
 }
 
 fn of_force(samples: &[f64], band_end_hz: f64, rule: Rule) -> Check {
@@ -82,7 +85,10 @@ fn of_force(samples: &[f64], band_end_hz: f64, rule: Rule) -> Check {
         band_end_hz,
         &limits,
     );
-    checks.into_iter().find(|c| c.rule == rule).unwrap()
+    checks
+        .into_iter()
+        .find(|c| c.rule == rule)
+        .expect("every rule is judged")
 }
 
 fn quantised(samples: &[f64], step: f64) -> Vec<f64> {
@@ -157,7 +163,10 @@ fn ringing_of_the_previous_hit_is_rejected_by_what_it_does_to_h() {
     let check = with(0.3);
     assert_eq!(check.outcome, Outcome::Rejected);
     // Both decay alike over like stretches, so that the ratio is that of the amplitudes at the start of either.
-    assert!((check.value.unwrap() - 0.3).abs() < 0.06, "{check:?}");
+    assert!(
+        (check.value.expect("the check has a value") - 0.3).abs() < 0.06,
+        "{check:?}"
+    );
     let noisy = of(&response(2e-3, 0.3, 1.0, 5), Rule::PreTrigger);
     assert_eq!(noisy.outcome, Outcome::NotDecidable);
 }
@@ -169,7 +178,7 @@ fn what_is_left_at_the_end_is_the_amplitude_without_the_noise() {
     assert_eq!(check.outcome, Outcome::Noted);
     let expected = (-1e-3f64 * 3652.0).exp();
     assert!(
-        (check.value.unwrap() / expected - 1.0).abs() < 0.05,
+        (check.value.expect("the check has a value") / expected - 1.0).abs() < 0.05,
         "{check:?}"
     );
     let decayed = of(&response(3e-3, 0.3, 1e-4, 5), Rule::Decay);
@@ -193,7 +202,7 @@ fn the_roll_off_of_a_half_sine_is_that_of_its_transform() {
     assert_eq!(check.outcome, Outcome::Passed);
     let expected = at_20_db / duration_s;
     assert!(
-        (check.at.unwrap() / expected - 1.0).abs() < 0.02,
+        (check.at.expect("the check has a place") / expected - 1.0).abs() < 0.02,
         "{check:?} {expected}"
     );
     let wide = of_force(&force(12.0, 0.0, 1), 1.02 * expected, Rule::RollOff);
@@ -219,7 +228,7 @@ fn a_turned_force_is_noted_with_its_height() {
     let turned: Vec<f64> = force(12.0, 1e-4, 1).iter().map(|f| -f).collect();
     let check = of_force(&turned, 100.0, Rule::Sign);
     assert_eq!(check.outcome, Outcome::Noted);
-    assert!(check.value.unwrap() < -0.99);
+    assert!(check.value.expect("the check has a value") < -0.99);
     assert_eq!(
         of_force(&force(12.0, 1e-4, 1), 100.0, Rule::Sign).outcome,
         Outcome::Passed
@@ -232,7 +241,7 @@ fn offset_and_drift_are_those_that_were_put_in() {
     for (k, sample) in drifting.iter_mut().enumerate() {
         *sample += 0.02 + 0.03 * (k as f64 - ONSET as f64) / LEN as f64;
     }
-    let drift = drift_of(&drifting, STEP_S, &locate(&drifting)).unwrap();
+    let drift = drift_of(&drifting, STEP_S, &locate(&drifting)).expect("the record drifts");
     assert!((drift.offset - 0.02).abs() < 6.0 * drift.error, "{drift:?}");
     let slope = 0.03 / (LEN as f64 * STEP_S);
     assert!(
@@ -358,7 +367,10 @@ fn a_record_that_begins_in_the_pulse_is_not_decidable_rather_than_passed() {
 
 #[test]
 fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule_that_is_judged() {
-    let (limits, dof) = (JudgeLimits::default(), "3:-Z".parse().unwrap());
+    let (limits, dof) = (
+        JudgeLimits::default(),
+        "3:-Z".parse().expect("a name of a degree of freedom"),
+    );
     let samples = response(2e-3, 0.3, 1e-2, 5);
     let record = |len: usize| ResponseRecord {
         samples: &samples[..len],

@@ -19,18 +19,19 @@ use crate::theory::{
 const POSITIONS: usize = 48;
 
 fn paper() -> SpiderReducer {
-    SpiderReducer::new("paper").unwrap()
+    SpiderReducer::new("paper").expect("the set is built in")
 }
 
 fn values(model: &SpiderReducer, changes: &[(&str, f64)]) -> Vec<f64> {
     let changes = changes.iter().map(|(name, v)| ((*name).to_owned(), *v));
-    override_values("reducer", model.parameters(), &changes.collect()).unwrap()
+    override_values("reducer", model.parameters(), &changes.collect())
+        .expect("the names are parameters")
 }
 
 fn nominal(name: &str) -> f64 {
     let model = paper();
     let own = model.parameters().iter().find(|spec| spec.name == name);
-    own.unwrap().nominal
+    own.expect("the name is a parameter").nominal
 }
 
 fn printed(value: f64, text: &str) {
@@ -70,7 +71,9 @@ fn the_calibrated_values_give_both_printed_frequencies() {
         &model,
         &[("j_sz", 1.7205043380e-4), ("z_o2", -0.1209034998)],
     );
-    let hz = frequencies(&modes(&model, &exact, &[], &ModeOptions::default()).unwrap());
+    let hz = frequencies(
+        &modes(&model, &exact, &[], &ModeOptions::default()).expect("the model has modes"),
+    );
     printed(hz[0], "66.200000");
     printed(hz[8], "272.600000");
     // Those of the model are these, rounded.
@@ -84,16 +87,19 @@ fn the_calibrated_values_give_both_printed_frequencies() {
 #[test]
 fn the_machine_is_held_with_the_least_stiffness_of_the_reference() {
     let model = paper();
-    let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let matrices = model
+        .assemble(&nominal_values(model.parameters()))
+        .expect("nominal values are legal");
     let unit = real_matrix(35, 35, |i, j| f64::from(u8::from(i == j)));
-    let least = symmetric_modes(&matrices.stiffness, &unit).unwrap();
+    let least = symmetric_modes(&matrices.stiffness, &unit).expect("the matrices are symmetric");
     printed(least.omega_squared[0], "103.75");
 }
 
 #[test]
 fn the_output_swings_in_mode_3() {
     let model = paper();
-    let solved = modes(&model, &values(&model, &[]), &[], &ModeOptions::default()).unwrap();
+    let solved = modes(&model, &values(&model, &[]), &[], &ModeOptions::default())
+        .expect("the model has modes");
     for (names, text) in [
         (&["box", "boy"][..], "63.6415"),
         (&["xo", "yo"], "3.7971"),
@@ -128,7 +134,9 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
             }
         }
         matrices.stiffness = sprung(&matrices.springs, 35);
-        let hz = frequencies(&modes_of_matrices(&matrices, &ModeOptions::default()).unwrap());
+        let hz = frequencies(
+            &modes_of_matrices(&matrices, &ModeOptions::default()).expect("the model has modes"),
+        );
         for i in 0..9 {
             least[i] = least[i].min(hz[i]);
             largest[i] = largest[i].max(hz[i]);
@@ -159,14 +167,16 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
 /// The machine with the input's rotation as a further coordinate, the last one, which moves both eccentrics.
 fn with_free_input() -> SystemMatrices {
     let model = paper();
-    let held = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let held = model
+        .assemble(&nominal_values(model.parameters()))
+        .expect("nominal values are legal");
     let (e, n) = (nominal("eccentricity"), held.coordinates.len() + 1);
     let mut springs = held.springs.clone();
     for spring in &mut springs {
         // At a crank angle of 0 the eccentrics are at +e and -e along x, and move along y.
         let reads = |name: &str| {
             let at = held.coordinates.iter().position(|own| own.name == name);
-            spring.row[at.unwrap()].abs() > 0.0
+            spring.row[at.expect("the coordinate is the model's")].abs() > 0.0
         };
         let part = match (spring.name.as_str(), reads("yp1"), reads("yp2")) {
             ("k_a", true, _) => -e,
@@ -201,10 +211,11 @@ fn with_free_input() -> SystemMatrices {
 #[test]
 fn with_its_input_free_the_machine_turns_by_the_transmission_ratio() {
     let free = with_free_input();
-    let solved = modes_of_matrices(&free, &ModeOptions::default()).unwrap();
+    let solved = modes_of_matrices(&free, &ModeOptions::default()).expect("the model has modes");
     assert_eq!(solved.rigid, 1);
     let output = free.coordinates.iter().position(|own| own.name == "boz");
-    let ratio = solved.vectors[(35, 0)] / solved.vectors[(output.unwrap(), 0)];
+    let ratio = solved.vectors[(35, 0)]
+        / solved.vectors[(output.expect("the coordinate is the model's"), 0)];
     assert!((ratio / 49.0 - 1.0).abs() < 1e-8, "{ratio}");
     let expected = [
         "0.0000", "66.2508", "104.6092", "118.2163", "160.7186", "183.8804", "186.3990",
@@ -220,7 +231,7 @@ fn accelerances_with_two_percent_of_damping_are_the_reference() {
     let model = paper();
     let input_m = nominal("z_o3") - nominal("a_2") + nominal("a_1");
     let sensor = |dof: &str, body: &str, z: f64| Sensor {
-        dof: dof.parse().unwrap(),
+        dof: dof.parse().expect("a name of a degree of freedom"),
         target: Target::BodyPoint {
             body: body.to_owned(),
             at_m: [0.0, 0.0, z],
@@ -233,10 +244,11 @@ fn accelerances_with_two_percent_of_damping_are_the_reference() {
         sensor("2:+X", "output", nominal("z_o2")),
     ];
     let options = ModeOptions::default();
-    let solved = modes(&model, &values(&model, &[]), &sensors, &options).unwrap();
-    let dof = |text: &str| -> Dof { text.parse().unwrap() };
+    let solved =
+        modes(&model, &values(&model, &[]), &sensors, &options).expect("the model has modes");
+    let dof = |text: &str| -> Dof { text.parse().expect("a name of a degree of freedom") };
     let pairs = ["1:+X", "2:+X"].map(|response| (dof(response), dof("1:+X")));
-    let parts = residues(&solved, &[0.02; 35], &pairs).unwrap();
+    let parts = residues(&solved, &[0.02; 35], &pairs).expect("sensors are the model\'s");
     for (hz, expected) in [
         (20.0, ["1.24492663e-3", "1.70556863e-5"]),
         (66.2, ["1.90766670e-2", "1.91127167e-2"]),
