@@ -81,9 +81,11 @@ impl PoleEstimator for Automatic {
 }
 
 impl Automatic {
-    /// First roots of the runs as they are, and again with those brought together that disagree.
+    /// First roots of the runs as they are, and again with those brought together that disagree: of all these fits the one that needs the
+    /// fewest roots where modes move, the latest of several.
     fn merged(&self, set: &FrfSet, band: Band) -> Result<(Fit, Found), IdentifyError> {
         let mut moved = Moved::none(set.functions());
+        let mut fits: Vec<(Fit, Found)> = Vec::new();
         loop {
             let mut data = Receptances::guarded(set, band)?;
             moved.straighten(&mut data);
@@ -97,11 +99,19 @@ impl Automatic {
             let found = search::search(&data, &indicator, self.options.false_alarm_probability);
             let mut fit = Fit::new(data, sides, self.options);
             fit.first_roots(&found)?;
-            if !moved.told_by(&fit.data, (&fit.roots, &fit.rest())) {
-                fit.moved = moved;
-                return Ok((fit, found));
+            fit.moved = moved.clone();
+            let told = moved.told_by(&fit.data, (&fit.roots, &fit.rest()));
+            fits.push((fit, found));
+            if !told {
+                break;
             }
         }
+        let moves = |root: &&Root| fits.iter().any(|(fit, _)| fit.moved.holds(root.lambda));
+        let needed = |(fit, _): &(Fit, Found)| fit.roots.iter().filter(moves).count();
+        let fewest = (0..fits.len())
+            .rev()
+            .min_by_key(|place| needed(&fits[*place]));
+        Ok(fits.swap_remove(fewest.unwrap_or(0)))
     }
 }
 

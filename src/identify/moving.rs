@@ -47,7 +47,7 @@ const ONE_CAUSE: f64 = 0.8;
 const AWAY: f64 = 5.0;
 
 /// How the functions fall into runs, and the modes that are known to move from one to another.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Moved {
     runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor, not a hit point.
@@ -126,6 +126,11 @@ impl Moved {
         told
     }
 
+    /// Whether a pole lies in the resonance of a mode that moves.
+    pub fn holds(&self, lambda: Complex64) -> bool {
+        self.modes.iter().any(|mode| mode.holds(lambda))
+    }
+
     /// The mode of a pole that moves.
     pub fn of(&self, lambda: Complex64) -> Option<&Moving> {
         let distance = |mode: &&Moving| (mode.lambda.im - lambda.im).abs();
@@ -133,7 +138,7 @@ impl Moved {
             .modes
             .iter()
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&nearest) < -2.0 * SAME * nearest.lambda.re).then_some(nearest)
+        nearest.holds(lambda).then_some(nearest)
     }
 
     /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of
@@ -249,7 +254,7 @@ impl Moved {
             let distance =
                 |place: &usize| (roots[groups[*place][0]].lambda.im - mode.lambda.im).abs();
             let nearest = (0..groups.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let within = |place: &usize| distance(place) < -2.0 * SAME * mode.lambda.re;
+            let within = |place: &usize| mode.holds(roots[groups[*place][0]].lambda);
             if let Some(place) = nearest.filter(within) {
                 owners[place] = Some(mode);
             }
@@ -321,6 +326,11 @@ impl Moving {
             .map(|shift| (shift.im - mean).powi(2))
             .sum();
         (self.shifts[run].im - mean, squares)
+    }
+
+    /// Whether a pole may stand for it.
+    fn holds(&self, lambda: Complex64) -> bool {
+        (self.lambda.im - lambda.im).abs() < -2.0 * SAME * self.lambda.re
     }
 
     /// In each run.

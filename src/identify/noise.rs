@@ -22,6 +22,11 @@ const REACH: usize = 64;
 const HOPS_PER_REACH: usize = 2;
 /// The same of a level that lines share, as a part of all.
 const LEVEL_REACH: usize = 16;
+/// Times that a function's own variances are told anew beside those that the force makes.
+const BESIDE_FORCE: usize = 4;
+/// Part of a variance from which on the force makes nearly all of it, and fewest such lines that say what of it second differences hold.
+const NEARLY_ALL: f64 = 0.8;
+const FEWEST_BY_FORCE: usize = 8;
 /// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
 /// room for chance.
 const MOST_SCATTER: f64 = 0.035;
@@ -69,7 +74,7 @@ pub(super) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
         let told: Option<&(Smooth, f64)> = measured.get(&i);
         let mut own = told.map_or_else(
             || Smooth {
-                variance: from_second_differences(values),
+                variance: Squares::of_second_differences(values).variance(),
                 by_force: vec![0.0; values.len()],
             },
             |(own, _)| own.clone(),
@@ -116,8 +121,57 @@ pub(super) struct LeftOver {
     left: Vec<f64>,
     /// Variances of the function's own.
     own: Vec<f64>,
-    /// Whether these came with the data.
-    stated: bool,
+    /// What tells these, where they did not come with the data.
+    told: Option<Squares>,
+}
+
+/// Squares of which a running median is the variance of noise.
+struct Squares {
+    values: Vec<f64>,
+    reach: usize,
+}
+
+impl Squares {
+    /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has variance `6v`, and the
+    /// median of its squared magnitude is `6v ln 2`. Resonances take few lines and do not move the median.
+    fn of_second_differences(values: &[Complex64]) -> Self {
+        let scale = (6.0 * std::f64::consts::LN_2).recip();
+        let square =
+            |k: usize| (values[k - 1] - 2.0 * values[k] + values[k + 1]).norm_sqr() * scale;
+        let last = values.len() - 2;
+        // The first and the last line have those of their neighbours.
+        let own = (0..values.len()).map(|k| square(k.clamp(1, last)));
+        Self {
+            values: own.collect(),
+            reach: REACH,
+        }
+    }
+
+    /// Noise of variance `v`: the median of its squared magnitude is `v ln 2`.
+    fn of_level(squares: &[f64]) -> Self {
+        let own = squares.iter().map(|square| square / std::f64::consts::LN_2);
+        Self {
+            values: own.collect(),
+            reach: REACH.max(squares.len() / LEVEL_REACH),
+        }
+    }
+
+    fn variance(&self) -> Vec<f64> {
+        running_median(&self.values, self.reach)
+    }
+
+    /// The variance `a` beside a part of the force: the squares over `a + b p` have the median 1.
+    fn beside(&self, own: &[f64], force: &[f64]) -> Vec<f64> {
+        let over = self.values.iter().zip(own.iter().zip(force));
+        let over: Vec<f64> = over
+            .map(|(square, (a, force))| square / (a + force))
+            .collect();
+        let factor = running_median(&over, self.reach);
+        own.iter()
+            .zip(factor)
+            .map(|(a, factor)| a * factor)
+            .collect()
+    }
 }
 
 /// What tells the noise of a function.
@@ -134,26 +188,49 @@ impl LeftOver {
     /// Of |H|², and what is left over of H.
     pub fn new(power: Vec<f64>, rest: &[Complex64], source: Source) -> Self {
         let left: Vec<f64> = rest.iter().map(Complex64::norm_sqr).collect();
-        let (own, stated) = match source {
-            Source::Stated(own) => (own, true),
+        let told = match source {
+            Source::Stated(own) => {
+                return Self {
+                    power,
+                    left,
+                    own,
+                    told: None,
+                };
+            }
             Source::SecondDifferences(of_unit) => {
-                let mut own = from_second_differences(rest);
-                own.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
-                raise_to_floor(&mut own, power.iter().copied());
-                (own, false)
+                let mut own = Squares::of_second_differences(rest);
+                own.values.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
+                own
             }
-            Source::Level => {
-                let mut own = from_level(&left);
-                raise_to_floor(&mut own, power.iter().copied());
-                (own, false)
-            }
+            Source::Level => Squares::of_level(&left),
         };
+        let mut own = told.variance();
+        raise_to_floor(&mut own, power.iter().copied());
         Self {
             power,
             left,
             own,
-            stated,
+            told: Some(told),
         }
+    }
+
+    /// What tells its own variances, over those that the force makes, where these are nearly all.
+    fn by_force<'a>(&'a self, smooth: &'a Smooth) -> impl Iterator<Item = f64> + 'a {
+        let told = self.told.iter().flat_map(|told| &told.values);
+        let force = smooth.variance.iter().zip(&smooth.by_force);
+        let nearly_all = told.zip(force).filter(|(_, (_, part))| **part > NEARLY_ALL);
+        nearly_all.map(|(square, (v, part))| square / (v * part))
+    }
+
+    /// Tells its own variances anew beside so much of those that the force makes.
+    fn tell_beside(&mut self, smooth: &Smooth, told_of_force: f64) {
+        let Some(told) = &self.told else {
+            return;
+        };
+        let force = smooth.variance.iter().zip(&smooth.by_force);
+        let force: Vec<f64> = force.map(|(v, part)| told_of_force * v * part).collect();
+        self.own = told.beside(&self.own, &force);
+        raise_to_floor(&mut self.own, self.power.iter().copied());
     }
 }
 
@@ -163,16 +240,36 @@ impl LeftOver {
 /// mode leaves hardly moves, or the level where lines share so much noise that differences hold little of it. Noise of the force under a window is smooth over the lines; it goes with |H|², and what is left over in
 /// all resonances together tells it, better than the variances of a few hits do; `alike` lines count for one.
 pub(super) fn of_rest(mut functions: Vec<LeftOver>, alike: f64) -> Vec<Smooth> {
-    let unstated = functions.iter_mut().filter(|function| !function.stated);
+    let mut smooth = course_of(&mut functions, alike);
+    for _ in 0..BESIDE_FORCE {
+        let own = functions.iter().zip(&smooth);
+        let by_force = own.flat_map(|(function, smooth)| function.by_force(smooth));
+        let mut by_force: Vec<f64> = by_force.collect();
+        if by_force.len() < FEWEST_BY_FORCE {
+            break;
+        }
+        let middle = by_force.len() / 2;
+        let told_of_force = *by_force.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let own = functions.par_iter_mut().zip(&smooth);
+        own.for_each(|(function, smooth)| function.tell_beside(smooth, told_of_force));
+        smooth = course_of(&mut functions, alike);
+    }
+    smooth
+}
+
+fn course_of(functions: &mut [LeftOver], alike: f64) -> Vec<Smooth> {
+    let unstated = functions
+        .iter_mut()
+        .filter(|function| function.told.is_some());
     share_course(unstated.map(|function| &mut function.own).collect());
     let estimated: Vec<Estimated> = functions
-        .into_iter()
+        .iter()
         .map(|function| Estimated {
-            variance: function.left,
-            power: function.power,
+            variance: function.left.clone(),
+            power: function.power.clone(),
             degrees_of_freedom: Some(2.0),
             alike,
-            own: Some(function.own),
+            own: Some(function.own.clone()),
         })
         .collect();
     noise_course::smooth(&estimated.iter().collect::<Vec<_>>())
@@ -228,26 +325,6 @@ fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec
     values.iter().zip(coherence).map(variance).collect()
 }
 
-/// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has variance `6v`, and the
-/// median of its squared magnitude is `6v ln 2`. Resonances take few lines and do not move the median.
-fn from_second_differences(values: &[Complex64]) -> Vec<f64> {
-    let scale = (6.0 * std::f64::consts::LN_2).recip();
-    let square = |k: usize| (values[k - 1] - 2.0 * values[k] + values[k + 1]).norm_sqr() * scale;
-    let last = values.len() - 2;
-    // The first and the last line have those of their neighbours.
-    let squares: Vec<f64> = (0..values.len())
-        .map(|k| square(k.clamp(1, last)))
-        .collect();
-    running_median(&squares, REACH)
-}
-
-/// Noise of variance `v`: the median of its squared magnitude is `v ln 2`.
-fn from_level(squares: &[f64]) -> Vec<f64> {
-    let mut own = running_median(squares, REACH.max(squares.len() / LEVEL_REACH));
-    own.iter_mut().for_each(|v| *v /= std::f64::consts::LN_2);
-    own
-}
-
 /// Median over `±reach` lines, evaluated twice in a reach and straight between.
 fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
     let (last, every) = (values.len() - 1, reach / HOPS_PER_REACH);
@@ -285,7 +362,7 @@ mod tests {
         let noise = white_noise(4000, 0.25, 7);
         let line = |k: usize| 50.0 / Complex64::new(3.0, k as f64 - 2000.0);
         let values: Vec<Complex64> = (0..4000).map(|k| line(k) + noise[k]).collect();
-        let estimate = from_second_differences(&values);
+        let estimate = Squares::of_second_differences(&values).variance();
         let mean = estimate.iter().sum::<f64>() / 4000.0;
         // 129 differences per median, 126 medians that overlap: the mean is known to about 3 %.
         assert!((mean / 0.25 - 1.0).abs() < 0.06, "{mean}");

@@ -14,6 +14,8 @@ use super::{Moved, Moving, pole};
 
 /// Half-power widths on either side in which a pole is looked at.
 const REACH: f64 = 3.0;
+/// Lines on either side, at least: a narrow resonance is told by the lines of its flanks as well.
+const SIDE: f64 = 10.0;
 /// Constant, slope and curvature of what is farther away.
 const BACKGROUND: usize = 3;
 /// Largest shift of a run, half-power widths: the mass of a sensor or a drift moves no mode farther, but two modes look so.
@@ -105,7 +107,8 @@ impl<'a> Resonance<'a> {
         (roots, group): (&'a [Root], &[usize]),
         (rest, moved): (&Rest, &Moved),
     ) -> Option<Self> {
-        let lines = lines_around(data, &roots[group[0]], REACH);
+        let strong = &roots[group[0]];
+        let lines = lines_around(data, strong, REACH.max(SIDE * data.step / strong.width()));
         let omega = data.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| beside(&omega, lambda);
         let roots_near: Vec<Root> = (roots.iter())

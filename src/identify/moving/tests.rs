@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 use crate::axis::FrequencyAxis;
 use crate::dof::Dof;
@@ -122,10 +123,71 @@ fn the_run_that_changed_is_named() {
 
 #[test]
 fn runs_that_agree_are_not_touched() {
-    for seed in 0..20 {
+    for seed in 0..40 {
         let model = found(&roving(&test(seed), false, |_, _| 0.0));
         assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
         assert!(told(&model, Code::RunsDisagree).is_empty(), "{seed}");
+    }
+}
+
+/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by so many half-power widths, and noise
+/// that grows with the response beside some that does not.
+fn beam(seed: u64, widths: f64) -> (Structure, FrfSet) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let step_hz = 0.02;
+    let modes = [(11.2, 1.5), (30.7, 3.7), (59.6, 6.0), (97.4, 10.7)];
+    let modes = modes.map(|(hz, lines)| {
+        let shape = (0..9).map(|_| normal()).collect();
+        (hz, lines * step_hz / (2.0 * hz), shape)
+    });
+    let structure = Structure {
+        modes: modes.to_vec(),
+    };
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz,
+        len: 5500,
+    };
+    let how = Measurement {
+        snr_db: Some(70.0),
+        seed,
+        ..Measurement::of_sensors(9, axis)
+    };
+    let drift: Vec<f64> = (0..9).map(|_| widths * normal()).collect();
+    let runs = roving(&(structure.clone(), how), true, |point, _| drift[point]);
+    let mut set = FrfSet::new(axis);
+    for (f, function) in runs.functions().iter().enumerate() {
+        let mut noisy = |h: &Complex64| h * (1.0 + 0.02 * Complex64::new(normal(), normal()));
+        let data = FunctionData {
+            values: runs.values(f).iter().map(&mut noisy).collect(),
+            coherence: None,
+            variance: None,
+        };
+        set.push(function.clone(), data).unwrap();
+    }
+    (structure, set)
+}
+
+#[test]
+fn narrow_modes_in_noise_that_grows_with_them_are_no_more_modes_whether_they_move_or_not() {
+    for widths in [0.0, 0.1] {
+        for seed in 0..8 {
+            let (structure, set) = beam(seed, widths);
+            let model = found(&set);
+            let modes = structure.modes.len();
+            assert_eq!(model.modes.len(), modes, "{widths} {seed}");
+            let merged = told(&model, Code::RunsMerged).len();
+            assert_eq!(
+                merged,
+                if widths > 0.0 { modes } else { 0 },
+                "{widths} {seed}"
+            );
+            for (mode, truth) in model.modes.iter().zip(&structure.modes) {
+                let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+                assert!(damping.abs() < 0.05, "{widths} {seed}: {damping}");
+            }
+        }
     }
 }
 
