@@ -207,10 +207,16 @@ impl Fit {
         Ok(())
     }
 
-    /// Roots that pass beside the noise that they leave; whether that changed.
+    /// Roots that pass beside the noise that they leave; whether that changed. What was told beside roots that are gone is not theirs.
     fn settle_and_judge(&mut self) -> bool {
         self.settle(Stop::Coarse);
-        self.judge_by_noise()
+        loop {
+            let before = self.roots.len();
+            let changed = self.judge_by_noise();
+            if self.roots.len() == before {
+                return changed;
+            }
+        }
     }
 
     pub fn judge_by_noise(&mut self) -> bool {
