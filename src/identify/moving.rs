@@ -90,8 +90,7 @@ impl Moved {
         let (runs, roving_sensor) = runs(functions);
         let sides = Sides::new(functions);
         Self {
-            // Several references tell close modes from one that moves, and have them more often.
-            runs: if sides.inputs > 1 { Vec::new() } else { runs },
+            runs,
             roving_sensor,
             factors: sides.outputs.len() + sides.inputs,
             ..Self::default()

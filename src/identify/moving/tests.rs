@@ -98,6 +98,38 @@ fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviati
 }
 
 #[test]
+fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
+    for seed in 0..4 {
+        let (structure, how) = test(seed);
+        let shift = loaded(&structure, 0.3);
+        let mut set = FrfSet::new(how.axis);
+        for hit in ["1:+Z", "2:+Z"] {
+            let mut own = how.clone();
+            for pair in &mut own.pairs {
+                pair.1 = hit.parse().unwrap();
+            }
+            let runs = roving(&(structure.clone(), own), false, &shift);
+            for (f, function) in runs.functions().iter().enumerate() {
+                let data = FunctionData {
+                    values: runs.values(f).to_vec(),
+                    coherence: None,
+                    variance: runs.variance(f).map(<[f64]>::to_vec),
+                };
+                set.push(function.clone(), data).unwrap();
+            }
+        }
+        let model = found(&set);
+        let modes = structure.modes.len();
+        assert_eq!(model.modes.len(), modes, "{seed}");
+        assert_eq!(told(&model, Code::RunsMerged).len(), modes, "{seed}");
+        for (mode, truth) in model.modes.iter().zip(&structure.modes) {
+            let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+            assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
+        }
+    }
+}
+
+#[test]
 fn the_run_that_changed_is_named() {
     for hammer in [false, true] {
         let changed = |point: usize, _: usize| if point == 2 { 0.3 } else { 0.0 };
