@@ -91,11 +91,9 @@ pub fn identify(
     }
     output.json(|| json);
     output.findings(&modes.findings);
-    let missed = modes
-        .findings
-        .iter()
-        .any(|finding| finding.code == Code::SelectionMissed);
-    Ok(Outcome::missed_if(data.partly_bad || missed))
+    let has = |code| modes.findings.iter().any(|finding| finding.code == code);
+    let partly_bad = data.partly_bad || has(Code::BadDataset);
+    Ok(Outcome::missed_if(partly_bad || has(Code::SelectionMissed)))
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Error> {
@@ -105,6 +103,7 @@ fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Error> {
         method: args.method.clone().unwrap_or(defaults.method),
         band: args.band,
         references: (!args.reference.is_empty()).then(|| args.reference.clone()),
+        partial: args.partial,
         selection: selection.transpose()?,
         estimator: MethodOptions {
             max_order: args.order,

@@ -14,12 +14,12 @@
 
 use num_complex::Complex64;
 
-use crate::axis::Band;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
 use crate::linalg::{self, RealMatrix};
 
-use super::receptance::{Receptances, no_band, whole_band};
+use super::receptance::Receptances;
+use super::selection::{Chosen, chosen};
 use super::{IdentifyError, IdentifyOptions};
 
 /// Mode indicator functions on the lines of a band.
@@ -43,10 +43,8 @@ pub struct Indicators {
 /// # Errors
 /// [`IdentifyError`] when set, band and references do not go together, or singular values do not converge.
 pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators, IdentifyError> {
-    let chosen = super::selection::with_references(set, options.references.as_deref())?;
-    let set = chosen.as_ref().unwrap_or(set);
-    let band = options.band.or(set.valid_band).or_else(|| whole_band(set));
-    let band: Band = band.ok_or_else(|| no_band(set))?;
+    let Chosen { set, band, .. } = chosen(set, options)?;
+    let set = set.as_ref();
     let data = Receptances::new(set, band)?;
     let matrix = Matrix::new(set);
     let mut own = Indicators {

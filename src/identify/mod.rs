@@ -330,6 +330,8 @@ pub struct IdentifyOptions {
     pub band: Option<Band>,
     /// References to use; all without it.
     pub references: Option<Vec<Dof>>,
+    /// Whether functions with a value in the band that is no number are left out, with a finding; an error without it.
+    pub partial: bool,
     /// A person's choice among the poles of the method; all that the data support without it.
     pub selection: Option<PoleSelection>,
     /// Options of the estimator.
@@ -342,6 +344,7 @@ impl Default for IdentifyOptions {
             method: "auto".to_owned(),
             band: None,
             references: None,
+            partial: false,
             selection: None,
             estimator: MethodOptions::default(),
         }
@@ -468,15 +471,11 @@ pub fn identification(
     options: &IdentifyOptions,
 ) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
-    let chosen = selection::with_references(set, options.references.as_deref())?;
-    let set = chosen.as_ref().unwrap_or(set);
-    let band = options.band.or(set.valid_band);
-    let band = match band.or_else(|| receptance::whole_band(set)) {
-        Some(band) => band,
-        None => return Err(receptance::no_band(set)),
-    };
+    let chosen = selection::chosen(set, options)?;
+    let (set, band) = (chosen.set.as_ref(), chosen.band);
     let estimator = (entry.build)(&options.estimator);
     let mut table = estimator.estimate(set, band)?;
+    table.findings.splice(0..0, chosen.findings);
     if let Some(selection) = &options.selection {
         table = choice::chosen((set, band), table, selection)?;
     }

@@ -348,6 +348,13 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     Ok(lines)
 }
 
+/// Functions with a value in a band that is no number.
+pub(super) fn damaged(set: &FrfSet, band: Band) -> Vec<usize> {
+    let lines = checked_lines(set, band).unwrap_or_default();
+    let damaged = |i: &usize| check_finite(set, *i, lines.clone()).is_err();
+    (0..set.len()).filter(damaged).collect()
+}
+
 fn check_finite(
     set: &FrfSet,
     i: usize,

@@ -1,5 +1,6 @@
 //! From candidates to modes: the references that were asked for, poles without the window's damping, shapes.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use num_complex::Complex64;
@@ -8,39 +9,74 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, Function};
 use crate::modal::{
     ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
 };
 
 use super::parts;
+use super::receptance::{damaged, no_band, whole_band};
 use super::shape::{self, Residues, ScaledShape};
-use super::{Candidate, IdentifyError, PoleTable};
+use super::{Candidate, IdentifyError, IdentifyOptions, PoleTable};
 
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
 const MOST_MISFIT: f64 = 0.25;
 
-/// The functions of the given references alone; `None` when all are wanted.
+/// What an identification looks at.
+pub(super) struct Chosen<'a> {
+    pub set: Cow<'a, FrfSet>,
+    pub band: Band,
+    /// Of functions that were left out.
+    pub findings: Vec<Finding>,
+}
+
+/// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis.
 ///
 /// # Errors
-/// [`IdentifyError::UnknownReference`] for one that no function has.
-pub(super) fn with_references(
-    set: &FrfSet,
-    references: Option<&[Dof]>,
-) -> Result<Option<FrfSet>, IdentifyError> {
-    let Some(references) = references else {
-        return Ok(None);
-    };
-    let known = set.references();
-    if let Some(got) = references.iter().find(|dof| !known.contains(dof)) {
-        return Err(IdentifyError::UnknownReference {
-            got: got.clone(),
-            known,
-        });
+/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::BandOutside`] without any band.
+pub(super) fn chosen<'a>(
+    set: &'a FrfSet,
+    options: &IdentifyOptions,
+) -> Result<Chosen<'a>, IdentifyError> {
+    let mut set = Cow::Borrowed(set);
+    if let Some(references) = &options.references {
+        let known = set.references();
+        if let Some(got) = references.iter().find(|dof| !known.contains(dof)) {
+            return Err(IdentifyError::UnknownReference {
+                got: got.clone(),
+                known,
+            });
+        }
+        let of_them = |i: &usize| references.contains(&set.functions()[*i].reference);
+        let own: Vec<usize> = (0..set.len()).filter(of_them).collect();
+        set = Cow::Owned(set.part(&own));
     }
-    let of_them = |i: &usize| references.contains(&set.functions()[*i].reference);
-    let chosen: Vec<usize> = (0..set.len()).filter(of_them).collect();
-    Ok(Some(set.part(&chosen)))
+    let band = options.band.or(set.valid_band);
+    let band = band.or_else(|| whole_band(&set));
+    let band = band.ok_or_else(|| no_band(&set))?;
+    let mut findings = Vec::new();
+    if options.partial {
+        let damaged = damaged(&set, band);
+        let sound: Vec<usize> = (0..set.len()).filter(|i| !damaged.contains(i)).collect();
+        // Of nothing but damage, the error says what it is.
+        if !damaged.is_empty() && !sound.is_empty() {
+            findings.extend(damaged.iter().map(|i| left_out(&set.functions()[*i])));
+            set = Cow::Owned(set.part(&sound));
+        }
+    }
+    Ok(Chosen {
+        set,
+        band,
+        findings,
+    })
+}
+
+fn left_out(function: &Function) -> Finding {
+    let place = Place::Function {
+        response: Some(function.response.clone()),
+        reference: Some(function.reference.clone()),
+    };
+    Finding::new(Severity::Error, Code::BadDataset, place)
 }
 
 /// The modal model of a table of candidates.

@@ -279,6 +279,7 @@ fn identify_test(
     };
     let mut options = IdentifyOptions {
         band,
+        partial: test.partial,
         ..IdentifyOptions::default()
     };
     options.method = scene.method.clone().unwrap_or(options.method);
@@ -288,6 +289,8 @@ fn identify_test(
     findings.append(&mut modes.findings);
     modes.findings = findings;
     modes.inputs = inputs;
+    let left_out = |finding: &Finding| finding.code == Code::BadDataset;
+    let partly_bad = data.partly_bad || modes.findings.iter().any(left_out);
     Ok(TestResult {
         name: test.name.clone(),
         frfs,
@@ -296,7 +299,7 @@ fn identify_test(
         stabilization: identified.stabilization,
         geometry: data.geometry,
         recording: None,
-        partly_bad: data.partly_bad,
+        partly_bad,
     })
 }
 

@@ -331,3 +331,72 @@ fn a_moved_mode_a_table_and_a_claim_that_cannot_be_meant_are_named() {
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
     }
 }
+
+/// Three accelerances of one mode at 50 Hz as text; one sample of the second function is no number.
+fn functions_with_a_gap(line: i32) -> String {
+    let mut text = String::new();
+    let natural = std::f64::consts::TAU * 50.0;
+    for (point, shape) in [(1, 1.0), (2, 0.7), (3, -0.4)] {
+        text += "    -1\n    58\nmade\nNONE\nNONE\nNONE\nNONE\n";
+        text += &format!(
+            "    4         0    0         0       NONE{point:10}   3       NONE         1   3\n"
+        );
+        text += "         6       400         1  0.00000e+00  2.50000e-01  0.00000e+00\n";
+        text += "        18    0    0    0 NONE                 NONE                \n";
+        text += "        12    0    0    0 NONE                 m/s^2               \n";
+        text += "        13    0    0    0 NONE                 N                   \n";
+        text += "         0    0    0    0 NONE                 NONE                \n";
+        for pair in 0..200 {
+            for k in [2 * pair, 2 * pair + 1] {
+                let hz = 0.25 * f64::from(k);
+                let omega = std::f64::consts::TAU * hz;
+                let (a, b) = (natural * natural - omega * omega, 0.02 * natural * omega);
+                let scale = -omega * omega * shape / (a * a + b * b);
+                let (re, im) = (scale * a, -scale * b);
+                let gap = point == 2 && k == line;
+                text += &if gap {
+                    format!("{:>20}{im:20.11e}", "NaN")
+                } else {
+                    format!("{re:20.11e}{im:20.11e}")
+                };
+            }
+            text.push('\n');
+        }
+        text += "    -1\n";
+    }
+    text
+}
+
+#[test]
+fn a_function_with_a_gap_in_the_band_is_left_out_where_the_good_part_will_do() {
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        folder.path(),
+        &[
+            ("gap.uff", &functions_with_a_gap(4 * 48)),
+            ("below.uff", &functions_with_a_gap(4 * 10)),
+        ],
+    );
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (gap, below, out) = (path("gap.uff"), path("below.uff"), path("modes.json"));
+    let band = ["--band", "30:70", "-o", &out];
+    let identify = |first: &[&str]| modalign([first, &band].concat());
+    let whole = identify(&["identify", &gap]);
+    assert_eq!(whole.status.code(), Some(2));
+    let error = String::from_utf8_lossy(&whole.stderr).into_owned();
+    assert!(error.contains("2:+Z|1:+Z at 48 Hz: got NaN"), "{error}");
+    assert!(!Path::new(&out).exists());
+
+    let partial = identify(&["identify", &gap, "--partial"]);
+    let said = String::from_utf8_lossy(&partial.stderr).into_owned();
+    assert_eq!(partial.status.code(), Some(1), "{said}");
+    assert!(said.contains("2:+Z|1:+Z: a dataset is damaged"), "{said}");
+    let modes = json(Path::new(&out));
+    assert_eq!(modes["modes"].as_array().unwrap().len(), 1);
+    let hz = modes["modes"][0]["frequency_hz"].as_f64().unwrap();
+    assert!((hz - 50.0).abs() < 1e-3, "{hz}");
+
+    // Outside the band nobody promised good values.
+    let outside = identify(&["identify", &below]);
+    assert_eq!(outside.status.code(), Some(0));
+}
