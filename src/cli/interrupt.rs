@@ -114,24 +114,25 @@ mod tests {
 
     #[test]
     fn what_was_begun_is_removed_and_nothing_else() {
-        let place = tempfile::tempdir().unwrap();
+        let place = tempfile::tempdir().expect("a folder of the test can be written");
         let path = |name: &str| place.path().join(name);
         let name = |own: &str| format!("{TEMPORARY_PREFIX}{own}");
-        std::fs::create_dir(path("out")).unwrap();
+        std::fs::create_dir(path("out")).expect("a folder of the test can be written");
         for own in [name("another"), "result.json".to_owned()] {
-            std::fs::write(path("out").join(own), "x").unwrap();
+            std::fs::write(path("out").join(own), "x")
+                .expect("a folder of the test can be written");
         }
         let writing = Writing(Box::leak(Box::default()));
         let targets = [path("out/result.json"), path("new/figure.svg")];
         let _guard = writing.begin(targets.iter().map(PathBuf::as_path));
-        std::fs::create_dir(path("new")).unwrap();
+        std::fs::create_dir(path("new")).expect("a folder of the test can be written");
         for own in [
             "out/.modalign-1",
             "new/.modalign-2",
             "new/figure.svg",
             ".modalign-3",
         ] {
-            std::fs::write(path(own), "x").unwrap();
+            std::fs::write(path(own), "x").expect("a folder of the test can be written");
         }
         remove_begun(&writing.0.begun());
         let left: Vec<bool> = ["out/.modalign-1", "new/.modalign-2"]

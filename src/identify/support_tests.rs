@@ -33,8 +33,8 @@ fn supported(structure: &Structure, how: &Measurement, band: Band) -> Support {
         band: Some(band),
         ..IdentifyOptions::default()
     };
-    let own = identification(&set, &options).unwrap();
-    support(&set, band, &own).unwrap()
+    let own = identification(&set, &options).expect("the set of this test has modes to count");
+    support(&set, band, &own).expect("the set of this test has modes to count")
 }
 
 fn at(snr_db: f64) -> Measurement {
@@ -47,7 +47,7 @@ fn at(snr_db: f64) -> Measurement {
 
 #[test]
 fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
-    let band = Band::new(40.0, 160.0).unwrap();
+    let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
     for variance_given in [true, false] {
         let how = Measurement {
             variance_given,
@@ -58,9 +58,26 @@ fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
         assert_eq!(own.by_prediction(), Some(4), "{own:?}");
         let four = &own.tried[4];
         assert!(four.identified && (four.rest - 1.0).abs() < 0.1, "{four:?}");
-        assert!((four.predicted.unwrap().mean - 1.0).abs() < 0.1, "{four:?}");
+        assert!(
+            (four
+                .predicted
+                .expect("the set of this test has modes to count")
+                .mean
+                - 1.0)
+                .abs()
+                < 0.1,
+            "{four:?}"
+        );
         // The weakest comes last, and no BIC rises on the way to it.
-        assert!((four.pole.unwrap().natural_frequency_hz() - 131.0).abs() < 0.2);
+        assert!(
+            (four
+                .pole
+                .expect("the set of this test has modes to count")
+                .natural_frequency_hz()
+                - 131.0)
+                .abs()
+                < 0.2
+        );
         assert!(
             own.tried[..=4]
                 .windows(2)
@@ -71,14 +88,14 @@ fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
 
 #[test]
 fn a_mode_in_the_noise_is_not_supported() {
-    let band = Band::new(40.0, 160.0).unwrap();
+    let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
     let own = supported(&structure(), &at(15.0), band);
     assert_eq!(own.by_bic(), 3, "{own:?}");
 }
 
 #[test]
 fn modes_outside_the_band_count_as_none() {
-    let band = Band::new(75.0, 110.0).unwrap();
+    let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
     let own = supported(&structure(), &at(60.0), band);
     assert_eq!((own.identified, own.by_bic()), (2, 2), "{own:?}");
     assert!((own.tried[2].rest - 1.0).abs() < 0.15, "{own:?}");
@@ -87,11 +104,24 @@ fn modes_outside_the_band_count_as_none() {
 /// Leaving a value out costs the share of unknowns in the values; too few roots foretell nothing.
 #[test]
 fn what_is_left_out_is_foretold_by_the_right_number_of_roots() {
-    let band = Band::new(75.0, 110.0).unwrap();
+    let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
     let own = supported(&structure(), &at(40.0), band);
     let (two, none) = (&own.tried[2], &own.tried[0]);
     assert_eq!((own.stretch, own.by_prediction()), (1, Some(2)), "{own:?}");
-    let raised = two.predicted.unwrap().mean / two.rest;
+    let raised = two
+        .predicted
+        .expect("the set of this test has modes to count")
+        .mean
+        / two.rest;
     assert!(raised > 1.0 && raised < 1.2, "{raised}");
-    assert!(none.predicted.unwrap().mean > 10.0 * two.predicted.unwrap().mean);
+    assert!(
+        none.predicted
+            .expect("the set of this test has modes to count")
+            .mean
+            > 10.0
+                * two
+                    .predicted
+                    .expect("the set of this test has modes to count")
+                    .mean
+    );
 }

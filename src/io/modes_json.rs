@@ -282,7 +282,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn dof(text: &str) -> Dof {
-        text.parse().unwrap()
+        text.parse().expect("the modes of this test can be read")
     }
 
     proptest! {
@@ -306,16 +306,25 @@ mod tests {
                 findings: vec![finding],
                 ..ModalModel::default()
             };
-            prop_assert_eq!(modes_from_json(&modes_to_json(&model, None), "m.json").unwrap(), model);
+            prop_assert_eq!(modes_from_json(&modes_to_json(&model, None), "m.json").expect("the modes of this test can be read"), model);
         }
     }
 
     #[test]
     fn a_pole_alone_gives_frequency_and_damping() {
         let text = r#"{"schema": "modalign-modes/1", "modes": [{"pole_rad_s": [-3.0, 4.0], "shape": {"1:+X": [1, 0]}}]}"#;
-        let mode = &modes_from_json(text, "m.json").unwrap().modes[0];
+        let mode = &modes_from_json(text, "m.json")
+            .expect("the modes of this test can be read")
+            .modes[0];
         assert!((mode.frequency_hz - 5.0 / std::f64::consts::TAU).abs() < 1e-15);
-        assert!((mode.damping_ratio.unwrap() - 0.6).abs() < 1e-15);
+        assert!(
+            (mode
+                .damping_ratio
+                .expect("the modes of this test can be read")
+                - 0.6)
+                .abs()
+                < 1e-15
+        );
     }
 
     #[test]

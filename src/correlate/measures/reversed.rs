@@ -271,7 +271,8 @@ mod tests {
     }
 
     fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
-        let own = reversed_sensors(test, theory, &PairOptions::default()).unwrap();
+        let own = reversed_sensors(test, theory, &PairOptions::default())
+            .expect("shapes of this test have degrees of freedom in common");
         let mut dofs: Vec<Dof> = own.into_iter().map(|own| own.dof).collect();
         dofs.sort();
         dofs
@@ -281,7 +282,8 @@ mod tests {
     fn turning_raises_the_mac_to_that_of_the_shapes() {
         let theory = beam(10);
         let test = turned(&theory, &[dof(4)]);
-        let own = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
+        let own = reversed_sensors(&test, &theory, &PairOptions::default())
+            .expect("shapes of this test have degrees of freedom in common");
         assert_eq!(own.len(), 1);
         assert!((own[0].mac_after - 1.0).abs() < 1e-12 && own[0].mac_before < 0.75);
         assert!((own[0].direction + 1.0).abs() < 1e-12);
@@ -312,7 +314,7 @@ mod tests {
             let share = |dof: &Dof| {
                 let of = |mode: &crate::modal::Mode| {
                     let all: f64 = mode.shape.iter().map(|(_, v)| v.norm_sqr()).sum();
-                    mode.shape.get(dof).unwrap().norm_sqr() / all
+                    mode.shape.get(dof).expect("shapes of this test have degrees of freedom in common").norm_sqr() / all
                 };
                 theory.modes.iter().map(of).sum::<f64>() / 4.0
             };
@@ -346,7 +348,8 @@ mod tests {
         let theory = beam(300);
         // Turning one of 300 gains about 4/300 at most, which is less than two pairs alone would need.
         let one = turned(&theory, &[dof(75)]);
-        let own = reversed_sensors(&one, &theory, &PairOptions::default()).unwrap();
+        let own = reversed_sensors(&one, &theory, &PairOptions::default())
+            .expect("shapes of this test have degrees of freedom in common");
         assert_eq!(own.len(), 1);
         assert_eq!(own[0].dof, dof(75));
         assert!(own[0].mac_after - own[0].mac_before < GAIN);
@@ -376,7 +379,8 @@ mod tests {
             };
             (own.shape, other.shape) = (both(0, &own.shape), both(50, &other.shape));
         }
-        let pairing = pair(&test, &theory, &PairOptions::default()).unwrap();
+        let pairing = pair(&test, &theory, &PairOptions::default())
+            .expect("shapes of this test have degrees of freedom in common");
         assert!(pairing.pairs.len() >= ENOUGH_PAIRS);
         assert_eq!(found(&test, &theory), []);
     }

@@ -71,7 +71,9 @@ fn dof(random: &mut ChaCha8Rng) -> Dof {
         "3:+Y#2",
         "a_b.c-1:-Z",
     ];
-    names[random.random_range(0..names.len())].parse().unwrap()
+    names[random.random_range(0..names.len())]
+        .parse()
+        .expect("what the test drew can be read")
 }
 
 fn number(random: &mut ChaCha8Rng) -> f64 {
@@ -270,8 +272,11 @@ pub fn assert_same(own: &mut dyn Source, other: &mut dyn Source) {
         let mut abscissae = [Vec::new(), Vec::new()];
         let middle = len / 2;
         for range in [0..len, middle..len] {
-            own.read(entry, range.clone(), &mut blocks[0]).unwrap();
-            other.read(entry, range.clone(), &mut blocks[1]).unwrap();
+            own.read(entry, range.clone(), &mut blocks[0])
+                .expect("what the test drew can be read");
+            other
+                .read(entry, range.clone(), &mut blocks[1])
+                .expect("what the test drew can be read");
             assert_eq!(bits(&blocks[0]), bits(&blocks[1]));
             let kinds = blocks.each_ref().map(std::mem::discriminant);
             assert_eq!(kinds[0], kinds[1]);
@@ -279,8 +284,10 @@ pub fn assert_same(own: &mut dyn Source, other: &mut dyn Source) {
                 continue;
             }
             own.abscissa(entry, range.clone(), &mut abscissae[0])
-                .unwrap();
-            other.abscissa(entry, range, &mut abscissae[1]).unwrap();
+                .expect("what the test drew can be read");
+            other
+                .abscissa(entry, range, &mut abscissae[1])
+                .expect("what the test drew can be read");
             let [a, b] = abscissae.each_ref().map(|x| bits(&Block::F64(x.clone())));
             assert_eq!(a, b);
         }

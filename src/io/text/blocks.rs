@@ -294,9 +294,10 @@ mod tests {
     use super::*;
 
     fn whole(bytes: &[u8]) -> (Vec<u8>, u8) {
-        let mut blocks = TextBlocks::new(Box::new(Cursor::new(bytes.to_vec())), "t").unwrap();
+        let mut blocks = TextBlocks::new(Box::new(Cursor::new(bytes.to_vec())), "t")
+            .expect("text in memory can be read");
         let mut text = Vec::new();
-        while blocks.advance().unwrap() {
+        while blocks.advance().expect("text in memory can be read") {
             text.extend_from_slice(blocks.block());
         }
         (text, blocks.line_end())
@@ -339,9 +340,10 @@ mod tests {
         let mut text = b"short\n".to_vec();
         text.extend(vec![b'x'; 3 * BLOCK]);
         text.extend(b"\nend");
-        let mut blocks = TextBlocks::new(Box::new(Cursor::new(text.clone())), "t").unwrap();
+        let mut blocks = TextBlocks::new(Box::new(Cursor::new(text.clone())), "t")
+            .expect("text in memory can be read");
         let mut sizes = Vec::new();
-        while blocks.advance().unwrap() {
+        while blocks.advance().expect("text in memory can be read") {
             sizes.push(blocks.block().len());
         }
         assert_eq!(sizes, [6, text.len() - 6]);

@@ -242,7 +242,12 @@ mod tests {
         let mut file = text_58(&head, &["1.0"], "\n");
         let units = ["   164", "         5", "1.0D+03 1.0D+03 1.0D+00", "0.0"];
         file.extend(dataset(&units, "\n"));
-        open(file).unwrap().catalog().entries.first().cloned()
+        open(file)
+            .expect("the dataset of this test can be read")
+            .catalog()
+            .entries
+            .first()
+            .cloned()
     }
 
     #[test]
@@ -282,7 +287,8 @@ mod tests {
                 even: Some((2.0, 4.0)),
                 len: 1,
             };
-            let got = entry(function_type, code, unit).unwrap();
+            let got =
+                entry(function_type, code, unit).expect("the dataset of this test can be read");
             assert_eq!(got.axis, EntryAxis::General(general), "{code}");
         }
     }
@@ -301,16 +307,37 @@ mod tests {
             &micrometre,
             &function,
         ];
-        let source = open(parts.concat()).unwrap();
+        let source = open(parts.concat()).expect("the dataset of this test can be read");
         let to_si: Vec<Option<f64>> = source.catalog().entries.iter().map(|e| e.to_si).collect();
         assert_eq!(to_si, [Some(1e-3), Some(1e-3), Some(1e-6)]);
     }
 
     #[test]
     fn the_units_of_the_file_are_not_those_of_a_spectrum() {
-        assert_eq!(entry(1, 17, "s").unwrap().to_si, Some(1e-3));
-        assert_eq!(entry(2, 18, "Hz").unwrap().to_si, None);
-        assert_eq!(entry(6, 18, "Hz").unwrap().to_si, Some(1.0));
-        assert_eq!(entry(4, 18, "Hz").unwrap().to_si, None, "no denominator");
+        assert_eq!(
+            entry(1, 17, "s")
+                .expect("the dataset of this test can be read")
+                .to_si,
+            Some(1e-3)
+        );
+        assert_eq!(
+            entry(2, 18, "Hz")
+                .expect("the dataset of this test can be read")
+                .to_si,
+            None
+        );
+        assert_eq!(
+            entry(6, 18, "Hz")
+                .expect("the dataset of this test can be read")
+                .to_si,
+            Some(1.0)
+        );
+        assert_eq!(
+            entry(4, 18, "Hz")
+                .expect("the dataset of this test can be read")
+                .to_si,
+            None,
+            "no denominator"
+        );
     }
 }

@@ -5,20 +5,23 @@ use crate::record::Hit;
 use crate::synth::Noise;
 
 fn family() -> PopulationSpec {
-    toml::from_str(include_str!("../../../tests/population/family.toml")).unwrap()
+    toml::from_str(include_str!("../../../tests/population/family.toml"))
+        .expect("a drawn system is sound")
 }
 
 /// Place of a kind in the family.
 fn place(family: &PopulationSpec, kind: &str) -> usize {
     let mut kinds = family.members.iter().map(|m| m.structure.kind());
-    kinds.position(|own| own == kind).unwrap()
+    kinds
+        .position(|own| own == kind)
+        .expect("a drawn system is sound")
 }
 
 fn all(family: &PopulationSpec, kind: &str) -> Vec<Member> {
     let place = place(family, kind);
     let numbers = 0..family.members[place].count;
     numbers
-        .map(|number| family.draw(place, number).unwrap())
+        .map(|number| family.draw(place, number).expect("a drawn system is sound"))
         .collect()
 }
 
@@ -42,7 +45,7 @@ fn every_kind_is_in_the_family_and_its_modes_lie_below_the_filters_edge() {
             assert!((1..=3).contains(&test.hits.len()));
             let slowest = modes
                 .iter()
-                .map(|m| -m.pole().unwrap().lambda.re)
+                .map(|m| -m.pole().expect("a drawn system is sound").lambda.re)
                 .fold(f64::MAX, f64::min);
             let after_s = test.record_s() - test.pretrigger_s;
             let time_constants = after_s * slowest;
@@ -60,16 +63,28 @@ fn every_kind_is_in_the_family_and_its_modes_lie_below_the_filters_edge() {
 fn a_member_does_not_depend_on_the_others() {
     let family = family();
     let (beam, close) = (place(&family, "beam"), place(&family, "close"));
-    let first = family.draw(beam, 3).unwrap();
-    let other = family.draw(close, 3).unwrap();
+    let first = family.draw(beam, 3).expect("a drawn system is sound");
+    let other = family.draw(close, 3).expect("a drawn system is sound");
     let mut fewer = family.clone();
     fewer.members[close].count = 4;
-    assert_eq!(fewer.draw(close, 3).unwrap(), other);
-    assert_eq!(fewer.draw(beam, 3).unwrap(), first);
-    assert_ne!(family.draw(beam, 4).unwrap().test, first.test);
+    assert_eq!(
+        fewer.draw(close, 3).expect("a drawn system is sound"),
+        other
+    );
+    assert_eq!(fewer.draw(beam, 3).expect("a drawn system is sound"), first);
+    assert_ne!(
+        family.draw(beam, 4).expect("a drawn system is sound").test,
+        first.test
+    );
     let mut reseeded = family.clone();
     reseeded.seed += 1;
-    assert_ne!(reseeded.draw(beam, 3).unwrap().test, first.test);
+    assert_ne!(
+        reseeded
+            .draw(beam, 3)
+            .expect("a drawn system is sound")
+            .test,
+        first.test
+    );
 }
 
 #[test]
@@ -80,7 +95,7 @@ fn the_repeated_kind_has_exactly_repeated_roots_with_their_own_shapes() {
         let modes = &member.test.truth.model.modes;
         for root in &member.facts.repeated {
             let [a, b] = root[..] else { panic!("{root:?}") };
-            let pole = |j: usize| modes[j].pole().unwrap();
+            let pole = |j: usize| modes[j].pole().expect("a drawn system is sound");
             assert_eq!(pole(a), pole(b), "{}", member.name);
             assert_eq!(modes[a].group, modes[b].group);
             let shape = |j: usize| modes[j].shape.iter().map(|(_, v)| v).collect::<Vec<_>>();
@@ -118,7 +133,10 @@ fn the_close_kind_has_the_spacing_that_was_asked_for() {
             assert!(!member.facts.close.is_empty(), "{}", member.name);
             for pair in &member.facts.close {
                 let (lower, upper) = (&modes[pair[0]], &modes[pair[1]]);
-                let width = lower.pole().unwrap().half_power_width_hz();
+                let width = lower
+                    .pole()
+                    .expect("a drawn system is sound")
+                    .half_power_width_hz();
                 let got = (upper.frequency_hz - lower.frequency_hz) / width;
                 // The distance of two frequencies is exact to their rounding over a width of 0.6 % of them.
                 assert!((got / widths - 1.0).abs() < 1e-11, "{}: {got}", member.name);
@@ -191,14 +209,14 @@ fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
     let family = family();
     let (mut channels, mut worst) = (0, 0.0f64);
     for kind in 0..family.members.len() {
-        let member = family.draw(kind, 0).unwrap();
+        let member = family.draw(kind, 0).expect("a drawn system is sound");
         let clean_test = HammerTest {
             noise: Noise::default(),
             ..member.test.clone()
         };
         let (noisy, clean): (Vec<Hit>, Vec<Hit>) = (
-            member.test.generate().unwrap(),
-            clean_test.generate().unwrap(),
+            member.test.generate().expect("a drawn system is sound"),
+            clean_test.generate().expect("a drawn system is sound"),
         );
         let mut compare = |level: f64, rms: f64, db: f64, samples: usize| {
             let expected = level / 10f64.powf(db / 20.0);
@@ -209,14 +227,22 @@ fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
         for (noisy, clean) in noisy.iter().zip(&clean) {
             let (own, pure) = (noisy.force.si(), clean.force.si());
             let peak = pure.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            let db = member.test.noise.force_snr_db.unwrap();
+            let db = member
+                .test
+                .noise
+                .force_snr_db
+                .expect("a drawn system is sound");
             compare(peak, noise_rms(&own, &pure), db, pure.len());
             for (noisy, clean) in noisy.responses.iter().zip(&clean.responses) {
                 let (own, pure) = (noisy.si(), clean.si());
                 let level = noise_rms(&pure, &vec![0.0; pure.len()]);
                 // A response on a node is silent and stays so.
                 if level > 0.0 {
-                    let db = member.test.noise.response_snr_db.unwrap();
+                    let db = member
+                        .test
+                        .noise
+                        .response_snr_db
+                        .expect("a drawn system is sound");
                     compare(level, noise_rms(&own, &pure), db, pure.len());
                 }
             }
