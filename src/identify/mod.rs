@@ -49,6 +49,7 @@ mod hump_tests;
 mod indicator;
 mod indicators;
 mod influence;
+mod left_over;
 mod line;
 mod linearised;
 mod lsce;

@@ -71,16 +71,13 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
         .map(|own| own.variance.len())
         .max()
         .unwrap_or(0);
-    let count = (lines / LONG).clamp(1, STRETCHES);
-    let edge = |n: usize| n * lines / count;
-    let by_power = by_stretch(
-        functions,
-        &(0..count).map(|n| edge(n)..edge(n + 1)).collect::<Vec<_>>(),
-    );
+    let stretches = stretches(lines);
+    let left_over = functions.iter().any(|own| own.own.is_some());
+    let by_power = by_stretch(functions, &stretches, left_over);
     let course = |own: &&Estimated| {
         let most = own.most();
-        let long = |n: usize| own.even(edge(n)..edge(n + 1), by_power[n], most);
-        let of_response: Vec<f64> = (0..count).map(long).collect();
+        let long = |(lines, b): (&Range<usize>, &f64)| own.even(lines.clone(), *b, most);
+        let of_response: Vec<f64> = stretches.iter().zip(&by_power).map(long).collect();
         let mut smooth = Smooth {
             variance: Vec::with_capacity(lines),
             by_force: Vec::with_capacity(lines),
@@ -118,6 +115,21 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
     functions.par_iter().map(course).collect()
 }
 
+/// b of what a fit leaves over at every line, of all functions of one hit point.
+pub(super) fn by_power(functions: &[&Estimated]) -> Vec<f64> {
+    let lines = functions.first().map_or(0, |own| own.variance.len());
+    let told = by_stretch(functions, &stretches(lines), true);
+    let place = |k: usize| (k as f64 + 0.5) / lines as f64;
+    (0..lines).map(|k| between(&told, place(k))).collect()
+}
+
+/// Lines that one b holds for.
+fn stretches(lines: usize) -> Vec<Range<usize>> {
+    let count = (lines / LONG).clamp(1, STRETCHES);
+    let edge = |n: usize| n * lines / count;
+    (0..count).map(|n| edge(n)..edge(n + 1)).collect()
+}
+
 /// A value per stretch, straight between their middles.
 fn between(values: &[f64], place: f64) -> f64 {
     let at = (place * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
@@ -128,7 +140,7 @@ fn between(values: &[f64], place: f64) -> f64 {
 
 /// b of every stretch. The noise of a force does not end with a stretch: one that says nothing has that of the nearest that does, unless
 /// it speaks against that.
-fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> {
+fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], left_over: bool) -> Vec<f64> {
     let most: Vec<f64> = functions.iter().map(|own| own.most()).collect();
     let likelihoods = |n: usize, tried: &[f64]| -> Vec<f64> {
         let mut sums = vec![0.0; tried.len()];
@@ -140,7 +152,6 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>]) -> Vec<f64> 
         }
         sums
     };
-    let left_over = functions.iter().any(|own| own.own.is_some());
     let limit = if left_over {
         MOST_LEFT_OVER
     } else {

@@ -229,11 +229,7 @@ pub(super) fn doubt(
         return Some(Doubt::Tiny(own.share, least));
     }
     let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
-    let weaker_within =
-        |i: &usize| own.share < standings[*i].share && lies_within(root, &roots[*i]);
-    let around = (0..roots.len()).filter(weaker_within);
-    let misfit = around.fold(own.misfit, |misfit, i| misfit.max(standings[i].misfit));
-    let misses = misfit > most || scrutiny == Scrutiny::Scattered;
+    let misses = own.misfit > most || scrutiny == Scrutiny::Scattered;
     if misses && own.share < LEAST_SHARE {
         return Some(Doubt::Share(own.share));
     }

@@ -242,6 +242,55 @@ fn two_close_modes_are_no_mode_that_moves() {
     }
 }
 
+/// Four modes of two to five lines at two sensors; the third, 0.8 half-power widths above the second, is the weaker. `None` where
+/// hardly anything tells it: its residues are a hundredth of the second's, or its shape is nearly that.
+fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let modes = [
+        (20.0, 2e-3, 1.0),
+        (50.0, 1e-3, 1.0),
+        (50.08, 1e-3, 0.4),
+        (75.0, 1e-3, 1.0),
+    ];
+    let modes = modes.map(|(hz, damping, scale)| {
+        let mut value = || -> f64 { StandardNormal.sample(&mut random) };
+        (hz, damping, vec![scale * value(), scale * value()])
+    });
+    let residues = |mode: usize| -> Vec<Complex64> {
+        let shape = &modes[mode].2;
+        shape.iter().map(|v| (v * shape[0]).into()).collect()
+    };
+    let size = |residues: &[Complex64]| residues.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let (strong, weak) = (residues(1), residues(2));
+    if size(&weak) < 1e-4 * size(&strong) || mac(&strong, &weak) > Some(0.9) {
+        return None;
+    }
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.02,
+        len: 5000,
+    };
+    let how = Measurement {
+        snr_db: Some(75.0),
+        variance_given: false,
+        seed,
+        ..Measurement::of_sensors(2, axis)
+    };
+    let structure = Structure {
+        modes: modes.to_vec(),
+    };
+    Some((structure.modes.len(), structure.measured(&how)))
+}
+
+#[test]
+fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
+    let tests: Vec<_> = (0..32).filter_map(weak_beside_strong).collect();
+    assert!(tests.len() > 20, "{}", tests.len());
+    for (place, (modes, set)) in tests.iter().enumerate() {
+        assert_eq!(found(set).modes.len(), *modes, "{place}");
+    }
+}
+
 /// Three pairs of modes so many half-power widths apart, their shapes in phase, at ten sensors.
 fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, FrfSet) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);

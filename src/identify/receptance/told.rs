@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::Receptances;
 use crate::identify::correlation::Correlation;
 use crate::identify::far::Rest;
-use crate::identify::noise::{self, LeftOver, Source};
+use crate::identify::left_over::{self, LeftOver, Source};
 use crate::identify::noise_course::Smooth;
 use crate::identify::shared::Shared;
 
@@ -90,8 +90,8 @@ impl Receptances {
         let alike = self.correlation.alike();
         let mut now = vec![Smooth::default(); self.functions()];
         for group in self.shared.groups() {
-            let left = |f: &usize| self.left_over(*f, rest, by_lines);
-            let told = noise::of_rest(group.par_iter().map(left).collect(), alike);
+            let left = |f: &usize| self.left_over(*f, rest, (by_lines, alike));
+            let told = left_over::of_rest(group.par_iter().map(left).collect());
             let own = |(f, told): (&usize, Smooth)| (*f, self.as_receptance(*f, told));
             let own: Vec<(usize, Smooth)> = group.par_iter().zip(told).map(own).collect();
             for (f, own) in own {
@@ -131,7 +131,7 @@ impl Receptances {
     }
 
     /// Of function f, as measured.
-    fn left_over(&self, f: usize, rest: &Rest, by_lines: f64) -> LeftOver {
+    fn left_over(&self, f: usize, rest: &Rest, (by_lines, alike): (f64, f64)) -> LeftOver {
         let scale = &self.measured_scale[f];
         let values = self.values[f].iter().zip(scale.iter());
         let deviations = self.variance[f].iter().zip(scale.iter());
@@ -145,8 +145,8 @@ impl Receptances {
             None if self.told_from == ToldFrom::Differences => Source::SecondDifferences(by_lines),
             None => Source::Level,
         };
-        let power = values.map(|(h, s)| h.norm_sqr() * s * s).collect();
-        LeftOver::new(power, &own, source)
+        let measured: Vec<Complex64> = values.map(|(h, s)| h * s).collect();
+        LeftOver::new(&measured, &own, (source, alike))
     }
 
     /// Variances of function f as it was measured as those of its receptance.
