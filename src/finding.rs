@@ -71,6 +71,9 @@ codes! {
     /// A part of a file could not be read.
     BadDataset: "a dataset is damaged and was left out; the good part of the file was read",
         "The place says where. `inspect` delivers the good part and exits 1; `run`, `frf` and `identify` stop with exit 2 unless --partial is given.";
+    /// A function with a value that is no number.
+    ValueNotFinite: "a function has a value or a variance in the band that is no finite number; it was left out",
+        "The value is the frequency of the first such line. Without --partial the command stops there. A mode that was seen only at this response or from this hit point is missed, and without the driving point modes have no modal mass. Export the function anew.";
     /// The binary byte count is wrong.
     ByteCountWrong: "the byte count of a binary dataset does not agree with its number of points; the number of points was used",
         "Dataset 58b states the length of its binary block. Some writers state zero, half of it or another number. The value is the count as stated, the limit the count that the number of points needs.";

@@ -92,7 +92,7 @@ pub fn identify(
     output.json(|| json);
     output.findings(&modes.findings);
     let has = |code| modes.findings.iter().any(|finding| finding.code == code);
-    let partly_bad = data.partly_bad || has(Code::BadDataset);
+    let partly_bad = data.partly_bad || has(Code::ValueNotFinite);
     Ok(Outcome::missed_if(partly_bad || has(Code::SelectionMissed)))
 }
 

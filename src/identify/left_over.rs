@@ -2,7 +2,7 @@
 //!
 //! What is a function's own came with the data, or second differences tell it, or the level of what is left over. Noise of the force goes
 //! with |H|² (`v = a + b|H|²`, [`noise_course`](super::noise_course)), and between resonances it may be more than what is the function's
-//! own: there second differences tell both, and no missing mode has a part in that. Within resonances what is left over tells b alone,
+//! own: there second differences tell both, and a missing mode puts little into them. Within resonances what is left over tells b alone,
 //! beside an `a` that is known.
 
 use num_complex::Complex64;
@@ -11,9 +11,10 @@ use rayon::prelude::*;
 use super::noise::{Squares, raise_to_floor};
 use super::noise_course::{self, Estimated, Smooth};
 
-/// Times that what is a function's own is told beside the noise of the force, and its least part of what was told before.
+/// Times that what is a function's own is told beside the noise of the force, and its least part of what was told without: medians of
+/// some hundred lines tell no less.
 const BESIDE_FORCE: usize = 2;
-const LEAST_OWN: f64 = 1e-2;
+const LEAST_OWN: f64 = 0.1;
 /// Power over its median up to which a line is outside resonances.
 const OUTSIDE: f64 = 30.0;
 /// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
@@ -76,36 +77,38 @@ impl LeftOver {
         new
     }
 
-    /// What its squares tell of some lines, over its own variances as told before: what changes slowly is these.
-    fn at(&self, lines: &[usize]) -> Option<Estimated> {
+    /// What its second differences tell of some lines, over its own variances as told before: what changes slowly is these.
+    fn differences_at(&self, lines: &[usize]) -> Option<Estimated> {
         let (told, own) = (self.told.as_ref()?, self.left.own.as_ref()?);
         let mean = |k: &usize| std::f64::consts::LN_2 * told.values[*k] / own[*k];
         Some(Estimated {
             variance: lines.iter().map(mean).collect(),
             power: lines.iter().map(|k| self.fitted[*k] / own[*k]).collect(),
             degrees_of_freedom: Some(2.0),
-            alike: self.left.alike * told.alike,
+            alike: self.left.alike * told.differences_alike?,
             own: None,
         })
     }
 
+    fn told_by_differences(&self) -> Option<&Squares> {
+        let told = self.told.as_ref();
+        told.filter(|told| told.differences_alike.is_some())
+    }
+
     /// Tells its own variances beside a part of |H|² that the force makes.
     fn tell_beside(&mut self, by_power: &[f64]) {
-        let Some(told) = &self.told else {
+        let Some(told) = self.told_by_differences() else {
             return;
         };
         let force = self.fitted.iter().zip(by_power).map(|(p, b)| b * p);
-        let mut own = told.beside(force);
-        let least = self.left.own.iter().flatten().map(|v| LEAST_OWN * v);
-        own.iter_mut()
-            .zip(least)
-            .for_each(|(v, least)| *v = v.max(least));
-        self.set_own(own);
+        let beside = told.beside(force).into_iter().zip(told.variance());
+        let own = beside.map(|(v, without)| v.max(LEAST_OWN * without));
+        self.set_own(own.collect());
     }
 
     /// Raises variances to those that its own were told beside.
     fn at_least_beside(&self, smooth: &mut Smooth, by_power: &[f64]) {
-        let Some(own) = self.left.own.as_ref().filter(|_| self.told.is_some()) else {
+        let (Some(own), Some(_)) = (&self.left.own, self.told_by_differences()) else {
             return;
         };
         for (k, b) in by_power.iter().enumerate() {
@@ -140,8 +143,9 @@ pub(super) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
             break;
         }
         by_power = told;
-        let unstated = functions.par_iter_mut();
-        unstated.for_each(|own| own.tell_beside(&by_power));
+        functions
+            .par_iter_mut()
+            .for_each(|own| own.tell_beside(&by_power));
     }
     let unstated = functions.iter_mut().filter(|own| own.told.is_some());
     share_course(unstated.filter_map(|own| own.left.own.as_mut()).collect());
@@ -155,28 +159,30 @@ pub(super) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
 /// Part of |H|² that the force makes at every line, as second differences tell it outside resonances: a missing mode puts little into
 /// these, and much into those within its own.
 fn by_power_outside(functions: &[LeftOver]) -> Vec<f64> {
-    let unstated = functions.iter().filter(|own| own.told.is_some());
-    let powers: Vec<&[f64]> = unstated.map(|own| &own.fitted[..]).collect();
+    let differences = functions
+        .iter()
+        .filter(|own| own.told_by_differences().is_some());
+    let powers: Vec<&[f64]> = differences.map(|own| &own.fitted[..]).collect();
     let Some(lines) = powers.first().map(|power| power.len()) else {
         return Vec::new();
     };
     let mut whole = vec![0.0; lines];
     for power in powers {
-        let mean = power.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        whole
-            .iter_mut()
-            .zip(power)
-            .for_each(|(sum, p)| *sum += p / mean);
+        let level = power.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let own = whole.iter_mut().zip(power);
+        own.for_each(|(sum, p)| *sum += p / level);
     }
     let mut sorted = whole.clone();
     let most = OUTSIDE * *sorted.select_nth_unstable_by(lines / 2, f64::total_cmp).1;
     let outside: Vec<usize> = (0..lines).filter(|k| whole[*k] <= most).collect();
-    let told = functions.par_iter().filter_map(|own| own.at(&outside));
-    let told: Vec<Estimated> = told.collect();
-    let by_power = noise_course::by_power(&told.iter().collect::<Vec<_>>());
     let Some(last) = outside.len().checked_sub(1) else {
         return Vec::new();
     };
+    let told = functions.par_iter();
+    let told: Vec<Estimated> = told
+        .filter_map(|own| own.differences_at(&outside))
+        .collect();
+    let by_power = noise_course::by_power(&told.iter().collect::<Vec<_>>());
     let next = |k: usize| outside.partition_point(|line| *line < k).min(last);
     (0..lines).map(|k| by_power[next(k)]).collect()
 }

@@ -109,8 +109,8 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
 pub(super) struct Squares {
     pub values: Vec<f64>,
     reach: usize,
-    /// Lines of white noise whose squares tell as much as one.
-    pub alike: f64,
+    /// Lines of white noise whose second differences tell as much as one; `None` where the squares are those of a level.
+    pub differences_alike: Option<f64>,
 }
 
 impl Squares {
@@ -126,7 +126,7 @@ impl Squares {
         Self {
             values: own.collect(),
             reach: REACH,
-            alike: DIFFERENCES_ALIKE,
+            differences_alike: Some(DIFFERENCES_ALIKE),
         }
     }
 
@@ -136,7 +136,7 @@ impl Squares {
         Self {
             values: own.collect(),
             reach: REACH.max(squares.len() / LEVEL_REACH),
-            alike: 1.0,
+            differences_alike: None,
         }
     }
 

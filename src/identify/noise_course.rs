@@ -73,7 +73,12 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
         .unwrap_or(0);
     let stretches = stretches(lines);
     let left_over = functions.iter().any(|own| own.own.is_some());
-    let by_power = by_stretch(functions, &stretches, left_over);
+    let limit = if left_over {
+        MOST_LEFT_OVER
+    } else {
+        f64::INFINITY
+    };
+    let by_power = by_stretch(functions, &stretches, limit);
     let course = |own: &&Estimated| {
         let most = own.most();
         let long = |(lines, b): (&Range<usize>, &f64)| own.even(lines.clone(), *b, most);
@@ -115,10 +120,10 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
     functions.par_iter().map(course).collect()
 }
 
-/// b of what a fit leaves over at every line, of all functions of one hit point.
+/// b at every line, of all functions of one hit point; no more than what a fit leaves over may tell.
 pub(super) fn by_power(functions: &[&Estimated]) -> Vec<f64> {
     let lines = functions.first().map_or(0, |own| own.variance.len());
-    let told = by_stretch(functions, &stretches(lines), true);
+    let told = by_stretch(functions, &stretches(lines), MOST_LEFT_OVER);
     let place = |k: usize| (k as f64 + 0.5) / lines as f64;
     (0..lines).map(|k| between(&told, place(k))).collect()
 }
@@ -140,7 +145,7 @@ fn between(values: &[f64], place: f64) -> f64 {
 
 /// b of every stretch. The noise of a force does not end with a stretch: one that says nothing has that of the nearest that does, unless
 /// it speaks against that.
-fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], left_over: bool) -> Vec<f64> {
+fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], limit: f64) -> Vec<f64> {
     let most: Vec<f64> = functions.iter().map(|own| own.most()).collect();
     let likelihoods = |n: usize, tried: &[f64]| -> Vec<f64> {
         let mut sums = vec![0.0; tried.len()];
@@ -152,11 +157,6 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], left_over: b
         }
         sums
     };
-    let limit = if left_over {
-        MOST_LEFT_OVER
-    } else {
-        f64::INFINITY
-    };
     let mean = |n: usize, own: &&Estimated| {
         let sum = |values: &[f64]| values[stretches[n].clone()].iter().sum::<f64>();
         sum(&own.variance) / sum(&own.power)
@@ -164,6 +164,7 @@ fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], left_over: b
     let likeliest = |n: usize| -> Option<f64> {
         let means = functions.iter().map(|own| mean(n, own));
         let most = means.filter(|b| b.is_finite()).fold(0.0, f64::max);
+        let most = most.min(limit);
         let tried = (0..TRIED).map(|step| most * RATIO * RATIO.powi(-(step as i32)));
         let tried: Vec<f64> = std::iter::once(0.0).chain(tried).collect();
         let told = likelihoods(n, &tried);

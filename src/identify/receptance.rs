@@ -348,11 +348,14 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     Ok(lines)
 }
 
-/// Functions with a value in a band that is no number.
-pub(super) fn damaged(set: &FrfSet, band: Band) -> Vec<usize> {
+/// Numbers of the functions with a value in a band that is no number, with the frequency of the first, Hz.
+pub(super) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
-    let damaged = |i: &usize| check_finite(set, *i, lines.clone()).is_err();
-    (0..set.len()).filter(damaged).collect()
+    let damaged = |i: usize| match check_finite(set, i, lines.clone()) {
+        Err(IdentifyError::NotFinite { hz, .. }) => Some((i, hz)),
+        _ => None,
+    };
+    (0..set.len()).filter_map(damaged).collect()
 }
 
 fn check_finite(

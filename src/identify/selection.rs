@@ -57,10 +57,12 @@ pub(super) fn chosen<'a>(
     let mut findings = Vec::new();
     if options.partial {
         let damaged = damaged(&set, band);
-        let sound: Vec<usize> = (0..set.len()).filter(|i| !damaged.contains(i)).collect();
+        let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
+        let sound: Vec<usize> = sound.collect();
         // Of nothing but damage, the error says what it is.
         if !damaged.is_empty() && !sound.is_empty() {
-            findings.extend(damaged.iter().map(|i| left_out(&set.functions()[*i])));
+            let left_out = |(i, hz): (&usize, &f64)| left_out(&set.functions()[*i], *hz);
+            findings.extend(damaged.iter().map(left_out));
             set = Cow::Owned(set.part(&sound));
         }
     }
@@ -71,12 +73,12 @@ pub(super) fn chosen<'a>(
     })
 }
 
-fn left_out(function: &Function) -> Finding {
+fn left_out(function: &Function, hz: f64) -> Finding {
     let place = Place::Function {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),
     };
-    Finding::new(Severity::Error, Code::BadDataset, place)
+    Finding::new(Severity::Error, Code::ValueNotFinite, place).value(hz, "Hz")
 }
 
 /// The modal model of a table of candidates.

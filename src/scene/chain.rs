@@ -289,7 +289,7 @@ fn identify_test(
     findings.append(&mut modes.findings);
     modes.findings = findings;
     modes.inputs = inputs;
-    let left_out = |finding: &Finding| finding.code == Code::BadDataset;
+    let left_out = |finding: &Finding| finding.code == Code::ValueNotFinite;
     let partly_bad = data.partly_bad || modes.findings.iter().any(left_out);
     Ok(TestResult {
         name: test.name.clone(),

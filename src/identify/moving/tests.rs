@@ -12,7 +12,7 @@ use crate::frf::{FrfSet, FunctionData};
 use crate::identify::synthetic::Pair;
 use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
 use crate::identify::{IdentifyOptions, identify};
-use crate::modal::{ModalModel, mac};
+use crate::modal::{ModalModel, Mode, mac};
 
 /// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
 fn roving(
@@ -242,7 +242,7 @@ fn two_close_modes_are_no_mode_that_moves() {
     }
 }
 
-/// Four modes of two to five lines at two sensors; the third, 0.8 half-power widths above the second, is the weaker. `None` where
+/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power widths above the second, is the weaker. `None` where
 /// hardly anything tells it: its residues are a hundredth of the second's, or its shape is nearly that.
 fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -287,7 +287,10 @@ fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
     let tests: Vec<_> = (0..32).filter_map(weak_beside_strong).collect();
     assert!(tests.len() > 20, "{}", tests.len());
     for (place, (modes, set)) in tests.iter().enumerate() {
-        assert_eq!(found(set).modes.len(), *modes, "{place}");
+        let found = found(set).modes;
+        assert_eq!(found.len(), *modes, "{place}");
+        let near = |mode: &Mode| (mode.frequency_hz - 50.08).abs() < 0.03;
+        assert!(found.iter().any(near), "{place}");
     }
 }
 
