@@ -203,9 +203,12 @@ mod tests {
     use crate::modal::{Mode, Scaling};
 
     fn model(values: &[(&str, f64)]) -> ModalModel {
-        let shape = values
-            .iter()
-            .map(|(dof, value)| (dof.parse().unwrap(), Complex64::new(*value, 0.0)));
+        let shape = values.iter().map(|(dof, value)| {
+            (
+                dof.parse().expect("a degree of freedom"),
+                Complex64::new(*value, 0.0),
+            )
+        });
         let mode = Mode::new(10.0, None, ModeShape::new(shape), Scaling::Unknown);
         ModalModel {
             modes: vec![mode],
@@ -230,12 +233,19 @@ mod tests {
 
     #[test]
     fn a_list_turns_signs_of_both_sides() {
-        let names = DofNames::parse("# beam\n1:+Z,101:-X\n2:-Z,102:+X\n3:+Z,103:+X\n").unwrap();
+        let names = DofNames::parse("# beam\n1:+Z,101:-X\n2:-Z,102:+X\n3:+Z,103:+X\n")
+            .expect("a sound list");
         let renamed = names.rename(&model(&[("101:+X", 2.0), ("102:-X", 3.0)]));
         let expected = [("1:+Z".to_owned(), -2.0), ("2:-Z".to_owned(), -3.0)];
         assert_eq!(values(&renamed), expected);
-        let own = names.in_theory(&"1:+Z".parse().unwrap());
-        assert_eq!(own, Some(&vec![("101:+X".parse().unwrap(), -1.0)]));
+        let own = names.in_theory(&"1:+Z".parse().expect("a degree of freedom"));
+        assert_eq!(
+            own,
+            Some(&vec![(
+                "101:+X".parse().expect("a degree of freedom"),
+                -1.0
+            )])
+        );
         assert_eq!(names.points(), [("1", "101"), ("2", "102"), ("3", "103")]);
     }
 
@@ -274,7 +284,7 @@ mod tests {
         );
         let expected = [("1:+Z".to_owned(), 5.0), ("2:+Z".to_owned(), 6.0)];
         assert_eq!(values(&names.rename(&theory)), expected);
-        assert!((finding.value.unwrap() - 0.004).abs() < 1e-12);
+        assert!((finding.value.expect("a value") - 0.004).abs() < 1e-12);
     }
 
     #[test]

@@ -16,8 +16,8 @@ const AXIS: EntryAxis = EntryAxis::Frequency(FrequencyAxis {
 
 fn entry(function_type: FunctionType, response: &str) -> Entry {
     Entry {
-        response: Some(response.parse().unwrap()),
-        reference: Some("1:+Z".parse().unwrap()),
+        response: Some(response.parse().expect("a degree of freedom")),
+        reference: Some("1:+Z".parse().expect("a degree of freedom")),
         quantity: Some(Quantity::Acceleration),
         denominator: Some(Quantity::Force),
         to_si: Some(2.0),
@@ -47,7 +47,7 @@ fn sets(sources: Vec<MemorySource>, averages: Option<u32>) -> Vec<FrfSet> {
             ..HitFile::new(Box::new(source))
         })
         .collect();
-    frf_sets(&mut files).unwrap()
+    frf_sets(&mut files).expect("functions of one axis")
 }
 
 /// |H|²(1−γ²)/(γ²(n−1)) of a value of 10 m/s²/N.
@@ -56,7 +56,7 @@ fn expected(coherence: f64, averages: f64) -> f64 {
 }
 
 fn close(variance: Option<&[f64]>, expected: [f64; 3]) -> bool {
-    let pairs = variance.unwrap().iter().zip(expected);
+    let pairs = variance.expect("a variance").iter().zip(expected);
     pairs
         .into_iter()
         .all(|(got, expected)| (got - expected).abs() <= 1e-12 * expected)

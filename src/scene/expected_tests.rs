@@ -23,9 +23,9 @@ tests = { "t" = 1.5 }
 "#;
 
 fn load(text: &str) -> Result<Expected, SceneError> {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("expected.toml");
-    std::fs::write(&path, text).unwrap();
+    std::fs::write(&path, text).expect("it is writable");
     load_expected(&path)
 }
 
@@ -40,7 +40,11 @@ fn claim_of(kind: &str) -> String {
     } else {
         "f1"
     };
-    let needed = KINDS.iter().find(|(name, _)| *name == kind).unwrap().1;
+    let needed = KINDS
+        .iter()
+        .find(|(name, _)| *name == kind)
+        .expect("a kind of the list")
+        .1;
     let keys = needed.iter().map(|key| match *key {
         "test" => "test = \"t\"\n".to_owned(),
         "row" => format!("row = \"{row}\"\n"),
@@ -58,7 +62,8 @@ fn claim_of(kind: &str) -> String {
 fn every_kind_is_read_with_its_keys_and_is_a_statement_of_its_own() {
     let mut seen: Vec<Statement> = Vec::new();
     for (kind, needed) in KINDS {
-        let expected = load(&format!("{HEAD}{}", claim_of(kind))).unwrap();
+        let expected =
+            load(&format!("{HEAD}{}", claim_of(kind))).expect("a claim with all it needs");
         let statement = expected.claims[0].statement.clone();
         assert!(!seen.contains(&statement), "{kind} {statement:?}");
         seen.push(statement);
@@ -164,18 +169,25 @@ fn names_and_numbers_that_cannot_be_meant_are_named() {
 
 #[test]
 fn a_scene_without_published_results_has_none() {
-    let folder = tempfile::tempdir().unwrap();
-    assert_eq!(beside(folder.path()).unwrap(), None);
-    std::fs::write(folder.path().join("expected.toml"), HEAD).unwrap();
-    let found = beside(folder.path()).unwrap().unwrap();
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_eq!(beside(folder.path()).expect("no file is no error"), None);
+    std::fs::write(folder.path().join("expected.toml"), HEAD).expect("it is writable");
+    let found = beside(folder.path())
+        .expect("a sound file")
+        .expect("a file");
     assert_eq!((found.roots.len(), found.roots[0].multiplicity), (1, 1));
 }
 
 #[test]
 fn without_a_model_the_print_is_still_recomputed() {
-    let expected = load(&format!("{HEAD}{}", claim_of("error-hz"))).unwrap();
+    let expected =
+        load(&format!("{HEAD}{}", claim_of("error-hz"))).expect("a claim with all it needs");
     let result = expected.judge(None, Vec::new());
     assert!(result.roots.is_none());
-    assert!(result.comparison.unwrap().rows[0].root_hz.is_some());
+    assert!(
+        result.comparison.expect("a print").rows[0]
+            .root_hz
+            .is_some()
+    );
     assert_eq!(result.verdicts[0].confirmed, Some(false));
 }

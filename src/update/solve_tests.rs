@@ -24,23 +24,26 @@ fn a_chain_gets_its_stiffnesses_back_from_every_start() {
     let sensors = sensors(&model, &start);
     let own = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(8)).unwrap();
-    let found = solve_from_starts(&problem).unwrap();
+    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(8))
+        .expect("parameters of the model");
+    let found = solve_from_starts(&problem).expect("every start is in bounds");
     assert!(found.best.stop_reason.converged());
     for (got, truth) in found.best.at.values.iter().zip(truth) {
         // The prior pulls by (deviation/prior)^2 of the distance: about (2e-4)^2.
         assert!((got / truth - 1.0).abs() < 1e-6, "{got} {truth}");
     }
     // Objectives fall from step to step, and few steps are needed from the model as it stands.
-    let history = solve(&problem, &[0.0; 3]).unwrap().history;
+    let history = solve(&problem, &[0.0; 3])
+        .expect("the start is in bounds")
+        .history;
     assert!((3..15).contains(&history.len()), "{}", history.len());
     assert!(history.windows(2).all(|w| w[1].objective <= w[0].objective));
     // The same from a pool of one thread, bit for bit.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
-        .unwrap();
-    let alone = pool.install(|| solve_from_starts(&problem).unwrap());
+        .expect("threads start");
+    let alone = pool.install(|| solve_from_starts(&problem).expect("every start is in bounds"));
     assert_eq!(alone.objectives, found.objectives);
     assert_eq!(alone.ends, found.ends);
 }
@@ -54,9 +57,9 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
         let test = measured(&model, &[110.0, 110.0], 1e-4, shapes);
         let own = [MeasuredModes::new("t", &test)];
         let chosen = free(&["kx", "ky"]);
-        let problem =
-            UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(1)).unwrap();
-        let found = update(&problem).unwrap();
+        let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(1))
+            .expect("parameters of the model");
+        let found = update(&problem).expect("the start is in bounds");
         assert!(found.stop_reason.converged());
         for own in &found.parameters {
             // Roots nearer than 1e-6 are one, so that their stiffnesses may differ by 2e-6.
@@ -79,8 +82,9 @@ fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
     let own = [MeasuredModes::new("t", &test)];
     let mut chosen = free(&["k1"]);
     chosen[0].upper = Some(125.0);
-    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &own, &[], exact(1)).unwrap();
-    let found = solve(&problem, &[0.0]).unwrap();
+    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &own, &[], exact(1))
+        .expect("parameters of the model");
+    let found = solve(&problem, &[0.0]).expect("the start is in bounds");
     assert!(
         (found.at.values[0] - 125.0).abs() < 1e-9,
         "{}",
@@ -92,18 +96,21 @@ fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
 #[test]
 fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
     // Planet modes and a rotational mode of the torsional gear with a fixed carrier cross at k_r = 4.308891e7.
-    let model = built_in("torsional-planetary/carrier-fixed").unwrap();
+    let model = built_in("torsional-planetary/carrier-fixed").expect("a built-in model");
     let specs = model.parameters();
-    let at = |k_r: f64| override_values("gear", specs, &[("k_r".to_owned(), k_r)].into()).unwrap();
+    let at = |k_r: f64| {
+        override_values("gear", specs, &[("k_r".to_owned(), k_r)].into())
+            .expect("the gear has a k_r")
+    };
     let (start, truth) = (at(5.0e7), at(3.7e7));
     let sensors = sensors(model.as_ref(), &start);
     let test = measured(model.as_ref(), &truth, 1e-4, true);
     let own = [MeasuredModes::new("t", &test)];
     let options = exact(1);
     let chosen = free(&["k_r"]);
-    let problem =
-        UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &sensors, options).unwrap();
-    let found = solve(&problem, &[0.0]).unwrap();
+    let problem = UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &sensors, options)
+        .expect("parameters of the model");
+    let found = solve(&problem, &[0.0]).expect("the start is in bounds");
     let k_r = found.at.values[problem.free[0].index];
     assert!((k_r / 3.7e7 - 1.0).abs() < 1e-6, "{k_r}");
     assert!(found.pairing_changes.iter().any(|change| change.followed));
@@ -112,7 +119,7 @@ fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
 #[test]
 fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
     // Table 2 of Wang et al. (2005), 4 planets: three rotational roots and the planet modes (3 of one root).
-    let model = built_in("torsional-planetary").unwrap();
+    let model = built_in("torsional-planetary").expect("a built-in model");
     let mut start = nominal_values(model.parameters());
     for (spec, value) in model.parameters().iter().zip(&mut start) {
         // The carrier as printed, without its planets.
@@ -137,8 +144,8 @@ fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
     };
     let chosen = free(&["m_c", "m_r", "m_s", "m_p"]);
     let new = UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &[], options);
-    let problem = new.unwrap();
-    let found = solve_from_starts(&problem).unwrap();
+    let problem = new.expect("parameters of the model");
+    let found = solve_from_starts(&problem).expect("every start is in bounds");
     let values: Vec<f64> = problem
         .free
         .iter()

@@ -14,7 +14,9 @@ use crate::io::{Confidence, Format, Hints, MemorySource, Source, WriteOptions};
 fn written(source: &mut dyn Source) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
     let options = WriteOptions::default();
-    let findings = Hdf5.write(&mut out, source, &options).unwrap();
+    let findings = Hdf5
+        .write(&mut out, source, &options)
+        .expect("memory is writable");
     assert!(findings.is_empty(), "{findings:?}");
     out.into_inner()
 }
@@ -24,7 +26,8 @@ fn opened(bytes: Vec<u8>) -> Box<dyn Source> {
         path: "test.h5".to_owned(),
         table: None,
     };
-    Hdf5.open(Box::new(Cursor::new(bytes)), &hints).unwrap()
+    Hdf5.open(Box::new(Cursor::new(bytes)), &hints)
+        .expect("a sound file")
 }
 
 fn round_trip(mut source: MemorySource) {
@@ -56,7 +59,7 @@ fn a_header_before_the_signature_is_accepted_and_other_bytes_are_not() {
         let mut builder = FileBuilder::new();
         builder.with_userblock(size);
         builder.create_dataset("x").with_f64_data(&[1.0, 2.0]);
-        let bytes = builder.finish().unwrap();
+        let bytes = builder.finish().expect("a file in memory");
         assert_eq!(
             Hdf5.detect(&bytes[..bytes.len().min(4096)]),
             Confidence::Certain
@@ -84,10 +87,14 @@ fn datatypes_in_datatypes_without_end_are_refused_and_the_rest_is_read() {
         let deep = builder.create_dataset("deep");
         deep.with_dtype(datatype).with_shape(&[0]);
         builder.create_dataset("x").with_f64_data(&[1.0, 2.0]);
-        builder.finish().unwrap()
+        builder.finish().expect("a file in memory")
     };
     let builder = std::thread::Builder::new().stack_size(256 << 20);
-    let bytes = builder.spawn(make).unwrap().join().unwrap();
+    let bytes = builder
+        .spawn(make)
+        .expect("a thread starts")
+        .join()
+        .expect("it ends");
     let source = opened(bytes);
     let catalog = source.catalog();
     assert_eq!(catalog.arrays.len(), 1);
@@ -110,12 +117,12 @@ fn a_shape_that_the_file_cannot_fill_is_refused_before_memory_is_asked_for() {
     data.with_f64_data(&[1.0; 64])
         .with_chunks(&[16])
         .with_deflate(6);
-    let mut bytes = builder.finish().unwrap();
+    let mut bytes = builder.finish().expect("a file in memory");
     // The length 64 of the chunked dataset becomes 2^40; its chunks stay.
     let place = bytes
         .windows(8)
         .position(|window| window == 64_u64.to_le_bytes());
-    let place = place.unwrap();
+    let place = place.expect("the size is in the file");
     bytes[place..place + 8].copy_from_slice(&(1_u64 << 40).to_le_bytes());
     let hints = Hints::default();
     let opened = std::panic::AssertUnwindSafe(|| Hdf5.open(Box::new(Cursor::new(bytes)), &hints));
@@ -132,12 +139,12 @@ fn a_listing_takes_no_more_memory_than_its_file_allows() {
             .create_dataset(&format!("x{name}"))
             .with_f64_data(&[1.0]);
     }
-    let bytes = builder.finish().unwrap();
+    let bytes = builder.finish().expect("a file in memory");
     let size = bytes.len() as u64;
     for at in 0..bytes.len() {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0xff;
-        let stream = Stream::new(Box::new(Cursor::new(damaged))).unwrap();
+        let stream = Stream::new(Box::new(Cursor::new(damaged))).expect("memory is readable");
         let peak = allocation_counter::measure(|| {
             let _ = list_here(&stream, false, "damaged.h5");
         });

@@ -32,8 +32,11 @@ pub(super) fn opened(name: &str) -> Option<Box<dyn Source>> {
         table: None,
     };
     let source = Uff
-        .open(Box::new(File::open(path).unwrap()), &hints)
-        .unwrap();
+        .open(
+            Box::new(File::open(path).expect("the recording is there")),
+            &hints,
+        )
+        .expect("a universal file");
     assert!(
         source.catalog().damage.is_empty(),
         "{:?}",
@@ -62,10 +65,10 @@ fn a_text_file_and_its_binary_twin_agree() {
     ) else {
         return;
     };
-    let Block::F64(a) = all(text.as_mut(), 0).unwrap() else {
+    let Block::F64(a) = all(text.as_mut(), 0).expect("its numbers") else {
         panic!("text is read in double precision")
     };
-    let Block::F32(b) = all(binary.as_mut(), 0).unwrap() else {
+    let Block::F32(b) = all(binary.as_mut(), 0).expect("its numbers") else {
         panic!("single precision stays single")
     };
     assert_eq!(a.len(), b.len());
@@ -100,7 +103,7 @@ fn records_with_a_line_end_behind_their_blocks_are_read() {
         );
         let len = entry.len();
         assert!(has_whole_rate(source.as_ref(), i));
-        let Block::F32(values) = all(source.as_mut(), i).unwrap() else {
+        let Block::F32(values) = all(source.as_mut(), i).expect("its numbers") else {
             panic!("single precision stays single")
         };
         assert_eq!(values.len(), len);
@@ -123,15 +126,16 @@ fn complex_text_agrees_with_the_listed_values() {
             (Some(Quantity::Acceleration), Some(Quantity::Force), None)
         );
         assert!(matches!(entry.axis, EntryAxis::Frequency(_)));
-        let Block::Complex(values) = all(source.as_mut(), i).unwrap() else {
+        let Block::Complex(values) = all(source.as_mut(), i).expect("its numbers") else {
             panic!("complex")
         };
-        let path = recording(&format!("uff-formats/meas_point_{}.txt", i + 1)).unwrap();
-        let listed = std::fs::read_to_string(path).unwrap();
+        let path =
+            recording(&format!("uff-formats/meas_point_{}.txt", i + 1)).expect("beside the others");
+        let listed = std::fs::read_to_string(path).expect("text");
         // The first line of the list is the value at 0 Hz, which the file has as zero.
         assert_eq!(values.len(), listed.lines().count());
         for (value, line) in values.iter().zip(listed.lines()).skip(1) {
-            let expected: Complex64 = line.trim_matches(['(', ')']).parse().unwrap();
+            let expected: Complex64 = line.trim_matches(['(', ')']).parse().expect("a number");
             assert!(
                 (value - expected).norm() < 1e-11 * (1.0 + expected.norm()),
                 "{line}"
@@ -142,7 +146,8 @@ fn complex_text_agrees_with_the_listed_values() {
 
 /// Words of the lines of a text file, another way to the same numbers.
 fn word_lines(name: &str) -> Vec<Vec<String>> {
-    let bytes = std::fs::read(recording(name).unwrap()).unwrap();
+    let bytes = std::fs::read(recording(name).expect("the folder is there"))
+        .expect("the recording is there");
     let text = String::from_utf8_lossy(&bytes).replace('D', "E");
     text.lines()
         .map(|line| line.split_whitespace().map(str::to_owned).collect())
@@ -150,7 +155,10 @@ fn word_lines(name: &str) -> Vec<Vec<String>> {
 }
 
 fn numbers(words: &[String]) -> Vec<f64> {
-    words.iter().map(|word| word.parse().unwrap()).collect()
+    words
+        .iter()
+        .map(|word| word.parse().expect("a number"))
+        .collect()
 }
 
 /// Numbers of a file with one function and nothing else: its fourteenth line up to the delimiter.
@@ -192,7 +200,7 @@ fn a_header_in_latin_1_and_a_short_last_row_are_read() {
         assert_eq!(codes(source.as_ref()), [Code::HeaderNotUtf8]);
         let entry = &source.catalog().entries[0];
         assert!(entry.unit_label.contains("m/s²") && entry.to_si.is_none());
-        let Block::Complex(values) = all(source.as_mut(), 0).unwrap() else {
+        let Block::Complex(values) = all(source.as_mut(), 0).expect("its numbers") else {
             panic!("complex")
         };
         let values: Vec<f64> = values.iter().flat_map(|h| [h.re, h.im]).collect();
@@ -204,7 +212,7 @@ fn a_header_in_latin_1_and_a_short_last_row_are_read() {
         let sides = (entry.quantity, entry.to_si);
         assert_eq!(sides, (Some(Quantity::Acceleration), Some(1.0)));
         assert!(has_whole_rate(source.as_ref(), 0));
-        let Block::F64(values) = all(source.as_mut(), 0).unwrap() else {
+        let Block::F64(values) = all(source.as_mut(), 0).expect("its numbers") else {
             panic!("real")
         };
         assert_eq!(values, function_numbers(name));
