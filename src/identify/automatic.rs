@@ -100,7 +100,7 @@ impl Automatic {
             let mut fit = Fit::new(data, sides, self.options);
             fit.first_roots(&found)?;
             fit.moved = moved.clone();
-            let told = moved.told_by(&fit.data, (&fit.roots, &fit.rest()));
+            let told = moved.told_by(&fit.data, &fit.roots);
             fits.push((fit, found));
             if !told {
                 break;
@@ -404,7 +404,9 @@ impl Fit {
                 .iter()
                 .map(|(root, own)| Candidate {
                     residue_stds: self.residue_stds(root, own),
-                    ..self.moved.merged(candidate(root, own))
+                    ..self
+                        .moved
+                        .merged(candidate(root, own), own.inflation() > 1.0)
                 })
                 .collect(),
             findings: evidence.findings(),

@@ -7,10 +7,11 @@
 //! H_f = A_f/(iω − λ − (κ + i) δ_r) + …      f in run r,
 //! ```
 //!
-//! its decay rate on one straight line over its frequency for all runs, and is held against the roots that the fit has there by the
-//! Bayesian information criterion. Where it wins, each function is brought to the mean of the runs: the difference of both courses, a
-//! small one, is added to it, and all that follows sees one pole. The runs are merged as samples of one mode: the mean weights each by
-//! its own variance and the scatter between runs (Paule and Mandel 1982, Journal of Research of the NBS 87), and so much of a run's
+//! or two of them where two modes are close, its decay rate on one straight line over its frequency for all runs. These are held against
+//! the roots that the fit has there by the Bayesian information criterion; how many of the roots stand for one mode is not known before,
+//! and that grouping of them counts which leaves the fewest modes. Where runs win, each function is brought to their mean: the difference
+//! of both courses is added to it, and all that follows sees one pole. The runs are merged as samples of one mode: the mean weights each
+//! by its own variance and the scatter between runs (Paule and Mandel 1982, Journal of Research of the NBS 87), and so much of a run's
 //! shift is believed as its variance leaves beside that scatter.
 
 use std::f64::consts::TAU;
@@ -21,18 +22,23 @@ use rayon::prelude::*;
 use crate::frf::{Function, runs};
 
 use super::Candidate;
-use super::far::Rest;
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::sides::Sides;
 
+mod merging;
 mod resonance;
 mod run;
+mod track;
 
-use resonance::{FirstLook, Fitted, Resonance, Told};
+use resonance::{FirstLook, MOST_PART, Resonance, Told};
+use track::{Fitted, Poles};
 
-/// Roots within so many half-power widths of a strong one may stand for the same mode.
+/// A root within so many half-power widths of where a mode is may be its own.
 const SAME: f64 = 1.0;
+/// Roots within so many half-power widths, or such a part of the frequency, of a strong one may stand for the same mode or for two that move
+/// together.
+const REACHES: [(f64, f64); 3] = [(SAME, 0.0), (2.5, 0.0), (2.5, MOST_PART)];
 /// Times that the runs are brought together, at most.
 const ROUNDS: usize = 3;
 /// A pole that moved by less than this part of the scatter stays.
@@ -75,6 +81,15 @@ pub(super) struct Moving {
     residues: Vec<Complex64>,
 }
 
+/// The modes that move by one grouping of the roots.
+struct Way {
+    moving: Vec<Moving>,
+    /// Modes of all groups, those of roots that do not move among them.
+    left: usize,
+    /// By how much the criterion speaks for those that move.
+    gain: f64,
+}
+
 /// A run that is away from the others.
 pub(super) struct Away {
     /// Its function with the largest residue.
@@ -113,12 +128,12 @@ impl Moved {
     }
 
     /// Takes in what a fit of the functions as they are now brought together tells; whether that changed anything.
-    pub fn told_by(&mut self, data: &Receptances, fit: (&[Root], &Rest)) -> bool {
+    pub fn told_by(&mut self, data: &Receptances, roots: &[Root]) -> bool {
         if self.rounds == ROUNDS || self.runs.len() < FEWEST_RUNS {
             return false;
         }
         self.rounds += 1;
-        let modes = self.moving(data, fit);
+        let modes = self.moving(data, roots);
         let same = |(now, before): (&Moving, &Moving)| now.stays(before);
         let told = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
@@ -140,12 +155,17 @@ impl Moved {
         nearest.holds(lambda).then_some(nearest)
     }
 
-    /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of
-    /// damping at least that of the decay rate that all runs share.
-    pub fn merged(&self, mode: Candidate) -> Candidate {
+    /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of damping at least that of the decay
+    /// rate that all runs share. One that was not merged beside others that were, and that the model misses, may move as much as they do.
+    pub fn merged(&self, mode: Candidate, missed: bool) -> Candidate {
         let lambda = mode.pole.lambda;
         let Some(moving) = self.of(lambda) else {
-            return mode;
+            let usual = if missed { self.usual_scatter() } else { 0.0 };
+            let std = mode.frequency_std_hz;
+            return Candidate {
+                frequency_std_hz: std.map(|std| std.hypot(usual * lambda.norm() / TAU)),
+                ..mode
+            };
         };
         let damping = moving.decay_std * lambda.im / lambda.norm_sqr();
         Candidate {
@@ -155,6 +175,14 @@ impl Moved {
             damping_std: mode.damping_std.map(|std| std.max(damping)),
             ..mode
         }
+    }
+
+    /// Median of the scatter of those that move over their frequencies; 0 where none does.
+    fn usual_scatter(&self) -> f64 {
+        let own = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
+        let mut parts: Vec<f64> = own.collect();
+        parts.sort_by(f64::total_cmp);
+        parts.get(parts.len() / 2).copied().unwrap_or(0.0)
     }
 
     /// The run that is farthest from the mean of a mode, in half-power widths.
@@ -181,137 +209,196 @@ impl Moved {
         })
     }
 
-    /// The modes that move, as far as runs are known to disagree: where half of the resonances that could tell it say so, and what moves
-    /// them has one cause.
-    fn moving(&self, data: &Receptances, (roots, rest): (&[Root], &Rest)) -> Vec<Moving> {
-        let groups = groups(roots);
-        let owners: Vec<Option<&Moving>> = self.owned(&groups, roots);
-        let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), (rest, self));
+    /// The modes that move, as far as runs are known to disagree, by that grouping of roots which leaves the fewest modes, and of several that
+    /// for which most speaks.
+    fn moving(&self, data: &Receptances, roots: &[Root]) -> Vec<Moving> {
+        let mut groupings: Vec<Vec<Vec<usize>>> = REACHES.map(|reach| groups(roots, reach)).into();
+        groupings.dedup();
+        let ways = groupings.into_iter();
+        let ways = ways.map(|groups| self.moving_by(groups, data, roots));
+        let better = |a: &Way, b: &Way| b.left < a.left || b.left == a.left && b.gain > a.gain;
+        let best = ways.reduce(|a, b| if better(&a, &b) { b } else { a });
+        let mut moving = best.map_or_else(Vec::new, |way| way.moving);
+        moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        moving
+    }
+
+    /// The modes that move, by one grouping of the roots, and how much speaks for them: where half of the resonances that could tell it say
+    /// so, and what moves them has one cause.
+    fn moving_by(&self, groups: Vec<Vec<usize>>, data: &Receptances, roots: &[Root]) -> Way {
+        let owners: Vec<Vec<&Moving>> = self.owned(&groups, roots);
+        let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), self);
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
-        let look = |(known, own): (&Option<&Moving>, &Option<Resonance>)| match known {
-            Some(_) => FirstLook::Worthwhile,
-            None => match own {
-                Some(own) => own.first_look(&self.runs),
-                None => FirstLook::Unclear,
-            },
+        let look = |(known, own): (&Vec<&Moving>, &Option<Resonance>)| match own {
+            _ if !known.is_empty() => FirstLook::Worthwhile,
+            Some(own) => own.first_look(&self.runs),
+            None => FirstLook::Unclear,
         };
-        let looks: Vec<FirstLook> = owners.iter().zip(&resonances).map(look).collect();
+        let looks = owners.par_iter().zip(&resonances);
+        let looks: Vec<FirstLook> = looks.map(look).collect();
         if !looks.contains(&FirstLook::Worthwhile) {
-            return self.modes.clone();
+            return Way {
+                moving: self.modes.clone(),
+                left: roots.len(),
+                gain: 0.0,
+            };
         }
-        let start = |known: &Option<&Moving>| known.map(Moving::poles);
-        let mut poles: Vec<Option<Vec<Complex64>>> = owners.iter().map(start).collect();
+        let known = |owners: &Vec<&Moving>| {
+            let poles: Poles = owners.iter().map(|mode| mode.poles()).collect();
+            (!poles.is_empty()).then_some(poles)
+        };
+        let mut poles: Vec<Option<Poles>> = owners.iter().map(known).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
         for _ in 0..SWEEPS {
             let fit = |place: usize| {
                 let own = resonances[place].as_ref();
                 let own = own.filter(|_| looks[place] == FirstLook::Worthwhile)?;
                 let beside = |run| poles_beside(roots, (&groups, &poles), (place, run));
-                own.fitted(&self.runs, poles[place].clone(), beside)
+                let one = |root: usize| vec![vec![roots[root].lambda; self.runs.len()]];
+                match (&poles[place], &groups[place][..]) {
+                    (Some(poles), _) => own.fitted(&own.runs(&self.runs, beside), poles.clone()),
+                    (None, [root]) => own.fitted(&own.runs(&self.runs, beside), one(*root)),
+                    (None, _) => own.searched(&self.runs, beside),
+                }
             };
             fitted = (0..groups.len()).into_par_iter().map(fit).collect();
-            let moved = |(own, known): (&Option<Fitted>, &Option<&Moving>)| match own {
-                Some(own) => Some(own.poles.clone()),
-                None => start(known),
+            let moved = |(own, owners): (&Option<Fitted>, &Vec<&Moving>)| match own {
+                Some(own) => Some(own.tracks.iter().map(|track| track.poles.clone()).collect()),
+                None => known(owners),
             };
             poles = fitted.iter().zip(&owners).map(moved).collect();
         }
         // Of those that could tell it, what they tell.
         let judge = |place: usize| match (&resonances[place], looks[place]) {
             (_, FirstLook::Unclear) => None,
-            (_, FirstLook::Still) => Some(None),
+            (_, FirstLook::Still) => Some(Vec::new()),
             (Some(own), FirstLook::Worthwhile) => own.judged(
                 fitted[place].as_ref(),
                 (&self.runs, self.factors),
-                owners[place],
+                &owners[place],
             ),
-            (None, FirstLook::Worthwhile) => Told::as_known(owners[place]),
+            (None, FirstLook::Worthwhile) => Told::as_known(owners[place].iter().copied()),
         };
-        let told: Vec<Option<Told>> = (0..groups.len()).filter_map(judge).collect();
-        let clear = told.len();
-        let told: Vec<Told> = told.into_iter().flatten().collect();
-        let doubt = told.len() == 1 && !told[0].alone;
-        let modes =
-            |told: &[Told]| -> Vec<Moving> { told.iter().map(|told| told.mode.clone()).collect() };
-        let mut moving = modes(&told);
-        if doubt || 2 * moving.len() < clear || !self.agree(&moving) {
+        let told: Vec<Option<Vec<Told>>> = (0..groups.len()).map(judge).collect();
+        let all: Vec<&Told> = told.iter().flatten().flatten().collect();
+        let doubt = all.len() == 1 && !all[0].alone;
+        let agreeing = self.agreeing(if doubt { Vec::new() } else { all.clone() });
+        let moving = |taken: &[&Told], own: &Option<Vec<Told>>| {
+            let own = own.iter().flatten();
+            own.filter(|own| taken.iter().any(|taken| std::ptr::eq(*taken, *own)))
+                .count()
+        };
+        let agree = told.iter().filter(|own| moving(&agreeing, own) > 0).count();
+        let clear = told.iter().flatten().count();
+        let taken = match agree > 0 && 2 * agree >= clear {
+            true => agreeing,
             // What is known already does not hang on what more was tried.
-            let known: Vec<Told> = told.into_iter().filter(|told| told.known).collect();
-            moving = modes(&known);
-            if !self.agree(&moving) {
-                return Vec::new();
-            }
+            false => self.agreeing(all.into_iter().filter(|told| told.known).collect()),
+        };
+        let left = |(group, own): (&Vec<usize>, &Option<Vec<Told>>)| match moving(&taken, own) {
+            0 => group.len(),
+            count => count,
+        };
+        Way {
+            left: groups.iter().zip(&told).map(left).sum(),
+            gain: taken.iter().map(|told| told.gain).sum(),
+            moving: taken.iter().map(|told| told.mode.clone()).collect(),
         }
-        moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
-        moving
     }
 
-    /// The known mode of each group: that of its strong root, where no other group is nearer.
-    fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Option<&Moving>> {
-        let mut owners = vec![None; groups.len()];
+    /// The known modes of each group: those of whose roots its strong one is the nearest.
+    fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&Moving>> {
+        let mut owners = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
-            let distance =
-                |place: &usize| (roots[groups[*place][0]].lambda.im - mode.lambda.im).abs();
+            let near = |j: &usize| (roots[*j].lambda.im - mode.lambda.im).abs();
+            let distance = |place: &usize| {
+                let own = groups[*place].iter().map(near);
+                own.fold(f64::INFINITY, f64::min)
+            };
             let nearest = (0..groups.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let within = |place: &usize| mode.holds(roots[groups[*place][0]].lambda);
+            let within =
+                |place: &usize| groups[*place].iter().any(|j| mode.holds(roots[*j].lambda));
             if let Some(place) = nearest.filter(within) {
-                owners[place] = Some(mode);
+                owners[place].push(mode);
             }
         }
         owners
     }
 
-    /// Whether the shifts of some modes have one cause: a state of the structure that changes from run to run moves all modes together, and
-    /// the mass of a sensor lowers a mode by so much as its point moves in it. Pairs of close modes, which look as if one of them moved,
-    /// do neither.
-    fn agree(&self, modes: &[Moving]) -> bool {
-        moved_together(modes) > ONE_CAUSE
-            || self.roving_sensor && moved_by_mass(modes, &self.runs) > ONE_CAUSE
+    /// The modes whose shifts have one cause: a state of the structure that changes from run to run moves all modes together, and the mass of a
+    /// sensor lowers a mode by so much as its point moves in it. Pairs of close modes, which look as if one of them moved, do neither.
+    fn agreeing<'a>(&self, told: Vec<&'a Told>) -> Vec<&'a Told> {
+        let together = of_one_cause(told.clone(), together);
+        if !self.roving_sensor {
+            return together;
+        }
+        let by_mass = of_one_cause(told, |modes| {
+            let own = modes.iter().map(|mode| moved_by_mass(mode, &self.runs));
+            own.collect()
+        });
+        let gain = |told: &[&Told]| told.iter().map(|told| told.gain).sum::<f64>();
+        match (together.len(), gain(&together)) < (by_mass.len(), gain(&by_mass)) {
+            true => by_mass,
+            false => together,
+        }
     }
 }
 
-/// Mean correlation of the shifts of two modes over the runs; 0 for one mode.
-fn moved_together(modes: &[Moving]) -> f64 {
-    let (runs, count) = (
-        modes.first().map_or(0, |mode| mode.shifts.len()),
-        modes.len() as f64,
-    );
-    if modes.len() < 2 {
-        return 0.0;
+/// Those modes that one cause explains, without the least explained ones: so much of the scatter of those that are left.
+fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Moving]) -> Vec<f64>) -> Vec<&Told> {
+    while !told.is_empty() {
+        let modes: Vec<&Moving> = told.iter().map(|told| &told.mode).collect();
+        let parts = explained(&modes);
+        if parts.iter().sum::<f64>() > ONE_CAUSE * parts.len() as f64 {
+            break;
+        }
+        let least = (0..parts.len()).min_by(|a, b| parts[*a].total_cmp(&parts[*b]));
+        least.map(|place| told.remove(place));
     }
-    let sum = |run: usize| {
-        let own = modes.iter().map(|mode| mode.centred(run));
-        own.map(|(shift, squares)| shift / squares.sqrt())
-            .sum::<f64>()
-    };
-    // The square of the sum of vectors of length 1.
-    let square: f64 = (0..runs).map(|run| sum(run).powi(2)).sum();
-    (square - count) / (count * (count - 1.0))
+    told
 }
 
-/// Part of the scatter that shifts `d = −b |A|²` with one b > 0 for each mode explain, A the residues of the run.
-fn moved_by_mass(modes: &[Moving], runs: &[Vec<usize>]) -> f64 {
-    let explained = |mode: &Moving| {
-        let power = |run: &Vec<usize>| {
-            let own = run.iter().map(|f| mode.residues[*f].norm_sqr());
-            own.sum::<f64>() / run.len().max(1) as f64
-        };
-        let powers: Vec<f64> = runs.iter().map(power).collect();
-        let mean = powers.iter().sum::<f64>() / powers.len() as f64;
-        let (mut cross, mut square, mut all) = (0.0, 0.0, 0.0);
-        for (run, power) in powers.iter().enumerate() {
+/// Mean correlation of the shifts of each mode with those of the others; 0 for one mode.
+fn together(modes: &[&Moving]) -> Vec<f64> {
+    let runs = modes.first().map_or(0, |mode| mode.shifts.len());
+    // Vectors of length 1.
+    let direction = |mode: &&Moving| -> Vec<f64> {
+        let shift = |run: usize| {
             let (shift, squares) = mode.centred(run);
-            cross -= shift * (power - mean);
-            square += (power - mean).powi(2);
-            all = squares;
-        }
-        if cross > 0.0 {
-            cross * cross / (square * all)
-        } else {
-            0.0
-        }
+            shift / squares.sqrt()
+        };
+        (0..runs).map(shift).collect()
     };
-    modes.iter().map(explained).sum::<f64>() / modes.len().max(1) as f64
+    let directions: Vec<Vec<f64>> = modes.iter().map(direction).collect();
+    let others = modes.len() as f64 - 1.0;
+    let mean = |own: &Vec<f64>| {
+        let product = |other: &Vec<f64>| own.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        // That with itself is 1.
+        (directions.iter().map(product).sum::<f64>() - 1.0) / others.max(1.0)
+    };
+    directions.iter().map(mean).collect()
+}
+
+/// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of the run.
+fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
+    let power = |run: &Vec<usize>| {
+        let own = run.iter().map(|f| mode.residues[*f].norm_sqr());
+        own.sum::<f64>() / run.len().max(1) as f64
+    };
+    let powers: Vec<f64> = runs.iter().map(power).collect();
+    let mean = powers.iter().sum::<f64>() / powers.len() as f64;
+    let (mut cross, mut square, mut all) = (0.0, 0.0, 0.0);
+    for (run, power) in powers.iter().enumerate() {
+        let (shift, squares) = mode.centred(run);
+        cross -= shift * (power - mean);
+        square += (power - mean).powi(2);
+        all = squares;
+    }
+    if cross > 0.0 {
+        cross * cross / (square * all)
+    } else {
+        0.0
+    }
 }
 
 impl Moving {
@@ -356,8 +443,8 @@ impl Moving {
     }
 }
 
-/// Roots around each strong one, the strong one first.
-fn groups(roots: &[Root]) -> Vec<Vec<usize>> {
+/// Roots around each strong one within so many half-power widths or such a part of the frequency, the strong one first.
+fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
     let strength = |j: &usize| roots[*j].quality.significance();
     let mut order: Vec<usize> = (0..roots.len()).collect();
     order.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -365,7 +452,8 @@ fn groups(roots: &[Root]) -> Vec<Vec<usize>> {
     for j in order {
         let same = |group: &&mut Vec<usize>| {
             let strong = &roots[group[0]];
-            (roots[j].lambda.im - strong.lambda.im).abs() < SAME * strong.width()
+            let reach = (widths * strong.width()).max(part * strong.lambda.im);
+            (roots[j].lambda.im - strong.lambda.im).abs() < reach
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(j),
@@ -378,13 +466,15 @@ fn groups(roots: &[Root]) -> Vec<Vec<usize>> {
 /// Poles of the other groups in a run: as that group moves, or its roots where that is not known.
 fn poles_beside(
     roots: &[Root],
-    (groups, moved): (&[Vec<usize>], &[Option<Vec<Complex64>>]),
+    (groups, moved): (&[Vec<usize>], &[Option<Poles>]),
     (own, run): (usize, usize),
 ) -> Vec<Complex64> {
     let others = (0..groups.len()).filter(|place| *place != own);
-    let poles = |place: usize| match &moved[place] {
-        Some(poles) => vec![poles[run]],
-        None => groups[place].iter().map(|j| roots[*j].lambda).collect(),
+    let poles = |place: usize| -> Vec<Complex64> {
+        match &moved[place] {
+            Some(poles) => poles.iter().map(|poles| poles[run]).collect(),
+            None => groups[place].iter().map(|j| roots[*j].lambda).collect(),
+        }
     };
     others.flat_map(poles).collect()
 }

@@ -4,22 +4,25 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::super::far::{Rest, courses, residues};
+use super::super::background::Background;
+use super::super::far::{courses, residues};
 use super::super::noise_profile::Profile;
 use super::super::receptance::Receptances;
 use super::super::roots::Root;
 use super::super::standing::lines_around;
-use super::run::{Line, Run, Step, without};
+use super::merging::{Criterion, between_runs};
+use super::run::{Run, Step, without};
+use super::track::{Fitted, Track};
 use super::{Moved, Moving, pole};
 
 /// Half-power widths on either side in which a pole is looked at.
 const REACH: f64 = 3.0;
 /// Lines on either side, at least: a narrow resonance is told by the lines of its flanks as well.
 const SIDE: f64 = 10.0;
-/// Constant, slope and curvature of what is farther away.
-const BACKGROUND: usize = 3;
-/// Largest shift of a run, half-power widths: the mass of a sensor or a drift moves no mode farther, but two modes look so.
+/// Largest shift of a run, half-power widths or part of the frequency: the mass of a sensor or a drift moves no mode farther, but two modes
+/// look so.
 const MOST_SHIFT: f64 = 1.0;
+pub(super) const MOST_PART: f64 = 0.02;
 /// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share makes as much.
 const LEAST_SCATTER: f64 = 0.005;
 /// Energy that rounding leaves over.
@@ -30,17 +33,12 @@ const CLEAR: f64 = 0.1;
 const POOR: f64 = 2.0;
 /// Part of what the criterion asks for, from which on a single root is looked at.
 const ENOUGH: f64 = 0.3;
-/// Turns at most, and the step that ends them, decay rates.
-const TURNS: usize = 30;
+/// Runs with the largest response in a resonance of several roots, which are asked first where there are more than twice as many.
+const STRONGEST: usize = 6;
+/// Step that ends the turns, decay rates.
 pub(super) const STILL: f64 = 1e-6;
-/// Steps of halving for the variance between runs.
-const HALVINGS: usize = 60;
-/// Longest step, decay rates.
-const LONGEST: f64 = 0.5;
-/// Part of what is known of all frequencies from which a run counts.
-const COUNTS: f64 = 0.01;
 
-/// The lines around a strong root and the roots of its group, with what roots farther away explain taken away.
+/// The lines around a strong root and the roots of its group, without what roots farther away explain.
 pub(super) struct Resonance<'a> {
     data: &'a Receptances,
     pub(super) omega: Vec<f64>,
@@ -49,6 +47,8 @@ pub(super) struct Resonance<'a> {
     straight: ComplexMatrix,
     /// The same as measured.
     values: ComplexMatrix,
+    /// Of what lies farther away, with a curvature: lines × columns.
+    background: ComplexMatrix,
     group: Vec<&'a Root>,
     /// All other roots.
     others: Vec<Complex64>,
@@ -61,17 +61,21 @@ pub(super) struct Told {
     pub alone: bool,
     /// Whether it was known before.
     pub known: bool,
+    /// By how much the criterion speaks for it.
+    pub gain: f64,
 }
 
 impl Told {
     /// What is known already.
-    pub fn as_known(known: Option<&Moving>) -> Option<Option<Self>> {
-        let mode = known?.clone();
-        Some(Some(Self {
-            mode,
+    pub fn as_known<'a>(known: impl IntoIterator<Item = &'a Moving>) -> Option<Vec<Self>> {
+        let told = |mode: &Moving| Self {
+            mode: mode.clone(),
             alone: true,
             known: true,
-        }))
+            gain: 0.0,
+        };
+        let told: Vec<Self> = known.into_iter().map(told).collect();
+        (!told.is_empty()).then_some(told)
     }
 }
 
@@ -86,45 +90,41 @@ pub(super) enum FirstLook {
     Worthwhile,
 }
 
-/// Where a pole moves to.
-pub(super) struct Fitted {
-    /// In each run.
-    pub poles: Vec<Complex64>,
-    /// κ: real part over imaginary part of a shift.
-    slope: f64,
-    /// Of each frequency, in noise of unit variance, (rad/s)².
-    variances: Vec<f64>,
-    /// Over the noise.
-    amplitudes: Vec<Complex64>,
-    /// `Σ|rest|²`.
-    left: f64,
-}
-
 impl<'a> Resonance<'a> {
     /// `None` where too few lines tell the roots around apart.
     pub fn new(
         data: &'a Receptances,
         (roots, group): (&'a [Root], &[usize]),
-        (rest, moved): (&Rest, &Moved),
+        moved: &Moved,
     ) -> Option<Self> {
         let strong = &roots[group[0]];
-        let lines = lines_around(data, strong, REACH.max(SIDE * data.step / strong.width()));
+        let distance = |j: &usize| (roots[*j].lambda.im - strong.lambda.im).abs();
+        let farthest = group.iter().map(distance).fold(0.0, f64::max) / strong.width();
+        let side = farthest + REACH.max(SIDE * data.step / strong.width());
+        let lines = lines_around(data, strong, side);
         let omega = data.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| beside(&omega, lambda);
-        let roots_near: Vec<Root> = (roots.iter())
-            .filter(|root| near(root.lambda))
-            .cloned()
-            .collect();
+        let (roots_near, far): (Vec<Root>, Vec<Root>) =
+            roots.iter().cloned().partition(|root| near(root.lambda));
+        let background = Background::new(&data.omega, &lines, data.outside());
+        let middle = 0.5 * omega.len() as f64;
+        let columns = background.columns();
+        let background = linalg::complex_matrix(omega.len(), columns + 1, |k, column| {
+            if column == columns {
+                Complex64::from((k as f64 / middle - 1.0).powi(2))
+            } else {
+                background.value(column, &omega, k)
+            }
+        });
         // The background, the pole with its derivative, and as many rows again to tell a misfit.
-        if omega.len() < 2 * (roots_near.len() + BACKGROUND + 2) {
+        if omega.len() < 2 * (roots_near.len() + background.ncols() + 2) {
             return None;
         }
         let profile = Profile::new(data, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
-        let explained = courses(&omega, &roots_near) * residues(&roots_near, data.functions());
+        let explained = courses(&omega, &far) * residues(&far, data.functions());
         let straight = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
-            let line = lines.start + k;
-            let value = rest.at(f, line) * data.deviation(f, line) + explained[(k, f)];
+            let value = data.values[f][lines.start + k] - explained[(k, f)];
             value / over(k, f)
         });
         let modes_near: Vec<&Moving> = (moved.modes.iter())
@@ -154,6 +154,7 @@ impl<'a> Resonance<'a> {
             data,
             omega,
             profile,
+            background,
         })
     }
 
@@ -162,44 +163,174 @@ impl<'a> Resonance<'a> {
         let near: Vec<Complex64> = (poles.iter().copied())
             .filter(|lambda| beside(&self.omega, *lambda))
             .collect();
-        let middle = 0.5 * self.omega.len() as f64;
-        let columns = near.len() + BACKGROUND;
+        let columns = near.len() + self.background.ncols();
         let columns = linalg::complex_matrix(self.omega.len(), columns, |k, column| {
             let value = match near.get(column) {
                 Some(lambda) => pole(self.omega[k], *lambda) * lambda.re,
-                None => {
-                    let power = (column - near.len()) as i32;
-                    Complex64::from((k as f64 / middle - 1.0).powi(power))
-                }
+                None => self.background[(k, column - near.len())],
             };
             value / self.profile.course[k]
         });
         linalg::thin_qr(&columns).q
     }
 
-    /// What one step tells of a pole of its own in every run; where several roots are, that must be tried.
+    /// Of the strong root.
+    pub fn strong(&self) -> Complex64 {
+        self.group[0].lambda
+    }
+
+    /// Lowest and highest root, rad/s.
+    pub fn span(&self) -> (f64, f64) {
+        let own = self.group.iter().map(|root| root.lambda.im);
+        own.fold((f64::INFINITY, 0.0), |(lo, hi), at| {
+            (at.min(lo), at.max(hi))
+        })
+    }
+
+    pub fn functions(&self) -> usize {
+        self.data.functions()
+    }
+
+    /// As measured, over the noise: lines × functions.
+    pub fn values(&self) -> &ComplexMatrix {
+        &self.values
+    }
+
+    /// What one step tells of a pole of its own in every run; where several roots are, a few runs are tried.
     pub fn first_look(&self, runs: &[Vec<usize>]) -> FirstLook {
         let [root] = self.group[..] else {
-            return FirstLook::Worthwhile;
+            return self.look_at_strongest(runs);
         };
-        let functions: Vec<usize> = (0..self.data.functions()).collect();
+        let functions: Vec<usize> = (0..self.functions()).collect();
         let run = Run::new(self, (&self.straight, &functions), &self.others);
-        let look = run.look(root.lambda);
-        let changes: Vec<(Complex64, f64)> = (runs.iter())
-            .map(|run| look.change(run.iter().copied()))
-            .collect();
+        let look = run.look(&[root.lambda]);
+        let own = |run: &Vec<usize>| look.steps(run.iter().copied())[0];
+        let steps: Vec<Step> = runs.iter().map(own).collect();
         let values = (self.omega.len() * functions.len()) as f64;
         let alike = self.data.shared.of_pole(self.data, root);
         let noise = alike * (look.without_derivative() / values).min(1.0);
-        let variances = changes.iter().map(|(_, weight)| 0.5 / weight);
+        let variances = steps.iter().map(|step| 0.5 / step.weight);
         if !tells(variances, self.clear(root.decay(), noise)) {
             return FirstLook::Unclear;
         }
-        let gained = changes.iter().map(|(d, weight)| weight * d.im * d.im);
+        let gained = steps
+            .iter()
+            .map(|step| step.weight * step.change.im.powi(2));
         let wanted = runs.len() as f64 * (2.0 * values / alike).ln();
         match 2.0 * gained.sum::<f64>() / noise > ENOUGH * wanted {
             true => FirstLook::Worthwhile,
             false => FirstLook::Still,
+        }
+    }
+
+    /// Whether the runs with the largest response speak for poles that move.
+    fn look_at_strongest(&self, runs: &[Vec<usize>]) -> FirstLook {
+        if runs.len() <= 2 * STRONGEST {
+            return FirstLook::Worthwhile;
+        }
+        let power = |run: &Vec<usize>| -> f64 {
+            let own = run.iter().map(|f| self.straight.col(*f).squared_norm_l2());
+            own.sum()
+        };
+        let mut order: Vec<(f64, &Vec<usize>)> = runs.iter().map(|run| (power(run), run)).collect();
+        order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let strongest: Vec<Vec<usize>> = (order.into_iter().take(STRONGEST))
+            .map(|(_, run)| run.clone())
+            .collect();
+        let Some(fitted) = self.searched(&strongest, |_| self.others.clone()) else {
+            return FirstLook::Still;
+        };
+        let held = self.held(&strongest);
+        let criterion = self.criterion(&strongest, held.min(fitted.left));
+        match criterion.of_runs(&fitted) < criterion.of_roots(held, self.group.len()) {
+            true => FirstLook::Worthwhile,
+            false => FirstLook::Still,
+        }
+    }
+
+    /// One pole or two in every run, whichever describes them better of those that may be, found wherever they are.
+    pub fn searched(
+        &self,
+        runs: &[Vec<usize>],
+        beside: impl Fn(usize) -> Vec<Complex64>,
+    ) -> Option<Fitted> {
+        let own = self.runs(runs, beside);
+        let mut beginnings = self.beginnings(&own);
+        beginnings.push(vec![vec![self.strong(); runs.len()]]);
+        let fits = beginnings.into_iter();
+        let fits: Vec<Fitted> = fits.filter_map(|poles| self.fitted(&own, poles)).collect();
+        let least = fits
+            .iter()
+            .map(|fit| fit.left)
+            .fold(f64::INFINITY, f64::min);
+        let criterion = self.criterion(runs, least);
+        let rank = |fit: &Fitted| {
+            let modes = self.modes(fit, criterion.noise);
+            (
+                modes.is_none_or(|modes| modes.is_empty()),
+                criterion.of_runs(fit),
+            )
+        };
+        let ranked = fits.into_iter().map(|fit| (rank(&fit), fit));
+        let best =
+            ranked.min_by(|((a, own), _), ((b, other), _)| a.cmp(b).then(own.total_cmp(other)));
+        best.map(|(_, fit)| fit)
+    }
+
+    /// The modes of such poles in noise of some variance; `None` where too few runs could tell how they move, none where they hardly move, or
+    /// too far, or into another resonance.
+    fn modes(&self, fitted: &Fitted, noise: f64) -> Option<Vec<Moving>> {
+        let merged = |track: &Track| self.merged(track, noise);
+        let modes: Vec<Moving> = fitted.tracks.iter().map(merged).collect();
+        let pairs = || fitted.tracks.iter().zip(&modes);
+        let most = |mode: &Moving| self.clear(-mode.lambda.re, noise);
+        let clear =
+            |(track, mode): (&Track, &Moving)| tells(track.variances.iter().copied(), most(mode));
+        if !pairs().all(clear) {
+            return None;
+        }
+        let far = |(track, mode): (&Track, &Moving)| {
+            let farthest = (MOST_SHIFT * -2.0 * mode.lambda.re).max(MOST_PART * mode.lambda.im);
+            let mut own = mode.shifts.iter().zip(&track.variances);
+            own.any(|(shift, v)| *v < most(mode) && shift.im.abs() > farthest)
+        };
+        let little = |mode: &Moving| mode.scatter < LEAST_SCATTER * -2.0 * mode.lambda.re;
+        let astray = |mode: &Moving| !self.owns(mode.lambda);
+        let none = modes.iter().all(little) || modes.iter().any(astray) || pairs().any(far);
+        Some(if none { Vec::new() } else { modes })
+    }
+
+    /// Whether a pole is nearer to a root of the group than to all others.
+    fn owns(&self, lambda: Complex64) -> bool {
+        let distance = |other: Complex64| (other.im - lambda.im).abs();
+        let own = self.group.iter().map(|root| distance(root.lambda));
+        let nearest = own.fold(f64::INFINITY, f64::min);
+        self.others.iter().all(|other| distance(*other) >= nearest)
+    }
+
+    /// `Σ|rest|²` of some runs that the roots leave over with residues of their own.
+    fn held(&self, runs: &[Vec<usize>]) -> f64 {
+        let own = self.group.iter().map(|root| root.lambda);
+        let all: Vec<Complex64> = own.chain(self.others.iter().copied()).collect();
+        let functions: Vec<usize> = runs.iter().flatten().copied().collect();
+        let values = linalg::complex_matrix(self.omega.len(), functions.len(), |k, place| {
+            self.straight[(k, functions[place])]
+        });
+        without(&self.basis(&all), &values).squared_norm_l2()
+    }
+
+    /// What the best description of some runs leaves over tells the noise where the data do not state it.
+    fn criterion(&self, runs: &[Vec<usize>], left: f64) -> Criterion {
+        let functions = runs.iter().map(Vec::len).sum();
+        let values = (self.omega.len() * functions) as f64;
+        let alike = self.data.shared.of_pole(self.data, self.group[0]);
+        let rounding = ROUNDING * self.straight.squared_norm_l2();
+        let left = left.max(rounding).max(f64::MIN_POSITIVE);
+        Criterion {
+            noise: alike * (left / values).min(1.0),
+            numbers: 2.0 * values / alike,
+            functions,
+            runs: runs.len(),
         }
     }
 
@@ -208,61 +339,54 @@ impl<'a> Resonance<'a> {
         (CLEAR * 2.0 * decay).powi(2) / noise
     }
 
-    /// The mode, where its pole moves or is `known` to; `None` where too few runs could tell it.
+    /// The modes, where their poles move or are `known` to; `None` where too few runs could tell it.
     pub fn judged(
         &self,
         fitted: Option<&Fitted>,
         (runs, factors): (&[Vec<usize>], usize),
-        known: Option<&Moving>,
-    ) -> Option<Option<Told>> {
+        known: &[&Moving],
+    ) -> Option<Vec<Told>> {
+        let as_known = || Told::as_known(known.iter().copied());
         let Some(fitted) = fitted else {
-            return Told::as_known(known);
+            return as_known();
         };
-        let functions = self.data.functions();
-        let own = self.group.iter().map(|root| root.lambda);
-        let all: Vec<Complex64> = own.chain(self.others.iter().copied()).collect();
-        let held = without(&self.basis(&all), &self.straight).squared_norm_l2();
-        let values = (self.omega.len() * functions) as f64;
-        let alike = self.data.shared.of_pole(self.data, self.group[0]);
-        // Where the data do not state the noise, what the better of both leaves over tells it.
-        let rounding = ROUNDING * self.straight.squared_norm_l2();
-        let left = held.min(fitted.left).max(rounding).max(f64::MIN_POSITIVE);
-        let noise = alike * (left / values).min(1.0);
-        let mode = self.merged(fitted, noise);
-        let decay = -mode.lambda.re;
-        let most = self.clear(decay, noise);
-        if known.is_none() && !tells(fitted.variances.iter().copied(), most) {
-            return None;
+        let held = self.held(runs);
+        let criterion = self.criterion(runs, held.min(fitted.left));
+        let modes = match self.modes(fitted, criterion.noise) {
+            Some(modes) => modes,
+            None if known.is_empty() => return None,
+            None => return as_known(),
+        };
+        if modes.is_empty() {
+            return Some(Vec::new());
         }
-        let far =
-            |(shift, v): (&Complex64, &f64)| *v < most && shift.im.abs() > MOST_SHIFT * 2.0 * decay;
-        let little = mode.scatter < LEAST_SCATTER * 2.0 * decay;
-        if little || mode.shifts.iter().zip(&fitted.variances).any(far) {
-            return Some(None);
-        }
-        let numbers = 2.0 * values / alike;
-        let criterion =
-            |left: f64, unknowns: usize| 2.0 * left / noise + unknowns as f64 * numbers.ln();
-        // Residues, frequencies, and the straight line of the decay rates.
-        let of_runs = criterion(fitted.left, 2 * functions + runs.len() + 2);
-        // Residues of each function by itself, or as products of shapes and participation factors.
-        let of_roots = criterion(held, 2 * self.group.len() * (functions + 1));
-        let modes: usize = self.group.iter().map(|root| root.multiplicity()).sum();
-        let unknowns = 2 * modes * factors;
-        let of_products = criterion(self.left_by_roots(), unknowns);
-        if let Some(known) = known {
-            // Brought together it is one root, unless it never was one mode.
-            if self.group.len() > 1 && of_runs >= of_roots {
-                return Some(None);
+        let of_runs = criterion.of_runs(fitted);
+        let of_roots = criterion.of_roots(held, self.group.len());
+        if !known.is_empty() {
+            // Brought together each is one root, unless it never was one mode.
+            if self.group.len() > known.len() && of_runs >= of_roots {
+                return Some(Vec::new());
             }
-            let fits = fitted.left < POOR * held.max(values);
-            return Told::as_known(Some(if fits { &mode } else { known }));
+            let values = (self.omega.len() * self.functions()) as f64;
+            return match fitted.left < POOR * held.max(values) {
+                true => Told::as_known(&modes),
+                false => as_known(),
+            };
         }
-        Some((of_runs < of_roots).then_some(Told {
+        if of_runs >= of_roots {
+            return Some(Vec::new());
+        }
+        // As products of shapes and participation factors.
+        let of_group: usize = self.group.iter().map(|root| root.multiplicity()).sum();
+        let of_products = criterion.of(self.left_by_roots(), 2 * of_group * factors);
+        let gain = (of_roots - of_runs) / modes.len() as f64;
+        let told = |mode: Moving| Told {
             alone: of_runs < of_products,
             known: false,
             mode,
-        }))
+            gain,
+        };
+        Some(modes.into_iter().map(told).collect())
     }
 
     /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background fitted here.
@@ -277,86 +401,8 @@ impl<'a> Resonance<'a> {
         without(&self.basis(&self.others), &rest).squared_norm_l2()
     }
 
-    /// The pole with a frequency of its own in every run, by Gauss-Newton steps from `start` or from the strong root, where the others have
-    /// the poles `beside`; `None` where it leaves the lines or damping.
-    pub fn fitted(
-        &self,
-        runs: &[Vec<usize>],
-        start: Option<Vec<Complex64>>,
-        beside: impl Fn(usize) -> Vec<Complex64>,
-    ) -> Option<Fitted> {
-        let mut poles = start.unwrap_or_else(|| vec![self.group[0].lambda; runs.len()]);
-        let own: Vec<Run> = (0..runs.len())
-            .map(|run| Run::new(self, (&self.values, &runs[run]), &beside(run)))
-            .collect();
-        let mut slope = 0.0;
-        for _ in 0..TURNS {
-            let steps: Vec<Step> = (own.iter().zip(&poles))
-                .map(|(run, pole)| run.step(*pole))
-                .collect();
-            let (now, line) = self.moved(&poles, &steps)?;
-            slope = line.slope;
-            // Runs near a node may wander.
-            let weights: f64 = steps.iter().map(|step| step.weight).sum();
-            let moved = |((now, before), step): ((&Complex64, &Complex64), &Step)| {
-                (step.weight / weights).sqrt() * (now - before).norm()
-            };
-            let most = now.iter().zip(&poles).zip(&steps).map(moved);
-            let most = most.fold(0.0, f64::max);
-            poles = now;
-            if most < STILL * line.middle.re.abs() {
-                break;
-            }
-        }
-        let mut fitted = Fitted {
-            slope,
-            variances: Vec::new(),
-            amplitudes: vec![Complex64::ZERO; self.values.ncols()],
-            left: 0.0,
-            poles,
-        };
-        for (run, pole) in own.iter().zip(&fitted.poles) {
-            let step = run.step(*pole);
-            fitted.variances.push(0.5 / step.weight);
-            fitted.left += step.look.left;
-            for (f, amplitude) in run.functions.iter().zip(step.look.amplitudes) {
-                fitted.amplitudes[*f] = amplitude;
-            }
-        }
-        Some(fitted)
-    }
-
-    /// Poles after a step of each, their decay rates on one line; `None` where they leave the lines or damping.
-    fn moved(&self, poles: &[Complex64], steps: &[Step]) -> Option<(Vec<Complex64>, Line)> {
-        let weights: f64 = steps.iter().map(|step| step.weight).sum();
-        if weights <= 0.0 {
-            return None;
-        }
-        let (lo, hi) = (self.omega[0], self.omega[self.omega.len() - 1]);
-        let longest = -LONGEST * poles.iter().map(|pole| pole.re).sum::<f64>() / poles.len() as f64;
-        let stepped = |(pole, step): (&Complex64, &Step)| {
-            let change = |part: f64| part.clamp(-longest, longest);
-            Complex64::new(
-                pole.re + change(step.change.re),
-                (pole.im + change(step.change.im)).clamp(lo, hi),
-            )
-        };
-        let stepped: Vec<Complex64> = poles.iter().zip(steps).map(stepped).collect();
-        let line = Line::through(&stepped, steps);
-        // One that hardly counts may be far off.
-        let damped = |decay: f64| if decay < 0.0 { decay } else { line.middle.re };
-        let on_line = |pole: &Complex64| Complex64::new(damped(line.at(pole.im)), pole.im);
-        let now: Vec<Complex64> = stepped.iter().map(on_line).collect();
-        let strays = |(pole, step): (&Complex64, &Step)| {
-            let counts = step.weight > COUNTS * weights;
-            counts && (pole.im <= lo || pole.im >= hi || pole.re >= 0.0)
-        };
-        let stray = now.iter().zip(steps).any(strays);
-        (!stray).then_some((now, line))
-    }
-
     /// The runs as samples of one mode, in noise of this variance.
-    fn merged(&self, fitted: &Fitted, noise: f64) -> Moving {
+    fn merged(&self, fitted: &Track, noise: f64) -> Moving {
         let variances: Vec<f64> = fitted.variances.iter().map(|v| v * noise).collect();
         let omegas: Vec<f64> = fitted.poles.iter().map(|pole| pole.im).collect();
         let between = between_runs(&omegas, &variances);
@@ -381,35 +427,6 @@ impl<'a> Resonance<'a> {
     }
 }
 
-/// Variance between runs beside that of each, by which the weighted scatter is what it should be (Paule and Mandel 1982); 0 where the
-/// runs scatter no more than their own variances say.
-fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
-    let free = values.len() as f64 - 1.0;
-    let scatter = |between: f64| {
-        let weights: Vec<f64> = variances.iter().map(|v| 1.0 / (between + v)).collect();
-        let pairs = || values.iter().zip(&weights);
-        let mean = pairs().map(|(value, w)| w * value).sum::<f64>() / weights.iter().sum::<f64>();
-        pairs()
-            .map(|(value, w)| w * (value - mean).powi(2))
-            .sum::<f64>()
-    };
-    if scatter(0.0) <= free {
-        return 0.0;
-    }
-    // The scatter falls with the variance, to 1 at most at that of the values themselves.
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let (mut lo, mut hi) = (0.0, values.iter().map(|value| (value - mean).powi(2)).sum());
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (lo + hi);
-        if scatter(middle) > free {
-            lo = middle;
-        } else {
-            hi = middle;
-        }
-    }
-    0.5 * (lo + hi)
-}
-
 /// Whether enough runs know their frequency to this variance.
 fn tells(variances: impl ExactSizeIterator<Item = f64>, most: f64) -> bool {
     let runs = variances.len();
@@ -421,24 +438,4 @@ fn beside(omega: &[f64], lambda: Complex64) -> bool {
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
     let reach = (hi - lo).max(-2.0 * REACH * lambda.re);
     lambda.im > lo - reach && lambda.im < hi + reach
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_variance_between_runs_is_what_their_own_does_not_explain() {
-        // Equal variances: the sample variance less that of each.
-        let values = [1.0, 3.0, 5.0, 7.0];
-        let sample = 20.0 / 3.0;
-        assert!((between_runs(&values, &[0.5; 4]) - (sample - 0.5)).abs() < 1e-12);
-        assert!(between_runs(&values, &[10.0; 4]).abs() < 1e-12);
-        // However unequal, where they are far less than the scatter.
-        let unequal = between_runs(&values, &[1e-3, 1e-9, 1e-6, 1e-9]);
-        assert!((unequal - sample).abs() < 1e-2, "{unequal}");
-        // A run of which nothing is known scatters as it should: one degree of freedom too many is left to the others.
-        let unknown = between_runs(&[1.0, 3.0, 5.0, 7.0, 1e3], &[0.5, 0.5, 0.5, 0.5, 1e12]);
-        assert!((unknown - (20.0 / 4.0 - 0.5)).abs() < 1e-2, "{unknown}");
-    }
 }

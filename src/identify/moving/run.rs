@@ -1,16 +1,22 @@
-//! What one run says of a pole: a Gauss-Newton step from where it is, beside all else that is known there.
+//! What one run says of a pole: a Gauss-Newton step from where it is, and where to begin, beside all else that is known there.
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, ThinQr};
 
 use super::pole;
 use super::resonance::{Resonance, STILL};
 
 /// Largest change of a decay rate over that of its frequency.
 const STEEPEST: f64 = 0.5;
+/// Part of two courses that both must have of their own.
+const TOLD_APART: f64 = 1e-6;
+/// Steps of a beginning, and the longest of them, decay rates.
+const FIRST_TURNS: usize = 8;
+const LONGEST_FIRST: f64 = 0.5;
 
 /// A straight line of decay over frequency.
+#[derive(Clone, Copy)]
 pub(super) struct Line {
     pub middle: Complex64,
     pub slope: f64,
@@ -53,44 +59,73 @@ pub(super) struct Run<'a> {
     values: ComplexMatrix,
 }
 
-/// What functions say of a pole.
+/// What functions say of some poles.
 pub(super) struct Look {
-    pub amplitudes: Vec<Complex64>,
-    /// Of the course of the pole's derivative in what the pole leaves over.
-    along: Vec<Complex64>,
-    /// `|g|²` of that course.
-    second: f64,
+    /// Poles × functions.
+    pub amplitudes: ComplexMatrix,
+    /// Of the courses of the poles' derivatives in what the poles leave over: poles × functions.
+    along: ComplexMatrix,
+    /// Products of those courses.
+    second: ComplexMatrix,
     /// `Σ|rest|²`.
     pub left: f64,
 }
 
-/// One Gauss-Newton step of a run.
+/// Where one pole or two of a run may begin, and how much they explain.
+pub(super) struct Best {
+    pub one: Complex64,
+    pub by_one: f64,
+    /// In ascending order.
+    pub two: [Complex64; 2],
+    pub by_two: f64,
+}
+
+/// One Gauss-Newton step of a pole in a run.
+#[derive(Clone, Copy)]
 pub(super) struct Step {
     pub change: Complex64,
-    /// `Σ|A|²|g|²`: one over the variance of the change in noise of unit variance.
+    /// One over the variance of the change in noise of unit variance: `Σ|A|²|g|²` of a pole alone.
     pub weight: f64,
-    pub look: Look,
 }
 
 impl Look {
-    /// What the pole and the course of its derivative leave over.
+    /// What one pole and the course of its derivative leave over.
     pub fn without_derivative(&self) -> f64 {
-        let along: f64 = self.along.iter().map(Complex64::norm_sqr).sum();
-        self.left - along / self.second
+        self.left - self.along.squared_norm_l2() / self.second[(0, 0)].re
     }
 
-    /// The change of the pole that some of the functions ask for, and its weight.
-    pub fn change(&self, functions: impl Iterator<Item = usize>) -> (Complex64, f64) {
-        let (mut change, mut squares) = (Complex64::ZERO, 0.0);
-        for f in functions {
-            change += self.amplitudes[f].conj() * self.along[f];
-            squares += self.amplitudes[f].norm_sqr();
-        }
-        let weight = squares * self.second;
-        if weight > 0.0 {
-            (change / weight, weight)
-        } else {
-            (Complex64::ZERO, 0.0)
+    /// The changes of the poles that some of the functions ask for.
+    pub fn steps(&self, functions: impl Iterator<Item = usize> + Clone) -> Vec<Step> {
+        let poles = self.along.nrows();
+        let a = &self.amplitudes;
+        let asked = linalg::complex_matrix(poles, 1, |j, _| {
+            let own = functions.clone();
+            own.map(|f| a[(j, f)].conj() * self.along[(j, f)]).sum()
+        });
+        let normal = linalg::complex_matrix(poles, poles, |j, i| {
+            let products = functions.clone().map(|f| a[(j, f)].conj() * a[(i, f)]);
+            products.sum::<Complex64>() * self.second[(j, i)]
+        });
+        let alone = |j: usize| {
+            let weight = normal[(j, j)].re;
+            let change = if weight > 0.0 {
+                asked[(j, 0)] / weight
+            } else {
+                Complex64::ZERO
+            };
+            Step { change, weight }
+        };
+        let inverse = (poles > 1).then(|| linalg::inverse_hermitian(&normal));
+        match inverse.flatten() {
+            Some(inverse) => {
+                let changes = &inverse * asked;
+                let step = |j: usize| Step {
+                    change: changes[(j, 0)],
+                    weight: inverse[(j, j)].re.recip(),
+                };
+                (0..poles).map(step).collect()
+            }
+            None => (0..poles).map(alone).collect(),
         }
     }
 }
@@ -113,41 +148,100 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// From a pole towards the nearest that fits the run.
-    pub fn step(&self, lambda: Complex64) -> Step {
-        let look = self.look(lambda);
-        let (change, weight) = look.change(0..self.functions.len());
-        Step {
-            change,
-            weight,
-            look,
+    /// Courses of a power of `1/(iω − λ)` for some poles over that of the noise: lines × poles.
+    fn courses(&self, poles: &[Complex64], power: i32) -> ComplexMatrix {
+        let Resonance { omega, profile, .. } = self.resonance;
+        linalg::complex_matrix(omega.len(), poles.len(), |k, j| {
+            pole(omega[k], poles[j]).powi(power) / profile.course[k]
+        })
+    }
+
+    pub fn look(&self, poles: &[Complex64]) -> Look {
+        let ThinQr { q, r } = linalg::thin_qr(&without(&self.others, &self.courses(poles, 1)));
+        let derivatives = without(&self.others, &self.courses(poles, 2));
+        let derivatives = without(&q, &derivatives);
+        let first = q.adjoint() * &self.values;
+        Look {
+            amplitudes: linalg::inverse_upper(&r) * &first,
+            along: derivatives.adjoint() * &self.values,
+            second: derivatives.adjoint() * &derivatives,
+            left: self.values.squared_norm_l2() - first.squared_norm_l2(),
         }
     }
 
-    pub fn look(&self, lambda: Complex64) -> Look {
-        let Resonance { omega, profile, .. } = self.resonance;
-        let course = |power: i32| {
-            let column = linalg::complex_matrix(omega.len(), 1, |k, _| {
-                pole(omega[k], lambda).powi(power) / profile.course[k]
-            });
-            without(&self.others, &column)
-        };
-        let own = course(1);
-        let norm = own.norm_l2();
-        let own = linalg::complex_matrix(own.nrows(), 1, |k, _| own[(k, 0)] / norm);
-        let second = without(&own, &course(2));
-        let first = own.adjoint() * &self.values;
-        let along = second.adjoint() * &self.values;
-        let places = 0..self.functions.len();
-        Look {
-            amplitudes: places
-                .clone()
-                .map(|place| first[(0, place)] / norm)
-                .collect(),
-            along: places.map(|place| along[(0, place)]).collect(),
-            second: second.squared_norm_l2(),
-            left: self.values.squared_norm_l2() - first.squared_norm_l2(),
+    /// Beginnings among the poles that are tried: the one or the two that explain most.
+    pub fn best(&self, tried: &[Complex64]) -> Best {
+        let whole = self.courses(tried, 1);
+        let courses = without(&self.others, &whole);
+        let products = courses.adjoint() * &courses;
+        let along = courses.adjoint() * &self.values;
+        let power = &along * along.adjoint();
+        let places = 0..tried.len();
+        // What hardly differs from what is known says nothing.
+        let differs =
+            |j: &usize| products[(*j, *j)].re > TOLD_APART * whole.col(*j).squared_norm_l2();
+        let places: Vec<usize> = places.filter(differs).collect();
+        let explained = |j: usize| power[(j, j)].re / products[(j, j)].re;
+        let (mut one, mut by_one) = (0, 0.0);
+        let (mut two, mut by_two) = ([0, 0], 0.0);
+        for (place, i) in places.iter().enumerate() {
+            if explained(*i) > by_one {
+                (one, by_one) = (*i, explained(*i));
+            }
+            for j in &places[place + 1..] {
+                // Pᴴ G⁻¹ P of two courses.
+                let c = products[(*i, *j)];
+                let (a, b) = (products[(*i, *i)].re, products[(*j, *j)].re);
+                let determinant = a * b - c.norm_sqr();
+                let cross = 2.0 * (c * power[(*j, *i)]).re;
+                let explained =
+                    (b * power[(*i, *i)].re + a * power[(*j, *j)].re - cross) / determinant;
+                if determinant > TOLD_APART * a * b && explained > by_two {
+                    (two, by_two) = ([*i, *j], explained);
+                }
+            }
         }
+        let (alone, left_by_one) = self.turned(vec![tried[one]]);
+        // The two that explain most may be beside a strong one alone.
+        let beside = |j: &usize| self.look(&[alone[0], tried[*j]]).left;
+        let second = places.iter().map(|j| (*j, beside(j)));
+        let second = second.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let pairs = [Some(two), None].map(|pair| match pair {
+            Some(pair) => Some(pair.map(|place| tried[place]).to_vec()),
+            None => second.map(|(j, _)| vec![alone[0], tried[j]]),
+        });
+        let pairs = pairs.into_iter().flatten().map(|pair| self.turned(pair));
+        let best = pairs.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let (mut two, left_by_two) = best.unwrap_or_else(|| (vec![alone[0]; 2], left_by_one));
+        two.sort_by(|a, b| a.im.total_cmp(&b.im));
+        let whole = self.values.squared_norm_l2();
+        Best {
+            by_one: whole - left_by_one,
+            one: tried[one],
+            by_two: whole - left_by_two,
+            two: [two[0], two[1]],
+        }
+    }
+
+    /// Poles after a few Gauss-Newton steps by this run alone, and what they leave over.
+    fn turned(&self, mut poles: Vec<Complex64>) -> (Vec<Complex64>, f64) {
+        let mut look = self.look(&poles);
+        for _ in 0..FIRST_TURNS {
+            let steps = look.steps(0..self.functions.len());
+            let moved = |(pole, step): (&Complex64, &Step)| {
+                let most = -LONGEST_FIRST * pole.re;
+                let change = step.change * (most / step.change.norm()).min(1.0);
+                let pole = pole + change;
+                Complex64::new(pole.re.min(-f64::MIN_POSITIVE), pole.im)
+            };
+            let now: Vec<Complex64> = poles.iter().zip(&steps).map(moved).collect();
+            let then = self.look(&now);
+            if then.left.total_cmp(&look.left).is_ge() {
+                break;
+            }
+            (poles, look) = (now, then);
+        }
+        (poles, look.left)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Tests whose runs disagree, against known truth.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,8 +13,10 @@ use crate::finding::{Code, Finding, Place};
 use crate::frf::{FrfSet, FunctionData};
 use crate::identify::synthetic::Pair;
 use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
-use crate::identify::{IdentifyOptions, identify};
-use crate::modal::{ModalModel, Mode, mac};
+use crate::identify::{Candidate, IdentifyOptions, identify};
+use crate::modal::{ModalModel, Mode, Pole, mac};
+
+use super::{Moved, Moving, Told};
 
 /// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
 fn roving(
@@ -127,6 +131,137 @@ fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
             assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
         }
     }
+}
+
+/// Shifts of all modes together from run to run, as a part of the frequency: normal variables of such a deviation.
+fn drift(seed: u64, deviation: f64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    (0..16).map(|_| deviation * normal()).collect()
+}
+
+/// A test whose modes are merged and are where they should be.
+fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
+    let drift = drift(seed, deviation);
+    let modes = &test.0.modes;
+    let widths = |point: usize, j: usize| drift[point] * modes[j].0 / width_hz(&modes[j]);
+    let model = found(&roving(test, false, widths));
+    assert_eq!(model.modes.len(), modes.len(), "{seed}");
+    assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+    for (mode, truth) in model.modes.iter().zip(modes) {
+        let runs = truth.2.len();
+        let mean = drift[..runs].iter().sum::<f64>() / runs as f64;
+        let error = mode.frequency_hz / truth.0 - 1.0 - mean;
+        assert!(error.abs() < 0.02 * deviation, "{seed}: {error}");
+        let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+        assert!(damping.abs() < 0.02, "{seed}: damping {damping}");
+        let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+        let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+        let same = mac(&shape, &known).unwrap();
+        assert!(same > 0.999, "{seed}: {same}");
+    }
+}
+
+#[test]
+fn modes_that_drift_by_as_much_as_they_are_wide_are_merged() {
+    for seed in [0, 1, 3, 4, 5, 7, 8, 10, 11] {
+        drifts(seed, &test(seed), 0.005);
+    }
+}
+
+#[test]
+fn two_close_modes_that_drift_together_are_two_modes() {
+    for seed in 0..8 {
+        let (structure, mut how) = close_pair(
+            seed,
+            Pair {
+                spacing_widths: 1.2,
+                difference: None,
+                ratio: 1.0,
+                lines_per_width: (6.0, 12.0),
+            },
+        );
+        how.snr_db = Some(60.0);
+        drifts(seed, &(structure, how), 0.003);
+    }
+}
+
+#[test]
+fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
+    let moving = |hz: f64, part: f64| Moving {
+        lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
+        scatter: part * TAU * hz,
+        decay_std: 0.0,
+        shifts: Vec::new(),
+        stds: Vec::new(),
+        residues: Vec::new(),
+    };
+    let moved = Moved {
+        modes: vec![
+            moving(10.0, 0.004),
+            moving(20.0, 0.001),
+            moving(30.0, 0.002),
+        ],
+        ..Moved::default()
+    };
+    let candidate = |hz: f64| Candidate {
+        order: None,
+        pole: Pole {
+            lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
+        },
+        participation: None,
+        residues: None,
+        residue_stds: None,
+        multiplicity: 1,
+        frequency_std_hz: Some(0.003),
+        damping_std: None,
+        frequency_damping_correlation: None,
+        frequency_bias_hz: None,
+        damping_bias: None,
+        quality: None,
+    };
+    let std = |hz: f64, missed: bool| {
+        moved
+            .merged(candidate(hz), missed)
+            .frequency_std_hz
+            .unwrap()
+    };
+    assert!((std(50.0, false) - 0.003).abs() < 1e-12);
+    // 0.2 % of the frequency.
+    let size = Complex64::new(-0.01, 1.0).norm();
+    assert!((std(50.0, true) - 0.003f64.hypot(0.1 * size)).abs() < 1e-12);
+    assert!((std(10.0, true) - 0.003f64.hypot(0.04)).abs() < 1e-12);
+}
+
+#[test]
+fn of_modes_that_move_together_one_that_does_not_is_left_out() {
+    let told = |shifts: [f64; 5], gain: f64| Told {
+        mode: Moving {
+            lambda: Complex64::new(-1.0, 100.0),
+            scatter: 1.0,
+            decay_std: 0.0,
+            shifts: shifts.map(|shift| Complex64::new(0.0, shift)).to_vec(),
+            stds: vec![0.1; 5],
+            residues: vec![Complex64::ONE; 5],
+        },
+        alone: true,
+        known: false,
+        gain,
+    };
+    let all = [
+        told([1.0, -1.0, 2.0, 0.0, -2.0], 1.0),
+        told([1.1, -0.9, 2.2, 0.0, -2.1], 2.0),
+        told([2.0, 2.0, -2.0, -2.0, 0.0], 4.0),
+        told([0.5, -0.6, 1.0, 0.1, -1.0], 8.0),
+    ];
+    let moved = Moved {
+        runs: (0..5).map(|run| vec![run]).collect(),
+        ..Moved::default()
+    };
+    let taken = moved.agreeing(all.iter().collect());
+    let gains: Vec<f64> = taken.iter().map(|told| told.gain).collect();
+    assert_eq!(gains, [1.0, 2.0, 8.0]);
+    assert!(moved.agreeing(all[2..3].iter().collect()).is_empty());
 }
 
 #[test]
