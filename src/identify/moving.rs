@@ -275,38 +275,34 @@ impl Moved {
             (Some(own), FirstLook::Worthwhile) => own.judged(
                 fitted[place].as_ref(),
                 (&self.runs, self.factors),
-                &owners[place],
+                (&owners[place], place),
             ),
-            (None, FirstLook::Worthwhile) => Told::as_known(owners[place].iter().copied()),
+            (None, FirstLook::Worthwhile) => Told::as_known(owners[place].iter().copied(), place),
         };
         let told: Vec<Option<Vec<Told>>> = (0..groups.len()).map(judge).collect();
         let all: Vec<&Told> = told.iter().flatten().flatten().collect();
-        let doubt = all.len() == 1 && !all[0].alone;
+        let doubt = all
+            .iter()
+            .all(|told| told.group == all[0].group && !told.alone);
         let agreeing = self.agreeing(if doubt { Vec::new() } else { all.clone() });
-        let moving = |taken: &[&Told], own: &Option<Vec<Told>>| {
-            let own = own.iter().flatten();
-            own.filter(|own| taken.iter().any(|taken| std::ptr::eq(*taken, *own)))
-                .count()
-        };
-        let agree = told.iter().filter(|own| moving(&agreeing, own) > 0).count();
-        let clear = told.iter().flatten().count();
-        let taken = match agree > 0 && 2 * agree >= clear {
+        let moves = |taken: &[&Told], place: usize| taken.iter().any(|told| told.group == place);
+        let places = 0..groups.len();
+        let agree = places.filter(|place| moves(&agreeing, *place)).count();
+        let taken = match agree > 0 && 2 * agree >= told.iter().flatten().count() {
             true => agreeing,
             // What is known already does not hang on what more was tried.
             false => self.agreeing(all.into_iter().filter(|told| told.known).collect()),
         };
-        let left = |(group, own): (&Vec<usize>, &Option<Vec<Told>>)| match moving(&taken, own) {
-            0 => group.len(),
-            count => count,
-        };
+        let stay = (0..groups.len()).filter(|place| !moves(&taken, *place));
+        let stay: usize = stay.map(|place| groups[place].len()).sum();
         Way {
-            left: groups.iter().zip(&told).map(left).sum(),
+            left: stay + taken.len(),
             gain: taken.iter().map(|told| told.gain).sum(),
             moving: taken.iter().map(|told| told.mode.clone()).collect(),
         }
     }
 
-    /// The known modes of each group: those of whose roots its strong one is the nearest.
+    /// The known modes of each group: those to which one of its roots is the nearest of all.
     fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&Moving>> {
         let mut owners = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
@@ -332,8 +328,10 @@ impl Moved {
         if !self.roving_sensor {
             return together;
         }
-        let by_mass = of_one_cause(told, |modes| {
-            let own = modes.iter().map(|mode| moved_by_mass(mode, &self.runs));
+        let by_mass = of_one_cause(told, |told| {
+            let own = told
+                .iter()
+                .map(|told| moved_by_mass(&told.mode, &self.runs));
             own.collect()
         });
         let gain = |told: &[&Told]| told.iter().map(|told| told.gain).sum::<f64>();
@@ -344,39 +342,45 @@ impl Moved {
     }
 }
 
-/// Those modes that one cause explains, without the least explained ones: so much of the scatter of those that are left.
-fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Moving]) -> Vec<f64>) -> Vec<&Told> {
+/// Those modes that one cause explains, so much of the scatter of all, without the groups of the least explained ones.
+fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) -> Vec<&Told> {
     while !told.is_empty() {
-        let modes: Vec<&Moving> = told.iter().map(|told| &told.mode).collect();
-        let parts = explained(&modes);
+        let parts = explained(&told);
         if parts.iter().sum::<f64>() > ONE_CAUSE * parts.len() as f64 {
             break;
         }
         let least = (0..parts.len()).min_by(|a, b| parts[*a].total_cmp(&parts[*b]));
-        least.map(|place| told.remove(place));
+        let group = told[least.unwrap_or(0)].group;
+        told.retain(|told| told.group != group);
     }
     told
 }
 
-/// Mean correlation of the shifts of each mode with those of the others; 0 for one mode.
-fn together(modes: &[&Moving]) -> Vec<f64> {
-    let runs = modes.first().map_or(0, |mode| mode.shifts.len());
-    // Vectors of length 1.
-    let direction = |mode: &&Moving| -> Vec<f64> {
+/// Mean correlation of the shifts of each mode with those of other resonances; 0 where there are none.
+fn together(told: &[&Told]) -> Vec<f64> {
+    // Vectors of length 1, or 0 where a mode stays.
+    let direction = |told: &&Told| -> Vec<f64> {
         let shift = |run: usize| {
-            let (shift, squares) = mode.centred(run);
-            shift / squares.sqrt()
+            let (shift, squares) = told.mode.centred(run);
+            if squares > 0.0 {
+                shift / squares.sqrt()
+            } else {
+                0.0
+            }
         };
-        (0..runs).map(shift).collect()
+        (0..told.mode.shifts.len()).map(shift).collect()
     };
-    let directions: Vec<Vec<f64>> = modes.iter().map(direction).collect();
-    let others = modes.len() as f64 - 1.0;
-    let mean = |own: &Vec<f64>| {
-        let product = |other: &Vec<f64>| own.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
-        // That with itself is 1.
-        (directions.iter().map(product).sum::<f64>() - 1.0) / others.max(1.0)
+    let directions: Vec<Vec<f64>> = told.iter().map(direction).collect();
+    let mean = |own: usize| {
+        let others = (0..told.len()).filter(|other| told[*other].group != told[own].group);
+        let product = |other: usize| -> f64 {
+            let pairs = directions[own].iter().zip(&directions[other]);
+            pairs.map(|(a, b)| a * b).sum()
+        };
+        let products: Vec<f64> = others.map(product).collect();
+        products.iter().sum::<f64>() / products.len().max(1) as f64
     };
-    directions.iter().map(mean).collect()
+    (0..told.len()).map(mean).collect()
 }
 
 /// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of the run.
@@ -394,7 +398,7 @@ fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
         square += (power - mean).powi(2);
         all = squares;
     }
-    if cross > 0.0 {
+    if cross > 0.0 && square * all > 0.0 {
         cross * cross / (square * all)
     } else {
         0.0
@@ -483,5 +487,7 @@ fn pole(omega: f64, lambda: Complex64) -> Complex64 {
     (Complex64::new(0.0, omega) - lambda).inv()
 }
 
+#[cfg(test)]
+mod halves_tests;
 #[cfg(test)]
 mod tests;

@@ -92,16 +92,16 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
             let near = start.saturating_sub(BESIDE)..(block.end + BESIDE).min(own.variance.len());
             let place = (block.start as f64 + 0.5 * OWN as f64) / lines as f64;
             let (b, response) = (between(&by_power, place), between(&of_response, place));
-            // Of a few dozen lines, `a` takes what b misses by chance.
-            let share = |force: f64| {
+            let share = |force: f64, response: f64| {
                 let share = force / (response + force);
                 if share.is_finite() { share } else { 0.0 }
             };
             let force = own.power[block.clone()].iter().map(|p| b * p);
             if let Some(stated) = &own.own {
-                let each = stated[block].iter().zip(force.clone());
-                smooth.variance.extend(each.map(|(a, force)| a + force));
-                smooth.by_force.extend(force.map(share));
+                for (a, force) in stated[block].iter().zip(force) {
+                    smooth.variance.push(a + force);
+                    smooth.by_force.push(share(force, *a));
+                }
                 continue;
             }
             let a = own.even(near, b, most);
@@ -110,9 +110,11 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
                 smooth
                     .variance
                     .push(if outstanding { *told } else { a + force });
+                // Of a few dozen lines, `a` takes what b misses by chance.
+                let by_force = share(force, response);
                 smooth
                     .by_force
-                    .push(if outstanding { 0.0 } else { share(force) });
+                    .push(if outstanding { 0.0 } else { by_force });
             }
         }
         smooth

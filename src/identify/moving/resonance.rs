@@ -33,6 +33,10 @@ const CLEAR: f64 = 0.1;
 const POOR: f64 = 2.0;
 /// Part of what the criterion asks for, from which on a single root is looked at.
 const ENOUGH: f64 = 0.3;
+/// Half-power widths between the outermost roots of a group from which on they lie apart, and the part of half the distance of two within
+/// which a run has the pole of one.
+const LYING_APART: f64 = 0.8;
+const CHOSEN: f64 = 0.05;
 /// Runs with the largest response in a resonance of several roots, which are asked first where there are more than twice as many.
 const STRONGEST: usize = 6;
 /// Step that ends the turns, decay rates.
@@ -57,6 +61,8 @@ pub(super) struct Resonance<'a> {
 /// A mode that moves.
 pub(super) struct Told {
     pub mode: Moving,
+    /// Which group of roots it stands for.
+    pub group: usize,
     /// Whether it says so beyond doubt, were it the only one.
     pub alone: bool,
     /// Whether it was known before.
@@ -67,9 +73,13 @@ pub(super) struct Told {
 
 impl Told {
     /// What is known already.
-    pub fn as_known<'a>(known: impl IntoIterator<Item = &'a Moving>) -> Option<Vec<Self>> {
+    pub fn as_known<'a>(
+        known: impl IntoIterator<Item = &'a Moving>,
+        group: usize,
+    ) -> Option<Vec<Self>> {
         let told = |mode: &Moving| Self {
             mode: mode.clone(),
+            group,
             alone: true,
             known: true,
             gain: 0.0,
@@ -344,9 +354,9 @@ impl<'a> Resonance<'a> {
         &self,
         fitted: Option<&Fitted>,
         (runs, factors): (&[Vec<usize>], usize),
-        known: &[&Moving],
+        (known, group): (&[&Moving], usize),
     ) -> Option<Vec<Told>> {
-        let as_known = || Told::as_known(known.iter().copied());
+        let as_known = || Told::as_known(known.iter().copied(), group);
         let Some(fitted) = fitted else {
             return as_known();
         };
@@ -369,11 +379,11 @@ impl<'a> Resonance<'a> {
             }
             let values = (self.omega.len() * self.functions()) as f64;
             return match fitted.left < POOR * held.max(values) {
-                true => Told::as_known(&modes),
+                true => Told::as_known(&modes, group),
                 false => as_known(),
             };
         }
-        if of_runs >= of_roots {
+        if of_runs >= of_roots || self.runs_choose_roots(fitted, &modes) {
             return Some(Vec::new());
         }
         // As products of shapes and participation factors.
@@ -384,9 +394,31 @@ impl<'a> Resonance<'a> {
             alone: of_runs < of_products,
             known: false,
             mode,
+            group,
             gain,
         };
         Some(modes.into_iter().map(told).collect())
+    }
+
+    /// Whether the runs have their poles where the roots are that lie apart: modes that each respond in some of the runs alone look so, and
+    /// what moves would have to stop there.
+    fn runs_choose_roots(&self, fitted: &Fitted, modes: &[Moving]) -> bool {
+        let (lo, hi) = self.span();
+        let gap = (hi - lo) / (self.group.len().max(2) - 1) as f64;
+        let chosen = |(track, mode): (&Track, &Moving)| {
+            let distance = |pole: &Complex64| {
+                let roots = self
+                    .group
+                    .iter()
+                    .map(|root| (root.lambda.im - pole.im).abs());
+                roots.fold(f64::INFINITY, f64::min)
+            };
+            let mut own: Vec<f64> = track.poles.iter().map(distance).collect();
+            own.sort_by(f64::total_cmp);
+            let wide = hi - lo > LYING_APART * -2.0 * mode.lambda.re;
+            wide && own[own.len() / 2] < CHOSEN * 0.5 * gap
+        };
+        fitted.tracks.iter().zip(modes).any(chosen)
     }
 
     /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background fitted here.

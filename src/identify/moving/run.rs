@@ -11,6 +11,8 @@ use super::resonance::{Resonance, STILL};
 const STEEPEST: f64 = 0.5;
 /// Part of two courses that both must have of their own.
 const TOLD_APART: f64 = 1e-6;
+/// Distance of two beginnings, decay rates.
+const LEAST_APART: f64 = 0.1;
 /// Steps of a beginning, and the longest of them, decay rates.
 const FIRST_TURNS: usize = 8;
 const LONGEST_FIRST: f64 = 0.5;
@@ -71,13 +73,13 @@ pub(super) struct Look {
     pub left: f64,
 }
 
-/// Where one pole or two of a run may begin, and how much they explain.
+/// Where one pole or two of a run may begin.
 pub(super) struct Best {
     pub one: Complex64,
+    /// What one pole explains after a few steps from there.
     pub by_one: f64,
-    /// In ascending order.
-    pub two: [Complex64; 2],
-    pub by_two: f64,
+    /// In ascending order, and what they explain.
+    pub two: Option<([Complex64; 2], f64)>,
 }
 
 /// One Gauss-Newton step of a pole in a run.
@@ -106,27 +108,28 @@ impl Look {
             let products = functions.clone().map(|f| a[(j, f)].conj() * a[(i, f)]);
             products.sum::<Complex64>() * self.second[(j, i)]
         });
-        let alone = |j: usize| {
-            let weight = normal[(j, j)].re;
-            let change = if weight > 0.0 {
-                asked[(j, 0)] / weight
-            } else {
-                Complex64::ZERO
+        if let Some(inverse) = linalg::inverse_hermitian(&normal) {
+            let changes = &inverse * asked;
+            let step = |j: usize| Step {
+                change: changes[(j, 0)],
+                weight: inverse[(j, j)].re.recip(),
             };
-            Step { change, weight }
-        };
-        let inverse = (poles > 1).then(|| linalg::inverse_hermitian(&normal));
-        match inverse.flatten() {
-            Some(inverse) => {
-                let changes = &inverse * asked;
-                let step = |j: usize| Step {
-                    change: changes[(j, 0)],
-                    weight: inverse[(j, j)].re.recip(),
-                };
-                (0..poles).map(step).collect()
-            }
-            None => (0..poles).map(alone).collect(),
+            return (0..poles).map(step).collect();
         }
+        // Poles that are not told apart say nothing, but one beside others that are not there does.
+        let step = |j: usize| {
+            let weight = normal[(j, j)].re;
+            let alone = (0..poles).all(|i| i == j || normal[(i, i)].re <= 0.0);
+            if alone && weight > 0.0 {
+                let change = asked[(j, 0)] / weight;
+                return Step { change, weight };
+            }
+            Step {
+                change: Complex64::ZERO,
+                weight: 0.0,
+            }
+        };
+        (0..poles).map(step).collect()
     }
 }
 
@@ -176,50 +179,50 @@ impl<'a> Run<'a> {
         let products = courses.adjoint() * &courses;
         let along = courses.adjoint() * &self.values;
         let power = &along * along.adjoint();
-        let places = 0..tried.len();
         // What hardly differs from what is known says nothing.
         let differs =
             |j: &usize| products[(*j, *j)].re > TOLD_APART * whole.col(*j).squared_norm_l2();
-        let places: Vec<usize> = places.filter(differs).collect();
-        let explained = |j: usize| power[(j, j)].re / products[(j, j)].re;
-        let (mut one, mut by_one) = (0, 0.0);
-        let (mut two, mut by_two) = ([0, 0], 0.0);
+        let places: Vec<usize> = (0..tried.len()).filter(differs).collect();
+        let explained = |j: &usize| power[(*j, *j)].re / products[(*j, *j)].re;
+        let by_energy = |i: &&usize, j: &&usize| explained(i).total_cmp(&explained(j));
+        let one = places.iter().max_by(by_energy).map_or(0, |j| *j);
+        let mut two = None;
+        let mut by_two = 0.0;
         for (place, i) in places.iter().enumerate() {
-            if explained(*i) > by_one {
-                (one, by_one) = (*i, explained(*i));
-            }
             for j in &places[place + 1..] {
                 // Pᴴ G⁻¹ P of two courses.
                 let c = products[(*i, *j)];
                 let (a, b) = (products[(*i, *i)].re, products[(*j, *j)].re);
                 let determinant = a * b - c.norm_sqr();
                 let cross = 2.0 * (c * power[(*j, *i)]).re;
-                let explained =
+                let energy =
                     (b * power[(*i, *i)].re + a * power[(*j, *j)].re - cross) / determinant;
-                if determinant > TOLD_APART * a * b && explained > by_two {
-                    (two, by_two) = ([*i, *j], explained);
+                if determinant > TOLD_APART * a * b && energy > by_two {
+                    (two, by_two) = (Some(vec![tried[*i], tried[*j]]), energy);
                 }
             }
         }
         let (alone, left_by_one) = self.turned(vec![tried[one]]);
         // The two that explain most may be beside a strong one alone.
-        let beside = |j: &usize| self.look(&[alone[0], tried[*j]]).left;
-        let second = places.iter().map(|j| (*j, beside(j)));
-        let second = second.min_by(|(_, a), (_, b)| a.total_cmp(b));
-        let pairs = [Some(two), None].map(|pair| match pair {
-            Some(pair) => Some(pair.map(|place| tried[place]).to_vec()),
-            None => second.map(|(j, _)| vec![alone[0], tried[j]]),
+        let apart = |a: Complex64, b: Complex64| (a - b).norm() > LEAST_APART * -a.re;
+        let beside = |j: &&usize| apart(alone[0], tried[**j]);
+        let beside = places.iter().filter(beside).map(|j| {
+            let pair = vec![alone[0], tried[*j]];
+            (self.look(&pair).left, pair)
         });
-        let pairs = pairs.into_iter().flatten().map(|pair| self.turned(pair));
-        let best = pairs.min_by(|(_, a), (_, b)| a.total_cmp(b));
-        let (mut two, left_by_two) = best.unwrap_or_else(|| (vec![alone[0]; 2], left_by_one));
-        two.sort_by(|a, b| a.im.total_cmp(&b.im));
+        let second = beside.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let pairs = two.into_iter().chain(second.map(|(_, pair)| pair));
+        let pairs = pairs.map(|pair| self.turned(pair));
+        let pairs = pairs.filter(|(pair, _)| apart(pair[0], pair[1]));
+        let two = pairs.min_by(|(_, a), (_, b)| a.total_cmp(b));
         let whole = self.values.squared_norm_l2();
         Best {
-            by_one: whole - left_by_one,
             one: tried[one],
-            by_two: whole - left_by_two,
-            two: [two[0], two[1]],
+            by_one: whole - left_by_one,
+            two: two.map(|(mut pair, left)| {
+                pair.sort_by(|a, b| a.im.total_cmp(&b.im));
+                ([pair[0], pair[1]], whole - left)
+            }),
         }
     }
 
@@ -236,7 +239,7 @@ impl<'a> Run<'a> {
             };
             let now: Vec<Complex64> = poles.iter().zip(&steps).map(moved).collect();
             let then = self.look(&now);
-            if then.left.total_cmp(&look.left).is_ge() {
+            if then.left.is_nan() || then.left >= look.left {
                 break;
             }
             (poles, look) = (now, then);

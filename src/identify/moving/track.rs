@@ -9,8 +9,8 @@ use super::run::{Best, Line, Run, Step};
 const TURNS: usize = 30;
 /// Longest step, decay rates.
 const LONGEST: f64 = 0.5;
-/// Part of what is known of all frequencies from which a run counts.
-const COUNTS: f64 = 0.01;
+/// Part of what is known of a frequency in the mean from which a run counts.
+const COUNTS: f64 = 0.1;
 /// Poles that are tried as beginnings: this many decay rates apart, so far beyond the outermost root, and no more than these.
 const APART: f64 = 1.0;
 const BEYOND: f64 = 2.0;
@@ -129,9 +129,9 @@ impl Resonance<'_> {
             beginnings.push(vec![ones.iter().map(at).collect()]);
         }
         let both = |(best, run): (&Best, &Run)| {
-            let gain = best.by_two - best.by_one;
-            let least = (SECOND * run.functions.len() as f64).max(LEAST_SECOND * best.by_two);
-            (gain > least).then_some(best.two)
+            let (pair, by_two) = best.two?;
+            let least = (SECOND * run.functions.len() as f64).max(LEAST_SECOND * by_two);
+            (by_two - best.by_one > least).then_some(pair)
         };
         let pairs: Vec<Option<[Complex64; 2]>> = best.iter().zip(own).map(both).collect();
         let median = |j: usize| median(pairs.iter().flatten().map(|pair| pair[j]));
@@ -167,7 +167,7 @@ impl Resonance<'_> {
     /// Poles after a step of each, their decay rates on one line; `None` where they leave the lines or damping.
     fn moved(&self, poles: &[Complex64], steps: &[Step]) -> Option<Path> {
         let weights: f64 = steps.iter().map(|step| step.weight).sum();
-        if weights <= 0.0 {
+        if !weights.is_finite() || weights <= 0.0 {
             return None;
         }
         let (lo, hi) = (self.omega[0], self.omega[self.omega.len() - 1]);
@@ -181,12 +181,15 @@ impl Resonance<'_> {
         };
         let stepped: Vec<Complex64> = poles.iter().zip(steps).map(stepped).collect();
         let line = Line::through(&stepped, steps);
+        if line.middle.re.is_nan() || line.middle.re >= 0.0 {
+            return None;
+        }
         // One that hardly counts may be far off.
         let damped = |decay: f64| if decay < 0.0 { decay } else { line.middle.re };
         let on_line = |pole: &Complex64| Complex64::new(damped(line.at(pole.im)), pole.im);
         let poles: Vec<Complex64> = stepped.iter().map(on_line).collect();
         let strays = |(pole, step): (&Complex64, &Step)| {
-            let counts = step.weight > COUNTS * weights;
+            let counts = step.weight > COUNTS * weights / poles.len() as f64;
             counts && (pole.im <= lo || pole.im >= hi || pole.re >= 0.0)
         };
         let stray = poles.iter().zip(steps).any(strays);
