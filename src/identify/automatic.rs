@@ -125,7 +125,7 @@ pub(super) struct Fit {
     /// Roots that there were where their phases scattered.
     pub scattered: Option<usize>,
     /// Modes that move from run to run.
-    moved: Moved,
+    pub moved: Moved,
     /// Poles of all model orders.
     pub listing: Vec<PoleAtOrder>,
     /// Whether poles stay where they are and residues alone are fitted.

@@ -1,7 +1,7 @@
 //! Roots that are no modes although they are above the noise: they go, weakest first.
 
 use super::automatic::Fit;
-use super::pruning::less;
+use super::pruning::{KNOWN, less};
 use super::reasons::{Dropped, Reason};
 use super::refine::{Stop, apart, unsettle};
 use super::roots::Root;
@@ -78,6 +78,29 @@ impl Fit {
                 self.restore(&tried);
             }
         }
+        if self.moved.any() {
+            self.drop_unknown();
+        }
+    }
+
+    /// Drops roots whose poles are not known beside what the model misses: runs that were brought together leave over more than noise.
+    fn drop_unknown(&mut self) {
+        let standings = self.standings();
+        let part = |j: usize| {
+            let root = &self.roots[j];
+            root.quality.pole_std * standings[j].inflation() / root.decay()
+        };
+        let parts = (0..self.roots.len()).map(|j| (j, part(j)));
+        let unknown: Vec<(usize, f64)> = parts.filter(|(_, part)| *part >= KNOWN).collect();
+        if unknown.is_empty() {
+            return;
+        }
+        for (j, part) in unknown {
+            self.apply(less(&self.roots, j, Reason::Unknown(part)));
+        }
+        self.roots.retain(|root| !root.parts.is_empty());
+        unsettle(&mut self.roots);
+        self.settle(Stop::Coarse);
     }
 
     /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two

@@ -140,6 +140,11 @@ impl Moved {
         told
     }
 
+    /// Whether runs disagree.
+    pub fn any(&self) -> bool {
+        !self.modes.is_empty()
+    }
+
     /// Whether a pole lies in the resonance of a mode that moves.
     pub fn holds(&self, lambda: Complex64) -> bool {
         self.modes.iter().any(|mode| mode.holds(lambda))

@@ -17,7 +17,7 @@ pub(super) const WIDEST: f64 = 0.5;
 /// Narrowest half-power width, lines: what is narrower is a single line.
 const NARROWEST: f64 = 0.01;
 /// Deviation of a pole over its decay rate that is still a pole.
-const KNOWN: f64 = 0.2;
+pub(super) const KNOWN: f64 = 0.2;
 /// Distance to the maximum of the likelihood over the decay rate from which on a pole of a method is none of the data's.
 const MOST_OFFSET: f64 = 0.15;
 /// Deviations by which two roots must be apart.
