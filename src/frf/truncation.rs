@@ -194,8 +194,8 @@ mod tests {
             let noisy = energies(quarters.map(|e| e + floor), Some([floor; 4]));
             for e in [energies(quarters, None), noisy] {
                 let got = e.truncation();
-                assert!((got.time_constants.unwrap() - n).abs() < 1e-12);
-                assert!((got.bound.unwrap() / (-n).exp() - 1.0).abs() < 1e-12);
+                assert!((got.time_constants.expect("a decay") - n).abs() < 1e-12);
+                assert!((got.bound.expect("a decay") / (-n).exp() - 1.0).abs() < 1e-12);
             }
         }
     }
@@ -236,7 +236,7 @@ mod tests {
                     let beat = (TAU * (beats * t + f64::from(phase) / 16.0)).cos();
                     signal[4 * i / steps] += (-2.0 * n * t).exp() * (2.0 + 2.0 * beat);
                 }
-                let bound = energies(signal, None).truncation().bound.unwrap();
+                let bound = energies(signal, None).truncation().bound.expect("a decay");
                 assert!(
                     bound > 0.55 * f64::exp(-n),
                     "{beats} beats, phase {phase}: {bound}"
@@ -249,11 +249,13 @@ mod tests {
     fn energies_of_hits_add_and_one_unknown_noise_makes_the_sum_unknown() {
         let a = energies([4.0, 3.0, 2.0, 1.0], Some([0.1; 4]));
         let b = energies([40.0, 30.0, 20.0, 10.0], None);
-        let sum = QuarterEnergies::sum([Some(a), Some(a)]).unwrap();
+        let sum = QuarterEnergies::sum([Some(a), Some(a)]).expect("energies of both");
         let expected = energies([8.0, 6.0, 4.0, 2.0], Some([0.2; 4]));
         assert_eq!(sum, expected);
         assert_eq!(
-            QuarterEnergies::sum([Some(a), Some(b)]).unwrap().noise,
+            QuarterEnergies::sum([Some(a), Some(b)])
+                .expect("energies of both")
+                .noise,
             None
         );
         assert_eq!(QuarterEnergies::sum([Some(a), None]), None);
@@ -273,7 +275,7 @@ mod tests {
 
     #[test]
     fn the_finding_names_the_worst_function() {
-        let dof = |text: &str| text.parse::<Dof>().unwrap();
+        let dof = |text: &str| text.parse::<Dof>().expect("a degree of freedom");
         let truncation = |bound: Option<f64>| Truncation {
             bound,
             time_constants: bound.map(|b| -b.ln()),

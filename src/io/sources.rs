@@ -217,8 +217,8 @@ mod tests {
         set.added_damping_rad_s = 2.5;
         for (response, quality) in [("1:+Z", None), ("2:-X#2", Some(vec![0.5, 0.75]))] {
             let function = Function {
-                response: response.parse().unwrap(),
-                reference: "1:+Z".parse().unwrap(),
+                response: response.parse().expect("a degree of freedom"),
+                reference: "1:+Z".parse().expect("a degree of freedom"),
                 kind: FrfKind::Mobility,
                 averages: Some(3),
                 estimator: Some(Estimator::H1),
@@ -229,7 +229,7 @@ mod tests {
                 coherence: quality.clone(),
                 variance: quality,
             };
-            set.push(function, data).unwrap();
+            set.push(function, data).expect("a function of the set");
         }
         let mut source = frf_source(&set, " Beam ");
         let types: Vec<FunctionType> = source
@@ -243,12 +243,17 @@ mod tests {
         assert_eq!(source.catalog().title, ["Beam"]);
         let variance = &source.catalog().entries[3];
         assert_eq!(variance.unit_label, "((m/s)/N)^2");
-        assert_eq!(variance.response.as_ref().unwrap().to_string(), "2:-X#2");
+        assert_eq!(
+            variance.response.as_ref().expect("a response").to_string(),
+            "2:-X#2"
+        );
         assert_eq!(variance.note.averages, Some(3));
         assert_eq!(variance.note.added_damping_rad_s, Some(2.5));
         assert_eq!(source.catalog().entries[0].axis, EntryAxis::Frequency(axis));
         let mut block = Block::F32(Vec::new());
-        source.read(2, 1..2, &mut block).unwrap();
+        source
+            .read(2, 1..2, &mut block)
+            .expect("samples of the entry");
         assert_eq!(block, Block::F64(vec![0.75]));
     }
 
@@ -256,7 +261,7 @@ mod tests {
     fn hits_keep_their_samples_as_stored() {
         let channel = |role, dof: &str, quantity, to_si, samples| Channel {
             role,
-            dof: dof.parse().unwrap(),
+            dof: dof.parse().expect("a degree of freedom"),
             quantity,
             to_si,
             samples,

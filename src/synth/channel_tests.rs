@@ -43,8 +43,8 @@ fn noises(test: &HammerTest) -> Vec<Vec<f64>> {
         noise: Noise::default(),
         ..test.clone()
     };
-    let pairs = test.generate().unwrap().into_iter();
-    let pairs = pairs.zip(clean.generate().unwrap());
+    let pairs = test.generate().expect("a test as planned").into_iter();
+    let pairs = pairs.zip(clean.generate().expect("a test as planned"));
     pairs
         .flat_map(|(noisy, clean)| {
             let both = channels(&noisy).into_iter().zip(channels(&clean));
@@ -56,7 +56,7 @@ fn noises(test: &HammerTest) -> Vec<Vec<f64>> {
 #[test]
 fn the_noise_has_its_stated_level_and_is_white_and_gaussian() {
     let n = 16384f64;
-    let clean = test().generate().unwrap();
+    let clean = test().generate().expect("a test as planned");
     let levels = clean.iter().flat_map(|hit| {
         let responses = hit.responses.iter().map(|c| rms(&c.si()) / 10f64.powf(1.5));
         std::iter::once(peak(&hit.force.si()) / 1e3)
@@ -84,25 +84,28 @@ fn the_noise_has_its_stated_level_and_is_white_and_gaussian() {
 #[test]
 fn samples_depend_neither_on_threads_nor_on_what_else_is_generated() {
     let test = noisy();
-    let hits = test.generate().unwrap();
+    let hits = test.generate().expect("a test as planned");
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .unwrap();
-        assert_eq!(pool.install(|| test.generate()).unwrap(), hits);
+            .expect("a pool of threads");
+        assert_eq!(
+            pool.install(|| test.generate()).expect("a test as planned"),
+            hits
+        );
     }
     let mut fewer = HammerTest {
         averages_per_point: 2,
         ..test.clone()
     };
     fewer.hits[0].responses.pop();
-    let hit = fewer.generate_hit(1).unwrap();
+    let hit = fewer.generate_hit(1).expect("a planned hit");
     assert_eq!(hit.force, hits[1].force);
     assert_eq!(hit.responses[0], hits[1].responses[0]);
     let other = HammerTest { seed: 8, ..test };
     assert_ne!(
-        other.generate_hit(0).unwrap().force.samples,
+        other.generate_hit(0).expect("a planned hit").force.samples,
         hits[0].force.samples
     );
 }
@@ -116,7 +119,10 @@ fn a_double_hit_is_the_pulse_again_later_and_smaller() {
         ratio: 0.35,
         hits: [1].into(),
     });
-    let (single, double) = (test().generate().unwrap(), double.generate().unwrap());
+    let (single, double) = (
+        test().generate().expect("a test as planned"),
+        double.generate().expect("a test as planned"),
+    );
     assert_eq!(single[0], double[0]);
     assert_eq!(single[2], double[2]);
     for (one, two) in channels(&single[1]).into_iter().zip(channels(&double[1])) {
@@ -134,17 +140,17 @@ fn a_double_hit_is_the_pulse_again_later_and_smaller() {
 
 #[test]
 fn offsets_shift_and_a_converter_rounds_and_clips() {
-    let clean = test().generate_hit(0).unwrap();
+    let clean = test().generate_hit(0).expect("a planned hit");
     let mut faulty = noisy();
     faulty.noise = Noise::default();
     faulty.faults.offsets.force_n = 1.5;
     faulty.faults.offsets.response = -0.25;
-    let shifted = faulty.generate_hit(0).unwrap();
+    let shifted = faulty.generate_hit(0).expect("a planned hit");
     for (channel, offset) in channels(&clean).into_iter().zip([1.5, -0.25, -0.25]) {
         let shifted = channels(&shifted)
             .into_iter()
             .find(|c| c.dof == channel.dof && c.role == channel.role);
-        let error = difference(shifted.unwrap(), channel);
+        let error = difference(shifted.expect("the same channel"), channel);
         assert!(error.iter().all(|v| (v - offset).abs() < 1e-12));
     }
     let full_scale = 0.5 * peak(&clean.responses[0].si());
@@ -153,7 +159,7 @@ fn offsets_shift_and_a_converter_rounds_and_clips() {
         force_full_scale_n: 1000.0,
         response_full_scale: full_scale,
     });
-    let coarse = faulty.generate_hit(0).unwrap();
+    let coarse = faulty.generate_hit(0).expect("a planned hit");
     let pairs = channels(&coarse).into_iter().zip(channels(&shifted));
     for ((got, exact), scale) in pairs.zip([1000.0, full_scale, full_scale]) {
         let step = scale / 2048.0;
@@ -174,14 +180,14 @@ fn the_sign_of_a_hit_is_its_push_and_the_sign_of_a_sensor_its_reading() {
         hits: plan,
         ..test()
     };
-    let pushed = test.generate().unwrap();
+    let pushed = test.generate().expect("a test as planned");
     for plan in &mut test.hits {
         plan.hit = dof("1:-Z");
     }
-    let pulled = test.generate().unwrap();
+    let pulled = test.generate().expect("a test as planned");
     let mut positive = test.clone();
     positive.hits[1].responses = vec![dof("2:+Z")];
-    let positive = positive.generate().unwrap();
+    let positive = positive.generate().expect("a test as planned");
     for i in 0..6 {
         assert_eq!(pulled[i].force.samples, pushed[i].force.samples);
         assert!(pulled[i].force.si().iter().fold(0.0, |a: f64, b| a.max(*b)) > 100.0);

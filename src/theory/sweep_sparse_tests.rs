@@ -78,7 +78,7 @@ fn external(
     let model = ExternalModel::new(ExternalMatrices {
         title: "masses on springs".to_owned(),
         dofs: (1..=size)
-            .map(|i| format!("{i}:+X").parse().unwrap())
+            .map(|i| format!("{i}:+X").parse().expect("a degree of freedom"))
             .collect(),
         fixed: MatrixSet {
             mass: matrix(&ones),
@@ -97,19 +97,24 @@ fn external(
         groups: vec![("own".to_owned(), scaled)],
         ..ExternalMatrices::default()
     });
-    model.unwrap()
+    model.expect("matrices of one size")
 }
 
 fn swept(model: &ExternalModel, count: usize, band_rad_s: Option<f64>) -> Sweep {
     let own = &model.parameters()[0];
-    assert!(model.sparse(&[own.nominal]).unwrap().is_some());
+    assert!(
+        model
+            .sparse(&[own.nominal])
+            .expect("a nominal value")
+            .is_some()
+    );
     let range = SweepRange {
-        lower: own.lower.unwrap(),
-        upper: own.upper.unwrap(),
+        lower: own.lower.expect("a lower bound"),
+        upper: own.upper.expect("an upper bound"),
         count,
     };
-    let band = band_rad_s.map(|end| Band::new(0.0, end / TAU).unwrap());
-    sweep(model, &[own.nominal], "own", range, band).unwrap()
+    let band = band_rad_s.map(|end| Band::new(0.0, end / TAU).expect("a band"));
+    sweep(model, &[own.nominal], "own", range, band).expect("a range within the bounds")
 }
 
 /// Every locus is a chain's root, or one of the two masses', through all values; how many of the chains' there are.
@@ -117,7 +122,10 @@ fn check_loci(own: &Sweep, p: impl Fn(f64) -> f64) -> usize {
     let mut chains = 0;
     let mut pairs = Vec::new();
     for locus in &own.loci {
-        let squares = locus.omega_rad_s.iter().map(|w| w.unwrap().powi(2));
+        let squares = locus
+            .omega_rad_s
+            .iter()
+            .map(|w| w.expect("a mode at every value").powi(2));
         let squares: Vec<f64> = squares.collect();
         let all = |expected: &dyn Fn(f64) -> f64| {
             let mut each = own.values.iter().zip(&squares);
@@ -199,7 +207,9 @@ fn a_root_that_rises_crosses_the_chains_and_veers_with_the_other_mass() {
         ],
     );
     // A gap of 2 c in the squares over twice the coupling of one half.
-    assert!((own.events[1].width.unwrap() / (2.0 * JOINT) - 1.0).abs() < 1e-4);
+    assert!(
+        (own.events[1].width.expect("a veering has a width") / (2.0 * JOINT) - 1.0).abs() < 1e-4
+    );
 }
 
 #[test]
@@ -255,7 +265,7 @@ fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
         for (i, &value) in own.values.iter().enumerate() {
             let expected = first.iter().copied().chain([at(value)]);
             for (locus, wanted) in told.iter().zip(expected) {
-                let got = locus[i].unwrap();
+                let got = locus[i].expect("a mode at every value");
                 // Vectors are exact to 1e-11, their quotients to the square of it times the spread of the squares, 1e6.
                 assert!((got / wanted - 1.0).abs() < 1e-9, "{got} {wanted}");
             }

@@ -27,7 +27,7 @@ fn an_exponential_window_costs_what_theory_says() {
         let noise = decaying(8192, 6, at_end);
         let size = size_of(&noise);
         let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+        let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
         for ratio in [3.0, 60.0] {
             let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
             // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the pole.
@@ -69,11 +69,11 @@ fn the_decay_of_noise_is_told_and_smoothed_noise_has_none() {
     let own = |noise: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+        let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
         told.decay(std::f64::consts::TAU)
     };
     for at_end in [4.0, 10.0, 40.0] {
-        let ratio = own(decaying(4096, 4, at_end)).unwrap() / at_end;
+        let ratio = own(decaying(4096, 4, at_end)).expect("lines enough") / at_end;
         assert!((ratio - 1.0).abs() < 0.25, "{at_end}: {ratio}");
     }
     let white = decaying(4104, 4, 0.0);
@@ -95,7 +95,7 @@ fn noise_in_a_part_of_the_record_costs_what_theory_says() {
         })
         .collect();
     let rest = linalg::complex_matrix(8192, 6, |k, f| columns[f][k]);
-    let told = Correlation::of_rest(&Rest::of_all(rest)).unwrap();
+    let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
     let factor = told.of_amplitude(60.0, std::f64::consts::TAU);
     assert!((factor / 4.0 - 1.0).abs() < 0.15, "{factor}");
 }

@@ -150,11 +150,11 @@ mod tests {
             ColumnRole::Time,
             ColumnRole::Force {
                 dof: dof.clone(),
-                unit: "N".parse().unwrap(),
+                unit: "N".parse().expect("a unit"),
             },
             ColumnRole::Response {
                 dof,
-                unit: "m/s2".parse().unwrap(),
+                unit: "m/s2".parse().expect("a unit"),
             },
         ];
         let columns = names.iter().zip(roles).map(|(name, role)| TableColumn {
@@ -190,14 +190,24 @@ mod tests {
             ("t [ticks],F [V],a (up)\n", 1.0),
         ] {
             for names in [["t", "F", "a"], ["1", "2", "3"]] {
-                let axis = opened(&format!("{header}{ROWS}"), None, names).unwrap();
-                let (_, found) = axis.even().unwrap();
+                let axis =
+                    opened(&format!("{header}{ROWS}"), None, names).expect("a table with a header");
+                let (_, found) = axis.even().expect("even times");
                 // The scale of the scene is 2, the spacing 0.5.
                 assert!((found / step - 1.0).abs() < 1e-12, "{header} {found}");
             }
         }
         let axis = opened(&format!("t [ms],F,a\n{ROWS}"), Some(1e-3), ["t", "F", "a"]);
-        assert!((axis.unwrap().even().unwrap().1 - 1e-3).abs() < 1e-15);
+        assert!(
+            (axis
+                .expect("a table with a header")
+                .even()
+                .expect("even times")
+                .1
+                - 1e-3)
+                .abs()
+                < 1e-15
+        );
     }
 
     #[test]

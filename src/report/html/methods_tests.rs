@@ -126,7 +126,9 @@ fn a_map_has_contours_shares_and_the_distance_of_own_modes() {
     let slice = &tab.data["breakdown"]["slices"][0];
     assert_eq!(slice["shares"][0], json!([[0, 0], [100, 100]]));
     assert_eq!(slice["contours"][1], json!([]));
-    let line = slice["contours"][0][0].as_array().unwrap();
+    let line = slice["contours"][0][0]
+        .as_array()
+        .expect("a line of points");
     assert!(line.len() == 2 && line.iter().all(|own| own[0] == 0.95));
     let point = &slice["points"][0];
     assert_eq!(point["place"], json!([0.98, 0.5]));
@@ -192,7 +194,7 @@ fn maps_of_another_scene_or_of_other_modes_are_left_out_with_a_word() {
 fn a_study_of_other_data_is_left_out_with_a_word() {
     let with = |place: &str, value: &str| {
         let mut own = speed();
-        *own.pointer_mut(place).unwrap() = json!(value);
+        *own.pointer_mut(place).expect("a place in the study") = json!(value);
         shown(&Beside {
             speed_accuracy: Some(own),
             ..Beside::default()
@@ -235,8 +237,10 @@ fn what_a_scene_needs_stands_before_what_methods_do() {
         })
     };
     let content = tab(&own).content;
-    let needs = content.find("hammer: 2 roots &lt; 3.").unwrap();
-    assert!(needs < content.find("data-draw=\"speed\"").unwrap());
+    let needs = content
+        .find("hammer: 2 roots &lt; 3.")
+        .expect("what the hammer needs");
+    assert!(needs < content.find("data-draw=\"speed\"").expect("a chart"));
     own["title"] = json!("another");
     let content = tab(&own).content;
     assert!(content.contains("order.json is of another scene") && !content.contains("2 roots"));

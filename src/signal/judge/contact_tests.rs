@@ -59,7 +59,7 @@ fn hit(width: f64, snr_db: f64, second: Option<(f64, f64)>, random: &mut ChaCha8
 }
 
 fn judge(force_n: &[f64]) -> Check {
-    let pulse = Pulse::locate(force_n, ONSET_FRACTION).unwrap();
+    let pulse = Pulse::locate(force_n, ONSET_FRACTION).expect("a pulse");
     contact::double_hit(force_n, STEP_S, &pulse, &JudgeLimits::default())
 }
 
@@ -110,10 +110,10 @@ fn second_contacts_are_found_where_they_stand_out() {
                 // Three samples between two samples of the first: up to 5 % less.
                 let error = 4.0 / hit.unit_detectability + 0.05 * ratio;
                 assert!(
-                    (check.value.unwrap() - ratio).abs() < error,
+                    (check.value.expect("a second contact has a size") - ratio).abs() < error,
                     "{width} {snr_db} {ratio} {check:?}"
                 );
-                let at = check.at.unwrap() / STEP_S;
+                let at = check.at.expect("a second contact has a time") / STEP_S;
                 assert!(
                     (at - delay).abs() < 3.0 + 0.1 * width,
                     "{width} {delay} {at}"
@@ -135,7 +135,10 @@ fn an_earlier_and_smaller_contact_is_found_too() {
     }
     let check = judge(&force_n);
     assert_eq!(check.outcome, Outcome::Rejected);
-    assert!((check.at.unwrap() / STEP_S + 90.0).abs() < 3.0, "{check:?}");
+    assert!(
+        (check.at.expect("a second contact has a time") / STEP_S + 90.0).abs() < 3.0,
+        "{check:?}"
+    );
 }
 
 #[test]
