@@ -219,7 +219,7 @@ codes! {
     RunsDisagree: "a resonance has another frequency in this run than in the others",
         "The value is how far the frequency of this run lies from the mean of all runs, the limit what noise explains; where FRFs are checked, 0.15 of the half-power width at least. The structure changed between runs (temperature, boundary, a joint, level of the hits) or a sensor was moved. Identify the runs one by one, or measure this one again.";
     /// Runs of different frequencies were merged into one mode.
-    RunsMerged: "the frequency of this mode differs from run to run; every run was fitted with its own, and the mode is their mean",
+    RunsMerged: "the frequency of this mode differs from run to run; every run was fitted with its own, and the mode is their mean; parts that each vibrate by themselves look the same",
         "One frequency for all runs does not describe the functions; one of its own for every run does, and better than further modes would (by the Bayesian information criterion), and what moves the modes has one cause: they move together, or with the mass of a sensor. A run is the functions of one position of a roving sensor or, where there are no more responses than references, of one hit point. Frequency and damping are the mean of the runs. The value is the standard deviation between runs, which the deviation of the frequency contains. A sensor's mass lowers every run, so that the free structure is then above the mean. Where all sensors stood still, two modes closer than their width may look so: compare runs.";
     /// Too few lines across a half-power band.
     FewLines: "the half-power band holds too few frequency lines for a damping value",

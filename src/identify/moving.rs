@@ -495,4 +495,6 @@ fn pole(omega: f64, lambda: Complex64) -> Complex64 {
 #[cfg(test)]
 mod halves_tests;
 #[cfg(test)]
+mod merged_tests;
+#[cfg(test)]
 mod tests;

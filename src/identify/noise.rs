@@ -212,6 +212,21 @@ mod tests {
     }
 
     #[test]
+    fn a_running_median_of_what_rises_evenly_is_the_line_itself() {
+        // Away from the ends, where as many lines lie on either side.
+        let rising: Vec<f64> = (0..400).map(|k| 2.0 * k as f64).collect();
+        let told = running_median(&rising, 40);
+        for k in 40..=340 {
+            assert!((told[k] - rising[k]).abs() < 1e-12, "{k}: {}", told[k]);
+        }
+        // One value among 81 does not count.
+        let mut outlier = rising.clone();
+        outlier[200] = 1e9;
+        let away = running_median(&outlier, 40)[200] - rising[200];
+        assert!((0.0..=2.0).contains(&away), "{away}");
+    }
+
+    #[test]
     fn coherence_gives_the_textbook_variance() {
         let variance = from_coherence(&[Complex64::new(0.0, 2.0)], &[0.8], 5);
         assert!((variance[0] - 4.0 * 0.2 / (0.8 * 4.0)).abs() < 1e-15);

@@ -190,14 +190,8 @@ impl<'a> Run<'a> {
         let mut by_two = 0.0;
         for (place, i) in places.iter().enumerate() {
             for j in &places[place + 1..] {
-                // Pᴴ G⁻¹ P of two courses.
-                let c = products[(*i, *j)];
-                let (a, b) = (products[(*i, *i)].re, products[(*j, *j)].re);
-                let determinant = a * b - c.norm_sqr();
-                let cross = 2.0 * (c * power[(*j, *i)]).re;
-                let energy =
-                    (b * power[(*i, *i)].re + a * power[(*j, *j)].re - cross) / determinant;
-                if determinant > TOLD_APART * a * b && energy > by_two {
+                let energy = explained_by_two((&products, &power), (*i, *j));
+                if let Some(energy) = energy.filter(|energy| *energy > by_two) {
                     (two, by_two) = (Some(vec![tried[*i], tried[*j]]), energy);
                 }
             }
@@ -248,7 +242,47 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Energy that two courses explain, `tr(G⁻¹ P)` of their products G with each other and P with the values; `None` where they are hardly two.
+fn explained_by_two(
+    (products, power): (&ComplexMatrix, &ComplexMatrix),
+    (i, j): (usize, usize),
+) -> Option<f64> {
+    let (a, b) = (products[(i, i)].re, products[(j, j)].re);
+    let determinant = a * b - products[(i, j)].norm_sqr();
+    let cross = 2.0 * (products[(i, j)] * power[(j, i)]).re;
+    let energy = b * power[(i, i)].re + a * power[(j, j)].re - cross;
+    (determinant > TOLD_APART * a * b).then_some(energy / determinant)
+}
+
 /// Columns less what an orthonormal basis explains of them.
 pub(super) fn without(basis: &ComplexMatrix, columns: &ComplexMatrix) -> ComplexMatrix {
     columns - basis * (basis.adjoint() * columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_courses_explain_what_their_orthonormal_basis_does() {
+        let value = |k: usize, n: usize| {
+            let phase = 0.7 * (k * k) as f64 + 1.3 * (n * (k + 1)) as f64;
+            Complex64::from_polar(1.0 + 0.1 * n as f64, phase)
+        };
+        let course = |k: usize, j: usize| value(k, j) + 0.4 * value(k, 1 - j);
+        let values = linalg::complex_matrix(9, 2, |k, f| value(k, 5 + f));
+        // The third hardly differs from the first.
+        let courses = linalg::complex_matrix(9, 3, |k, j| match j {
+            2 => course(k, 0) * (1.0 + 1e-5 * k as f64),
+            _ => course(k, j),
+        });
+        let products = courses.adjoint() * &courses;
+        let along = courses.adjoint() * &values;
+        let power = &along * along.adjoint();
+        let basis = linalg::thin_qr(&linalg::complex_matrix(9, 2, course)).q;
+        let expected = (basis.adjoint() * &values).squared_norm_l2();
+        let told = explained_by_two((&products, &power), (0, 1)).expect("they differ");
+        assert!((told / expected - 1.0).abs() < 1e-12, "{told} {expected}");
+        assert_eq!(explained_by_two((&products, &power), (0, 2)), None);
+    }
 }
