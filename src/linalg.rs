@@ -237,7 +237,7 @@ pub fn upper_triangle(a: &RealMatrix) -> RealMatrix {
     a.qr().thin_R().to_owned()
 }
 
-/// Inverse of an upper triangle; zero rows where a diagonal vanishes.
+/// Inverse of an upper triangle; not finite where a diagonal vanishes.
 pub fn inverse_upper(upper: &ComplexMatrix) -> ComplexMatrix {
     let n = upper.ncols();
     let mut inverse = complex_matrix(n, n, |i, j| {
@@ -272,9 +272,6 @@ fn inverse_with_ridge(a: &ComplexMatrix, ridge: f64) -> Option<ComplexMatrix> {
     let scale: Vec<f64> = (0..n)
         .map(|i| a[(i, i)].re.max(f64::MIN_POSITIVE).sqrt().recip())
         .collect();
-    if !scale.iter().all(|s| s.is_finite()) {
-        return None;
-    }
     let lower = cholesky(&complex_matrix(n, n, |i, j| {
         let own = if i == j { ridge } else { 0.0 };
         a[(i, j)] * (scale[i] * scale[j]) + own

@@ -1,6 +1,11 @@
-//! Ordinary coherence of one line.
+//! Ordinary coherence of one line, and the variance that it tells.
+
+use num_complex::Complex64;
 
 use super::sums::LineSums;
+
+/// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n − 1), and finite.
+const LEAST: f64 = 1e-6;
 
 /// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power is 0.
 ///
@@ -18,10 +23,25 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
     }
 }
 
+/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`.
+///
+/// # Reference
+/// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
+pub(crate) fn variance_from_coherence(
+    values: &[Complex64],
+    coherence: &[f64],
+    averages: u32,
+) -> Vec<f64> {
+    let variance = |(h, g): (&Complex64, &f64)| {
+        let gamma_squared = g.clamp(LEAST, 1.0);
+        h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
+    };
+    values.iter().zip(coherence).map(variance).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_complex::Complex64;
 
     #[test]
     fn hand_made_sums() {
@@ -32,6 +52,15 @@ mod tests {
         };
         assert!((coherence(sums) - 841.0 / 868.0).abs() < 1e-15);
         assert!(coherence(LineSums::default()).abs() < 1e-300);
+    }
+
+    #[test]
+    fn coherence_gives_the_textbook_variance_and_never_an_infinite_one() {
+        let h = [Complex64::new(3.0, 4.0); 4];
+        let told = variance_from_coherence(&h, &[0.8, 1.0, 0.0, 1.1], 3);
+        assert!((told[0] - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
+        assert!((told[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", told[2]);
+        assert!([told[1], told[3]].iter().all(|v| v.abs() < 1e-300));
     }
 
     #[test]

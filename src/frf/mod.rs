@@ -42,6 +42,7 @@ mod recording_tests;
 
 pub use checks::check_set;
 pub(crate) use checks::runs;
+pub(crate) use coherence::variance_from_coherence;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, Selection, estimate, estimate_recording, truncation_bounds};

@@ -411,6 +411,7 @@ impl Fit {
                 .collect(),
             findings: evidence.findings(),
             stabilization: self.listing.clone(),
+            moved: self.moved.clone(),
         }
     }
 }

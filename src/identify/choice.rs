@@ -72,7 +72,7 @@ pub(super) fn chosen(
     };
     let others = modes.filter(|mode| !replaced(mode));
     let poles: Vec<Complex64> = chosen.iter().copied().chain(others).collect();
-    let mut own = multi::at_poles(set, band, &poles)?;
+    let mut own = multi::at_poles((set, band), &poles, table.moved)?;
     let is_chosen = |pole: &Pole| chosen.contains(&pole.lambda);
     own.candidates.retain(|own| is_chosen(&own.pole));
     for (wanted, offer) in &taken {

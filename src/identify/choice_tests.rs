@@ -1,5 +1,6 @@
 //! A person's choice of poles.
 
+use super::moving::Moved;
 use super::synthetic::{Measurement, Structure, separated_modes};
 use super::{IdentifyOptions, PoleStatus, identification};
 use crate::finding::Code;
@@ -208,7 +209,7 @@ fn poles_that_stay_where_they_are_are_all_kept() {
         }
         let set = structure.measured(&how);
         let band = super::receptance::whole_band(&set).unwrap();
-        let table = super::multi::at_poles(&set, band, &poles).unwrap();
+        let table = super::multi::at_poles((&set, band), &poles, Moved::default()).unwrap();
         for pole in &poles {
             let kept = table.candidates.iter();
             let kept = kept.filter(|own| own.pole.lambda == *pole);

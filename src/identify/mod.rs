@@ -123,6 +123,8 @@ use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Pole, PoleSelection};
 
+use moving::Moved;
+
 pub use circle_detail::{CircleDetail, circle_detail};
 pub use error::IdentifyError;
 pub use indicators::{Indicators, cmif_at, indicators};
@@ -220,6 +222,8 @@ pub struct PoleTable {
     pub findings: Vec<Finding>,
     /// Poles of all model orders, for a method that has orders.
     pub stabilization: Vec<PoleAtOrder>,
+    /// Modes that move from run to run.
+    moved: Moved,
 }
 
 /// A method that finds poles in a set of FRFs.
@@ -476,10 +480,10 @@ pub fn identification(
     let (set, band) = (chosen.set.as_ref(), chosen.band);
     let estimator = (entry.build)(&options.estimator);
     let mut table = estimator.estimate(set, band)?;
-    table.findings.splice(0..0, chosen.findings);
     if let Some(selection) = &options.selection {
         table = choice::chosen((set, band), table, selection)?;
     }
+    table.findings.splice(0..0, chosen.findings);
     stabilization::mark_chosen(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {

@@ -53,7 +53,7 @@ const ONE_CAUSE: f64 = 0.8;
 const AWAY: f64 = 5.0;
 
 /// How the functions fall into runs, and the modes that are known to move from one to another.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Moved {
     runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor, not a hit point.
@@ -65,7 +65,7 @@ pub(super) struct Moved {
 }
 
 /// One mode with a pole of its own in every run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Moving {
     /// Mean of the runs, rad/s.
     pub lambda: Complex64,

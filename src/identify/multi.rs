@@ -23,6 +23,7 @@ use crate::frf::FrfSet;
 
 use super::automatic::Fit;
 use super::indicator::Indicator;
+use super::moving::Moved;
 use super::receptance::Receptances;
 use super::refine::Stop;
 use super::roots::Root;
@@ -78,21 +79,23 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     }
 }
 
-/// The modes of known poles, rad/s: residues and deviations, and nothing is dropped.
+/// The modes of known poles, rad/s, with runs brought together as they are known to move: residues and deviations, and nothing is dropped.
 ///
 /// # Errors
 /// [`IdentifyError`] when set and band do not go together.
 pub(super) fn at_poles(
-    set: &FrfSet,
-    band: Band,
+    (set, band): (&FrfSet, Band),
     poles: &[Complex64],
+    moved: Moved,
 ) -> Result<PoleTable, IdentifyError> {
-    let data = Receptances::guarded(set, band)?;
+    let mut data = Receptances::guarded(set, band)?;
+    moved.straighten(&mut data);
     let sides = Sides::new(set.functions());
     let several = sides.complete() && sides.inputs > 1;
     let functions = data.functions();
     let mut fit = Fit::new(data, sides.as_one_input(), MethodOptions::default());
     fit.fixed = true;
+    fit.moved = moved;
     let root = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
     fit.roots = poles.iter().map(root).collect();
     fit.residues();

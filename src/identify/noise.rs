@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::dof::Dof;
-use crate::frf::{FrfSet, Function};
+use crate::frf::{FrfSet, Function, variance_from_coherence};
 
 use super::noise_course::{self, Estimated, Smooth};
 use super::shared::told_by_variances;
@@ -92,7 +92,9 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
     } = set.functions()[i];
     let variance = match (set.variance(i), set.coherence(i), averages) {
         (Some(variance), _, _) => variance[lines].to_vec(),
-        (None, Some(coherence), Some(n)) if n >= 2 => from_coherence(values, &coherence[lines], n),
+        (None, Some(coherence), Some(n)) if n >= 2 => {
+            variance_from_coherence(values, &coherence[lines], n)
+        }
         _ => return None,
     };
     let by_averages = averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1));
@@ -163,14 +165,6 @@ pub(super) fn raise_to_floor(variance: &mut [f64], power: impl Iterator<Item = f
     variance.iter_mut().for_each(|v| *v = v.max(floor));
 }
 
-fn from_coherence(values: &[Complex64], coherence: &[f64], averages: u32) -> Vec<f64> {
-    let variance = |(h, g): (&Complex64, &f64)| {
-        let gamma_squared = g.clamp(1e-6, 1.0);
-        h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
-    };
-    values.iter().zip(coherence).map(variance).collect()
-}
-
 /// Median over `±reach` lines, evaluated twice in a reach and straight between.
 fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
     let (last, every) = (values.len() - 1, reach / HOPS_PER_REACH);
@@ -187,9 +181,12 @@ fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
         .map(|hop| median((hop * every).min(last)))
         .collect();
     let between = |k: usize| {
-        let (hop, part) = (k / every, (k % every) as f64 / every as f64);
-        let next = medians[(hop + 1).min(medians.len() - 1)];
-        medians[hop] + part * (next - medians[hop])
+        let hop = k / every;
+        let Some(next) = medians.get(hop + 1) else {
+            return medians[hop];
+        };
+        let distance = every.min(last - hop * every) as f64;
+        medians[hop] + (k % every) as f64 / distance * (next - medians[hop])
     };
     (0..values.len()).map(between).collect()
 }
@@ -213,22 +210,25 @@ mod tests {
 
     #[test]
     fn a_running_median_of_what_rises_evenly_is_the_line_itself() {
-        // Away from the ends, where as many lines lie on either side.
-        let rising: Vec<f64> = (0..400).map(|k| 2.0 * k as f64).collect();
+        // Away from the ends, where as many lines lie on either side; from there on half of those that are left.
+        let rising: Vec<f64> = (0..395).map(|k| 2.0 * k as f64).collect();
         let told = running_median(&rising, 40);
         for k in 40..=340 {
             assert!((told[k] - rising[k]).abs() < 1e-12, "{k}: {}", told[k]);
+        }
+        let median_from = |first: usize| 2.0 * (first + (395 - first) / 2) as f64;
+        for k in 360..395 {
+            // Medians at 360, 380 and 394.
+            let (at, next) = if k < 380 { (360, 380) } else { (380, 394) };
+            let part = (k - at) as f64 / (next - at) as f64;
+            let (own, then) = (median_from(at - 40), median_from(next - 40));
+            let expected = own + part * (then - own);
+            assert!((told[k] - expected).abs() < 1e-12, "{k}: {}", told[k]);
         }
         // One value among 81 does not count.
         let mut outlier = rising.clone();
         outlier[200] = 1e9;
         let away = running_median(&outlier, 40)[200] - rising[200];
         assert!((0.0..=2.0).contains(&away), "{away}");
-    }
-
-    #[test]
-    fn coherence_gives_the_textbook_variance() {
-        let variance = from_coherence(&[Complex64::new(0.0, 2.0)], &[0.8], 5);
-        assert!((variance[0] - 4.0 * 0.2 / (0.8 * 4.0)).abs() < 1e-15);
     }
 }

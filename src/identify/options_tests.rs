@@ -1,12 +1,14 @@
 //! Options, errors and the findings of one mode.
 
+use num_complex::Complex64;
+
 use super::synthetic::{Measurement, Structure};
 use super::{ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding};
 use crate::frf::{FrfSet, Function, FunctionData};
-use crate::modal::ModalModel;
+use crate::modal::{ModalModel, PoleSelection, SelectedPole};
 use crate::quantity::FrfKind;
 
 const AXIS: FrequencyAxis = FrequencyAxis {
@@ -153,22 +155,80 @@ fn bad_sets_are_errors() {
     );
 }
 
+/// Values of functions i at lines k changed, without variances.
+fn changed(set: &FrfSet, change: impl Fn(usize, usize, Complex64) -> Complex64) -> FrfSet {
+    let mut own = FrfSet::new(*set.axis());
+    for i in 0..set.len() {
+        let values = set.values(i).iter().enumerate();
+        let data = FunctionData {
+            values: values.map(|(k, v)| change(i, k, *v)).collect(),
+            ..FunctionData::default()
+        };
+        own.push(set.functions()[i].clone(), data).unwrap();
+    }
+    own
+}
+
+#[test]
+fn lines_without_any_response_have_no_poles_and_cost_none() {
+    // As a high-pass leaves them: more than the lower quarter of the lines, which has an estimate of its own.
+    let measured = set(0.01);
+    let blank = |lines: usize| changed(&measured, |_, k, v| if k < lines { 0.0 * v } else { v });
+    for method in ESTIMATORS.iter().map(|entry| entry.name) {
+        let options = IdentifyOptions {
+            method: method.to_owned(),
+            ..IdentifyOptions::default()
+        };
+        let model = identify(&blank(510), &options).unwrap();
+        assert_eq!(model.modes.len(), 2, "{method}");
+        assert!(
+            (model.modes[0].frequency_hz - 60.0).abs() < 0.05,
+            "{method}"
+        );
+        let nothing = identify(&blank(AXIS.len), &options).unwrap();
+        assert!(nothing.modes.is_empty(), "{method}");
+    }
+}
+
+#[test]
+fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
+    let measured = set(0.01);
+    let huge = changed(&measured, |i, k, v| match (i, k) {
+        (2, 700) => Complex64::from(f64::MAX),
+        _ => v,
+    });
+    let text = identify(&huge, &IdentifyOptions::default()).unwrap_err();
+    let text = text.to_string();
+    assert!(
+        text.starts_with("3:+Z|1:+Z at 70 Hz: got 1.797") && text.ends_with("square of the value"),
+        "{text}"
+    );
+    // With a choice of poles as well, and the finding stays.
+    let selection = PoleSelection {
+        poles: vec![SelectedPole {
+            frequency_hz: 60.0,
+            damping_ratio: None,
+            order: None,
+        }],
+        tolerance_hz: None,
+    };
+    for (selection, modes) in [(None, 2), (Some(selection), 1)] {
+        let options = IdentifyOptions {
+            partial: true,
+            selection,
+            ..IdentifyOptions::default()
+        };
+        let model = identify(&huge, &options).unwrap();
+        assert_eq!(model.modes.len(), modes);
+        assert!(has(&model, Code::ValueNotFinite), "{modes}");
+    }
+}
+
 #[test]
 fn a_dead_channel_is_no_obstacle() {
     let live = set(0.01);
-    let mut with_dead = FrfSet::new(AXIS);
-    for i in 0..3 {
-        let values = live
-            .values(i)
-            .iter()
-            .map(|v| if i == 1 { 0.0 * v } else { *v });
-        let data = FunctionData {
-            values: values.collect(),
-            ..FunctionData::default()
-        };
-        with_dead.push(live.functions()[i].clone(), data).unwrap();
-    }
-    for method in ["peak", "circle", "line", "rfp", "lsce", "lscf"] {
+    let with_dead = changed(&live, |i, _, v| if i == 1 { 0.0 * v } else { v });
+    for method in ESTIMATORS.iter().map(|entry| entry.name) {
         let options = IdentifyOptions {
             method: method.to_owned(),
             ..IdentifyOptions::default()

@@ -119,6 +119,7 @@ impl Receptances {
     }
 
     fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
+        let lines = without_blanks(set, lines);
         for i in 0..set.len() {
             check_finite(set, i, lines.clone())?;
         }
@@ -348,6 +349,18 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     Ok(lines)
 }
 
+/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser leaves them: between these and
+/// the first value lies no resonance. All lines where that leaves too few.
+fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
+    let blank = |k: usize| (0..set.len()).all(|i| set.values(i)[k] == Complex64::ZERO);
+    let start = lines.clone().find(|k| !blank(*k));
+    let end = lines.clone().rev().find(|k| !blank(*k));
+    match (start, end) {
+        (Some(start), Some(last)) if last + 1 - start >= FEWEST_LINES => start..last + 1,
+        _ => lines,
+    }
+}
+
 /// Numbers of the functions with a value in a band that is no number, with the frequency of the first, Hz.
 pub(super) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
@@ -373,6 +386,10 @@ fn check_finite(
     };
     if let Some(k) = lines.clone().find(|k| !values[*k].is_finite()) {
         return Err(error(k, "value", values[k].to_string()));
+    }
+    let overflows = |k: &usize| !values[*k].norm_sqr().is_finite();
+    if let Some(k) = lines.clone().find(overflows) {
+        return Err(error(k, "square of the value", format!("{:e}", values[k])));
     }
     let Some(variance) = set.variance(i) else {
         return Ok(());

@@ -87,10 +87,16 @@ pub(super) fn split(
         let wide = data.omega[end - 1] > WIDE * data.omega[0];
         let split = wide && part >= FEWEST_LINES;
         let lowest = if split { data.omega[part] } else { 0.0 };
+        // A part without any response has no poles.
+        let silent = |own: &[Complex64]| own[..end].iter().all(|v| *v == Complex64::ZERO);
+        let tables = match data.values.iter().all(silent) {
+            true => Vec::new(),
+            false => tables_below(end)?,
+        };
         parts.push(Part {
             from_rad_s: (1.0 - OVERLAP) * lowest,
             to_rad_s: highest,
-            tables: tables_below(end)?,
+            tables,
         });
         if !split {
             return Ok(parts);

@@ -33,7 +33,7 @@ pub(super) struct Chosen<'a> {
 /// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis.
 ///
 /// # Errors
-/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::BandOutside`] without any band.
+/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`] for an axis without any band.
 pub(super) fn chosen<'a>(
     set: &'a FrfSet,
     options: &IdentifyOptions,

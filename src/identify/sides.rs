@@ -18,8 +18,6 @@ pub(super) struct Sides {
     pub inputs: usize,
     /// Of each output: its functions as (input, number in the set), inputs ascending.
     pub outputs: Vec<Vec<(usize, usize)>>,
-    /// Output and input of each function of the set.
-    pub places: Vec<(usize, usize)>,
 }
 
 impl Sides {
@@ -40,16 +38,14 @@ impl Sides {
             true => (outer[&f.reference], inner[&f.response]),
             false => (outer[&f.response], inner[&f.reference]),
         };
-        let places: Vec<(usize, usize)> = functions.iter().map(place).collect();
         let mut outputs = vec![Vec::new(); outer.len()];
-        for (number, (output, input)) in places.iter().enumerate() {
-            outputs[*output].push((*input, number));
+        for (number, (output, input)) in functions.iter().map(place).enumerate() {
+            outputs[output].push((input, number));
         }
         outputs.iter_mut().for_each(|own| own.sort_unstable());
         Self {
             inputs: inner.len(),
             outputs,
-            places,
         }
     }
 
@@ -67,13 +63,10 @@ impl Sides {
 
     /// The same functions as so many outputs of one input.
     pub fn as_one_input(&self) -> Self {
-        let places = (0..self.places.len()).map(|number| (number, 0));
+        let functions: usize = self.outputs.iter().map(Vec::len).sum();
         Self {
             inputs: 1,
-            outputs: (0..self.places.len())
-                .map(|number| vec![(0, number)])
-                .collect(),
-            places: places.collect(),
+            outputs: (0..functions).map(|number| vec![(0, number)]).collect(),
         }
     }
 }
@@ -107,6 +100,7 @@ mod tests {
         assert_eq!(sides.outputs[0], [(0, 0), (1, 4)]);
         assert_eq!(sides.outputs[1], [(0, 1)]);
         assert!(!sides.complete() && sides.as_one_input().complete());
-        assert_eq!(sides.places[3], (2, 1));
+        assert_eq!(sides.outputs[2], [(0, 2), (1, 3)]);
+        assert_eq!(sides.as_one_input().outputs[4], [(0, 4)]);
     }
 }

@@ -158,7 +158,7 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
         Ok(PoleTable {
             candidates,
             findings,
-            stabilization: Vec::new(),
+            ..PoleTable::default()
         })
     }
 }

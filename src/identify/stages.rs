@@ -6,6 +6,7 @@ use crate::axis::Band;
 use crate::frf::FrfSet;
 
 use super::IdentifyError;
+use super::moving::Moved;
 use super::multi::at_poles;
 use super::plscf::Lscf;
 use super::receptance::Receptances;
@@ -79,5 +80,5 @@ impl Equations {
 /// # Errors
 /// [`IdentifyError`] when set and band do not go together.
 pub fn residues(set: &FrfSet, band: Band, poles: &[Complex64]) -> Result<(), IdentifyError> {
-    at_poles(set, band, poles).map(drop)
+    at_poles((set, band), poles, Moved::default()).map(drop)
 }

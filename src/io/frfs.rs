@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::{FrfSet, Function, FunctionData};
+use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
 use crate::quantity::{FrfKind, Quantity};
 
 use super::{Block, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source};
@@ -393,14 +393,7 @@ fn kind(entry: &Entry) -> Option<FrfKind> {
 
 fn variance(values: &[Complex64], coherence: Option<&[f64]>, averages: u32) -> Option<Vec<f64>> {
     let coherence = coherence.filter(|_| averages >= 2)?;
-    let of_line = |(h, g2): (&Complex64, &f64)| {
-        if *g2 > 0.0 {
-            h.norm_sqr() * (1.0 - g2) / (g2 * f64::from(averages - 1))
-        } else {
-            f64::INFINITY
-        }
-    };
-    Some(values.iter().zip(coherence).map(of_line).collect())
+    Some(variance_from_coherence(values, coherence, averages))
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ use crate::finding::{Code, Finding, Place};
 use crate::frf::{FrfSet, FunctionData};
 use crate::identify::synthetic::Pair;
 use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
-use crate::identify::{Candidate, IdentifyOptions, identify};
-use crate::modal::{ModalModel, Mode, Pole, mac};
+use crate::identify::{IdentifyOptions, identify};
+use crate::modal::{ModalModel, Mode, PoleSelection, SelectedPole, mac};
 
 /// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
 fn roving(
@@ -128,6 +128,34 @@ fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
             let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
             assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
         }
+    }
+}
+
+#[test]
+fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
+    let test = test(1);
+    let set = roving(&test, false, loaded(&test.0, 0.3));
+    let by_itself = found(&set);
+    let pole = |mode: &Mode| SelectedPole {
+        frequency_hz: mode.frequency_hz,
+        damping_ratio: mode.damping_ratio,
+        order: None,
+    };
+    let options = IdentifyOptions {
+        selection: Some(PoleSelection {
+            poles: by_itself.modes.iter().map(pole).collect(),
+            tolerance_hz: None,
+        }),
+        ..IdentifyOptions::default()
+    };
+    let model = identify(&set, &options).unwrap();
+    assert_eq!(model.modes.len(), by_itself.modes.len());
+    assert_eq!(told(&model, Code::RunsMerged).len(), model.modes.len());
+    for (own, other) in model.modes.iter().zip(&by_itself.modes) {
+        let ratio = |of: fn(&Mode) -> Option<f64>| of(own).unwrap() / of(other).unwrap();
+        assert!((ratio(|mode| mode.frequency_std_hz) - 1.0).abs() < 0.01);
+        let damping = ratio(|mode| mode.damping_std);
+        assert!((damping - 1.0).abs() < 0.3, "{damping}");
     }
 }
 
