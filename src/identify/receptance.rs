@@ -266,6 +266,12 @@ impl Receptances {
         self.omega[self.lines() - 1] - self.omega[0]
     }
 
+    /// How far a frequency lies from the lines, rad/s; 0 among them.
+    pub fn beyond(&self, omega: f64) -> f64 {
+        let (first, last) = (self.omega[0], self.omega[self.lines() - 1]);
+        (first - omega).max(omega - last).max(0.0)
+    }
+
     /// Mean variance of a function over some lines, (m/N)².
     pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
         let count = lines.len().max(1) as f64;

@@ -24,6 +24,8 @@ use super::window::Window;
 const REACH: f64 = 20.0;
 /// Fewest lines on either side of a root.
 const SIDE_LINES: usize = 24;
+/// Half-power widths that a root may lie beyond the lines, at most.
+const AT_MOST_BEYOND: f64 = 1.0;
 /// Roots within so many sums of their half-power widths decide together.
 const TOGETHER: f64 = 1.0;
 /// Poles of members within so many sums of half-power widths of a core root move with it.
@@ -70,6 +72,7 @@ pub(super) fn refine(
     let far = data.far();
     let mut beyond: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
+    let mut lost = false;
     windows.retain(|window| window.is_of(data));
     for round in 1..=SWEEPS {
         // Of the last look at a block its variances stay.
@@ -93,13 +96,12 @@ pub(super) fn refine(
             STEPS
         };
         // What is far changes little from sweep to sweep, and the last look at all blocks has it anew.
-        if !fresh {
-            if whole || sweep == next {
-                beyond = Some(far.of_rest(&roots));
-                next = 2 * sweep + 1;
-            }
-            sweep += 1;
+        if lost || !fresh && (whole || sweep == next) {
+            beyond = Some(far.of_rest(&roots));
+            next = 2 * sweep + 1;
         }
+        lost &= fresh;
+        sweep += usize::from(!fresh);
         let around = Surroundings {
             data,
             sides,
@@ -116,9 +118,11 @@ pub(super) fn refine(
             take(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        roots.retain(|root| stays(root, limits));
+        roots.retain(|root| stays(root, limits) && shows(data, root));
         if roots.len() < before {
-            unsettle(&mut roots);
+            // The residues of the others, and what is far, were fitted beside what is gone, which may have been large and wide.
+            roots.iter_mut().for_each(Root::refresh);
+            lost = true;
         }
         if roots.len() < before || fresh {
             windows.extend(tasks.into_iter().filter_map(|task| task.window));
@@ -170,6 +174,12 @@ pub(super) fn unsettle(roots: &mut [Root]) {
 fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
     let lambda = root.lambda;
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
+}
+
+/// Whether a root lies among the lines or so near to them that they show its resonance. What is farther away the background follows, and
+/// the residue of such a root would be a difference of large numbers, of which every window has the skirt.
+fn shows(data: &Receptances, root: &Root) -> bool {
+    data.beyond(root.lambda.im) < AT_MOST_BEYOND * root.width()
 }
 
 /// Takes over the roots that a block decides.

@@ -165,8 +165,13 @@ impl Root {
     pub fn join(&mut self, parts: Vec<Vec<Complex64>>) {
         self.parts.extend(parts);
         self.residues.fill(Complex64::ZERO);
-        self.progress = Progress::Fresh(FRESH);
+        self.refresh();
         self.reduce();
+    }
+
+    /// Its residues are to be found anew before its pole moves.
+    pub fn refresh(&mut self) {
+        self.progress = Progress::Fresh(FRESH);
     }
 
     /// Keeps so many of its modes: the strongest combinations or, where these are not known, the first.
