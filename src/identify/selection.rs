@@ -30,7 +30,8 @@ pub(super) struct Chosen<'a> {
     pub findings: Vec<Finding>,
 }
 
-/// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis.
+/// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis;
+/// as far as there are lines.
 ///
 /// # Errors
 /// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`] for an axis without any band.
@@ -54,7 +55,7 @@ pub(super) fn chosen<'a>(
     let band = options.band.or(set.valid_band);
     let band = band.or_else(|| whole_band(&set));
     let band = band.ok_or_else(|| no_band(&set))?;
-    let mut findings = Vec::new();
+    let (band, mut findings) = cut(&set, band);
     if options.partial {
         let damaged = damaged(&set, band);
         let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
@@ -71,6 +72,35 @@ pub(super) fn chosen<'a>(
         band,
         findings,
     })
+}
+
+/// A band without what lies beyond the lines by half a step or more, and what was cut off; one that has no line stays as it is.
+fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
+    let inside = |whole: &Band| {
+        let lo_hz = band.lo_hz.max(whole.lo_hz);
+        Band::new(lo_hz, band.hi_hz.min(whole.hi_hz)).ok()
+    };
+    let Some((whole, own)) = whole_band(set).and_then(|whole| Some((whole, inside(&whole)?)))
+    else {
+        return (band, Vec::new());
+    };
+    // From 0 Hz on is from the first line above it.
+    let slack = 0.5 * set.axis().step_hz;
+    let low = band.lo_hz < whole.lo_hz - slack && set.axis().start_hz > 0.0;
+    let high = band.hi_hz > whole.hi_hz + slack;
+    let finding = |stated: f64, limit: f64| {
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        finding.value(stated, "Hz").limit(limit)
+    };
+    let ends = [
+        low.then(|| finding(band.lo_hz, whole.lo_hz)),
+        high.then(|| finding(band.hi_hz, whole.hi_hz)),
+    ];
+    let findings: Vec<Finding> = ends.into_iter().flatten().collect();
+    match findings.is_empty() {
+        true => (band, findings),
+        false => (own, findings),
+    }
 }
 
 fn left_out(function: &Function, hz: f64) -> Finding {

@@ -1,7 +1,5 @@
 //! Tests whose runs disagree, against known truth.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
