@@ -221,6 +221,9 @@ codes! {
     /// Runs of different frequencies were merged into one mode.
     RunsMerged: "the frequency of this mode differs from run to run; every run was fitted with its own, and the mode is their mean; parts that each vibrate by themselves look the same",
         "One frequency for all runs does not describe the functions; one of its own for every run does, and better than further modes would (by the Bayesian information criterion), and what moves the modes has one cause: they move together, or with the mass of a sensor. A run is the functions of one position of a roving sensor or, where there are no more responses than references, of one hit point. Frequency and damping are the mean of the runs. The value is the standard deviation between runs, which the deviation of the frequency contains. A sensor's mass lowers every run, so that the free structure is then above the mean. Where all sensors stood still, two modes closer than their width may look so: compare runs.";
+    /// Close modes that respond in different runs.
+    RunsApart: "a close mode responds in the runs where this one does not: two parts of the structure, or one mode whose frequency differs between runs",
+        "Both descriptions leave over the same, so that both modes are listed. The value is the distance of the two in half-power widths. Where the structure has no such parts, the runs were measured in different states: identify them one by one.";
     /// Too few lines across a half-power band.
     FewLines: "the half-power band holds too few frequency lines for a damping value",
         "Peak-picking needs about five lines across the half-power band; with fewer, damping is quantised by the line spacing. Record longer or fit a curve.";
@@ -458,43 +461,4 @@ fn with_spread(value: f64, spread: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_a_sentence_are_short() {
-        for (value, expected) in [
-            (7e10, "7e10"),
-            (2e6, "2e6"),
-            (1_234_567.0, "1234567"),
-            (2.5, "2.500"),
-        ] {
-            assert_eq!(short(value), expected);
-        }
-        assert_eq!(with_spread(0.566_12, 0.008_378), "0.5661 ± 0.0084");
-        assert_eq!(with_spread(1.234, 0.0), "1.234 ± 0");
-    }
-
-    #[test]
-    fn the_sentence_has_place_value_and_limit() {
-        let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(123.456))
-            .value(2.5, "")
-            .limit(5.0);
-        let text = finding.to_string();
-        assert!(
-            text.starts_with("mode at 123.46 Hz: the half-power band holds too few"),
-            "{text}"
-        );
-        assert!(text.ends_with("(2.500, limit 5)"), "{text}");
-        let pure = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0)).value(0.3, "1");
-        assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
-    }
-
-    #[test]
-    fn every_code_has_a_name_and_an_explanation() {
-        for code in Code::ALL {
-            let explained = code.explanation().len() > 40;
-            assert!(explained && !code.name().is_empty(), "{code:?}");
-        }
-    }
-}
+mod tests;

@@ -25,6 +25,7 @@
 
 #[cfg(test)]
 mod accuracy_tests;
+mod apart;
 mod automatic;
 mod background;
 #[cfg(test)]

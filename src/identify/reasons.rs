@@ -9,6 +9,7 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
+use super::apart::apart;
 use super::checks::{dropped_peak, reach};
 use super::moving::Moved;
 use super::receptance::Receptances;
@@ -92,6 +93,7 @@ impl Evidence<'_> {
         for (root, standing) in self.kept {
             findings.extend(self.of_mode(root, standing));
         }
+        findings.extend(self.of_parts());
         findings.extend(self.of_doubts());
         findings.extend(self.of_peaks());
         findings
@@ -115,6 +117,16 @@ impl Evidence<'_> {
                 .value(100.0 * away.shift, "%")
                 .limit(100.0 * away.limit),
         )
+    }
+
+    /// Modes that share the runs with another one.
+    fn of_parts(&self) -> Vec<Finding> {
+        let kept: Vec<&Root> = self.kept.iter().map(|(root, _)| *root).collect();
+        let told = apart(&kept, &self.moved.runs).into_iter();
+        let finding = |(lambda, widths): (Complex64, f64)| {
+            Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
+        };
+        told.map(finding).collect()
     }
 
     fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {

@@ -1,0 +1,40 @@
+//! Sentences and codes.
+
+use super::*;
+
+#[test]
+fn numbers_of_a_sentence_are_short() {
+    for (value, expected) in [
+        (7e10, "7e10"),
+        (2e6, "2e6"),
+        (1_234_567.0, "1234567"),
+        (2.5, "2.500"),
+    ] {
+        assert_eq!(short(value), expected);
+    }
+    assert_eq!(with_spread(0.566_12, 0.008_378), "0.5661 ± 0.0084");
+    assert_eq!(with_spread(1.234, 0.0), "1.234 ± 0");
+}
+
+#[test]
+fn the_sentence_has_place_value_and_limit() {
+    let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(123.456))
+        .value(2.5, "")
+        .limit(5.0);
+    let text = finding.to_string();
+    assert!(
+        text.starts_with("mode at 123.46 Hz: the half-power band holds too few"),
+        "{text}"
+    );
+    assert!(text.ends_with("(2.500, limit 5)"), "{text}");
+    let pure = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0)).value(0.3, "1");
+    assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
+}
+
+#[test]
+fn every_code_has_a_name_and_an_explanation() {
+    for code in Code::ALL {
+        let explained = code.explanation().len() > 40;
+        assert!(explained && !code.name().is_empty(), "{code:?}");
+    }
+}
