@@ -46,6 +46,8 @@ mod doubts;
 mod error;
 mod far;
 #[cfg(test)]
+mod high_snr_tests;
+#[cfg(test)]
 mod hump_tests;
 mod indicator;
 mod indicators;
