@@ -223,7 +223,7 @@ codes! {
         "One frequency for all runs does not describe the functions; one of its own for every run does, and better than further modes would (by the Bayesian information criterion), and what moves the modes has one cause: they move together, or with the mass of a sensor. A run is the functions of one position of a roving sensor or, where there are no more responses than references, of one hit point. Frequency and damping are the mean of the runs. The value is the standard deviation between runs, which the deviation of the frequency contains. A sensor's mass lowers every run, so that the free structure is then above the mean. Where all sensors stood still, two modes closer than their width may look so: compare runs.";
     /// Close modes that respond in different runs.
     RunsApart: "a close mode responds in the runs where this one does not: two parts of the structure, or one mode whose frequency differs between runs",
-        "Both descriptions leave over the same, so that both modes are listed. The value is the distance of the two in half-power widths. Where the structure has no such parts, the runs were measured in different states: identify them one by one.";
+        "Both descriptions leave the same residual, so that both modes are listed. A run is the functions of one point that a sensor or the hammer went to. The value is the distance of the two in half-power widths. Where the structure has no such parts and sensors or hammer were moved, the runs were measured in different states: identify them one by one.";
     /// Too few lines across a half-power band.
     FewLines: "the half-power band holds too few frequency lines for a damping value",
         "Peak-picking needs about five lines across the half-power band; with fewer, damping is quantised by the line spacing. Record longer or fit a curve.";
@@ -286,7 +286,7 @@ codes! {
         "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";
     /// A stated band with more than there is.
     BandCut: "the band reaches beyond the data and was cut to them",
-        "Value and limit are the stated edge and the last line there. Modes beyond the data cannot be found.";
+        "Value and limit are the edge of the band and the outermost line on that side. Modes beyond the data cannot be found.";
     /// A band of a mode that is not measured well.
     NearBandEdge: "the mode lies within its half-power width of the band's edge",
         "Part of its resonance is outside the band, so that the fit leans on one flank.";

@@ -82,6 +82,16 @@ pub(super) fn chosen(
             None => missed.push(miss(wanted, None, selection)),
         }
     }
+    let hz = |candidate: &Candidate| {
+        let pole = candidate.pole;
+        pole.without_added_damping(set.added_damping_rad_s)
+            .natural_frequency_hz()
+    };
+    let own_hz: Vec<f64> = own.candidates.iter().map(hz).collect();
+    own.findings.retain(|finding| match finding.place {
+        Place::Mode(at) => own_hz.iter().any(|hz| (hz - at).abs() <= 1e-9 * hz),
+        _ => true,
+    });
     own.findings.extend(missed);
     own.stabilization = table.stabilization;
     Ok(own)

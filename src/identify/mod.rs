@@ -25,7 +25,6 @@
 
 #[cfg(test)]
 mod accuracy_tests;
-mod apart;
 mod automatic;
 mod background;
 #[cfg(test)]
@@ -87,6 +86,7 @@ mod repeated_tests;
 mod residues;
 mod rfp;
 mod roots;
+mod run_partners;
 mod search;
 mod seeds;
 mod selection;
@@ -334,7 +334,7 @@ const AUTO: &str = "ml";
 pub struct IdentifyOptions {
     /// Name of an estimator, or `auto` (maximum likelihood).
     pub method: String,
-    /// Band to search; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
+    /// Band to search, cut to the data; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
     pub band: Option<Band>,
     /// References to use; all without it.
     pub references: Option<Vec<Dof>>,

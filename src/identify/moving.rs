@@ -55,7 +55,7 @@ const AWAY: f64 = 5.0;
 /// How the functions fall into runs, and the modes that are known to move from one to another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Moved {
-    pub runs: Vec<Vec<usize>>,
+    runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor, not a hit point.
     roving_sensor: bool,
     /// Degrees of freedom of shapes and of participation factors.

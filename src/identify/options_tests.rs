@@ -88,6 +88,9 @@ fn bands_and_numbers_outside_their_range_are_errors() {
         (f64::NAN, 100.0),
         (50.0, 40.0),
         (-5.0, 100.0),
+        (-5.0, 250.0),
+        (f64::NAN, 250.0),
+        (10.0, f64::INFINITY),
     ] {
         let error = identify(&set, &with_band(lo, hi)).unwrap_err();
         assert!(

@@ -9,11 +9,11 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use super::apart::apart;
 use super::checks::{dropped_peak, reach};
 use super::moving::Moved;
 use super::receptance::Receptances;
 use super::roots::Root;
+use super::run_partners::{by_point, run_partners};
 use super::search::Found;
 use super::standing::{Doubt, LEAST_SHARE, MOST_MISFIT, MOST_PHASE, Standing};
 
@@ -122,7 +122,7 @@ impl Evidence<'_> {
     /// Modes that share the runs with another one.
     fn of_parts(&self) -> Vec<Finding> {
         let kept: Vec<&Root> = self.kept.iter().map(|(root, _)| *root).collect();
-        let told = apart(&kept, &self.moved.runs).into_iter();
+        let told = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
             Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
         };

@@ -118,7 +118,8 @@ pub(super) fn refine(
             take(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        roots.retain(|root| stays(root, limits) && shows(data, root));
+        let shown = |root: &Root| stop == Stop::Residues || shows(data, root);
+        roots.retain(|root| stays(root, limits) && shown(root));
         if roots.len() < before {
             // The residues of the others, and what is far, were fitted beside what is gone, which may have been large and wide.
             roots.iter_mut().for_each(Root::refresh);

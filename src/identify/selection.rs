@@ -74,14 +74,15 @@ pub(super) fn chosen<'a>(
     })
 }
 
-/// A band without what lies beyond the lines by half a step or more, and what was cut off; one that has no line stays as it is.
+/// A band without what lies beyond the lines by half a step or more, and what was cut off; one beside the lines, or none, stays as it is.
 fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let inside = |whole: &Band| {
         let lo_hz = band.lo_hz.max(whole.lo_hz);
         Band::new(lo_hz, band.hi_hz.min(whole.hi_hz)).ok()
     };
-    let Some((whole, own)) = whole_band(set).and_then(|whole| Some((whole, inside(&whole)?)))
-    else {
+    let legal = Band::new(band.lo_hz, band.hi_hz).ok();
+    let whole = legal.and_then(|_| whole_band(set));
+    let Some((whole, own)) = whole.and_then(|whole| Some((whole, inside(&whole)?))) else {
         return (band, Vec::new());
     };
     // From 0 Hz on is from the first line above it.

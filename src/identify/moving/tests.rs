@@ -139,14 +139,23 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
         damping_ratio: mode.damping_ratio,
         order: None,
     };
-    let options = IdentifyOptions {
-        selection: Some(PoleSelection {
-            poles: by_itself.modes.iter().map(pole).collect(),
-            tolerance_hz: None,
-        }),
-        ..IdentifyOptions::default()
+    let chosen = |count: usize| {
+        let options = IdentifyOptions {
+            selection: Some(PoleSelection {
+                poles: by_itself.modes[..count].iter().map(pole).collect(),
+                tolerance_hz: None,
+            }),
+            ..IdentifyOptions::default()
+        };
+        identify(&set, &options).unwrap()
     };
-    let model = identify(&set, &options).unwrap();
+    // Of the others nothing is said.
+    let first = chosen(1);
+    assert_eq!(
+        (first.modes.len(), told(&first, Code::RunsMerged).len()),
+        (1, 1)
+    );
+    let model = chosen(by_itself.modes.len());
     assert_eq!(model.modes.len(), by_itself.modes.len());
     assert_eq!(told(&model, Code::RunsMerged).len(), model.modes.len());
     for (own, other) in model.modes.iter().zip(&by_itself.modes) {

@@ -1,7 +1,11 @@
 //! Close modes each of which responds in runs of its own: parts of a structure, or one mode that moved from run to run. The functions do not
-//! tell which.
+//! tell which. Directions at one point are one run here: bending in two planes is no such case.
+
+use std::collections::BTreeMap;
 
 use num_complex::Complex64;
+
+use crate::frf::{Function, runs};
 
 use super::roots::Root;
 
@@ -14,8 +18,22 @@ const LEAST: f64 = 0.01;
 /// Runs of each of them, fewest: two modes of few runs may look so by chance.
 const FEWEST_RUNS: usize = 2;
 
+/// The functions of each point that the sensor or the hammer went to, all directions together.
+pub(super) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
+    let (runs, roving_sensor) = runs(functions);
+    let mut points: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for f in runs.into_iter().flatten() {
+        let dof = match roving_sensor {
+            true => &functions[f].response,
+            false => &functions[f].reference,
+        };
+        points.entry(dof.point()).or_default().push(f);
+    }
+    points.into_values().collect()
+}
+
 /// The roots that have such a partner, with the distance to the nearest in half-power widths.
-pub(super) fn apart(roots: &[&Root], runs: &[Vec<usize>]) -> Vec<(Complex64, f64)> {
+pub(super) fn run_partners(roots: &[&Root], runs: &[Vec<usize>]) -> Vec<(Complex64, f64)> {
     let of = |own: &&Root| {
         let partner = |other: &&Root| {
             let width = 0.5 * (own.width() + other.width());
@@ -54,6 +72,7 @@ fn share_runs(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::FrfKind;
 
     #[test]
     fn modes_that_share_the_runs_between_them_are_told_and_no_others() {
@@ -68,10 +87,25 @@ mod tests {
         let second = root(103.0, [0.1, 0.0, 0.2, 1.0, 0.8, 0.02]);
         let everywhere = root(101.0, [1.0; 6]);
         let far = root(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
-        let told = apart(&[&first, &everywhere, &second, &far], &runs);
+        let told = run_partners(&[&first, &everywhere, &second, &far], &runs);
         assert_eq!(told, [(first.lambda, 1.5), (second.lambda, 1.5)]);
+        // Directions at one point are no runs of their own.
+        let function = |response: &str| Function {
+            response: response.parse().unwrap(),
+            reference: "9:+Z".parse().unwrap(),
+            kind: FrfKind::Receptance,
+            averages: None,
+            estimator: None,
+            variance_dof: None,
+        };
+        let functions = ["1:+X", "1:+Y", "2:+X", "2:+Y", "3:+X", "3:+Y"].map(function);
+        let points = by_point(&functions);
+        assert_eq!(points, [[0, 1], [2, 3], [4, 5]]);
+        let in_x = root(100.0, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
+        let in_y = root(101.0, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        assert!(run_partners(&[&in_x, &in_y], &points).is_empty());
         // In one run alone it may be chance.
         let alone = root(103.0, [0.1, 0.0, 0.2, 0.0, 0.8, 0.0]);
-        assert!(apart(&[&first, &alone], &runs).is_empty());
+        assert!(run_partners(&[&first, &alone], &runs).is_empty());
     }
 }
