@@ -52,7 +52,7 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
             method: name.to_owned(),
             ..IdentifyOptions::default()
         };
-        let model = identify(&set(0.01), &options).unwrap();
+        let model = identify(&set(0.01), &options).expect("a sound set and legal options");
         let method = model.modes[0].method.as_deref();
         assert_eq!(method, Some(if name == "auto" { "ml" } else { name }));
         assert_eq!((model.modes.len(), model.references.len()), (2, 1));
@@ -63,7 +63,12 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
         let told = |f: &Finding| !(inexact && f.code == Code::ModelMisfit);
         let told: Vec<&Finding> = model.findings.iter().filter(|f| told(f)).collect();
         assert!(told.is_empty(), "{name} {told:?}");
-        assert!(model.modes.iter().all(|mode| mode.mpc.unwrap() > 0.9999));
+        assert!(
+            model
+                .modes
+                .iter()
+                .all(|mode| mode.mpc.expect("three components have an MPC") > 0.9999)
+        );
     }
 }
 
@@ -99,9 +104,9 @@ fn bands_and_numbers_outside_their_range_are_errors() {
         );
     }
     for (hi, cut) in [(200.04, false), (250.0, true)] {
-        let model = identify(&set, &with_band(10.0, hi)).unwrap();
+        let model = identify(&set, &with_band(10.0, hi)).expect("a sound set and legal options");
         assert_eq!((model.modes.len(), has(&model, Code::BandCut)), (2, cut));
-        let told = model.band.unwrap();
+        let told = model.band.expect("the band was stated");
         let expected = if cut { 200.0 } else { hi };
         assert!((told.hi_hz - expected).abs() < 1e-9 && (told.lo_hz - 10.0).abs() < 1e-9);
     }
@@ -140,7 +145,7 @@ fn bad_sets_are_errors() {
     let empty = FrfSet::new(AXIS);
     let options = IdentifyOptions::default();
     assert_eq!(identify(&empty, &options), Err(IdentifyError::NoFunctions));
-    let dof: Dof = "1:+Z".parse().unwrap();
+    let dof: Dof = "1:+Z".parse().expect("a point and its direction");
     let function = Function {
         response: dof.clone(),
         reference: dof,
@@ -156,7 +161,9 @@ fn bad_sets_are_errors() {
         values,
         ..FunctionData::default()
     };
-    broken.push(function, data).unwrap();
+    broken
+        .push(function, data)
+        .expect("one value for each line");
     let text = identify(&broken, &options).unwrap_err().to_string();
     assert!(
         text.starts_with("1:+Z|1:+Z at 70 Hz") && text.contains("NaN"),
@@ -173,7 +180,8 @@ fn changed(set: &FrfSet, change: impl Fn(usize, usize, Complex64) -> Complex64) 
             values: values.map(|(k, v)| change(i, k, *v)).collect(),
             ..FunctionData::default()
         };
-        own.push(set.functions()[i].clone(), data).unwrap();
+        own.push(set.functions()[i].clone(), data)
+            .expect("one value for each line");
     }
     own
 }
@@ -188,13 +196,13 @@ fn lines_without_any_response_have_no_poles_and_cost_none() {
             method: method.to_owned(),
             ..IdentifyOptions::default()
         };
-        let model = identify(&blank(510), &options).unwrap();
+        let model = identify(&blank(510), &options).expect("blank lines are no error");
         assert_eq!(model.modes.len(), 2, "{method}");
         assert!(
             (model.modes[0].frequency_hz - 60.0).abs() < 0.05,
             "{method}"
         );
-        let nothing = identify(&blank(AXIS.len), &options).unwrap();
+        let nothing = identify(&blank(AXIS.len), &options).expect("blank lines are no error");
         assert!(nothing.modes.is_empty(), "{method}");
     }
 }
@@ -227,7 +235,7 @@ fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
             selection,
             ..IdentifyOptions::default()
         };
-        let model = identify(&huge, &options).unwrap();
+        let model = identify(&huge, &options).expect("the other functions are sound");
         assert_eq!(model.modes.len(), modes);
         assert!(has(&model, Code::ValueNotFinite), "{modes}");
     }
@@ -242,7 +250,7 @@ fn a_dead_channel_is_no_obstacle() {
             method: method.to_owned(),
             ..IdentifyOptions::default()
         };
-        let model = identify(&with_dead, &options).unwrap();
+        let model = identify(&with_dead, &options).expect("a sound set and legal options");
         assert_eq!(model.modes.len(), 2, "{method}");
         assert!((model.modes[0].frequency_hz - 60.0).abs() < 1e-3);
         let dead = model.modes[0]
@@ -256,13 +264,15 @@ fn a_dead_channel_is_no_obstacle() {
 #[test]
 fn references_choose_functions_and_must_exist() {
     let mut how = Measurement::of_sensors(3, AXIS);
-    let second = how
-        .pairs
-        .iter()
-        .map(|(r, _)| (r.clone(), "2:+Z".parse().unwrap()));
+    let second = how.pairs.iter().map(|(r, _)| {
+        (
+            r.clone(),
+            "2:+Z".parse().expect("a point and its direction"),
+        )
+    });
     how.pairs.extend(second.collect::<Vec<_>>());
     let set = structure(0.01).measured(&how);
-    let chosen: Vec<Dof> = vec!["2:+Z".parse().unwrap()];
+    let chosen: Vec<Dof> = vec!["2:+Z".parse().expect("a point and its direction")];
     let options = |references| IdentifyOptions {
         references: Some(references),
         ..IdentifyOptions::default()
@@ -270,7 +280,11 @@ fn references_choose_functions_and_must_exist() {
     let model = identify(&set, &options(chosen.clone())).unwrap();
     assert_eq!(model.references, chosen);
     assert_eq!(model.modes[0].residues.len(), 3);
-    let unknown = identify(&set, &options(vec!["9:+X".parse().unwrap()])).unwrap_err();
+    let unknown = identify(
+        &set,
+        &options(vec!["9:+X".parse().expect("a point and its direction")]),
+    )
+    .unwrap_err();
     assert!(unknown.to_string().ends_with("1:+Z 2:+Z"), "{unknown}");
 }
 
@@ -284,7 +298,7 @@ fn the_strongest_modes_are_kept() {
         estimator,
         ..IdentifyOptions::default()
     };
-    let model = identify(&set(0.01), &options).unwrap();
+    let model = identify(&set(0.01), &options).expect("a sound set and legal options");
     assert_eq!(model.modes.len(), 1);
 }
 
@@ -294,7 +308,8 @@ fn a_short_record_is_told() {
     let mut set = set(0.01);
     for (duration, expected) in [(0.7, 2), (1.0, 1), (1.7, 0)] {
         set.record_duration_s = Some(duration);
-        let model = identify(&set, &IdentifyOptions::default()).unwrap();
+        let model =
+            identify(&set, &IdentifyOptions::default()).expect("a sound set and legal options");
         let told = model
             .findings
             .iter()
@@ -313,7 +328,7 @@ fn a_mode_at_the_edge_of_the_band_is_told() {
                 method: method.to_owned(),
                 ..with_band(lo, 100.0)
             };
-            let model = identify(&set, &options).unwrap();
+            let model = identify(&set, &options).expect("a sound set and legal options");
             assert_eq!(
                 has(&model, Code::NearBandEdge),
                 near,
@@ -329,7 +344,8 @@ fn a_mode_at_the_edge_of_the_band_is_told() {
 
 #[test]
 fn negative_damping_is_dropped_with_a_word() {
-    let model = identify(&set(-0.01), &IdentifyOptions::default()).unwrap();
+    let model =
+        identify(&set(-0.01), &IdentifyOptions::default()).expect("a sound set and legal options");
     assert!(model.modes.is_empty() && has(&model, Code::PeakDropped));
 }
 
@@ -338,7 +354,7 @@ fn damping_that_vanishes_with_the_window_is_not_known() {
     let mut set = set(0.01);
     // The window is said to have added more than there is.
     set.added_damping_rad_s = 6.0;
-    let model = identify(&set, &IdentifyOptions::default()).unwrap();
+    let model = identify(&set, &IdentifyOptions::default()).expect("a sound set and legal options");
     assert_eq!(model.modes[0].damping_ratio, None);
     assert!(has(&model, Code::DampingNotPositive));
     assert!(model.modes[1].damping_ratio.is_some());
@@ -356,7 +372,7 @@ fn a_hidden_second_mode_spreads_the_damping() {
             method: "circle".to_owned(),
             ..IdentifyOptions::default()
         };
-        identify(&set, &options).unwrap()
+        identify(&set, &options).expect("a sound set and legal options")
     };
     let model = spread(0.7);
     assert!(has(&model, Code::DampingSpread) && has(&model, Code::CloseModes));
@@ -371,7 +387,9 @@ fn the_result_is_the_same_for_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| identify(&set, &IdentifyOptions::default()).unwrap())
+        pool.install(|| {
+            identify(&set, &IdentifyOptions::default()).expect("a sound set and legal options")
+        })
     };
     assert_eq!(run(1), run(4));
 }

@@ -9,7 +9,7 @@ use crate::dof::Dof;
 use crate::modal::Pole;
 
 fn dof(text: &str) -> Dof {
-    text.parse().unwrap()
+    text.parse().expect("a point and its direction")
 }
 
 fn damped_rad_s() -> f64 {
@@ -51,7 +51,7 @@ fn the_first_part_is_what_moves_at_the_first_pivot_and_the_second_rests_there() 
     let (a, b) = ([0.6, 0.1, -0.4, 0.2], [-0.2, 0.8, 0.3, 0.5]);
     let points = ["1:+Z", "2:+Z", "3:+Z", "4:+Z"];
     let all = residues(&[&a, &b], &points, &points);
-    let parts = parts(&all, 2, damped_rad_s()).unwrap();
+    let parts = parts(&all, 2, damped_rad_s()).expect("every pair is there and finite");
     assert_sum(&parts, &all);
     assert!(parts.iter().all(|part| part.reciprocal));
     // Driving points: 0.40, 0.65, 0.25, 0.29; the first is more than 0.3 of the largest, so that the first vector is
@@ -72,7 +72,7 @@ fn equal_values_are_taken_in_the_order_of_the_degrees_of_freedom_whatever_the_ro
     for lift in [1.0 - 1e-9, 1.0, 1.0 + 1e-9] {
         let points = ["1:+Z", "2:+Z", "3:+Z"];
         let all = residues(&[&[1.0, 0.0, 0.5], &[0.0, lift, 0.5]], &points, &points);
-        let parts = parts(&all, 2, damped_rad_s()).unwrap();
+        let parts = parts(&all, 2, damped_rad_s()).expect("every pair is there and finite");
         assert!((product(&parts[0], "1:+Z", "1:+Z") - 1.0).norm() < 1e-12);
         assert!(product(&parts[1], "1:+Z", "1:+Z").norm() < 1e-12);
     }
@@ -86,7 +86,7 @@ fn sensors_against_the_hits_are_driving_points_all_the_same() {
         &["1:-Z", "2:+Z", "3:-Z"],
         &["1:+Z", "2:+Z", "3:+Z"],
     );
-    let parts = parts(&all, 2, damped_rad_s()).unwrap();
+    let parts = parts(&all, 2, damped_rad_s()).expect("every pair is there and finite");
     assert_sum(&parts, &all);
     assert!(parts.iter().all(|part| part.reciprocal));
     assert!((product(&parts[0], "1:-Z", "1:+Z") + 0.4).norm() < 1e-13);
@@ -100,12 +100,12 @@ fn shapes_that_no_driving_point_sees_get_no_mass_and_still_add_up() {
         &["1:+Z", "2:+Z", "3:+Z"],
         &["1:+Z", "4:+Z", "5:+Z"],
     );
-    let one = parts(&all, 2, damped_rad_s()).unwrap();
+    let one = parts(&all, 2, damped_rad_s()).expect("every pair is there and finite");
     assert_sum(&one, &all);
     // The only driving point, 1, does not move in the second shape.
     assert!(one[0].reciprocal && !one[1].reciprocal);
     let none = residues(&shapes, &["2:+Z", "3:+Z"], &["1:+Z", "4:+Z", "5:+Z"]);
-    let parts = parts(&none, 2, damped_rad_s()).unwrap();
+    let parts = parts(&none, 2, damped_rad_s()).expect("every pair is there and finite");
     assert_sum(&parts, &none);
     assert!(parts.iter().all(|part| !part.reciprocal));
 }
@@ -119,7 +119,7 @@ fn a_driving_point_without_the_phase_of_a_real_mode_is_no_pivot_for_the_mass() {
             .iter()
             .map(|(pair, a)| (pair.clone(), a * Complex64::cis(f64::to_radians(degrees))));
         let turned: Residues = turned.collect();
-        let parts = parts(&turned, 2, damped_rad_s()).unwrap();
+        let parts = parts(&turned, 2, damped_rad_s()).expect("every pair is there and finite");
         assert_sum(&parts, &turned);
         assert!(
             parts.iter().all(|part| part.reciprocal == reciprocal),
@@ -132,7 +132,7 @@ fn a_driving_point_without_the_phase_of_a_real_mode_is_no_pivot_for_the_mass() {
 fn a_part_that_rests_at_the_first_hit_has_a_shape_all_the_same() {
     let points = ["1:+Z", "2:+Z", "3:+Z"];
     let all = residues(&[&[1.0, 0.0, 0.5], &[0.0, 1.0, 0.5]], &points, &points);
-    for part in parts(&all, 2, damped_rad_s()).unwrap() {
+    for part in parts(&all, 2, damped_rad_s()).expect("every pair is there and finite") {
         let scaled = shape_of(&part.residues, damped_rad_s());
         assert_eq!(scaled.shape.len(), 3);
         assert_eq!(scaled.modal_mass_kg, Some(1.0));
@@ -145,5 +145,8 @@ fn what_is_beyond_the_rank_is_left_out() {
     // Orthogonal shapes of norms √2 and 0.1√2: the parts of the first alone are the nearest rank-one matrix.
     let all = residues(&[&[1.0, 1.0], &[0.1, -0.1]], &points, &points);
     let first = residues(&[&[1.0, 1.0]], &points, &points);
-    assert_sum(&parts(&all, 1, damped_rad_s()).unwrap(), &first);
+    assert_sum(
+        &parts(&all, 1, damped_rad_s()).expect("every pair is there and finite"),
+        &first,
+    );
 }

@@ -16,7 +16,7 @@ fn structure() -> Structure {
 }
 
 fn dof(text: &str) -> Dof {
-    text.parse().unwrap()
+    text.parse().expect("a point and its direction")
 }
 
 fn damped_rad_s() -> f64 {
@@ -38,7 +38,10 @@ fn shape(pairs: &[(&str, &str)], factor: Complex64) -> ScaledShape {
 fn assert_values(scaled: &ScaledShape, expected: &[(&str, f64)]) {
     assert_eq!(scaled.shape.len(), expected.len());
     for (name, value) in expected {
-        let found = scaled.shape.get(&dof(name)).unwrap();
+        let found = scaled
+            .shape
+            .get(&dof(name))
+            .expect("every point is in the shape");
         assert!((found - value).norm() < 1e-12, "{name} {found}");
     }
 }
@@ -129,7 +132,7 @@ fn columns_with_missing_pairs_become_one_shape() {
         ("4:+Z", "3:-Z"),
     ];
     let scaled = shape(&pairs, Complex64::ONE);
-    assert!(scaled.misfit.unwrap() < 1e-12);
+    assert!(scaled.misfit.expect("more pairs than factors") < 1e-12);
     assert_values(
         &scaled,
         &[
@@ -155,7 +158,11 @@ fn two_shapes_at_one_frequency_are_no_rank_one() {
         (pair, value)
     };
     let scaled = shape_of(&pairs.map(residue).collect(), damped_rad_s());
-    assert!(scaled.misfit.unwrap() > 0.25, "{:?}", scaled.misfit);
+    assert!(
+        scaled.misfit.expect("more pairs than factors") > 0.25,
+        "{:?}",
+        scaled.misfit
+    );
 }
 
 #[test]
@@ -168,10 +175,21 @@ fn complex_columns_with_a_missing_pair_have_one_shape_and_leave_nothing() {
         .filter(|pair| *pair != (4, 1))
         .map(|(r, k)| ((point(r), point(10 + k)), shape(r) * factor(k)));
     let scaled = shape_of(&residues.collect(), damped_rad_s());
-    let largest = scaled.shape.get(&point(4)).unwrap();
+    let largest = scaled
+        .shape
+        .get(&point(4))
+        .expect("every point is in the shape");
     for r in 0..5 {
-        let own = scaled.shape.get(&point(r)).unwrap() / largest;
+        let own = scaled
+            .shape
+            .get(&point(r))
+            .expect("every point is in the shape")
+            / largest;
         assert!((own - shape(r) / shape(4)).norm() < 1e-12, "{r}: {own}");
     }
-    assert!(scaled.misfit.unwrap() < 1e-12, "{:?}", scaled.misfit);
+    assert!(
+        scaled.misfit.expect("more pairs than factors") < 1e-12,
+        "{:?}",
+        scaled.misfit
+    );
 }

@@ -343,8 +343,9 @@ mod tests {
             "1e23",
             "89255e-22",
         ] {
-            let expected: f64 = text.parse().unwrap();
-            let (value, len) = prefix(text.as_bytes(), b'.').unwrap();
+            let expected: f64 = text.parse().expect("a decimal number");
+            let (value, len) =
+                prefix(text.as_bytes(), b'.').expect("it begins with a digit or a sign");
             assert_eq!(
                 (value.to_bits(), len),
                 (expected.to_bits(), text.len()),
@@ -360,8 +361,8 @@ mod tests {
         fn every_decimal_of_up_to_19_digits_is_rounded_right(mantissa: u64, digits in 1u32..20, power in -27i32..28) {
             let mantissa = mantissa % 10u64.pow(digits);
             let text = format!("{mantissa}e{power}");
-            let expected: f64 = text.parse().unwrap();
-            let (value, _) = prefix(text.as_bytes(), b'.').unwrap();
+            let expected: f64 = text.parse().expect("a decimal number");
+            let (value, _) = prefix(text.as_bytes(), b'.').expect("it begins with a digit or a sign");
             prop_assert_eq!(value.to_bits(), expected.to_bits(), "{}", text);
             let value = scaled(mantissa, power).unwrap_or(expected);
             prop_assert_eq!(value.to_bits(), expected.to_bits(), "{}", text);
@@ -372,7 +373,7 @@ mod tests {
             let random = f64::from_bits(bits);
             let texts = [format!("{random:.digits$e}"), format!("{random:?}"), format!("{mantissa}e{scale}")];
             for text in texts.iter().filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite)) {
-                let (value, len) = prefix(text.as_bytes(), b'.').unwrap();
+                let (value, len) = prefix(text.as_bytes(), b'.').expect("it begins with a digit or a sign");
                 prop_assert_eq!(value.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
                 prop_assert_eq!(len, text.len());
             }

@@ -246,12 +246,22 @@ mod tests {
         let files = figure_files(all.clone(), true);
         assert_eq!(files.len(), 2 * all.len());
         for (name, svg) in &all {
-            let file = |name: &str| &files.iter().find(|(own, _)| own == name).unwrap().1;
+            let file = |name: &str| {
+                &files
+                    .iter()
+                    .find(|(own, _)| own == name)
+                    .expect("each figure is written")
+                    .1
+            };
             assert_eq!(file(&format!("{name}.svg")), svg.as_bytes());
             let image = png::tests::decoded(file(&format!("{name}.png")));
             let size = |side: &str| {
-                let text = svg.split(&format!("{side}=\"")).nth(1).unwrap();
-                text.split('"').next().unwrap().parse::<f64>().unwrap()
+                let text = svg
+                    .split(&format!("{side}=\""))
+                    .nth(1)
+                    .expect("the drawing states its size");
+                let value = text.split('"').next().expect("a split has a first part");
+                value.parse::<f64>().expect("sizes are numbers")
             };
             let dots =
                 [size(" width"), size(" height")].map(|px| (px * 300.0 / 96.0).round() as u32);
@@ -264,15 +274,18 @@ mod tests {
     #[test]
     fn a_phase_that_wraps_is_no_line_across_the_plot() {
         let test = test_figures();
-        let set = test.frfs.as_ref().unwrap();
+        let set = test.frfs.as_ref().expect("the test has FRFs");
         let text = bode::bode(&test, set, &set.curves[0]);
         // Magnitude of the data is one stroke, its phase two: it wraps from 170° to -170°, and from there to 10° by 180°.
         let strokes = |class: &str| {
             let path = text
                 .split(&format!("<path class=\"{class}\" d=\""))
                 .nth(1)
-                .unwrap();
-            path.split('"').next().unwrap().matches('M').count()
+                .expect("the plot has a path of this class");
+            path.split('"')
+                .take(1)
+                .map(|own| own.matches('M').count())
+                .sum::<usize>()
         };
         assert_eq!((strokes("magnitude"), strokes("phase")), (1, 2));
     }
