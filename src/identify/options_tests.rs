@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::receptance::Receptances;
 use super::synthetic::{Measurement, Structure};
 use super::{ESTIMATORS, IdentifyError, IdentifyOptions, MethodOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
@@ -106,6 +107,10 @@ fn bands_and_numbers_outside_their_range_are_errors() {
     for (hi, cut) in [(200.04, false), (250.0, true)] {
         let model = identify(&set, &with_band(10.0, hi)).expect("a sound set and legal options");
         assert_eq!((model.modes.len(), has(&model, Code::BandCut)), (2, cut));
+        let mut findings = model.findings.iter();
+        if let Some(told) = findings.find(|finding| finding.code == Code::BandCut) {
+            assert_eq!((told.value, told.limit), (Some(hi), Some(200.0)));
+        }
         let told = model.band.expect("the band was stated");
         let expected = if cut { 200.0 } else { hi };
         assert!((told.hi_hz - expected).abs() < 1e-9 && (told.lo_hz - 10.0).abs() < 1e-9);
@@ -190,6 +195,15 @@ fn changed(set: &FrfSet, change: impl Fn(usize, usize, Complex64) -> Complex64) 
 fn lines_without_any_response_have_no_poles_and_cost_none() {
     // As a high-pass leaves them: more than the lower quarter of the lines, which has an estimate of its own.
     let measured = set(0.01);
+    let whole = Band::new(0.1, 200.0).expect("a band");
+    let lines = |set: &FrfSet| {
+        let data = Receptances::new(set, whole).expect("a sound set");
+        data.lines()
+    };
+    let both_ends = changed(&measured, |_, k, v| {
+        if (510..1990).contains(&k) { v } else { 0.0 * v }
+    });
+    assert_eq!(lines(&both_ends), 1480);
     let blank = |lines: usize| changed(&measured, |_, k, v| if k < lines { 0.0 * v } else { v });
     for method in ESTIMATORS.iter().map(|entry| entry.name) {
         let options = IdentifyOptions {
