@@ -7,7 +7,7 @@
 //! hits, one at a time, transformed and summed, so that nothing larger than the forces of one point, a record of each thread
 //! and the finished functions is held.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -272,17 +272,22 @@ fn functions(
 
 /// One task for each response of a group, in order.
 fn tasks(group: &Group) -> Vec<Task> {
-    let mut members: BTreeMap<&Dof, Vec<(usize, usize)>> = BTreeMap::new();
+    let mut tasks: Vec<Task> = Vec::new();
+    let mut numbers: HashMap<&Dof, usize> = HashMap::new();
     for (h, hit) in group.hits.iter().enumerate() {
         for (r, response) in hit.responses.iter().enumerate() {
-            members.entry(&response.dof).or_default().push((h, r));
+            let number = *numbers.entry(&response.dof).or_insert_with(|| {
+                tasks.push(Task {
+                    response: response.dof.clone(),
+                    members: Vec::new(),
+                });
+                tasks.len() - 1
+            });
+            tasks[number].members.push((h, r));
         }
     }
-    let task = |(response, members): (&Dof, Vec<(usize, usize)>)| Task {
-        response: response.clone(),
-        members,
-    };
-    members.into_iter().map(task).collect()
+    tasks.sort_unstable_by(|a, b| a.response.cmp(&b.response));
+    tasks
 }
 
 /// The set of all functions with its findings.

@@ -1,6 +1,6 @@
 //! What hits must have in common to be averaged.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{HashMap, HashSet};
 
 use crate::dof::Dof;
 use crate::quantity::{FrfKind, Quantity};
@@ -13,7 +13,7 @@ use super::{EstimateOptions, FrfError};
 pub(super) fn check(hits: &[&HitInfo], options: &EstimateOptions) -> Result<(), FrfError> {
     options.validate()?;
     let first = hits.first().ok_or(FrfError::NoHits)?;
-    let mut quantities = BTreeMap::new();
+    let mut quantities = HashMap::new();
     for hit in hits {
         check_axis(hit)?;
         check_same_axis(hit, first)?;
@@ -53,17 +53,19 @@ fn check_same_axis(hit: &HitInfo, first: &HitInfo) -> Result<(), FrfError> {
 
 fn check_responses<'a>(
     hit: &'a HitInfo,
-    quantities: &mut BTreeMap<&'a Dof, Quantity>,
+    quantities: &mut HashMap<&'a Dof, Quantity>,
 ) -> Result<(), FrfError> {
-    let mut seen = BTreeSet::new();
+    let mut seen = HashSet::with_capacity(hit.responses.len());
     for channel in &hit.responses {
         kind_of(hit, channel)?;
-        let (origin, dof) = (hit.origin.clone(), channel.dof.clone());
+        let of = || (hit.origin.clone(), channel.dof.clone());
         if !seen.insert(&channel.dof) {
+            let (origin, dof) = of();
             return Err(FrfError::DuplicateResponse { origin, dof });
         }
         let expected = *quantities.entry(&channel.dof).or_insert(channel.quantity);
         if expected != channel.quantity {
+            let (origin, dof) = of();
             return Err(FrfError::QuantityMismatch {
                 origin,
                 dof,

@@ -6,10 +6,12 @@
 //! channel (`channels.uff`), and HDF5 hit after hit (`hits.h5`). Of each it estimates H1 with coherence and variance
 //! (`estimate`), and the same with every hit judged and the set checked (`judged`).
 //!
-//! The bare loop is a transform in double precision of as many single precision samples that are in memory: one thread, one
-//! plan, buffers reused. It runs in the same process before every estimate, so that both meet the same load of the machine. What is
-//! printed is the median of the ratios, by the clock and by processor time (of all threads, as the system counts it, in steps of
-//! 10 ms), the median throughput by the clock, and the largest resident memory of the process.
+//! The bare loop is a transform in double precision of the same samples, which are in memory as they are stored: one thread, one
+//! plan, buffers reused. It runs in the same process before every estimate, so that both meet the same load of the machine, and its
+//! samples are gone before the estimate begins. What is printed is the median of the ratios, by the clock and by processor time
+//! (of all threads, as the system counts it, in steps of 10 ms), the median throughput by the clock, and the largest resident
+//! memory of the process during an estimate. Beside it the ratio to a bare loop over one record again and again, which need not
+//! come from memory: it has less to do than any program that is given samples.
 
 use std::path::Path;
 use std::process::Command;
@@ -24,7 +26,7 @@ use modalign::io::{
     hit_source, open_path, write_path,
 };
 use modalign::quantity::Quantity;
-use modalign::record::{Channel, Hit, Recording, Role, Samples};
+use modalign::record::{Channel, ChannelPlace, Hit, Recording, Role, Samples, Stretch};
 use modalign::signal::JudgeLimits;
 
 /// Runs of which the median counts.
@@ -100,21 +102,30 @@ fn run(sizes: &Sizes, path: &Path, what: &str, threads: &str) {
         .num_threads(threads.parse().expect("a number of threads"))
         .build()
         .expect("threads");
-    let mut bare = BareLoop::new(sizes);
-    let (mut rates, mut clock, mut processor) = (Vec::new(), Vec::new(), Vec::new());
+    let bare = BareLoop::new(sizes);
+    let mut rates = Vec::new();
+    let mut ratios = [const { Vec::new() }; 3];
+    let mut peak = 0;
     for _ in 0..RUNS {
-        let beside = timed(|| bare.run());
+        let samples = Records::of(path);
+        let count = samples.count() as f64;
+        let beside = timed(|| bare.run(samples.each()));
+        let one = timed(|| bare.run(samples.first_again_and_again()));
+        drop(samples);
+        forget_peak();
         let own = timed(|| pool.install(|| estimates(path)));
-        rates.push(bare.samples() / own.0 / 1e6);
-        clock.push(beside.0 / own.0);
-        processor.push(beside.1 / own.1);
+        peak = peak_kibibytes().max(peak);
+        rates.push(count / own.0 / 1e6);
+        let of_bare = [beside.0 / own.0, beside.1 / own.1, one.0 / own.0];
+        for (ratios, ratio) in ratios.iter_mut().zip(of_bare) {
+            ratios.push(ratio);
+        }
     }
+    let [clock, processor, one] = ratios.map(median);
     println!(
-        "{:7.1} Msamples/s, {:4.2} of bare by the clock, {:4.2} by processor time, {:4.0} MB",
+        "{:7.1} Msamples/s, {clock:4.2} of bare by the clock, {processor:4.2} by processor time ({one:4.2} of one record), {:4.0} MB",
         median(rates),
-        median(clock),
-        median(processor),
-        peak_kibibytes() as f64 * 1.024e-3
+        peak as f64 * 1.024e-3
     );
 }
 
@@ -130,36 +141,64 @@ fn timed(run: impl FnOnce()) -> (f64, f64) {
     (start.elapsed().as_secs_f64(), processor_s() - before)
 }
 
-/// A transform of as many samples as the test has.
-struct BareLoop {
-    plan: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
-    record: Vec<f32>,
-    records: usize,
+/// All records of a test, as they are stored.
+struct Records(Vec<Vec<f32>>);
+
+impl Records {
+    /// Of this file.
+    fn of(path: &Path) -> Self {
+        let mut recording = open(path);
+        let infos = recording.hits().to_vec();
+        let mut records = Vec::new();
+        for (hit, info) in infos.iter().enumerate() {
+            let responses = (0..info.responses.len()).map(ChannelPlace::Response);
+            for channel in std::iter::once(ChannelPlace::Force).chain(responses) {
+                let mut samples = Samples::F32(Vec::new());
+                let stretch = Stretch {
+                    hit,
+                    channel,
+                    samples: 0..info.axis.len,
+                };
+                recording.read(&stretch, &mut samples).expect("samples");
+                match samples {
+                    Samples::F32(values) => records.push(values),
+                    Samples::F64(_) => panic!("single precision is what was written"),
+                }
+            }
+        }
+        Self(records)
+    }
+
+    fn count(&self) -> usize {
+        self.0.iter().map(Vec::len).sum()
+    }
+
+    fn each(&self) -> impl Iterator<Item = &[f32]> {
+        self.0.iter().map(Vec::as_slice)
+    }
+
+    fn first_again_and_again(&self) -> impl Iterator<Item = &[f32]> {
+        self.0.iter().map(|_| self.0[0].as_slice())
+    }
 }
+
+/// A transform of records.
+struct BareLoop(std::sync::Arc<dyn realfft::RealToComplex<f64>>);
 
 impl BareLoop {
     fn new(sizes: &Sizes) -> Self {
-        let [channels, hits, samples] = *sizes;
-        Self {
-            plan: realfft::RealFftPlanner::<f64>::new().plan_fft_forward(samples),
-            record: (0..samples).map(|n| (n as f32 * 0.37).sin()).collect(),
-            records: (channels + 1) * hits,
-        }
+        Self(realfft::RealFftPlanner::<f64>::new().plan_fft_forward(sizes[2]))
     }
 
-    fn samples(&self) -> f64 {
-        (self.records * self.record.len()) as f64
-    }
-
-    fn run(&mut self) {
-        let mut input = self.plan.make_input_vec();
-        let mut output = self.plan.make_output_vec();
-        let mut work = self.plan.make_scratch_vec();
-        for _ in 0..self.records {
-            for (place, sample) in input.iter_mut().zip(&self.record) {
+    fn run<'a>(&self, records: impl Iterator<Item = &'a [f32]>) {
+        let mut input = self.0.make_input_vec();
+        let mut output = self.0.make_output_vec();
+        let mut work = self.0.make_scratch_vec();
+        for record in records {
+            for (place, sample) in input.iter_mut().zip(std::hint::black_box(record)) {
                 *place = f64::from(*sample);
             }
-            self.plan
+            self.0
                 .process_with_scratch(&mut input, &mut output, &mut work)
                 .expect("lengths of the plan");
             std::hint::black_box(&output);
@@ -263,6 +302,11 @@ fn open(path: &Path) -> FileRecording {
     let source = open_path(path, &hints, None).expect("the recording");
     let set = group_hits(vec![HitFile::new(source)], HitGrouping::Records, &[]);
     set.expect("hits").recording
+}
+
+/// Begins the largest resident memory anew, where the system can; else it holds the samples of the bare loop.
+fn forget_peak() {
+    drop(std::fs::write("/proc/self/clear_refs", "5"));
 }
 
 /// `VmHWM` of this process; 0 where the system does not say.
