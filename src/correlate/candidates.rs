@@ -124,6 +124,9 @@ impl CandidateTable {
                 theory: root.modes.clone(),
                 partners: rows.iter().map(partner).collect(),
                 angles_deg: (!angles.is_empty()).then_some(angles),
+                least_direction: shapes
+                    .least_direction(&modes, &root.modes)?
+                    .filter(|share| *share < options.min_mac),
             });
         }
         Ok(pairs)

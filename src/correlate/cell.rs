@@ -60,12 +60,24 @@ impl<'a> TestSight<'a> {
         let macs = pair.partners.iter().filter_map(|partner| partner.mac);
         let cell = test.modes_cell(&indices, Status::Paired);
         let doubt = pair.partners.iter().find_map(|p| self.doubt(&p.verdict));
-        let ambiguous = doubt.is_some();
+        let alike = pair.least_direction.map(|share| {
+            let percent = 100.0 * share;
+            format!(
+                "the test shapes are alike: of one direction of the root they hold {percent:.0} %, so that one mode may be there twice"
+            )
+        });
+        let ambiguous = doubt.is_some() || alike.is_some();
         let (found, expected) = (indices.len(), root.modes.len());
         let part = (found < expected)
             .then(|| format!("{found} of the {expected} modes of a repeated root"));
         let blind = pair.partners.iter().all(|partner| partner.mac.is_none());
-        let reasons = [doubt, part, test.split(&indices), basis(blind, still)];
+        let reasons = [
+            doubt,
+            alike,
+            part,
+            test.split(&indices),
+            basis(blind, still),
+        ];
         let reasons = reasons.into_iter().flatten();
         let worst = pair
             .partners

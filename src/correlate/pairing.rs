@@ -5,7 +5,7 @@
 
 use num_complex::Complex64;
 
-use crate::finding::Finding;
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix};
 use crate::modal::ModalModel;
 
@@ -79,6 +79,9 @@ pub struct Pair {
     /// Principal angles between the test modes and the subspace of a repeated root, ascending, degrees; `None` for a simple
     /// root or without shapes.
     pub angles_deg: Option<Vec<f64>>,
+    /// Share of the least direction of the root that several test modes hold together where that is below the stated MAC: two of them
+    /// may be one mode.
+    pub least_direction: Option<f64>,
 }
 
 /// A mode within the frequency gate that was refused for its shape.
@@ -165,10 +168,12 @@ pub fn pair(
         findings.extend(map.findings(options.min_dofs));
     }
     findings.extend(table.findings(test, &root_of, options));
+    let pairs = table.pairs(&root_of, &shapes, options)?;
+    findings.extend(pairs.iter().filter_map(|pair| alike(pair, test, options)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {
         mac: shapes.mac_matrix(),
-        pairs: table.pairs(&root_of, &shapes, options)?,
+        pairs,
         unpaired_theory: table.unpaired_theory(&root_of),
         unpaired_test: table.unpaired_test(&root_of),
         rigid_theory: theory.modes.len() - elastic_count,
@@ -177,6 +182,14 @@ pub fn pair(
         map,
         findings,
     })
+}
+
+/// The finding of partners of a repeated root whose shapes are alike, at the highest of them.
+fn alike(pair: &Pair, test: &ModalModel, options: &PairOptions) -> Option<Finding> {
+    let share = pair.least_direction?;
+    let place = Place::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
+    let finding = Finding::new(Severity::Warning, Code::AlikePartners, place);
+    Some(finding.value(share, "").limit(options.min_mac))
 }
 
 /// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
@@ -243,6 +256,29 @@ impl Shapes {
             0..FEWEST_DOFS => Ok(Vec::new()),
             _ => principal_angles_deg(&test, &theory),
         }
+    }
+
+    /// Share of the least direction of a root that test modes hold together, `cos²` of the largest principal angle: 0 where they
+    /// have fewer directions than modes though the root has as many there. `None` for one mode, where these degrees of freedom do not
+    /// tell the directions of the root, or without enough of them.
+    ///
+    /// # Errors
+    /// [`CorrelateError::Linalg`].
+    pub fn least_direction(
+        &self,
+        test: &[usize],
+        theory: &[usize],
+    ) -> Result<Option<f64>, CorrelateError> {
+        let [own, root] = self.common(test, theory);
+        let directions = principal_angles_deg(&root, &root)?.len();
+        if test.len() < 2 || directions < test.len() || own[0].len() < FEWEST_DOFS {
+            return Ok(None);
+        }
+        let angles = principal_angles_deg(&own, &root)?;
+        let largest = angles.last().filter(|_| angles.len() == test.len());
+        Ok(Some(
+            largest.map_or(0.0, |angle| angle.to_radians().cos().powi(2)),
+        ))
     }
 
     /// At how many degrees of freedom a test and a theory mode have values.

@@ -231,7 +231,7 @@ fn the_margin_decides_what_is_as_good() {
     }
 }
 
-fn repeated() -> ModalModel {
+pub(super) fn repeated() -> ModalModel {
     let mut modes = vec![
         mode(90.0, &shape(3)),
         mode(100.0, &shape(1)),
@@ -242,7 +242,7 @@ fn repeated() -> ModalModel {
     model(modes)
 }
 
-fn blend(a: f64, b: f64) -> Vec<f64> {
+pub(super) fn blend(a: f64, b: f64) -> Vec<f64> {
     shape(1)
         .iter()
         .zip(shape(2))

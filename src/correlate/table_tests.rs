@@ -154,6 +154,31 @@ fn half_a_repeated_root_is_said() {
 }
 
 #[test]
+fn one_mode_twice_at_a_repeated_root_is_no_sure_pair() {
+    let (theory, mut test) = (theory(), shaker());
+    test.modes[2] = mode(1020.0, &shape(1));
+    let options = PairOptions::default();
+    let pairing = pair(&test, &theory, &options).unwrap();
+    let tests = [PairedTest {
+        name: "one",
+        model: &test,
+        pairing: &pairing,
+        frfs: &[],
+    }];
+    let table = compare(&theory, &tests, &options).unwrap();
+    let cell = &table.rows[4].tests[0];
+    assert_eq!(
+        (cell.status, cell.modes.as_slice()),
+        (Status::Ambiguous, &[2, 3][..])
+    );
+    assert!(
+        cell.reasons[0].contains("they hold 0 %"),
+        "{:?}",
+        cell.reasons
+    );
+}
+
+#[test]
 fn the_test_as_reference_turns_sign_and_denominator() {
     let table = table(ErrorReference::Test);
     let cell = &table.rows[2].tests[0];

@@ -1,10 +1,12 @@
 //! Verdicts of pairing that rest on shares, and MAC of whole sets of modes.
 
-use crate::finding::{Code, Finding};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use crate::finding::{Code, Finding, Place};
 use crate::modal::ModalModel;
 
 use super::pairing::Shapes;
-use super::pairing_tests::{mode, model, paired, shape};
+use super::pairing_tests::{blend, mode, model, paired, repeated, shape};
 use super::*;
 
 #[test]
@@ -96,5 +98,57 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
             }
         ),
         "{verdict:?}"
+    );
+}
+
+#[test]
+fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
+    let turned = blend(FRAC_1_SQRT_2, FRAC_1_SQRT_2);
+    let nearly: Vec<f64> = turned
+        .iter()
+        .zip(shape(5))
+        .map(|(a, b)| a + 0.02 * b)
+        .collect();
+    for second in [turned.clone(), nearly] {
+        let test = model(vec![mode(99.0, &turned), mode(101.0, &second)]);
+        let pairing = paired(&test, &repeated());
+        let root = pairing.pairs.iter().find(|pair| pair.theory.len() == 2);
+        let root = root.expect("both are in the subspace of the root");
+        assert!(root.least_direction.expect("alike") < 0.3);
+        let told = pairing.findings.iter();
+        let told: Vec<_> = told
+            .filter(|own| own.code == Code::AlikePartners)
+            .map(|own| (own.place.clone(), own.limit))
+            .collect();
+        let limit = PairOptions::default().min_mac;
+        assert_eq!(told, [(Place::Mode(101.0), Some(limit))]);
+    }
+    // 60 degrees apart are two directions as well as 90 are.
+    let other = blend(-0.258_819, 0.965_926);
+    let test = model(vec![mode(99.0, &turned), mode(101.0, &other)]);
+    let pairing = paired(&test, &repeated());
+    assert!(
+        pairing
+            .pairs
+            .iter()
+            .all(|pair| pair.least_direction.is_none())
+    );
+    // Sensors that see one direction of the root alone tell nothing of the other.
+    let one = |values: Vec<f64>| values[..2].iter().map(|v| v * 1.0).collect::<Vec<f64>>();
+    let blind = model(vec![
+        mode(100.0, &one(shape(1))),
+        mode(100.0, &one(shape(1))),
+        mode(150.0, &one(shape(3))),
+    ]);
+    let test = model(vec![
+        mode(99.0, &one(shape(1))),
+        mode(101.0, &one(shape(1))),
+    ]);
+    let pairing = paired(&test, &blind);
+    assert!(
+        pairing
+            .pairs
+            .iter()
+            .all(|pair| pair.least_direction.is_none())
     );
 }

@@ -23,7 +23,8 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
     }
 }
 
-/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`.
+/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`. Where there is no
+/// coherence, `|H|²` is at least its mean: a value that is 0 for want of a signal is not a sure one.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -32,9 +33,12 @@ pub(crate) fn variance_from_coherence(
     coherence: &[f64],
     averages: u32,
 ) -> Vec<f64> {
+    let mean = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len().max(1) as f64;
     let variance = |(h, g): (&Complex64, &f64)| {
         let gamma_squared = g.clamp(LEAST, 1.0);
-        h.norm_sqr() * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
+        let least = if *g <= LEAST { mean } else { 0.0 };
+        let power = h.norm_sqr().max(least);
+        power * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
     };
     values.iter().zip(coherence).map(variance).collect()
 }
@@ -61,6 +65,9 @@ mod tests {
         assert!((told[0] - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
         assert!((told[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", told[2]);
         assert!([told[1], told[3]].iter().all(|v| v.abs() < 1e-300));
+        // Nothing that hangs together with the force, and nothing measured: as unsure as the mean of the others would be.
+        let told = variance_from_coherence(&[h[0], Complex64::ZERO], &[1.0, 0.0], 3);
+        assert!((told[1] / 6.25e6 - 1.0).abs() < 1e-5, "{}", told[1]);
     }
 
     #[test]

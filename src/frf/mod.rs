@@ -40,8 +40,8 @@ mod hammer_tests;
 #[cfg(test)]
 mod recording_tests;
 
-pub use checks::check_set;
 pub(crate) use checks::runs;
+pub use checks::{check_functions, check_set};
 pub(crate) use coherence::variance_from_coherence;
 pub use convert::convert;
 pub use error::FrfError;

@@ -193,6 +193,11 @@ impl FrfSet {
         &self.values[i]
     }
 
+    /// Values of function `i`, to be replaced.
+    pub(crate) fn values_mut(&mut self, i: usize) -> &mut [Complex64] {
+        &mut self.values[i]
+    }
+
     /// Coherence of function `i`.
     pub fn coherence(&self, i: usize) -> Option<&[f64]> {
         self.coherence[i].as_deref()

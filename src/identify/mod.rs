@@ -98,6 +98,7 @@ mod shared;
 mod sides;
 mod significance;
 mod single;
+mod spikes;
 mod spread;
 mod stabilization;
 mod stable;

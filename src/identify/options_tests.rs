@@ -256,6 +256,46 @@ fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
 }
 
 #[test]
+fn mains_far_above_the_modes_hide_none_of_them() {
+    let clean = changed(&set(0.01), |_, _, v| v);
+    let hum = |k: usize| if [280, 300].contains(&k) { 40.0 } else { 0.0 };
+    let highest = |set: &FrfSet| {
+        let values = (0..set.len()).flat_map(|i| set.values(i).to_vec());
+        values.map(|value| value.norm()).fold(0.0, f64::max)
+    };
+    let peak = highest(&clean);
+    let with = changed(&clean, |i, k, v| {
+        v + hum(k) * peak * Complex64::cis(i as f64)
+    });
+    let model = identify(&with, &IdentifyOptions::default()).expect("a sound set");
+    let expected = identify(&clean, &IdentifyOptions::default()).expect("a sound set");
+    assert_eq!(model.modes.len(), expected.modes.len());
+    for (own, other) in model.modes.iter().zip(&expected.modes) {
+        let off = own.frequency_hz - other.frequency_hz;
+        assert!(off.abs() < 1e-3, "{off}");
+    }
+    let told = model.findings.iter();
+    let told = told.filter(|finding| finding.code == Code::SpikeReplaced);
+    let told: Vec<_> = told.filter_map(|finding| finding.value).collect();
+    assert_eq!(told, [280, 300].map(|k| with.axis().hz(k)));
+    assert!(!has(&expected, Code::SpikeReplaced));
+}
+
+#[test]
+fn lines_at_the_ends_that_hold_no_number_in_any_function_are_left_out() {
+    let clean = set(0.01);
+    let last = clean.axis().len - 3;
+    let with = changed(&clean, |_, k, v| if k >= last { v * f64::NAN } else { v });
+    let model = identify(&with, &IdentifyOptions::default()).expect("the rest is sound");
+    assert_eq!(model.modes.len(), 2);
+    let with = changed(
+        &clean,
+        |i, k, v| if k >= last && i > 0 { v * f64::NAN } else { v },
+    );
+    identify(&with, &IdentifyOptions::default()).expect_err("one function has numbers there");
+}
+
+#[test]
 fn a_dead_channel_is_no_obstacle() {
     let live = set(0.01);
     let with_dead = changed(&live, |i, _, v| if i == 1 { 0.0 * v } else { v });

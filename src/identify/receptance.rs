@@ -107,15 +107,8 @@ impl Receptances {
     /// As [`Self::new`], for the band itself.
     pub fn guarded(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
         let lines = checked_lines(set, band)?;
-        let guard = (GUARD * lines.len() as f64).ceil() as usize;
-        let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
-        let start = lines
-            .start
-            .saturating_sub(guard)
-            .max(first.unwrap_or(lines.start));
-        let end = (lines.end + guard).min(set.axis().len);
         // Outside the band nobody promised good values.
-        Self::on_lines(set, start..end).or_else(|_| Self::on_lines(set, lines))
+        Self::on_lines(set, guarded(set, &lines)).or_else(|_| Self::on_lines(set, lines))
     }
 
     fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
@@ -355,10 +348,25 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     Ok(lines)
 }
 
-/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser leaves them: between these and
-/// the first value lies no resonance. All lines where that leaves too few.
+/// Lines of a band with [`GUARD`] of them more on each side, as far as the set has them.
+fn guarded(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+    let guard = (GUARD * lines.len() as f64).ceil() as usize;
+    let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
+    let start = lines.start.saturating_sub(guard);
+    let end = (lines.end + guard).min(set.axis().len);
+    start.max(first.unwrap_or(lines.start))..end
+}
+
+/// The lines of a band and beside it that an identification looks at; none where the band is none.
+pub(super) fn looked_at(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
+    checked_lines(set, band).map_or(0..0, |lines| guarded(set, &lines))
+}
+
+/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser leaves them, or no number: between
+/// these and the first value lies no resonance. All lines where that leaves too few.
 fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
-    let blank = |k: usize| (0..set.len()).all(|i| set.values(i)[k] == Complex64::ZERO);
+    let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
+    let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
     let start = lines.clone().find(|k| !blank(*k));
     let end = lines.clone().rev().find(|k| !blank(*k));
     match (start, end) {
@@ -370,6 +378,7 @@ fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Rang
 /// Numbers of the functions with a value in a band that is no number, with the frequency of the first, Hz.
 pub(super) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
+    let lines = without_blanks(set, lines);
     let damaged = |i: usize| match check_finite(set, i, lines.clone()) {
         Err(IdentifyError::NotFinite { hz, .. }) => Some((i, hz)),
         _ => None,

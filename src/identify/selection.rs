@@ -15,8 +15,9 @@ use crate::modal::{
 };
 
 use super::parts;
-use super::receptance::{damaged, no_band, whole_band};
+use super::receptance::{damaged, looked_at, no_band, whole_band};
 use super::shape::{self, Residues, ScaledShape};
+use super::spikes::without_spikes;
 use super::{Candidate, IdentifyError, IdentifyOptions, PoleTable};
 
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
@@ -66,6 +67,10 @@ pub(super) fn chosen<'a>(
             findings.extend(damaged.iter().map(left_out));
             set = Cow::Owned(set.part(&sound));
         }
+    }
+    if let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) {
+        set = Cow::Owned(without);
+        findings.extend(spikes);
     }
     Ok(Chosen {
         set,

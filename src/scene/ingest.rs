@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, check_functions};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
@@ -223,6 +223,12 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         data.recording = Some(recording);
     } else {
         data.frfs = frf_sets(&mut files)?;
+        for set in &data.frfs {
+            // What made the functions may have told it already.
+            let known = |finding: &Finding| set.findings.contains(finding);
+            let own = check_functions(set).into_iter();
+            data.findings.extend(own.filter(|finding| !known(finding)));
+        }
     }
     Ok(data)
 }

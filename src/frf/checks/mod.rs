@@ -29,10 +29,27 @@ mod synthetic;
 
 pub(crate) use drift::runs;
 
-use crate::finding::Finding;
+use num_complex::Complex64;
+
+use crate::finding::{Code, Finding, Severity};
 
 use super::FrfSet;
 use mobility::Mobilities;
+
+/// What functions of which nobody knows how they were measured say by themselves: signs at driving points, reciprocity, repeated
+/// measurements, and functions that are 0 throughout.
+pub fn check_functions(set: &FrfSet) -> Vec<Finding> {
+    let Some(data) = Mobilities::new(set) else {
+        return Vec::new();
+    };
+    let checks = [driving::findings, reciprocity::findings, repeated::findings];
+    let mut findings: Vec<Finding> = checks.iter().flat_map(|check| check(&data)).collect();
+    let dead = |i: &usize| set.values(*i).iter().all(|value| *value == Complex64::ZERO);
+    let dead = (0..set.len()).filter(dead);
+    let dead = dead.map(|i| Finding::new(Severity::Warning, Code::DeadChannel, data.place(i)));
+    findings.extend(dead);
+    findings
+}
 
 /// All checks of a set, in the valid band (the whole axis when the set does not know it).
 ///
@@ -49,4 +66,33 @@ pub fn check_set(set: &FrfSet) -> Vec<Finding> {
         drift::findings,
     ];
     checks.iter().flat_map(|check| check(&data)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use synthetic::{Beam, scaled};
+
+    #[test]
+    fn functions_from_anywhere_are_held_against_each_other() {
+        let pairs = [
+            ("1:+Z", "1:+Z"),
+            ("2:+Z", "1:+Z"),
+            ("1:+Z", "2:+Z"),
+            ("2:+Z#2", "1:+Z"),
+        ];
+        let sound = Beam::default().set(&pairs);
+        assert_eq!(check_functions(&sound), []);
+        for (function, ratio, expected) in [
+            (0, -1.0, vec![Code::DrivingPointSign]),
+            (2, -1.0, vec![Code::NotReciprocal]),
+            (2, 1.5, vec![Code::NotReciprocal]),
+            (3, -1.0, vec![Code::RepeatsDiffer]),
+            (0, 0.0, vec![Code::DeadChannel]),
+        ] {
+            let found = check_functions(&scaled(&sound, function, ratio));
+            let codes: Vec<Code> = found.iter().map(|finding| finding.code).collect();
+            assert_eq!(codes, expected, "{function} {ratio}");
+        }
+    }
 }
