@@ -98,7 +98,6 @@ mod shared;
 mod sides;
 mod significance;
 mod single;
-mod spikes;
 mod spread;
 mod stabilization;
 mod stable;

@@ -17,8 +17,13 @@ use crate::modal::{
 use super::parts;
 use super::receptance::{damaged, looked_at, no_band, whole_band};
 use super::shape::{self, Residues, ScaledShape};
-use super::spikes::without_spikes;
 use super::{Candidate, IdentifyError, IdentifyOptions, PoleTable};
+
+mod spikes;
+mod turned;
+
+use spikes::{without_blanks, without_spikes};
+use turned::turned_function;
 
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
 const MOST_MISFIT: f64 = 0.25;
@@ -57,6 +62,10 @@ pub(super) fn chosen<'a>(
     let band = band.or_else(|| whole_band(&set));
     let band = band.ok_or_else(|| no_band(&set))?;
     let (band, mut findings) = cut(&set, band);
+    if let Some((filled, blanks)) = without_blanks(&set, looked_at(&set, band)) {
+        set = Cow::Owned(filled);
+        findings.extend(blanks);
+    }
     if options.partial {
         let damaged = damaged(&set, band);
         let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
@@ -129,6 +138,7 @@ pub(super) fn modal_model(
 ) -> Result<ModalModel, IdentifyError> {
     let added = set.added_damping_rad_s;
     let mut findings = table.findings;
+    findings.extend(turned_function(set, &table.candidates));
     let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
     let own: Vec<_> = table
         .candidates

@@ -1,4 +1,4 @@
-//! Lines that stand alone out of their neighbours, as the mains leave them in averages of few hits: they are replaced by what the
+//! Lines that tell nothing: without a value in any function, and those that stand alone out of their neighbours, as the mains leave them in averages of few hits: they are replaced by what the
 //! neighbours say, where the data bring no variance that would tell.
 //!
 //! A resonance between two lines is seen on all lines around it, `R/(x − x₀)` with the distance x in lines and its residue R: one of
@@ -30,6 +30,50 @@ const SEEN: f64 = 5.0;
 const BENT: f64 = 50.0;
 /// Lines on either side of which that median is.
 const AROUND: usize = 12;
+
+/// Lines on either side from which one without a value is filled in.
+const FILLED_FROM: usize = 3;
+
+/// The set with its blank lines filled in, with a finding of each run of them; `None` where there are none.
+///
+/// Blank is a line that is 0 or no number in every function, up to three side by side, of functions without variances. It gets the
+/// polynomial through three lines on either side.
+pub(super) fn without_blanks(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
+    if (0..set.len()).any(|i| set.variance(i).is_some()) {
+        return None;
+    }
+    let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
+    let blank = |k: &usize| (0..set.len()).all(|i| empty(set.values(i)[*k]));
+    let blank: Vec<usize> = lines.clone().filter(blank).collect();
+    let mut filled: Option<FrfSet> = None;
+    let mut findings = Vec::new();
+    for run in blank.chunk_by(|a, b| a + 1 == *b) {
+        let run = run[0]..run[run.len() - 1] + 1;
+        let inside = run.start >= lines.start + FILLED_FROM && run.end + FILLED_FROM <= lines.end;
+        let beside = || (run.start - FILLED_FROM..run.start).chain(run.end..run.end + FILLED_FROM);
+        if !inside || run.len() > WIDEST || beside().any(|k| blank.contains(&k)) {
+            continue;
+        }
+        let own = filled.get_or_insert_with(|| set.clone());
+        for i in 0..set.len() {
+            for k in run.clone() {
+                let terms = beside().map(|j| set.values(i)[j] * lagrange(k, j, beside()));
+                own.values_mut(i)[k] = terms.sum();
+            }
+        }
+        let hz = set.axis().hz(run.start + run.len() / 2);
+        let finding = Finding::new(Severity::Warning, Code::LineFilled, Place::Whole);
+        findings.push(finding.value(hz, "Hz"));
+    }
+    filled.map(|set| (set, findings))
+}
+
+/// At `k`, the polynomial that is 1 at `j` and 0 at the other places.
+fn lagrange(k: usize, j: usize, places: impl Iterator<Item = usize>) -> f64 {
+    let others = places.filter(|other| *other != j);
+    let factor = |other: usize| (k as f64 - other as f64) / (j as f64 - other as f64);
+    others.map(factor).product()
+}
 
 /// The set without its spikes, with a finding of each; `None` where there are none.
 pub(super) fn without_spikes(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
@@ -315,6 +359,42 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_line_without_a_value_in_any_function_is_filled_in() {
+        let clean = set(8.0, AT, 0.0, false);
+        for value in [0.0, f64::NAN] {
+            for run in [60..61, 80..82, 119..120, 110..113] {
+                let mut with = clean.clone();
+                for i in 0..FUNCTIONS {
+                    with.values_mut(i)[run.clone()].fill(value.into());
+                }
+                let (filled, findings) =
+                    without_blanks(&with, 1..LINES).expect("lines without a value");
+                let middle = 0.5 * (run.start + run.len() / 2) as f64;
+                let told: Vec<_> = findings.iter().map(|own| (own.code, own.value)).collect();
+                assert_eq!(told, [(Code::LineFilled, Some(middle))]);
+                for i in 0..FUNCTIONS {
+                    for k in 0..LINES {
+                        let error = (filled.values(i)[k] - clean.values(i)[k]).norm();
+                        let most = if run.contains(&k) { 2e-3 } else { 0.0 };
+                        assert!(error <= most, "{run:?} {i} {k} {error:e}");
+                    }
+                }
+                with.values_mut(3)[run.start] = Complex64::ONE;
+                with.values_mut(3)[run.end - 1] = Complex64::ONE;
+                let own = without_blanks(&with, 1..LINES);
+                assert_eq!(own.is_some(), run.len() == 3, "{run:?}");
+            }
+        }
+        let mut wide = clean.clone();
+        for i in 0..FUNCTIONS {
+            wide.values_mut(i)[60..64].fill(Complex64::ZERO);
+            wide.values_mut(i)[LINES - 2..].fill(Complex64::ZERO);
+        }
+        assert!(without_blanks(&wide, 1..LINES).is_none());
+        assert!(without_blanks(&set(8.0, AT, 0.1, true), 1..LINES).is_none());
     }
 
     #[test]
