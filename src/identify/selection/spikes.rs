@@ -4,7 +4,7 @@
 //! A resonance between two lines is seen on all lines around it, `R/(x − x₀)` with the distance x in lines and its residue R: one of
 //! γ lines to the half-power point is `R/γ` high. What stands at most three lines wide on a smooth course (a polynomial of the third
 //! degree through six lines on either side) without such skirts (`1/x` and `1/x²` fitted with it) is no resonance that so short a record
-//! could hold: it would be narrower than 0.04 lines.
+//! could hold: it would be narrower than 0.04 lines, or than 0.01 where there are skirts that noise does not explain.
 
 use std::ops::Range;
 
@@ -22,8 +22,11 @@ const WIDEST: usize = 3;
 const SMOOTH: usize = 4;
 /// Coefficients with the skirts of a resonance.
 const ALL: usize = SMOOTH + 2;
-/// A spike is higher than this many residues of the resonance that it might be, over all functions.
+/// A spike is higher than this many residues of the resonance that it might be, over all functions, and than more of them where these
+/// are so many deviations from 0.
 const OVER_SKIRTS: f64 = 25.0;
+const OVER_SURE_SKIRTS: f64 = 100.0;
+const SURE: f64 = 4.0;
 /// A function has part in a spike that is so many deviations of its noise high.
 const SEEN: f64 = 5.0;
 /// Bend at a line, as power over the median of its neighbourhood, that is looked at more closely.
@@ -234,8 +237,14 @@ impl Stencil {
             }
         }
         // Of what the noise makes of skirts that are not there, the mean is known and taken off; two deviations of it stay.
-        let skirts = skirts.max(0.0) + 2.0 * scatter.sqrt();
-        (height > OVER_SKIRTS * OVER_SKIRTS * skirts).then_some(courses)
+        let scatter = scatter.sqrt();
+        let over = if skirts > SURE * scatter {
+            OVER_SURE_SKIRTS
+        } else {
+            OVER_SKIRTS
+        };
+        let skirts = skirts.max(0.0) + 2.0 * scatter;
+        (height > over * over * skirts).then_some(courses)
     }
 }
 
@@ -351,9 +360,11 @@ mod tests {
 
     #[test]
     fn no_resonance_is_a_spike_however_narrow_a_record_lets_it_be() {
-        for half_width in [0.1, 0.2, 0.5, 1.0, 3.0] {
+        for half_width in [0.02, 0.1, 0.2, 0.5, 1.0, 3.0] {
             for at in [120.0, 120.25, 120.5] {
-                for noise in [0.0, 1e-6, 1e-3, 1e-2] {
+                // The residue of the narrowest is but so far above the noise.
+                let most = if half_width < 0.1 { 1e-3 } else { 1e-2 };
+                for noise in [0.0, 1e-6, 1e-3, most] {
                     let own = without_spikes(&set(half_width, at, noise, false), 1..LINES);
                     assert!(own.is_none(), "{half_width} {at} {noise}");
                 }
