@@ -292,7 +292,7 @@ codes! {
         "The value is their frequency. Beside a resonance of few lines the fill is as wrong as a polynomial is there, which is told as misfit. Look where the lines were lost: a filter, a division by a force that is 0, or an edited file.";
     /// Lines that stood out of their neighbours alone.
     SpikeReplaced: "up to three lines stand out of their neighbours without the skirts of a resonance and were replaced by what these say",
-        "The value is their frequency. Mains, or a machine that runs nearby, stand so in averages of few hits; a resonance would be seen on the lines around. No variance came with the data, which would have told. Average more, record longer, or leave the lines out of the band.";
+        "The value is their frequency. Mains on a line, or a machine that runs nearby, stand so; a resonance would be seen on the lines around, but for one narrower than 0.04 lines, which calculated functions may have. No variance came with the data, which would have told. Average more, record longer, or leave the lines out of the band.";
     /// A band of a mode that is not measured well.
     NearBandEdge: "the mode lies within its half-power width of the band's edge",
         "Part of its resonance is outside the band, so that the fit leans on one flank.";
@@ -312,11 +312,11 @@ codes! {
     CommonFactor: "few modes pair as the model stands, but by their shapes most would with all its stiffnesses times one factor; nothing was changed",
         "Most test modes are like one root of the model alone, and their frequencies are all about as far off. The value is the factor on all stiffnesses (the square of that on frequencies), with its standard deviation from mode to mode: where that is small, one modulus, unit or scale may be wrong, and masses by one over it would do as well. It is a suggestion. Look at units and thicknesses first, or free the parameter that scales all stiffnesses in [update].";
     /// A function whose sign doubles modes.
-    TurnedFunction: "turned, this function makes single modes of all repeated roots: its sign is likely wrong",
+    TurnedFunction: "turned, this function (of two references: one of the two of this response) makes single modes of all repeated roots: its sign is likely wrong",
         "The value is their number. The residues of a single mode are of rank one over responses and references; one function of the wrong sign makes them rank two at every mode, so that each is found twice. Look whether the sensor or the hammer was turned in that run, and turn the direction or the calibration.";
     /// Test modes at a repeated root with one shape.
     AlikePartners: "test modes at a repeated root have shapes that are alike; one of its modes may be there twice and another missed",
-        "The value is the part that they hold of one direction of the root, cos² of the largest principal angle; the limit is the stated MAC. Modes of one root can be turned into each other, but they span as many directions as the root has modes. Look whether one pole was taken twice, or measure with another reference.";
+        "The value is the part that they hold of one direction of the root, cos² of the largest principal angle. Modes of one root can be turned into each other, but they span as many directions as the root has modes. Look whether one pole was taken twice, or measure with another reference.";
     /// Two modes of one set with one shape.
     DuplicateModes: "this mode has nearly the same shape and frequency as another of its set: one mode found twice, or sensors that cannot tell two apart",
         "The value is the MAC of both (autoMAC). A stabilization diagram read twice, two poles fitted to one resonance that moved between runs, or too few sensors give such a pair. Keep the one that explains more of the response, or measure at more points.";

@@ -6,7 +6,9 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::common_factor::{Unlike, common_factor};
-use super::pairing::{NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict};
+use super::pairing::{
+    LEAST_DIRECTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict,
+};
 use super::roots::{Root, elastic_modes, elastic_roots};
 use super::share::{Share, shares};
 use super::{CorrelateError, PairOptions, assign};
@@ -126,7 +128,7 @@ impl CandidateTable {
                 angles_deg: (!angles.is_empty()).then_some(angles),
                 least_direction: shapes
                     .least_direction(&modes, &root.modes)?
-                    .filter(|share| *share < options.min_mac),
+                    .filter(|share| *share < LEAST_DIRECTION),
             });
         }
         Ok(pairs)

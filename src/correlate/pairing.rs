@@ -6,13 +6,16 @@
 use num_complex::Complex64;
 
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix};
+use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix, singular_values};
 use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
 use super::roots::{check_model, highest_rigid_hz};
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions};
+
+/// Least singular value of the unit shapes of a root whose directions the sensors tell apart.
+const TOLD_APART: f64 = 0.1;
 
 /// Fewest common degrees of freedom on which a MAC says anything.
 pub(super) const FEWEST_DOFS: usize = 2;
@@ -79,8 +82,8 @@ pub struct Pair {
     /// Principal angles between the test modes and the subspace of a repeated root, ascending, degrees; `None` for a simple
     /// root or without shapes.
     pub angles_deg: Option<Vec<f64>>,
-    /// Share of the least direction of the root that several test modes hold together where that is below the stated MAC: two of them
-    /// may be one mode.
+    /// Share of the least direction of the root that several test modes hold together where that is below a quarter (60 degrees): two of
+    /// them may be one mode.
     pub least_direction: Option<f64>,
 }
 
@@ -169,7 +172,7 @@ pub fn pair(
     }
     findings.extend(table.findings(test, &root_of, options));
     let pairs = table.pairs(&root_of, &shapes, options)?;
-    findings.extend(pairs.iter().filter_map(|pair| alike(pair, test, options)));
+    findings.extend(pairs.iter().filter_map(|pair| alike(pair, test)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {
         mac: shapes.mac_matrix(),
@@ -184,12 +187,15 @@ pub fn pair(
     })
 }
 
+/// Shapes of partners of a repeated root that are alike hold less of one of its directions.
+pub(super) const LEAST_DIRECTION: f64 = 0.25;
+
 /// The finding of partners of a repeated root whose shapes are alike, at the highest of them.
-fn alike(pair: &Pair, test: &ModalModel, options: &PairOptions) -> Option<Finding> {
+fn alike(pair: &Pair, test: &ModalModel) -> Option<Finding> {
     let share = pair.least_direction?;
     let place = Place::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
     let finding = Finding::new(Severity::Warning, Code::AlikePartners, place);
-    Some(finding.value(share, "").limit(options.min_mac))
+    Some(finding.value(share, "").limit(LEAST_DIRECTION))
 }
 
 /// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
@@ -259,8 +265,8 @@ impl Shapes {
     }
 
     /// Share of the least direction of a root that test modes hold together, `cos²` of the largest principal angle: 0 where they
-    /// have fewer directions than modes though the root has as many there. `None` for one mode, where these degrees of freedom do not
-    /// tell the directions of the root, or without enough of them.
+    /// have fewer directions than modes. `None` for one mode, where these degrees of freedom do not tell the directions of the root (its
+    /// unit shapes have a singular value below [`TOLD_APART`] there), or where there are no more of them than the root has modes.
     ///
     /// # Errors
     /// [`CorrelateError::Linalg`].
@@ -270,8 +276,16 @@ impl Shapes {
         theory: &[usize],
     ) -> Result<Option<f64>, CorrelateError> {
         let [own, root] = self.common(test, theory);
-        let directions = principal_angles_deg(&root, &root)?.len();
-        if test.len() < 2 || directions < test.len() || own[0].len() < FEWEST_DOFS {
+        let dofs = own[0].len();
+        if test.len() < 2 || dofs <= theory.len() {
+            return Ok(None);
+        }
+        let norm = |shape: &[Complex64]| shape.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        let unit = complex_matrix(dofs, theory.len(), |dof, mode| {
+            root[mode][dof] / norm(&root[mode]).max(f64::MIN_POSITIVE)
+        });
+        let told = singular_values(&unit)?;
+        if told.last().is_none_or(|least| *least < TOLD_APART) {
             return Ok(None);
         }
         let angles = principal_angles_deg(&own, &root)?;

@@ -120,8 +120,7 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
             .filter(|own| own.code == Code::AlikePartners)
             .map(|own| (own.place.clone(), own.limit))
             .collect();
-        let limit = PairOptions::default().min_mac;
-        assert_eq!(told, [(Place::Mode(101.0), Some(limit))]);
+        assert_eq!(told, [(Place::Mode(101.0), Some(0.25))]);
     }
     // 60 degrees apart are two directions as well as 90 are.
     let other = blend(-0.258_819, 0.965_926);

@@ -7,6 +7,9 @@ use super::sums::LineSums;
 /// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n − 1), and finite.
 const LEAST: f64 = 1e-6;
 
+/// Coherence that chance alone gives of hundreds of averages.
+const NONE: f64 = 1e-3;
+
 /// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power is 0.
 ///
 /// With one average it is identically 1 and says nothing, so the stage leaves it out there.
@@ -23,8 +26,8 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
     }
 }
 
-/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`. Where there is no
-/// coherence, `|H|²` is at least its mean: a value that is 0 for want of a signal is not a sure one.
+/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`. Where there is
+/// hardly any coherence ([`NONE`]), `|H|²` is at least its mean over the lines: a value that is 0 for want of a signal is not a sure one.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -33,10 +36,12 @@ pub(crate) fn variance_from_coherence(
     coherence: &[f64],
     averages: u32,
 ) -> Vec<f64> {
-    let mean = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len().max(1) as f64;
+    let finite = values.iter().map(Complex64::norm_sqr);
+    let finite: Vec<f64> = finite.filter(|power| power.is_finite()).collect();
+    let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
     let variance = |(h, g): (&Complex64, &f64)| {
         let gamma_squared = g.clamp(LEAST, 1.0);
-        let least = if *g <= LEAST { mean } else { 0.0 };
+        let least = if *g <= NONE { mean } else { 0.0 };
         let power = h.norm_sqr().max(least);
         power * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
     };
@@ -66,8 +71,11 @@ mod tests {
         assert!((told[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", told[2]);
         assert!([told[1], told[3]].iter().all(|v| v.abs() < 1e-300));
         // Nothing that hangs together with the force, and nothing measured: as unsure as the mean of the others would be.
-        let told = variance_from_coherence(&[h[0], Complex64::ZERO], &[1.0, 0.0], 3);
+        let infinite = Complex64::new(f64::INFINITY, 0.0);
+        let told = variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);
         assert!((told[1] / 6.25e6 - 1.0).abs() < 1e-5, "{}", told[1]);
+        let told = variance_from_coherence(&[h[0], Complex64::ZERO], &[1.0, 1e-4], 3);
+        assert!((told[1] / 6.25e4 - 1.0).abs() < 1e-3, "{}", told[1]);
     }
 
     #[test]

@@ -28,6 +28,9 @@ use turned::turned_function;
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
 const MOST_MISFIT: f64 = 0.25;
 
+/// Most rounds in which spikes are sought.
+const ROUNDS: usize = 3;
+
 /// What an identification looks at.
 pub(super) struct Chosen<'a> {
     pub set: Cow<'a, FrfSet>,
@@ -77,7 +80,11 @@ pub(super) fn chosen<'a>(
             set = Cow::Owned(set.part(&sound));
         }
     }
-    if let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) {
+    // A weak line beside a strong one is seen when that is gone.
+    for _ in 0..ROUNDS {
+        let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) else {
+            break;
+        };
         set = Cow::Owned(without);
         findings.extend(spikes);
     }

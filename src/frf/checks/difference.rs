@@ -1,10 +1,13 @@
 //! How far two functions that should be one are apart, beyond their noise.
 
+use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::finding::{Code, Finding, Severity};
 
+use super::driving::CLEAR;
 use super::mobility::Mobilities;
+use super::peaks::clear_peaks;
 
 /// Probability that noise alone is taken for a difference: a set of a hundred pairs is then wrong once in a hundred.
 const CHANCE: f64 = 1e-4;
@@ -58,6 +61,35 @@ fn largest_ratio(lines: f64, averages: f64) -> f64 {
     let freedom = 2.0 * lines;
     let ratio = FisherSnedecor::new(freedom, freedom * (averages - 1.0));
     ratio.map_or(f64::INFINITY, |f| f.inverse_cdf(1.0 - CHANCE))
+}
+
+/// Relative difference at clear resonances that no calibration makes.
+const GROSS: f64 = 0.3;
+/// Lines between the half-power points of a resonance at which functions are compared.
+const FEWEST_LINES: f64 = 3.0;
+
+/// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s mobility.
+pub(super) fn gross_finding(
+    data: &Mobilities,
+    (a, b): (usize, usize),
+    code: Code,
+) -> Option<Finding> {
+    let (of_a, of_b) = (data.values(a), data.values(b));
+    let power: Vec<f64> = of_a.iter().map(Complex64::norm_sqr).collect();
+    let floor: Vec<f64> = data.noise(a).iter().map(|noise| CLEAR * noise).collect();
+    let (mut apart, mut energy) = (0.0, 0.0);
+    for peak in clear_peaks(&power, &floor, FEWEST_LINES) {
+        for k in peak.inside() {
+            apart += (of_a[k] - of_b[k]).norm_sqr();
+            energy += 0.5 * (of_a[k].norm_sqr() + of_b[k].norm_sqr());
+        }
+    }
+    let relative = (apart / energy).sqrt();
+    (relative > GROSS).then(|| {
+        Finding::new(Severity::Warning, code, data.place(b))
+            .value(relative, "")
+            .limit(GROSS)
+    })
 }
 
 /// A finding about function `b` when it differs from `a` by more than a stated limit and more than noise does.

@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::finding;
+use super::difference::{finding, gross_finding};
 use super::mobility::Mobilities;
 
 /// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to about 5 %, and two
@@ -11,12 +11,27 @@ const LIMIT: f64 = 0.1;
 
 /// `H_ij` against `H_ji` for every pair of which both are there, directions turned; the first measurement of each.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
+    let pairs = reciprocal(data).into_iter();
+    pairs
+        .filter_map(|pair| finding(data, pair, (Code::NotReciprocal, LIMIT)))
+        .collect()
+}
+
+/// The same at clear resonances, of gross differences alone.
+pub(super) fn gross_findings(data: &Mobilities) -> Vec<Finding> {
+    let pairs = reciprocal(data).into_iter();
+    pairs
+        .filter_map(|pair| gross_finding(data, pair, Code::NotReciprocal))
+        .collect()
+}
+
+fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
     let pairs = data.by_pair();
     let upper = pairs.iter().filter(|((i, j), _)| i < j);
     upper
         .filter_map(|((i, j), own)| {
             let other = pairs.get(&(j.clone(), i.clone()))?;
-            finding(data, (own[0], other[0]), (Code::NotReciprocal, LIMIT))
+            Some((own[0], other[0]))
         })
         .collect()
 }

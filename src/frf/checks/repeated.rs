@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::finding;
+use super::difference::{finding, gross_finding};
 use super::mobility::Mobilities;
 
 /// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %, when the second was
@@ -11,13 +11,28 @@ const LIMIT: f64 = 0.05;
 
 /// Every further measurement of a pair against the first one.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for functions in data.by_pair().values() {
-        let (first, others) = (functions[0], &functions[1..]);
-        let of = |other: &usize| finding(data, (first, *other), (Code::RepeatsDiffer, LIMIT));
-        findings.extend(others.iter().filter_map(of));
-    }
-    findings
+    let pairs = repeats(data).into_iter();
+    pairs
+        .filter_map(|pair| finding(data, pair, (Code::RepeatsDiffer, LIMIT)))
+        .collect()
+}
+
+/// The same at clear resonances, of gross differences alone.
+pub(super) fn gross_findings(data: &Mobilities) -> Vec<Finding> {
+    let pairs = repeats(data).into_iter();
+    pairs
+        .filter_map(|pair| gross_finding(data, pair, Code::RepeatsDiffer))
+        .collect()
+}
+
+fn repeats(data: &Mobilities) -> Vec<(usize, usize)> {
+    let pairs = data.by_pair();
+    let of = |functions: &Vec<usize>| {
+        let first = functions[0];
+        functions[1..].iter().map(|other| (first, *other)).collect()
+    };
+    let pairs: Vec<Vec<(usize, usize)>> = pairs.values().map(of).collect();
+    pairs.concat()
 }
 
 #[cfg(test)]

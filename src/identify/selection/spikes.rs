@@ -80,7 +80,11 @@ fn lagrange(k: usize, j: usize, places: impl Iterator<Item = usize>) -> f64 {
 
 /// The set without its spikes, with a finding of each; `None` where there are none.
 pub(super) fn without_spikes(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
-    let unstated = (0..set.len()).filter(|i| set.variance(*i).is_none());
+    let by_coherence = |i: usize| {
+        let averages = set.functions()[i].averages;
+        set.coherence(i).is_some() && averages.is_some_and(|n| n >= 2)
+    };
+    let unstated = (0..set.len()).filter(|i| set.variance(*i).is_none() && !by_coherence(*i));
     let functions: Vec<usize> = unstated.collect();
     let bent = bent(set, &functions, lines.clone());
     let mut found: Vec<(Range<usize>, Courses)> = Vec::new();
@@ -150,6 +154,8 @@ struct Stencil {
     course: Vec<[f64; SMOOTH]>,
     /// Residue R of `R/x` for each coefficient of the skirts.
     residue: [f64; ALL - SMOOTH],
+    /// Factor D of `D/x²` for the last coefficient: two resonances of opposite residues leave no other skirts.
+    pair: f64,
 }
 
 impl Stencil {
@@ -189,6 +195,7 @@ impl Stencil {
             columns,
             course: on_spike.collect(),
             residue: [a.recip(), -b / (a * c)],
+            pair: c.recip(),
         }
     }
 
@@ -197,6 +204,7 @@ impl Stencil {
         let freedom = (self.columns.len() - ALL) as f64;
         let residue_gain: f64 = self.residue.iter().map(|own| own * own).sum();
         let (mut height, mut skirts, mut scatter) = (0.0f64, 0.0f64, 0.0f64);
+        let (mut pairs, mut scatter_of_pairs) = (0.0f64, 0.0f64);
         let mut courses = Vec::new();
         for f in functions {
             let values = set.values(*f);
@@ -217,6 +225,9 @@ impl Stencil {
             let variance = noise * residue_gain;
             skirts += residue.norm_sqr() - variance;
             scatter += variance * variance;
+            let variance = noise * self.pair * self.pair;
+            pairs += coefficients[ALL - 1].norm_sqr() * self.pair * self.pair - variance;
+            scatter_of_pairs += variance * variance;
             let course = self.course.iter().map(|row| {
                 let terms = row.iter().zip(&coefficients);
                 terms
@@ -238,6 +249,10 @@ impl Stencil {
         }
         // Of what the noise makes of skirts that are not there, the mean is known and taken off; two deviations of it stay.
         let scatter = scatter.sqrt();
+        let are_pairs = pairs > SURE * scatter_of_pairs.sqrt();
+        if are_pairs && height < OVER_SURE_SKIRTS * OVER_SURE_SKIRTS * pairs {
+            return None;
+        }
         let over = if skirts > SURE * scatter {
             OVER_SURE_SKIRTS
         } else {
@@ -406,6 +421,26 @@ mod tests {
         }
         assert!(without_blanks(&wide, 1..LINES).is_none());
         assert!(without_blanks(&set(8.0, AT, 0.1, true), 1..LINES).is_none());
+    }
+
+    #[test]
+    fn two_modes_of_opposite_residues_are_no_spike() {
+        for half_width in [0.05, 0.1, 0.3] {
+            for apart in [0.4, 1.0, 1.5] {
+                for at in [120.0, 120.3, 120.6] {
+                    let noise = 1e-4;
+                    let mut both = set(half_width, at, noise, false);
+                    let other = set(half_width, at + apart, 0.0, false);
+                    for i in 0..FUNCTIONS {
+                        let other = other.values(i).iter();
+                        let own = both.values_mut(i).iter_mut();
+                        own.zip(other).for_each(|(own, other)| *own -= other);
+                    }
+                    let own = without_spikes(&both, 1..LINES);
+                    assert!(own.is_none(), "{half_width} {apart} {at}");
+                }
+            }
+        }
     }
 
     #[test]

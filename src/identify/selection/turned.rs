@@ -42,6 +42,10 @@ pub(super) fn turned_function(set: &FrfSet, candidates: &[Candidate]) -> Option<
     let all = block.rows.iter().flatten().copied();
     let found: Vec<usize> = all.filter(all_single).collect();
     let first = &set.functions()[*found.first()?];
+    let elsewhere = |i: &usize| set.functions()[*i].response != first.response;
+    if found.iter().any(elsewhere) {
+        return None;
+    }
     let place = Place::Function {
         response: Some(first.response.clone()),
         reference: (found.len() == 1).then(|| first.reference.clone()),
