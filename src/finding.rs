@@ -285,7 +285,7 @@ codes! {
     AboveValidBand: "the mode lies above the valid band: beyond 0.4 of the sampling rate, where the anti-alias filter falls off and aliases cannot be excluded, or where the force excites little",
         "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";
     /// A stated band with more than there is.
-    BandCut: "the band reaches beyond the data and was cut to them",
+    BandCut: "the band reaches beyond the data, or to lines without a number, and was cut to them",
         "Value and limit are the edge of the band and the outermost line on that side. Modes beyond the data cannot be found.";
     /// Lines at which no function had a value.
     LineFilled: "up to three lines have no value in any function (0, or no number) and were filled in from their neighbours",

@@ -275,9 +275,12 @@ impl Shapes {
         test: &[usize],
         theory: &[usize],
     ) -> Result<Option<f64>, CorrelateError> {
+        if test.len() < 2 {
+            return Ok(None);
+        }
         let [own, root] = self.common(test, theory);
         let dofs = own[0].len();
-        if test.len() < 2 || dofs <= theory.len() {
+        if dofs <= theory.len() {
             return Ok(None);
         }
         let norm = |shape: &[Complex64]| shape.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();

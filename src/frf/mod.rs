@@ -40,8 +40,9 @@ mod hammer_tests;
 #[cfg(test)]
 mod recording_tests;
 
+pub(crate) use checks::check_functions;
+pub use checks::check_set;
 pub(crate) use checks::runs;
-pub use checks::{check_functions, check_set};
 pub(crate) use coherence::variance_from_coherence;
 pub use convert::convert;
 pub use error::FrfError;

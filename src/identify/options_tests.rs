@@ -289,6 +289,10 @@ fn lines_at_the_ends_that_hold_no_number_in_any_function_are_left_out() {
     let with = changed(&clean, |_, k, v| if k >= last { v * f64::NAN } else { v });
     let model = identify(&with, &IdentifyOptions::default()).expect("the rest is sound");
     assert_eq!(model.modes.len(), 2);
+    let cut = model.findings.iter().find(|own| own.code == Code::BandCut);
+    let cut = cut.map(|own| (own.value, own.limit));
+    let hz = |k: usize| Some(clean.axis().hz(k));
+    assert_eq!(cut, Some((hz(last + 2), hz(last - 1))));
     let with = changed(
         &clean,
         |i, k, v| if k >= last && i > 0 { v * f64::NAN } else { v },

@@ -22,7 +22,7 @@ use super::{Candidate, IdentifyError, IdentifyOptions, PoleTable};
 mod spikes;
 mod turned;
 
-use spikes::{without_blanks, without_spikes};
+use spikes::{filled, without_spikes};
 use turned::turned_function;
 
 /// Share of the residues of one mode that several references may leave unexplained by one shape.
@@ -35,12 +35,12 @@ const ROUNDS: usize = 3;
 pub(super) struct Chosen<'a> {
     pub set: Cow<'a, FrfSet>,
     pub band: Band,
-    /// Of functions that were left out.
+    /// Of what was left out or replaced.
     pub findings: Vec<Finding>,
 }
 
 /// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis;
-/// as far as there are lines.
+/// as far as there are lines. Lines without any value and spikes are replaced by what their neighbours say ([`spikes`]).
 ///
 /// # Errors
 /// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`] for an axis without any band.
@@ -65,7 +65,8 @@ pub(super) fn chosen<'a>(
     let band = band.or_else(|| whole_band(&set));
     let band = band.ok_or_else(|| no_band(&set))?;
     let (band, mut findings) = cut(&set, band);
-    if let Some((filled, blanks)) = without_blanks(&set, looked_at(&set, band)) {
+    findings.extend(ends_without_numbers(&set, band));
+    if let Some((filled, blanks)) = filled(&set, looked_at(&set, band)) {
         set = Cow::Owned(filled);
         findings.extend(blanks);
     }
@@ -123,6 +124,30 @@ fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
         true => (band, findings),
         false => (own, findings),
     }
+}
+
+/// The findings of a band at whose ends no function has a number: those lines are left out.
+fn ends_without_numbers(set: &FrfSet, band: Band) -> Vec<Finding> {
+    let lines = set.axis().lines(&band);
+    let none = |k: &usize| (0..set.len()).all(|i| !set.values(i)[*k].is_finite());
+    let hz = |k: usize| set.axis().hz(k);
+    // Derivatives have no value at 0 Hz, and nobody looks there.
+    let first = lines.clone().find(|k| hz(*k) > 0.0 && !none(k));
+    let last = lines.clone().rev().find(|k| !none(k));
+    let (Some(first), Some(last)) = (first, last) else {
+        return Vec::new();
+    };
+    let finding = |end: usize, limit: usize| {
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        finding.value(hz(end), "Hz").limit(hz(limit))
+    };
+    let begin = lines.clone().find(|k| hz(*k) > 0.0);
+    let low = begin.filter(|begin| *begin < first);
+    let high = Some(lines.end - 1).filter(|end| *end > last);
+    let low = low.map(|begin| finding(begin, first));
+    low.into_iter()
+        .chain(high.map(|end| finding(end, last)))
+        .collect()
 }
 
 fn left_out(function: &Function, hz: f64) -> Finding {

@@ -224,10 +224,7 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     } else {
         data.frfs = frf_sets(&mut files)?;
         for set in &data.frfs {
-            // What made the functions may have told it already.
-            let known = |finding: &Finding| set.findings.contains(finding);
-            let own = check_functions(set).into_iter();
-            data.findings.extend(own.filter(|finding| !known(finding)));
+            data.findings.extend(check_functions(set));
         }
     }
     Ok(data)

@@ -41,7 +41,7 @@ use mobility::Mobilities;
 ///
 /// Files often state no band and no variances, and an axis reaches to where neither force nor sensor do: functions are held against
 /// each other at their clear resonances alone, and what is told is gross: a sign, another point, a gain of a third.
-pub fn check_functions(set: &FrfSet) -> Vec<Finding> {
+pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let is_dead = |i: &usize| set.values(*i).iter().all(|value| *value == Complex64::ZERO);
     let (dead, live): (Vec<usize>, Vec<usize>) = (0..set.len()).partition(is_dead);
     let place = |i: usize| Place::Function {

@@ -41,7 +41,7 @@ const FILLED_FROM: usize = 3;
 ///
 /// Blank is a line that is 0 or no number in every function, up to three side by side, of functions without variances. It gets the
 /// polynomial through three lines on either side.
-pub(super) fn without_blanks(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
+pub(super) fn filled(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
     if (0..set.len()).any(|i| set.variance(i).is_some()) {
         return None;
     }
@@ -208,6 +208,11 @@ impl Stencil {
         let mut courses = Vec::new();
         for f in functions {
             let values = set.values(*f);
+            // What is no measurement at all is to be named, not mended.
+            let around = &values[run.start - BESIDE..run.end + BESIDE];
+            if around.iter().any(|value| !value.norm_sqr().is_finite()) {
+                return None;
+            }
             let before = &values[run.start - BESIDE..run.start];
             let beside = before.iter().chain(&values[run.end..run.end + BESIDE]);
             let mut coefficients = [Complex64::ZERO; ALL];
@@ -238,10 +243,6 @@ impl Stencil {
             let off = values[run.clone()].iter().zip(&course);
             let highest = off.map(|(value, own)| (value - own).norm_sqr());
             let highest = highest.fold(0.0, f64::max);
-            if !highest.is_finite() {
-                // No measurement at all: to be named, not mended.
-                return None;
-            }
             height += highest;
             if highest > SEEN * SEEN * noise {
                 courses.push((*f, course));
@@ -362,6 +363,17 @@ mod tests {
     }
 
     #[test]
+    fn a_value_that_is_no_number_is_named_and_not_mended() {
+        for bad in [f64::NAN, f64::INFINITY, 1e200] {
+            for from in [48, 50, 52] {
+                let mut with = spiked(set(2.0, AT, 1e-3, false), 50, &[1.0]);
+                with.values_mut(1)[from] = bad.into();
+                assert!(without_spikes(&with, 1..LINES).is_none(), "{bad} {from}");
+            }
+        }
+    }
+
+    #[test]
     fn a_function_without_the_spike_stays_as_it_is() {
         let clean = set(2.0, AT, 1e-3, false);
         let mut with = clean.clone();
@@ -396,21 +408,20 @@ mod tests {
                 for i in 0..FUNCTIONS {
                     with.values_mut(i)[run.clone()].fill(value.into());
                 }
-                let (filled, findings) =
-                    without_blanks(&with, 1..LINES).expect("lines without a value");
+                let (whole, findings) = filled(&with, 1..LINES).expect("lines without a value");
                 let middle = 0.5 * (run.start + run.len() / 2) as f64;
                 let told: Vec<_> = findings.iter().map(|own| (own.code, own.value)).collect();
                 assert_eq!(told, [(Code::LineFilled, Some(middle))]);
                 for i in 0..FUNCTIONS {
                     for k in 0..LINES {
-                        let error = (filled.values(i)[k] - clean.values(i)[k]).norm();
+                        let error = (whole.values(i)[k] - clean.values(i)[k]).norm();
                         let most = if run.contains(&k) { 2e-3 } else { 0.0 };
                         assert!(error <= most, "{run:?} {i} {k} {error:e}");
                     }
                 }
                 with.values_mut(3)[run.start] = Complex64::ONE;
                 with.values_mut(3)[run.end - 1] = Complex64::ONE;
-                let own = without_blanks(&with, 1..LINES);
+                let own = filled(&with, 1..LINES);
                 assert_eq!(own.is_some(), run.len() == 3, "{run:?}");
             }
         }
@@ -419,8 +430,8 @@ mod tests {
             wide.values_mut(i)[60..64].fill(Complex64::ZERO);
             wide.values_mut(i)[LINES - 2..].fill(Complex64::ZERO);
         }
-        assert!(without_blanks(&wide, 1..LINES).is_none());
-        assert!(without_blanks(&set(8.0, AT, 0.1, true), 1..LINES).is_none());
+        assert!(filled(&wide, 1..LINES).is_none());
+        assert!(filled(&set(8.0, AT, 0.1, true), 1..LINES).is_none());
     }
 
     #[test]

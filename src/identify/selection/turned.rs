@@ -4,6 +4,8 @@
 //! at all modes; a structure has some repeated roots, seldom half of all. Where turning one function back makes single modes of all of
 //! them, that function is named; of two references the response alone, for its whole row turned changes no rank.
 
+use std::collections::HashMap;
+
 use num_complex::Complex64;
 
 use crate::dof::Dof;
@@ -24,10 +26,11 @@ const OF_BEFORE: f64 = 0.1;
 pub(super) fn turned_function(set: &FrfSet, candidates: &[Candidate]) -> Option<Finding> {
     let double = candidates.iter().filter(|own| own.multiplicity == 2);
     let double: Vec<&[Complex64]> = double.filter_map(|own| own.residues.as_deref()).collect();
+    if double.len() < FEWEST_ROOTS.max(candidates.len().div_ceil(2)) {
+        return None;
+    }
     let block = Block::new(set);
-    if double.len() < FEWEST_ROOTS.max(candidates.len().div_ceil(2))
-        || block.rows.len() < FEWEST_RESPONSES
-    {
+    if block.rows.len() < FEWEST_RESPONSES {
         return None;
     }
     let before: Option<Vec<f64>> = double.iter().map(|own| block.beside(own, None)).collect();
@@ -62,13 +65,16 @@ struct Block {
 impl Block {
     fn new(set: &FrfSet) -> Self {
         let references = set.references();
-        let of = |response: &Dof, reference: &Dof| {
-            let mut functions = set.functions().iter();
-            functions.position(|own| own.response == *response && own.reference == *reference)
+        let functions = set.functions().iter().enumerate();
+        let numbers: HashMap<(&Dof, &Dof), usize> = functions
+            .map(|(i, own)| ((&own.response, &own.reference), i))
+            .collect();
+        let row = |response: &Dof| {
+            let number = |reference| numbers.get(&(response, reference)).copied();
+            references.iter().map(number).collect()
         };
-        let row = |response: Dof| references.iter().map(|own| of(&response, own)).collect();
         Self {
-            rows: set.responses().into_iter().filter_map(row).collect(),
+            rows: set.responses().iter().filter_map(row).collect(),
         }
     }
 
