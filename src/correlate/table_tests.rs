@@ -44,6 +44,19 @@ fn shaker() -> ModalModel {
     test
 }
 
+/// One test, called `t`, before a theory.
+fn table_of(theory: &ModalModel, test: &ModalModel) -> ComparisonTable {
+    let options = PairOptions::default();
+    let pairing = pair(test, theory, &options).expect("sound models");
+    let tests = [PairedTest {
+        name: "t",
+        model: test,
+        pairing: &pairing,
+        frfs: &[],
+    }];
+    compare(theory, &tests, &options).expect("sound models")
+}
+
 fn table(error_reference: ErrorReference) -> ComparisonTable {
     let options = PairOptions {
         error_reference,
@@ -140,15 +153,7 @@ fn a_split_root_has_the_mean_of_its_test_modes_and_the_worst_of_their_errors() {
 fn half_a_repeated_root_is_said() {
     let (theory, mut test) = (theory(), shaker());
     test.modes.pop();
-    let options = PairOptions::default();
-    let pairing = pair(&test, &theory, &options).unwrap();
-    let tests = [PairedTest {
-        name: "one",
-        model: &test,
-        pairing: &pairing,
-        frfs: &[],
-    }];
-    let table = compare(&theory, &tests, &options).unwrap();
+    let table = table_of(&theory, &test);
     let reasons = &table.rows[4].tests[0].reasons;
     assert_eq!(*reasons, ["1 of the 2 modes of a repeated root"]);
 }
@@ -157,15 +162,7 @@ fn half_a_repeated_root_is_said() {
 fn one_mode_twice_at_a_repeated_root_is_no_sure_pair() {
     let (theory, mut test) = (theory(), shaker());
     test.modes[2] = mode(1020.0, &shape(1));
-    let options = PairOptions::default();
-    let pairing = pair(&test, &theory, &options).unwrap();
-    let tests = [PairedTest {
-        name: "one",
-        model: &test,
-        pairing: &pairing,
-        frfs: &[],
-    }];
-    let table = compare(&theory, &tests, &options).unwrap();
+    let table = table_of(&theory, &test);
     let cell = &table.rows[4].tests[0];
     assert_eq!(
         (cell.status, cell.modes.as_slice()),
@@ -215,15 +212,7 @@ fn the_summary_counts_and_averages_what_the_rows_show() {
 fn root_mean_square_and_mean_differ_where_the_errors_do() {
     let theory = model(vec![mode(100.0, &[]), mode(200.0, &[])]);
     let test = model(vec![mode(101.0, &[]), mode(186.0, &[])]);
-    let options = PairOptions::default();
-    let pairing = pair(&test, &theory, &options).unwrap();
-    let tests = [PairedTest {
-        name: "t",
-        model: &test,
-        pairing: &pairing,
-        frfs: &[],
-    }];
-    let table = compare(&theory, &tests, &options).unwrap();
+    let table = table_of(&theory, &test);
     let summary = &table.summary[0];
     assert!(close(summary.max_error_percent, 7.0) && close(summary.mean_error_percent, 4.0));
     assert!(close(summary.rms_error_percent, 5.0), "sqrt((1 + 49)/2)");
@@ -240,15 +229,7 @@ fn doubts_and_refusals_have_their_reason() {
     let theory = model(vec![mode(100.0, &shape(1)), mode(300.0, &shape(2))]);
     let twins = [100.2, 100.4].map(|hz| mode(hz, &shape(1)));
     let test = model([twins.to_vec(), vec![mode(301.0, &shape(3))]].concat());
-    let options = PairOptions::default();
-    let pairing = pair(&test, &theory, &options).unwrap();
-    let tests = [PairedTest {
-        name: "t",
-        model: &test,
-        pairing: &pairing,
-        frfs: &[],
-    }];
-    let table = compare(&theory, &tests, &options).unwrap();
+    let table = table_of(&theory, &test);
     let cell = &table.rows[0].tests[0];
     assert_eq!(
         (cell.status, table.summary[0].ambiguous),

@@ -34,6 +34,7 @@ use num_complex::Complex64;
 use crate::finding::{Code, Finding, Place, Severity};
 
 use super::FrfSet;
+use difference::gross_finding;
 use mobility::Mobilities;
 
 /// What functions of which nobody knows how they were measured say by themselves: signs at driving points, reciprocity, repeated
@@ -53,8 +54,13 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     if let Some(data) = Mobilities::new(&live) {
         let signs = driving::findings(&data).into_iter();
         findings.extend(signs.filter(|finding| finding.value > Some(MOST_WRONG)));
-        findings.extend(reciprocity::gross_findings(&data));
-        findings.extend(repeated::gross_findings(&data));
+        for (pairs, code) in [
+            (reciprocity::reciprocal(&data), Code::NotReciprocal),
+            (repeated::repeats(&data), Code::RepeatsDiffer),
+        ] {
+            let pairs = pairs.into_iter();
+            findings.extend(pairs.filter_map(|pair| gross_finding(&data, pair, code)));
+        }
     }
     let dead = dead.into_iter();
     findings.extend(dead.map(|i| Finding::new(Severity::Warning, Code::DeadChannel, place(i))));

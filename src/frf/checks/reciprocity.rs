@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::{finding, gross_finding};
+use super::difference::finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to about 5 %, and two
@@ -17,15 +17,8 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
         .collect()
 }
 
-/// The same at clear resonances, of gross differences alone.
-pub(super) fn gross_findings(data: &Mobilities) -> Vec<Finding> {
-    let pairs = reciprocal(data).into_iter();
-    pairs
-        .filter_map(|pair| gross_finding(data, pair, Code::NotReciprocal))
-        .collect()
-}
-
-fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
+/// Pairs of functions that should be one by reciprocity, by their numbers.
+pub(super) fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
     let pairs = data.by_pair();
     let upper = pairs.iter().filter(|((i, j), _)| i < j);
     upper

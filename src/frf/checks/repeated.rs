@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::{finding, gross_finding};
+use super::difference::finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %, when the second was
@@ -17,15 +17,8 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
         .collect()
 }
 
-/// The same at clear resonances, of gross differences alone.
-pub(super) fn gross_findings(data: &Mobilities) -> Vec<Finding> {
-    let pairs = repeats(data).into_iter();
-    pairs
-        .filter_map(|pair| gross_finding(data, pair, Code::RepeatsDiffer))
-        .collect()
-}
-
-fn repeats(data: &Mobilities) -> Vec<(usize, usize)> {
+/// Every further measurement of a pair with the first one, by their numbers.
+pub(super) fn repeats(data: &Mobilities) -> Vec<(usize, usize)> {
     let pairs = data.by_pair();
     let of = |functions: &Vec<usize>| {
         let first = functions[0];
