@@ -260,7 +260,7 @@ fn variance_of_im_lambda(
         }
     }
     let matrix = real_matrix(4, 4, |i, j| fisher[i][j]);
-    let column = least_squares_real(&matrix, &[0.0, 0.0, 0.0, 1.0]);
+    let column = least_squares_real(&matrix, &[0.0, 0.0, 0.0, 1.0]).unwrap();
     column[3] * lambda.re * lambda.re
 }
 

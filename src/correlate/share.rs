@@ -11,7 +11,7 @@
 use num_complex::Complex64;
 
 use crate::linalg::{
-    ComplexMatrix, adjoint_product, complex_matrix, solve_lower, solve_lower_adjoint, thin_qr,
+    ComplexMatrix, ThinQr, adjoint_product, complex_matrix, solve_lower, solve_lower_adjoint,
 };
 use crate::modal::ModalModel;
 
@@ -228,7 +228,7 @@ fn of_many_points(
         Some(own) if own == c => reach[c].recip().into(),
         Some(_) => Complex64::ZERO,
     });
-    let qr = thin_qr(&matrix);
+    let qr = ThinQr::or_not_a_number(&matrix);
     let lower = complex_matrix(modes, modes, |i, j| qr.r[(j, i)].conj());
     let upper = complex_matrix(points, modes, |p, c| qr.q[(p, c)] / deviation);
     (lower, Unknowns::Modes(upper))
@@ -247,7 +247,7 @@ fn of_few_points(
         Some(_) => Complex64::ZERO,
     });
     let lower = complex_matrix(points, points, {
-        let upper = thin_qr(&stacked).r;
+        let upper = ThinQr::or_not_a_number(&stacked).r;
         move |i, j| upper[(j, i)].conj()
     });
     let weighted = complex_matrix(points, modes, |p, c| columns[c][p] * reach[c].powi(2));

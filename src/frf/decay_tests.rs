@@ -224,7 +224,7 @@ fn rational_pole(set: &FrfSet, lo_hz: f64, hi_hz: f64) -> Pole {
         _ => -u(row) * u(row) * h(row),
     });
     let b = complex_matrix(lines.len(), 1, |row, _| h(row));
-    let x = least_squares(&a, &b);
+    let x = least_squares(&a, &b).unwrap();
     let (a1, a2) = (x[(2, 0)], x[(3, 0)]);
     let roots = [1.0, -1.0].map(|sign| 0.5 * (-a1 + sign * (a1 * a1 - 4.0 * a2).sqrt()));
     let upper = roots.into_iter().max_by(|a, b| a.im.total_cmp(&b.im));

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, ThinQr};
 
 /// Nearest pole, lines beyond the end.
 const NEAREST: f64 = 1.5;
@@ -91,7 +91,7 @@ impl<'a> Background<'a> {
         let columns = linalg::complex_matrix(omega.len(), self.columns(), |k, c| {
             self.value(c, omega, k) / course[k]
         });
-        linalg::thin_qr(&columns).q
+        ThinQr::or_not_a_number(&columns).q
     }
 }
 

@@ -146,7 +146,7 @@ fn gauss_newton_step(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Vec<f6
         .zip(arms)
         .map(|(w, arm)| sweep.residual(*w, *arm))
         .collect();
-    linalg::least_squares_real(&columns, &residuals)
+    linalg::least_squares_real(&columns, &residuals).unwrap_or_else(|_| vec![f64::NAN; 3])
 }
 
 /// Weighted mean and relative standard deviation of the damping surface; `None` without a pair.

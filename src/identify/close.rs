@@ -121,7 +121,7 @@ pub(super) fn second_pole(
         }
     });
     let right = linalg::complex_matrix(omega.len(), rest.len(), |i, f| rest[f][i]);
-    let left_over = &right - &columns * linalg::least_squares(&columns, &right);
+    let left_over = &right - &columns * linalg::least_squares(&columns, &right).ok()?;
     let energy: f64 = (0..rest.len())
         .map(|f| {
             left_over

@@ -16,11 +16,15 @@ use num_complex::Complex64;
 
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
-use crate::linalg::{self, RealMatrix};
+use crate::linalg::{self, ThinQr};
 
 use super::receptance::Receptances;
 use super::selection::{Chosen, chosen};
 use super::{IdentifyError, IdentifyOptions};
+
+/// Smallest diagonal entry of the triangle of a line, over its largest value, with which its references are independent:
+/// the root of the roundoff, below which the squares of the smaller singular values are rounding.
+const DEPENDENT: f64 = 1e-8;
 
 /// Mode indicator functions on the lines of a band.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,18 +136,22 @@ impl Matrix {
         if largest <= 0.0 {
             return None;
         }
-        let squared = |part: fn(&Complex64) -> f64| -> RealMatrix {
-            let mut matrix = linalg::real_matrix(self.responses, self.references, |_, _| 0.0);
-            for (place, value) in self.places.iter().zip(line) {
-                matrix[*place] += part(value) / largest;
-            }
-            matrix.transpose() * &matrix
-        };
-        let (real, imaginary) = (squared(|r| r.re), squared(|r| r.im));
-        let whole = &real + imaginary;
-        let modes = linalg::symmetric_modes(&real, &whole).ok()?;
-        let inside = |value: &f64| value.clamp(0.0, 1.0);
-        Some(modes.omega_squared.iter().map(inside).collect())
+        // [Re H; Im H] = Q R: the values are the squared singular values of the rows of Q that belong to Re H.
+        let (rows, columns) = (self.responses.max(self.references), self.references);
+        let mut stacked = linalg::complex_matrix(2 * rows, columns, |_, _| Complex64::ZERO);
+        for (&(row, column), value) in self.places.iter().zip(line) {
+            stacked[(row, column)] += value.re / largest;
+            stacked[(rows + row, column)] += value.im / largest;
+        }
+        let ThinQr { q, r } = linalg::thin_qr(&stacked).ok()?;
+        let diagonal = (0..columns).map(|j| r[(j, j)].norm());
+        if diagonal.fold(f64::INFINITY, f64::min) < DEPENDENT {
+            return None;
+        }
+        let real = linalg::complex_matrix(rows, columns, |i, j| q[(i, j)]);
+        let mut values = linalg::singular_values(&real).ok()?;
+        values.reverse();
+        Some(values.iter().map(|s| (s * s).min(1.0)).collect())
     }
 }
 

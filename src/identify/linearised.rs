@@ -201,7 +201,10 @@ impl Problem<'_> {
             sums.turns.push(Turn::none());
             return sums;
         }
-        let qr = linalg::thin_qr(&b);
+        let Ok(qr) = linalg::thin_qr(&b) else {
+            sums.turns.push(Turn::none());
+            return sums;
+        };
         let inverse = linalg::inverse_upper(&qr.r);
         let coordinates = qr.q.adjoint() * &z;
         // Shapes by column and output, in units of the output's noise.

@@ -112,7 +112,7 @@ fn vertex_of(omega: &[f64], power: &[f64], (top, lines): (usize, Range<usize>)) 
     let inverse: Vec<f64> = (0..lines.len())
         .map(|i| weight(i) * power[top] / power[lines.start + i])
         .collect();
-    let c = linalg::least_squares_real(&columns, &inverse);
+    let c = linalg::least_squares_real(&columns, &inverse).ok()?;
     let vertex = Vertex {
         omega: omega[top] - scale * c[1] / (2.0 * c[2]),
         inverse: (c[0] - c[1] * c[1] / (4.0 * c[2])) / power[top],

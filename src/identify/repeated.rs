@@ -149,7 +149,8 @@ fn fit(around: &Surroundings) -> Fit {
     let lines = around.omega.len();
     let columns = pole_columns(around.omega, around.lambda, COLUMNS);
     let right = linalg::complex_matrix(lines, around.rest.len(), |i, f| around.rest[f][i]);
-    let solution = linalg::least_squares(&columns, &right);
+    let solution = linalg::least_squares(&columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()));
     let gain = gain(&columns);
     let deviation = match around.variance {
         Some(variance) => variance.iter().map(|v| (gain * v).sqrt()).collect(),
@@ -181,7 +182,10 @@ fn gain(columns: &ComplexMatrix) -> f64 {
     let lines = columns.nrows();
     let own = linalg::complex_matrix(lines, 1, |i, _| columns[(i, 0)]);
     let others = linalg::complex_matrix(lines, COLUMNS - 1, |i, c| columns[(i, c + 1)]);
-    let left = &own - &others * linalg::least_squares(&others, &own);
+    let Ok(solution) = linalg::least_squares(&others, &own) else {
+        return f64::NAN;
+    };
+    let left = &own - &others * solution;
     1.0 / left.col(0).iter().map(Complex64::norm_sqr).sum::<f64>()
 }
 

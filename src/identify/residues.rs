@@ -56,7 +56,8 @@ fn around_one_mode(
         }
     });
     let right = linalg::complex_matrix(lines.len(), data.functions(), |i, f| rest[f][i]);
-    let solution = linalg::least_squares(&columns, &right);
+    let solution = linalg::least_squares(&columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()));
     (0..data.functions())
         .map(|f| solution[(0, f)] * poles[mode].re.abs())
         .collect()
@@ -99,6 +100,7 @@ pub(super) fn one_pole(
     let columns = pole_columns(omega, lambda, count);
     let right = linalg::complex_matrix(omega.len(), values.len(), |i, f| values[f][i]);
     linalg::least_squares(&columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()))
 }
 
 /// The columns of [`one_pole`].

@@ -148,7 +148,7 @@ impl Window {
         let most = (self.x.len() / LINES_PER_UNKNOWN).saturating_sub(EXTRA) / 2;
         let highest = highest.min(most).max(1);
         let of_noise = OrthogonalBasis::new(&self.x, &self.course, highest);
-        let triangle = self.triangle(data, &of_noise, highest);
+        let triangle = self.triangle(data, &of_noise, highest)?;
         let table = |order: usize| {
             let poles = self.poles(&triangle, &of_noise, order)?;
             Ok((order, poles))
@@ -164,7 +164,7 @@ impl Window {
         data: &Receptances,
         of_noise: &OrthogonalBasis,
         highest: usize,
-    ) -> ComplexMatrix {
+    ) -> Result<ComplexMatrix, IdentifyError> {
         let weight = self.course.iter().zip(&self.profile.course);
         let weight: Vec<f64> = weight.map(|(known, noise)| known / noise).collect();
         let of_equations = OrthogonalBasis::new(&self.x, &weight, highest + EXTRA);
@@ -191,9 +191,9 @@ impl Window {
                     Some(line) => columns[(line, j)],
                 }
             });
-            triangle = linalg::thin_qr(&stacked).r;
+            triangle = linalg::thin_qr(&stacked)?.r;
         }
-        triangle
+        Ok(triangle)
     }
 
     fn poles(

@@ -85,7 +85,7 @@ impl Window {
             };
             value / profile.course[k]
         };
-        let qr = linalg::thin_qr(&linalg::complex_matrix(omega.len(), columns, value));
+        let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
         let weights = over(&qr.q, &profile.course);
         let rows = |matrix: &ComplexMatrix| {
             let own = matrix.subrows(lines.start, lines.len());
@@ -200,7 +200,7 @@ impl Window {
         let left = linalg::complex_matrix(columns.nrows(), columns.ncols(), |k, c| {
             columns[(k, c)] - explained[(k, c)] * course[k]
         });
-        (coordinates, linalg::thin_qr(&left))
+        (coordinates, ThinQr::or_not_a_number(&left))
     }
 
     /// Number of the course nearest to a pole, and ε.
@@ -292,7 +292,7 @@ impl Window {
             }
         };
         let columns = first + count + moving.len();
-        let qr = linalg::thin_qr(&linalg::complex_matrix(
+        let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(
             self.triangle.nrows(),
             columns,
             value,

@@ -101,7 +101,7 @@ fn by_lines(
     let values = linalg::complex_matrix(omega.len(), SENSORS, |k, f| {
         data.values[f][lines.start + k] / (profile.course[k] * profile.level[f])
     });
-    let coordinates = linalg::thin_qr(&columns).q.adjoint() * &values;
+    let coordinates = linalg::thin_qr(&columns).unwrap().q.adjoint() * &values;
     (coordinates.squared_norm_l2(), values.squared_norm_l2())
 }
 

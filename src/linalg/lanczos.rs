@@ -14,7 +14,7 @@ use faer::{Mat, Side};
 
 use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
-use super::{LinalgError, RealMatrix};
+use super::{LinalgError, RealMatrix, verify};
 
 /// Width of the block: two and more see the double roots of symmetric structures at once; one to four take about as long,
 /// eight longer.
@@ -25,6 +25,10 @@ const CONVERGED: f64 = 1e-11;
 const DEPENDENT: f64 = 1e-12;
 /// The first shift as a part of the least `K_ii / M_ii`, which no lowest eigenvalue exceeds.
 const FIRST_SHIFT: f64 = 1e-9;
+/// Difference of a Ritz value from the Rayleigh quotient of its vector, as a part of the shifted eigenvalue and over the
+/// bound of rounding, beyond which the iteration is not to be trusted.
+const RITZ_ERROR: f64 = 1e-7;
+const RITZ_ROUNDINGS: f64 = 100.0;
 /// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
 const SHIFT_TRIES: usize = 6;
 
@@ -44,6 +48,8 @@ pub struct SparseModes {
     pub omega_squared: Vec<f64>,
     /// Mass-normalised vectors, one per column.
     pub vectors: RealMatrix,
+    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`, (rad/s)².
+    pub rounding: Vec<f64>,
     /// The limit below which the eigenvalues were counted, (rad/s)²; `None` where these are all there are.
     pub counted_below: Option<f64>,
     /// Vectors to which the shifted and inverted pair was applied.
@@ -85,11 +91,12 @@ pub fn sparse_modes(
     let mut run = Run::new(&factor, mass, shift);
     let first = run.until(&pencil, &mut goal, true)?;
     let Some(elastic) = first.better_shift else {
-        return Ok(first.found);
+        return run.checked(stiffness, first.found);
     };
     let factor = pencil.cholesky(1.0, -elastic)?;
     let mut run = Run::new(&factor, mass, elastic);
-    Ok(run.until(&pencil, &mut goal, false)?.found)
+    let last = run.until(&pencil, &mut goal, false)?;
+    run.checked(stiffness, last.found)
 }
 
 /// The least shift with which the stiffness is positive definite to working precision, with its factor.
@@ -371,9 +378,44 @@ impl<'a> Run<'a> {
         SparseModes {
             omega_squared: ritz.lambda[..count].to_vec(),
             vectors: basis * ritz.coefficients.subcols(0, count),
+            rounding: Vec::new(),
             counted_below,
             solves: self.filled,
         }
+    }
+
+    /// The modes with Rayleigh quotients in compensated arithmetic and their rounding, checked.
+    fn checked(
+        &self,
+        stiffness: &SparseMatrix,
+        mut found: SparseModes,
+    ) -> Result<SparseModes, LinalgError> {
+        let size = self.mass.size();
+        let ratio = |i: usize| stiffness.get(i, i) / self.mass.get(i, i);
+        let largest = (0..size).map(ratio).fold(0.0, f64::max);
+        // Vectors are rounded as well: to the square of `n eps` in the energy of the highest mode.
+        let of_vectors = (size as f64 * f64::EPSILON).powi(2) * largest;
+        for (j, omega_squared) in found.omega_squared.iter_mut().enumerate() {
+            let x: Vec<f64> = found.vectors.col(j).iter().copied().collect();
+            let (strain, kinetic) = (stiffness.quadratic_form(&x), self.mass.quadratic_form(&x));
+            let rounding = f64::EPSILON * strain.magnitude / kinetic.value + of_vectors;
+            let quotient = strain.value / kinetic.value;
+            let limit = RITZ_ERROR * (quotient.abs() + self.shift) + RITZ_ROUNDINGS * rounding;
+            if (quotient - *omega_squared).abs() > limit {
+                return Err(LinalgError::Inaccurate {
+                    what: "natural frequencies",
+                    rows: self.mass.size(),
+                    columns: self.mass.size(),
+                    got: (quotient - *omega_squared).abs(),
+                    limit,
+                });
+            }
+            *omega_squared = quotient;
+            found.rounding.push(rounding);
+        }
+        let solve = |x: &mut RealMatrix| self.factor.solve(x);
+        verify::sparse_modes((stiffness, self.mass), &found, (self.shift, solve))?;
+        Ok(found)
     }
 }
 
@@ -397,11 +439,11 @@ fn scale(a: &mut RealMatrix, j: usize, factor: f64) {
 ///
 /// # Reference
 /// Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators, OOPSLA, figure 17.
-struct SplitMix(u64);
+pub(super) struct SplitMix(pub(super) u64);
 
 impl SplitMix {
     /// The next number from -1 to 1.
-    fn next(&mut self) -> f64 {
+    pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

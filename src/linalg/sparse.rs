@@ -1,15 +1,18 @@
 //! Square sparse matrices, and factorisations of `K - sigma M` with the count of its negative eigenvalues.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky, supernodal,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Par, Side};
 
-use super::{LinalgError, RealMatrix, real_matrix};
+use super::compensated::{CompensatedSum, QuadraticForm};
+use super::vectorised::vectorised;
+use super::{LinalgError, RealMatrix, real_matrix, verify};
 
 /// Square matrix of which the entries that are not zero are kept, column after column with ascending rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,12 +128,29 @@ impl SparseMatrix {
         }
     }
 
-    /// `x^T A x`, and the same of magnitudes, which bounds its rounding.
-    pub fn quadratic_form(&self, x: &[f64]) -> (f64, f64) {
-        let terms = self.entries().map(|(i, j, value)| value * x[i] * x[j]);
-        terms.fold((0.0, 0.0), |(sum, magnitude), term| {
-            (sum + term, magnitude + term.abs())
-        })
+    /// `x^T A x`.
+    pub fn quadratic_form(&self, x: &[f64]) -> QuadraticForm {
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut form = QuadraticForm::default();
+                let mut value = CompensatedSum::default();
+                for (ends, &factor) in self.starts.windows(2).zip(x) {
+                    let mut product = CompensatedSum::default();
+                    let column = ends[0]..ends[1];
+                    for (&row, &entry) in self.rows[column.clone()].iter().zip(&self.values[column])
+                    {
+                        product.add_product(entry, x[row]);
+                        form.magnitude += (entry * x[row] * factor).abs();
+                    }
+                    for part in product.parts() {
+                        value.add_product(part, factor);
+                    }
+                }
+                form.value = value.value();
+                form
+            },
+        )
     }
 
     /// The same matrix with its zeros.
@@ -244,22 +264,47 @@ impl Pencil {
         if failed || values.iter().any(|value| !value.is_finite()) {
             return Err(LinalgError::NotPositiveDefinite { size: self.size });
         }
-        Ok(Cholesky {
+        let factor = Cholesky {
             pencil: self,
             values,
-        })
+        };
+        verify::sparse_factor(self.size, &self.symmetric(&own), |x| factor.solve(x))?;
+        Ok(factor)
+    }
+
+    /// The whole matrix of values of the lower triangle.
+    fn symmetric(&self, values: &[f64]) -> SparseMatrix {
+        let mut entries = Vec::with_capacity(2 * values.len());
+        for column in 0..self.size {
+            let places = self.starts[column]..self.starts[column + 1];
+            for (&row, &value) in self.rows[places.clone()].iter().zip(&values[places]) {
+                entries.push((row, column, value));
+                if row > column {
+                    entries.push((column, row, value));
+                }
+            }
+        }
+        SparseMatrix::from_entries(self.size, &entries).expect("places of the pencil")
     }
 
     /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
     ///
     /// `P (K - shift M) P^T = L B L^T` with blocks B of one or two rows, pivoted inside the supernodes.
     ///
+    /// A factor that fails its check is computed again beside the shift, by a billionth of it.
+    ///
     /// # Errors
-    /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision.
+    /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision;
+    /// [`LinalgError::Inaccurate`].
     ///
     /// # Reference
     /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
     pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
+        let beside = |_| self.inertia(shift * (1.0 + 1e-9));
+        self.inertia(shift).or_else(beside)
+    }
+
+    fn inertia(&self, shift: f64) -> Result<usize, LinalgError> {
         let own = self.combined(1.0, shift);
         let mut values = vec![0.0; self.symbolic.len_val()];
         let mut subdiagonal = vec![0.0; self.size];
@@ -293,6 +338,16 @@ impl Pencil {
                 columns: self.size,
             });
         }
+        let rows = PermRef::new_checked(&forward, &inverse, self.size);
+        let factor = IntranodeLbltRef::new(&self.symbolic, &values, &subdiagonal, rows);
+        verify::sparse_factor(self.size, &self.symmetric(&own), |x| {
+            let scratch = self
+                .symbolic
+                .solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);
+            let mut memory = MemBuffer::new(scratch);
+            let stack = MemStack::new(&mut memory);
+            factor.solve_in_place_with_conj(Conj::No, x.as_mut(), Par::Seq, stack);
+        })?;
         Ok(negative_eigenvalues(&diagonal, &subdiagonal))
     }
 }

@@ -1,5 +1,6 @@
 //! Sparse modes against closed forms with exactly repeated roots: products of uniform bars with consistent mass.
 
+use super::sparse::Pencil;
 use super::*;
 
 /// Tridiagonal matrix of a uniform bar of `h`-long linear elements, with its ends held or free.
@@ -277,7 +278,8 @@ fn entries_add_up_and_those_outside_are_refused() {
     let x = real_matrix(2, 1, |i, _| [10.0, 100.0][i]);
     let y = a.multiply(&x);
     assert_eq!((y[(0, 0)], y[(1, 0)]), (300.0, 25.0));
-    assert_eq!(a.quadratic_form(&[10.0, -1.0]), (-55.0, 55.0));
+    let form = a.quadratic_form(&[10.0, -1.0]);
+    assert_eq!((form.value, form.magnitude), (-55.0, 55.0));
     assert!((a.to_dense()[(0, 1)] - 3.0).abs() < 1e-15);
     let sum = SparseMatrix::weighted_sum(2, &[(2.0, &a), (-1.0, &a)]).unwrap();
     assert_eq!(sum, a);
@@ -290,4 +292,56 @@ fn entries_add_up_and_those_outside_are_refused() {
             size: 2
         }
     );
+}
+
+#[test]
+fn sparse_modes_broken_on_purpose_are_caught() {
+    let (k, m) = product(6, 2, true);
+    let right = sparse_modes(&k, &m, Wanted::Lowest(8), 100).unwrap();
+    let shift = 1.0;
+    let pencil = Pencil::new(&k, &m).unwrap();
+    let factor = pencil.cholesky(1.0, -shift).unwrap();
+    let check = |modes: &SparseModes| {
+        verify::sparse_modes(
+            (&k, &m),
+            modes,
+            (shift, |x: &mut RealMatrix| factor.solve(x)),
+        )
+    };
+    check(&right).unwrap();
+    let last = right.omega_squared.len() - 1;
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut SparseModes));
+    let changes: [Change<'_>; 5] = [
+        ("smallest elastic root doubled", &|modes| {
+            modes.omega_squared[1] *= 2.0
+        }),
+        ("value off by a millionth", &|modes| {
+            modes.omega_squared[last] *= 1.0 + 1e-6
+        }),
+        ("phantom", &|modes| {
+            modes.omega_squared[3] = 0.5 * modes.omega_squared[4]
+        }),
+        ("vectors exchanged", &|modes| {
+            for i in 0..m.size() {
+                let (a, b) = (modes.vectors[(i, 1)], modes.vectors[(i, last)]);
+                (modes.vectors[(i, 1)], modes.vectors[(i, last)]) = (b, a);
+            }
+        }),
+        ("one vector twice", &|modes| {
+            for i in 0..m.size() {
+                modes.vectors[(i, 2)] = modes.vectors[(i, 1)];
+            }
+        }),
+    ];
+    for (what, change) in changes {
+        let mut wrong = right.clone();
+        change(&mut wrong);
+        assert!(check(&wrong).is_err(), "{what} passes");
+    }
+    // A factor of another matrix.
+    let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
+    let own = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
+    verify::sparse_factor(m.size(), &own, |x| factor.solve(x)).unwrap();
+    let wrong = verify::sparse_factor(m.size(), &own, |x| other.solve(x));
+    assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::linalg::{ComplexMatrix, complex_matrix, inverse_upper, thin_qr};
+use crate::linalg::{ComplexMatrix, ThinQr, complex_matrix, inverse_upper, thin_qr};
 
 use super::system::TrueMode;
 
@@ -57,8 +57,11 @@ pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
     let mut whole = complex_matrix(0, globals, |_, _| Complex64::ZERO);
     for output in 0..first.shape.len() {
         let block = basis.output(modes, lines, output);
-        let left = lower_block(&thin_qr(&block).r, 2 * n, globals);
-        whole = thin_qr(&stacked(&whole, &left)).r;
+        let stacked = |block: ThinQr| stacked(&whole, &lower_block(&block.r, 2 * n, globals));
+        let Ok(triangle) = thin_qr(&block).and_then(|block| thin_qr(&stacked(block))) else {
+            return vec![UNKNOWN; modes.len()];
+        };
+        whole = triangle.r;
     }
     let triangle = lower_block(&whole, globals - 2 * n, 2 * n);
     let inverse = inverse_upper(&triangle);
@@ -121,7 +124,7 @@ impl Basis {
             };
             term * (s / scale).powi(lines.order) * scale.powi(lines.order)
         });
-        let triangle = thin_qr(&values).r;
+        let triangle = thin_qr(&values).ok()?.r;
         Some(Self {
             rows: columns - 2,
             triangle: lower_rows(&triangle, 2),

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use crate::dof::{Axis, Dof};
+use crate::finding::Code;
 use crate::geometry::{Sensor, Target};
 use crate::modal::mac;
 
@@ -213,6 +214,136 @@ fn shapes_between_nodes_are_the_analytic_ones() {
             assert!(mac(&got, &exact).unwrap() > 1.0 - 1e-9);
             let tip = got[16].re.abs() / exact[16].re.abs();
             assert!((tip - 1.0).abs() < 2e-5, "unit modal mass: {tip}");
+        }
+    }
+}
+
+/// Element numbers of a refinement; above 64 elements a model has more coordinates than divide and conquer begins with.
+const REFINEMENT: [usize; 9] = [10, 20, 40, 65, 80, 100, 150, 250, 500];
+
+/// Lowest elastic frequencies with the relative bound of each by rounding of the stiffness,
+/// `eps |phi|^T |K| |phi| / (2 omega^2)`.
+fn with_rounding(file: BeamFile, count: usize) -> (TheoryModes, Vec<(f64, f64)>) {
+    let model = BeamModel::new(file).unwrap();
+    let k = model.assemble(&[]).unwrap().stiffness;
+    let result = modes(&model, &[], &[], &ModeOptions::default()).unwrap();
+    let bound = |j: usize| {
+        let phi = |i: usize| result.vectors[(i, j)].abs();
+        let entries = (0..k.nrows()).flat_map(|i| (0..k.ncols()).map(move |c| (i, c)));
+        let sum: f64 = entries
+            .map(|(i, c)| phi(i) * k[(i, c)].abs() * phi(c))
+            .sum();
+        0.5 * f64::EPSILON * sum / result.omega_rad_s[j].powi(2)
+    };
+    let elastic = result.rigid..result.rigid + count;
+    let rows = elastic.map(|j| (result.model.modes[j].frequency_hz, bound(j)));
+    let rows = rows.collect();
+    (result, rows)
+}
+
+/// Root of `cos cosh = sign`, next to `(j + 1/2) pi`.
+fn characteristic_root(j: usize, sign: f64) -> f64 {
+    let mut x = (j as f64 + 0.5) * PI;
+    for _ in 0..50 {
+        let (f, slope) = (
+            x.cos() - sign / x.cosh(),
+            sign * x.tanh() / x.cosh() - x.sin(),
+        );
+        x -= f / slope;
+    }
+    x
+}
+
+#[test]
+fn refined_bars_follow_the_error_of_their_elements_down_to_rounding() {
+    for elements in REFINEMENT {
+        for (start, rigid, sign) in [(End::Free, 2, 1.0), (End::Clamped, 0, -1.0)] {
+            let (result, rows) = with_rounding(bar(elements, start, End::Free), 10);
+            assert_eq!(result.rigid, rigid, "{elements} elements");
+            let rigid = &result.model.modes[..rigid];
+            assert!(
+                rigid
+                    .iter()
+                    .all(|mode| mode.frequency_hz.abs() < f64::MIN_POSITIVE)
+            );
+            for (j, (hz, bound)) in rows.into_iter().enumerate() {
+                // The first root of cos cosh = -1 lies above pi / 2, that of cos cosh = 1 above 3 pi / 2.
+                let number = if start == End::Free { j + 1 } else { j };
+                let root = characteristic_root(number, sign);
+                let width = root / elements as f64;
+                let (error, leading) = ((beta_l(hz) / root).powi(2) - 1.0, width.powi(4) / 1440.0);
+                // Terms of higher order: 14 % where an element is a radian of the wave.
+                let higher = 0.2 * width.powi(2) * leading;
+                assert!(
+                    (error - leading).abs() <= higher + bound.max(1e-8),
+                    "{elements} elements, {start:?}, mode {j}: {error:e} against {leading:e}, rounding {bound:e}"
+                );
+            }
+        }
+    }
+}
+
+/// First root in b of a function that is negative at once above 0.
+fn first_root(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (1e-9, 1.2);
+    assert!(f(low) < 0.0 && f(high) > 0.0);
+    for _ in 0..200 {
+        let middle = (low * high).sqrt();
+        if f(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
+    let (bending, mass) = (YOUNGS_PA * SECOND_MOMENT_M4, MASS_PER_LENGTH * LENGTH_M);
+    for suspended_hz in [0.1, 2.0] {
+        let stiffness = 0.5 * mass * (TAU * suspended_hz).powi(2);
+        // Half the bar, `b = beta L / 2`, with EI w''' = k w and w'' = 0 at its end: w = cosh b cos + cos b cosh moves up and
+        // down, w = sinh b sin + sin b sinh rocks.
+        let cube = |b: f64| bending * (2.0 * b / LENGTH_M).powi(3);
+        let heave = first_root(|b| cube(b) * (b.tan() + b.tanh()) - 2.0 * stiffness);
+        let rocking = first_root(|b| cube(b) * (1.0 / b.tanh() - 1.0 / b.tan()) - 2.0 * stiffness);
+        for elements in REFINEMENT {
+            let mut file = bar(elements, End::Free, End::Free);
+            for (name, x_m) in [("left", 0.0), ("right", LENGTH_M)] {
+                file.springs.push(SpringDescription {
+                    name: name.to_owned(),
+                    beam: "bar".to_owned(),
+                    at_m: at(x_m),
+                    stiffness_n_per_m: Some(Value::Number(stiffness)),
+                    stiffness_nm_per_rad: None,
+                });
+            }
+            let (result, rows) = with_rounding(file, 4);
+            if result.rigid > 0 {
+                // Four times the bound of rounding is more than the eigenvalue.
+                assert!(suspended_hz < 1.0 && elements == 500, "{elements} elements");
+                continue;
+            }
+            for (j, b) in [heave, rocking].into_iter().enumerate() {
+                let omega = (2.0 * b / LENGTH_M).powi(2) * (bending / MASS_PER_LENGTH).sqrt();
+                let (hz, bound) = rows[j];
+                let error = TAU * hz / omega - 1.0;
+                // The bar bends a little under its inertia, and that follows the elements: 60 Hz is its first bending mode.
+                let bent = 2e-4 * (suspended_hz / 60.0).powi(2) * (10.0 / elements as f64).powi(4);
+                assert!(
+                    error.abs() <= bound.max(1e-9) + bent,
+                    "{elements} elements, {suspended_hz} Hz: {error:e}, rounding {bound:e}"
+                );
+            }
+            let warned = result.model.findings.iter();
+            let warned = warned
+                .filter(|own| own.code == Code::StiffnessRounding)
+                .count();
+            assert_eq!(
+                warned,
+                usize::from(rows.iter().any(|(_, bound)| *bound > 1e-6))
+            );
         }
     }
 }

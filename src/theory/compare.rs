@@ -7,7 +7,7 @@
 //! # Reference
 //! Guyan (1965), Reduction of stiffness and mass matrices, AIAA Journal 3, 380.
 
-use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 
 use super::{
     ModeOptions, ModelRoot, SystemMatrices, TheoreticalModel, TheoryError, TheoryModes,
@@ -183,12 +183,11 @@ fn static_expansion(
     }
     let m = light.len();
     let block = real_matrix(m, m, |i, j| stiffness[(light[i], light[j])]);
-    let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
-    let own = symmetric_modes(&block, &identity)?;
-    let largest = own.omega_squared.iter().copied().fold(0.0, f64::max);
+    let own = symmetric_eigen(&block)?;
+    let largest = own.values.iter().copied().fold(0.0, f64::max);
     let coupling = real_matrix(m, kept.len(), |i, a| stiffness[(light[i], kept[a])]);
     let mut followed = own.vectors.transpose() * coupling;
-    for (k, value) in own.omega_squared.iter().enumerate() {
+    for (k, value) in own.values.iter().enumerate() {
         for a in 0..kept.len() {
             let held = *value > HELD * largest;
             followed[(k, a)] = if held { -followed[(k, a)] / value } else { 0.0 };

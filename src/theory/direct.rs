@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{ComplexMatrix, complex_matrix, least_squares};
+use crate::linalg::{ComplexMatrix, complex_matrix, solve_square};
 
 use super::{SystemMatrices, TheoryError};
 
@@ -33,7 +33,7 @@ pub fn direct_receptance(
         s * s * matrices.mass[(i, j)] + s * damping(i, j) + matrices.stiffness[(i, j)]
     });
     let forces = complex_matrix(n, hits.len(), |i, hit| hits[hit][i].into());
-    let moved = least_squares(&dynamic, &forces);
+    let moved = solve_square(&dynamic, &forces)?;
     Ok(complex_matrix(responses.len(), hits.len(), |row, hit| {
         let parts = responses[row].iter().enumerate();
         parts.map(|(i, b)| *b * moved[(i, hit)]).sum()

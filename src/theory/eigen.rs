@@ -22,6 +22,12 @@ use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, Theor
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
 /// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
 const REPEATED_SPACING: f64 = 1e-6;
+/// Rounding bounds of K within which an omega² counts as 0. Larger: soft suspensions are taken for none. Smaller: rigid-body
+/// modes are not 0; those of the beams, frames, plates, solids and chains of `tests/support/matrix_zoo.rs` lie within 0.6 bounds,
+/// and a matrix that was summed in another order rounds several times.
+const ZERO_ROUNDINGS: f64 = 4.0;
+/// Part of a natural frequency from which on the bound of its change by rounding of K is a finding.
+const ROUNDING_REPORTED: f64 = 1e-6;
 
 /// Which modes to keep, and their damping.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -107,10 +113,11 @@ fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &m
 
 /// Modes of given matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
 ///
-/// `K phi = omega^2 M phi`. Each `omega^2` is the Rayleigh quotient of its vector, which is more exact than the solver's
-/// eigenvalue for the lowest modes. Rounding leaves it uncertain by `n eps |phi|^T |K| |phi|` (entries without their
-/// signs): a quotient within that bound of 0 is a rigid-body mode at exactly 0. A spring so soft that its mode falls under
-/// the bound (a few hundred-thousandths of the first bending frequency of a free beam of 40 elements) counts as none.
+/// `K phi = omega^2 M phi`, solved and checked by [`crate::linalg::symmetric_modes`]. Rounding of the entries of K alone moves
+/// each `omega^2` by up to `eps |phi|^T |K| |phi|` (entries without their signs): a mode within four times that bound of 0 is a
+/// rigid-body mode at exactly 0. A suspension so soft that it falls under the bound (0.1 Hz of a bar whose first bending mode
+/// is at 148 Hz, from 250 elements on) is not distinguished from none. Where the bound exceeds a millionth of a natural
+/// frequency, a finding states it.
 ///
 /// Neighbours within a millionth of their frequency share a group number and their mean `omega^2`. Damping from a damping
 /// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
@@ -144,19 +151,22 @@ pub fn modes_of_matrices(
 pub(super) struct Solution {
     pub omega_rad_s: Vec<f64>,
     pub vectors: RealMatrix,
+    /// Bound of the change of each omega² by rounding of K, (rad/s)².
+    rounding: Vec<f64>,
     rigid: usize,
     groups: Vec<Option<u32>>,
 }
 
 impl Solution {
-    /// Mass-normalised vectors with their Rayleigh quotients, in any order; `total` is the squared motion of each coordinate
+    /// Mass-normalised vectors with their eigenvalues, in any order; `total` is the squared motion of each coordinate
     /// in all modes, or what stands for its scale.
-    pub fn arranged(raw: &RealMatrix, quotients: &[f64], total: &[f64]) -> Self {
-        let n = quotients.len();
+    pub fn arranged(raw: &RealMatrix, eigenvalues: &[Root], total: &[f64]) -> Self {
+        let n = eigenvalues.len();
+        let value = |j: usize| eigenvalues[j].omega_squared;
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| quotients[a].total_cmp(&quotients[b]));
+        order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
         let mut vectors = columns(raw, &order);
-        let mut omega_squared: Vec<f64> = order.iter().map(|&j| quotients[j]).collect();
+        let mut omega_squared: Vec<f64> = order.iter().map(|&j| value(j)).collect();
         let roots = repeated_roots(&omega_squared);
         let mut groups = vec![None; n];
         for (number, range) in (1..).zip(roots) {
@@ -169,9 +179,20 @@ impl Solution {
         Self {
             rigid: omega_squared.partition_point(|&value| value <= 0.0),
             omega_rad_s: omega_squared.iter().map(|value| value.sqrt()).collect(),
+            rounding: order.iter().map(|&j| eigenvalues[j].rounding).collect(),
             vectors,
             groups,
         }
+    }
+
+    /// The largest part of the natural frequency of one of these modes that rounding of K may move it by, where it is one to
+    /// report: `d omega / omega = d omega^2 / (2 omega^2)`.
+    fn rounding_finding(&self, kept: &[usize]) -> Option<Finding> {
+        let elastic = kept.iter().filter(|&&j| j >= self.rigid);
+        let part = |&j: &usize| 0.5 * self.rounding[j] / self.omega_rad_s[j].powi(2);
+        let largest = elastic.map(part).fold(0.0, f64::max);
+        let finding = Finding::new(Severity::Warning, Code::StiffnessRounding, Place::Whole);
+        (largest > ROUNDING_REPORTED).then(|| finding.value(largest, "").limit(ROUNDING_REPORTED))
     }
 
     /// The modes that the options keep. `damping` gives the ratio of an elastic mode from the matrices, `moved` is `M Phi`.
@@ -214,6 +235,7 @@ impl Solution {
                 producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
                 band: options.band,
                 modes: kept.iter().map(mode).collect(),
+                findings: self.rounding_finding(&kept).into_iter().collect(),
                 ..ModalModel::default()
             },
             vectors,
@@ -227,33 +249,43 @@ impl Solution {
 
 fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
     let raw = linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?;
-    let quotients = rayleigh_quotients(&matrices.stiffness, &raw.vectors)?;
     let total = row_squares(&raw.vectors);
-    Ok(Solution::arranged(&raw.vectors, &quotients, &total))
+    let pairs = raw.omega_squared.iter().zip(raw.rounding);
+    let roots = pairs.map(|(&value, rounding)| Root::new(value, rounding));
+    let roots = roots.collect::<Result<Vec<_>, _>>()?;
+    Ok(Solution::arranged(&raw.vectors, &roots, &total))
 }
 
-/// `phi^T K phi` of mass-normalised columns, exactly 0 within its rounding bound.
-fn rayleigh_quotients(
-    stiffness: &RealMatrix,
-    vectors: &RealMatrix,
-) -> Result<Vec<f64>, TheoryError> {
-    let sizes =
-        |of: &RealMatrix| RealMatrix::from_fn(of.nrows(), of.ncols(), |r, c| of[(r, c)].abs());
-    let size = sizes(vectors);
-    let (forces, largest) = (stiffness * vectors, sizes(stiffness) * &size);
-    let quotient = |j: usize| {
-        let value = dot(vectors.col_as_slice(j), forces.col_as_slice(j));
-        let magnitude = dot(size.col_as_slice(j), largest.col_as_slice(j));
-        let limit = vectors.nrows() as f64 * f64::EPSILON * magnitude;
-        if value < -limit {
+/// An eigenvalue with the bound of its change by rounding of the stiffness, (rad/s)².
+#[derive(Clone, Copy)]
+pub(super) struct Root {
+    omega_squared: f64,
+    rounding: f64,
+}
+
+impl Root {
+    /// Exactly 0 within [`ZERO_ROUNDINGS`].
+    ///
+    /// # Errors
+    /// [`TheoryError::NegativeStiffness`] for a value below them.
+    pub fn new(omega_squared: f64, rounding: f64) -> Result<Self, TheoryError> {
+        let limit = ZERO_ROUNDINGS * rounding;
+        if omega_squared < -limit {
             return Err(TheoryError::NegativeStiffness {
-                got_rad2_s2: value,
+                got_rad2_s2: omega_squared,
                 limit_rad2_s2: limit,
             });
         }
-        Ok(if value <= limit { 0.0 } else { value })
-    };
-    (0..vectors.ncols()).map(quotient).collect()
+        let omega_squared = if omega_squared <= limit {
+            0.0
+        } else {
+            omega_squared
+        };
+        Ok(Self {
+            omega_squared,
+            rounding,
+        })
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

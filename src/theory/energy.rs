@@ -74,7 +74,7 @@ pub(super) fn part_shares(parts: &[StiffnessPart<'_>], vectors: &RealMatrix) -> 
         parts,
         vectors,
         |part| part.name,
-        |part, phi| part.factor * part.matrix.quadratic_form(phi).0,
+        |part, phi| part.factor * part.matrix.quadratic_form(phi).value,
     )
 }
 

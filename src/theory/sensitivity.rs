@@ -9,7 +9,7 @@
 //! Fox and Kapoor (1968), Rates of change of eigenvalues and eigenvectors, AIAA Journal 6, 2426; Mills-Curran (1988),
 //! Calculation of eigenvector derivatives for structures with repeated eigenvalues, AIAA Journal 26, 867.
 
-use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 
 use super::system::SystemSlope;
 use super::{
@@ -200,7 +200,6 @@ fn branches(
     if m == 1 {
         return Ok(vec![projected[(0, 0)]]);
     }
-    let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
     let symmetric = real_matrix(m, m, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
-    Ok(symmetric_modes(&symmetric, &identity)?.omega_squared)
+    Ok(symmetric_eigen(&symmetric)?.values)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
 
-use super::eigen::{Solution, check_damping_ratio, check_entries};
+use super::eigen::{Root, Solution, check_damping_ratio, check_entries};
 use super::{Coordinate, ModeOptions, TheoryError, TheoryModes};
 
 /// Modes that are computed when neither a band nor a number is asked for.
@@ -40,9 +40,8 @@ pub struct SparseDerivative {
 /// The lowest modes of sparse matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
 ///
 /// With a band all modes up to its end, else as many as the options ask for, else the lowest thirty; none of them is
-/// missing ([`crate::linalg::sparse_modes`]). A finding says up to which frequency they were counted. Rayleigh quotients,
-/// rigid-body modes, repeated roots and damping are those of [`super::modes_of_matrices`], but that the rounding of a
-/// quotient is `sqrt(n) eps |phi|^T |K| |phi|`: the many terms of a large sum round independently.
+/// missing ([`crate::linalg::sparse_modes`]). A finding says up to which frequency they were counted. Rigid-body modes,
+/// repeated roots, damping and the bound of rounding are those of [`super::modes_of_matrices`].
 ///
 /// # Errors
 /// [`TheoryError::DampingRatio`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
@@ -64,8 +63,8 @@ pub fn modes_of_sparse(
     let solution = solution(system, &raw)?;
     let damping = |j: usize| {
         let c = system.damping.as_ref()?;
-        let (energy, _) = c.quadratic_form(&column(&solution.vectors, j));
-        Some(energy / (2.0 * solution.omega_rad_s[j]))
+        let energy = c.quadratic_form(&column(&solution.vectors, j));
+        Some(energy.value / (2.0 * solution.omega_rad_s[j]))
     };
     let moved = |vectors: &RealMatrix| system.mass.multiply(vectors);
     let mut result = solution.kept(options, &damping, &moved);
@@ -94,24 +93,12 @@ fn column(vectors: &RealMatrix, j: usize) -> Vec<f64> {
 }
 
 fn solution(system: &SparseSystem, raw: &SparseModes) -> Result<Solution, TheoryError> {
-    let n = system.mass.size();
-    let rounding = (n as f64).sqrt() * f64::EPSILON;
-    let quotient = |j: usize| {
-        let (value, magnitude) = system.stiffness.quadratic_form(&column(&raw.vectors, j));
-        let limit = rounding * magnitude;
-        if value < -limit {
-            return Err(TheoryError::NegativeStiffness {
-                got_rad2_s2: value,
-                limit_rad2_s2: limit,
-            });
-        }
-        Ok(if value <= limit { 0.0 } else { value })
-    };
-    let quotients: Vec<f64> = (0..raw.vectors.ncols())
-        .map(quotient)
-        .collect::<Result<_, _>>()?;
-    let total: Vec<f64> = (0..n).map(|i| 1.0 / system.mass.get(i, i)).collect();
-    Ok(Solution::arranged(&raw.vectors, &quotients, &total))
+    let pairs = raw.omega_squared.iter().zip(&raw.rounding);
+    let roots = pairs.map(|(&value, &rounding)| Root::new(value, rounding));
+    let roots = roots.collect::<Result<Vec<_>, _>>()?;
+    let inverse_mass = |i: usize| 1.0 / system.mass.get(i, i);
+    let total: Vec<f64> = (0..system.mass.size()).map(inverse_mass).collect();
+    Ok(Solution::arranged(&raw.vectors, &roots, &total))
 }
 
 /// Finite entries, each equal to its mirror image up to the rounding of a sum.

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
-use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
+use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 
 use super::system::{System, SystemSlope};
 use super::{ModeOptions, TheoreticalModel, TheoryError};
@@ -425,12 +425,9 @@ fn nearest_rotation(a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
     if m == 1 && a.ncols() == 1 {
         return Ok(real_matrix(1, 1, |_, _| a[(0, 0)].signum()));
     }
-    let identity = real_matrix(m, m, |i, k| if i == k { 1.0 } else { 0.0 });
     let gram = a * a.transpose();
     let symmetric = real_matrix(m, m, |i, k| 0.5 * (gram[(i, k)] + gram[(k, i)]));
-    let own = symmetric_modes(&symmetric, &identity)?;
-    let scaled = real_matrix(m, m, |i, k| {
-        own.vectors[(i, k)] / own.omega_squared[k].sqrt()
-    });
+    let own = symmetric_eigen(&symmetric)?;
+    let scaled = real_matrix(m, m, |i, k| own.vectors[(i, k)] / own.values[k].sqrt());
     Ok(scaled * (own.vectors.transpose() * a))
 }

@@ -1,6 +1,6 @@
 //! Linear least squares between bounds.
 
-use crate::linalg::{RealMatrix, least_squares_real, real_matrix};
+use crate::linalg::{LinalgError, RealMatrix, least_squares_real, real_matrix};
 
 /// Where an unknown stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -15,17 +15,24 @@ enum Place {
 ///
 /// `A` is tall with full column rank; 0 lies between all bounds.
 ///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+///
 /// # Reference
 /// Stark and Parker (1995), Bounded-variable least squares: an algorithm and applications, Computational Statistics 10,
 /// 129.
-pub(super) fn bounded_least_squares(a: &RealMatrix, b: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
+pub(super) fn bounded_least_squares(
+    a: &RealMatrix,
+    b: &[f64],
+    bounds: &[(f64, f64)],
+) -> Result<Vec<f64>, LinalgError> {
     let n = a.ncols();
     let mut x = vec![0.0; n];
     let mut place = vec![Place::Free; n];
     // Every pass binds or releases one unknown; in exact arithmetic no set of bound ones comes twice.
     for _ in 0..10 * (n + 1) {
         let free: Vec<usize> = (0..n).filter(|&j| place[j] == Place::Free).collect();
-        let goal = unbounded(a, b, &x, &free);
+        let goal = unbounded(a, b, &x, &free)?;
         let mut part = 1.0;
         let mut met = None;
         for (&j, &goal) in free.iter().zip(&goal) {
@@ -55,13 +62,18 @@ pub(super) fn bounded_least_squares(a: &RealMatrix, b: &[f64], bounds: &[(f64, f
             None => break,
         }
     }
-    x
+    Ok(x)
 }
 
 /// The free unknowns of the least squares problem with the others where they are.
-fn unbounded(a: &RealMatrix, b: &[f64], x: &[f64], free: &[usize]) -> Vec<f64> {
+fn unbounded(
+    a: &RealMatrix,
+    b: &[f64],
+    x: &[f64],
+    free: &[usize],
+) -> Result<Vec<f64>, LinalgError> {
     if free.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let held = |j: &usize| !free.contains(j);
     let rest = |row: usize| {
@@ -104,7 +116,7 @@ mod tests {
     fn inside_its_bounds_it_is_the_plain_solution() {
         let a = real_matrix(3, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
         // 1 + 2 i.
-        let x = bounded_least_squares(&a, &[1.0, 3.0, 5.0], &[(-9.0, 9.0); 2]);
+        let x = bounded_least_squares(&a, &[1.0, 3.0, 5.0], &[(-9.0, 9.0); 2]).unwrap();
         assert!((x[0] - 1.0).abs() < 1e-13 && (x[1] - 2.0).abs() < 1e-13);
     }
 
@@ -118,7 +130,7 @@ mod tests {
         ) {
             let a = real_matrix(8, 3, |i, j| entries[3 * i + j] + if i == j { 2.0 } else { 0.0 });
             let bounds: Vec<(f64, f64)> = (0..3).map(|j| (-widths[j], widths[3 + j])).collect();
-            let x = bounded_least_squares(&a, &b, &bounds);
+            let x = bounded_least_squares(&a, &b, &bounds).unwrap();
             for j in 0..3 {
                 let rest = |i: usize| b[i] - (0..3).map(|k| a[(i, k)] * x[k]).sum::<f64>();
                 let gradient: f64 = (0..8).map(|i| a[(i, j)] * rest(i)).sum();

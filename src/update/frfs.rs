@@ -21,7 +21,9 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
-use crate::linalg::{ComplexMatrix, RealMatrix, complex_matrix, least_squares, real_matrix};
+use crate::linalg::{
+    ComplexMatrix, RealMatrix, complex_matrix, not_a_number, real_matrix, solve_square,
+};
 use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
 
 use super::UpdateError;
@@ -198,7 +200,8 @@ impl FrfTarget {
         });
         let rows = &self.rows;
         let forces = complex_matrix(n, rows.nrows(), |i, j| rows[(j, i)].into());
-        least_squares(&dynamic, &forces)
+        // A line at which the model is singular has no residual; the update reports what is not finite.
+        solve_square(&dynamic, &forces).unwrap_or_else(|_| not_a_number(n, forces.ncols()))
     }
 
     /// The model's function at a line.

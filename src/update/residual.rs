@@ -164,8 +164,7 @@ impl<'a> LinkResidual<'a> {
             let part = 1.0 + (number as f64 * GOLDEN_RATIO).fract();
             mixture += real_matrix(m, m, |r, c| part * p(r, c) / size);
         }
-        let identity = real_matrix(m, m, |i, j| if i == j { 1.0 } else { 0.0 });
-        let basis = crate::linalg::symmetric_modes(&mixture, &identity)?.vectors;
+        let basis = crate::linalg::symmetric_eigen(&mixture)?.vectors;
         for (own, _) in by {
             own.projected = basis.transpose() * &own.projected * &basis;
         }

@@ -184,7 +184,7 @@ fn linearised(
         i if j < n => jacobian[(i, j)],
         i => at.residual[i],
     });
-    Ok((jacobian, upper_triangle(&all)))
+    Ok((jacobian, upper_triangle(&all)?))
 }
 
 impl<'a, 'b> Run<'a, 'b> {
@@ -210,7 +210,7 @@ impl<'a, 'b> Run<'a, 'b> {
     fn descend(&mut self) -> Result<StopReason, UpdateError> {
         let mut radius = 1.0;
         while self.history.len() < self.problem.options.max_iterations {
-            let (step, after) = self.step(radius);
+            let (step, after) = self.step(radius)?;
             let foretold = self.at.objective() - after;
             if foretold <= LEAST_DECREASE * self.at.objective().max(1.0) {
                 return Ok(StopReason::NoDecrease);
@@ -241,7 +241,7 @@ impl<'a, 'b> Run<'a, 'b> {
     }
 
     /// The step of the linear model inside the box and the bounds, and the objective that the model foretells after it.
-    fn step(&self, radius: f64) -> (Vec<f64>, f64) {
+    fn step(&self, radius: f64) -> Result<(Vec<f64>, f64), UpdateError> {
         let bounds: Vec<(f64, f64)> = self
             .problem
             .free
@@ -258,13 +258,13 @@ impl<'a, 'b> Run<'a, 'b> {
         let n = small.ncols() - 1;
         let against: Vec<f64> = (0..small.nrows()).map(|i| -small[(i, n)]).collect();
         let columns = real_matrix(small.nrows(), n, |i, j| small[(i, j)]);
-        let step = bounded_least_squares(&columns, &against, &bounds);
+        let step = bounded_least_squares(&columns, &against, &bounds)?;
         let row = |i: usize| {
             let parts = step.iter().enumerate().map(|(k, s)| columns[(i, k)] * s);
             parts.sum::<f64>() - against[i]
         };
         let foretold = (0..small.nrows()).map(|i| row(i).powi(2)).sum();
-        (step, foretold)
+        Ok((step, foretold))
     }
 
     /// From the result with test and model paired anew there; `None` unless that is another pairing and ends lower.

@@ -170,7 +170,7 @@ fn deviations_hz(member: &Member, roots: &[Root], noise: &FrfNoise) -> Vec<Optio
     let z = |r: usize, s: usize| seen[r].1.lambda.conj() + seen[s].1.lambda;
     let plain = complex_matrix(n, n, |r, s| -TAU / z(r, s));
     let mixed = complex_matrix(n, n, |r, s| TAU / z(r, s).powi(2));
-    let explained = least_squares(&plain, &mixed);
+    let explained = least_squares(&plain, &mixed).unwrap();
     let left = |r: usize, s: usize| -> Complex64 {
         let part: Complex64 = (0..n)
             .map(|k| mixed[(k, r)].conj() * explained[(k, s)])
@@ -183,7 +183,7 @@ fn deviations_hz(member: &Member, roots: &[Root], noise: &FrfNoise) -> Vec<Optio
         let power: Complex64 = pairs.map(|(a, b)| a.conj() * b).sum();
         power * left(r, s) / step_rad_s
     });
-    let covariance = least_squares(&information, &identity(n));
+    let covariance = least_squares(&information, &identity(n)).unwrap();
     for (k, (r, _)) in seen.iter().enumerate() {
         let variance = 0.5 * covariance[(k, k)].re;
         let std = variance.max(0.0).sqrt() / TAU;

@@ -6,12 +6,17 @@
 mod close_pairs;
 mod deviations;
 mod efficiency;
+#[path = "../support/extended_precision.rs"]
+mod extended_precision;
 mod finding;
 mod gears;
 mod hits;
 mod identification;
 mod judge;
+mod linear_algebra;
 mod machines;
+#[path = "../support/matrix_zoo.rs"]
+mod matrix_zoo;
 mod mutants;
 mod mutation;
 mod pairing;

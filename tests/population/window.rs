@@ -101,7 +101,7 @@ fn poles(set: &FrfSet) -> Vec<Complex64> {
             if row % 2 == 0 { value.re } else { value.im }
         });
         let data: Vec<f64> = values.iter().flat_map(|own| [own.re, own.im]).collect();
-        let solved = least_squares_real(&matrix, &data);
+        let solved = least_squares_real(&matrix, &data).unwrap();
         let unknown = |index: usize| Complex64::new(solved[2 * index], solved[2 * index + 1]);
         let count = poles.len();
         if residues.is_some() {

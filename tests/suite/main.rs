@@ -17,6 +17,7 @@ mod gate;
 mod hit_command;
 mod hits;
 mod identify_command;
+mod linear_algebra;
 mod manners;
 mod matrix_models;
 mod mode_files;

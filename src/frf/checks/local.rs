@@ -136,7 +136,8 @@ fn columns(z: &[Complex64], pole: Complex64, which: &[usize]) -> linalg::Complex
 
 fn solve(columns: &linalg::ComplexMatrix, right: &[Complex64]) -> Vec<Complex64> {
     let right = linalg::complex_matrix(right.len(), 1, |i, _| right[i]);
-    let x = linalg::least_squares(columns, &right);
+    let x = linalg::least_squares(columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), 1));
     (0..columns.ncols()).map(|j| x[(j, 0)]).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, ThinQr};
 
 use super::super::background::Background;
 use super::super::far::{courses, residues};
@@ -181,7 +181,7 @@ impl<'a> Resonance<'a> {
             };
             value / self.profile.course[k]
         });
-        linalg::thin_qr(&columns).q
+        ThinQr::or_not_a_number(&columns).q
     }
 
     /// Of the strong root.

@@ -237,8 +237,9 @@ fn fit(
         let right = complex_matrix(used.len(), 1, |row, _| {
             (receptance(used[row]) - at_line(used[row])) / size[row]
         });
-        let solved = least_squares(&left, &right);
-        [solved[(0, 0)], solved[(1, 0)]]
+        least_squares(&left, &right).map_or([Complex64::ZERO; 2], |solved| {
+            [solved[(0, 0)], solved[(1, 0)]]
+        })
     };
     let value = |k: &usize| {
         let s = s(*k);

@@ -413,7 +413,7 @@ fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
             true => {
                 let left = complex_matrix(rows.len(), count, |i, j| rows[i].0[j]);
                 let right = complex_matrix(rows.len(), 1, |i, _| rows[i].1);
-                let solved = least_squares(&left, &right);
+                let solved = least_squares(&left, &right).ok()?;
                 (0..count).map(|j| solved[(j, 0)]).collect()
             }
         };

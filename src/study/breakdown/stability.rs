@@ -173,7 +173,7 @@ impl Problem {
 
     fn solved(&self) -> Option<Vec<Complex64>> {
         let right = linalg::complex_matrix(self.right.len(), 1, |i, _| self.right[i]);
-        let solution = linalg::least_squares(&self.matrix, &right);
+        let solution = linalg::least_squares(&self.matrix, &right).ok()?;
         let values: Vec<Complex64> = (0..solution.nrows()).map(|i| solution[(i, 0)]).collect();
         values
             .iter()

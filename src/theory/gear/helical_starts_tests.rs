@@ -76,7 +76,11 @@ fn settled(motion: &Motion) -> Vec<f64> {
             .collect();
         let own = accelerations(&state);
         let jacobian = real_matrix(4, 4, |row, column| slopes[column][row]);
-        for (i, by) in least_squares_real(&jacobian, &own).into_iter().enumerate() {
+        for (i, by) in least_squares_real(&jacobian, &own)
+            .unwrap()
+            .into_iter()
+            .enumerate()
+        {
             state = with(&state, i, -by);
         }
     }

@@ -163,13 +163,13 @@ fn of_statics(model: &SpiderReducer, values: &[f64]) -> Result<Vec<ModelQuantity
     let output = output.unwrap_or_default();
     let mut load = vec![0.0; matrices.coordinates.len()];
     load[output] = -LOAD_NM;
-    let moved = least_squares_real(&matrices.stiffness, &load);
+    let moved = least_squares_real(&matrices.stiffness, &load)?;
     let mesh = forces(&matrices, "k_m", &moved);
     // Along x for both phases, then along y.
     let bearing = forces(&matrices, "k_a", &moved);
     let torque = |x: f64, y: f64, side: f64| side * e * (cos * y - sin * x);
     let carried = torque(bearing[0], bearing[2], 1.0) + torque(bearing[1], bearing[3], -1.0);
-    let preload = preload(&matrices, [cos, sin]);
+    let preload = preload(&matrices, [cos, sin])?;
     let quantity = ModelQuantity::new;
     let under = "under 1000 N m on the output, the input held";
     let told =
@@ -235,7 +235,7 @@ fn forces(matrices: &SystemMatrices, name: &str, moved: &[f64]) -> Vec<f64> {
 }
 
 /// An error along `direction` of the first eccentric is a stretch of its two springs that nothing has relieved yet.
-fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> [f64; 2] {
+fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> Result<[f64; 2], TheoryError> {
     let own = matrices
         .springs
         .iter()
@@ -247,7 +247,8 @@ fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> [f64; 2] {
             *force += spring.stiffness * row * part * ERROR_M;
         }
     }
-    let moved = least_squares_real(&matrices.stiffness, &load);
+    let moved = least_squares_real(&matrices.stiffness, &load)?;
     let own = forces(matrices, "k_a", &moved);
-    std::array::from_fn(|i| own[2 * i] - springs[i].stiffness * direction[i] * ERROR_M)
+    let force = |i: usize| own[2 * i] - springs[i].stiffness * direction[i] * ERROR_M;
+    Ok(std::array::from_fn(force))
 }

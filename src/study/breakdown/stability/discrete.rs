@@ -52,7 +52,9 @@ pub fn complex_frequency(modes: &Modes, rounded: Rounded) -> Problem {
     let r = numerator.adjoint() * &numerator;
     let s = numerator.adjoint() * &denominator;
     let t = denominator.adjoint() * &denominator;
-    let reduced: ComplexMatrix = t - s.adjoint() * linalg::least_squares(&r, &s);
+    let solved = linalg::least_squares(&r, &s);
+    let solved = solved.unwrap_or_else(|_| linalg::not_a_number(r.ncols(), s.ncols()));
+    let reduced: ComplexMatrix = t - s.adjoint() * solved;
     let matrix = linalg::complex_matrix(order, order, |i, j| reduced[(i, j)]);
     let right = (0..order).map(|i| -reduced[(i, order)]).collect();
     let poles = |solution: &[Complex64]| {

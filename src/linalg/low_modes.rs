@@ -1,0 +1,137 @@
+//! The lowest modes of a dense pair by shift and invert.
+//!
+//! The eigenvalues of `(K + s M)^-1 M` are `1 / (omega^2 + s)`: the lowest modes are its largest eigenvalues, and their
+//! errors are relative to themselves. Divide and conquer of the whole matrix gives the subspace of these modes (its error
+//! there is `eps` over [`GRADED`]); one product with the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh
+//! quotients in compensated arithmetic give the modes.
+//!
+//! # Reference
+//! Parlett (1998), The Symmetric Eigenvalue Problem, chapters 11 and 15.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par, Side};
+
+use super::compensated::quadratic_forms;
+use super::symmetric::{ScaledPair, SymmetricModes, divide_and_conquer};
+use super::{LinalgError, RealMatrix};
+
+/// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger: time without use
+/// (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of divide and conquer, up to 10 eps of the
+/// largest omega², exceeds 1e-9 of the omega² of modes that are not computed again.
+const GRADED: f64 = 1e-5;
+/// The shift as a part of the largest omega². Larger: modes far below it are not separated from each other. Smaller: the
+/// modes just below [`GRADED`] are not, as the error of a Ritz vector is eps times their omega² over the shift.
+const SHIFT: f64 = 1e-12;
+/// Factors of [`SHIFT`] that are tried until `K + s M` is positive definite to working precision; a matrix for which none
+/// suffices is indefinite, and what is relative to its small eigenvalues has no meaning.
+const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
+
+/// Shift and invert for the lowest modes of a pair.
+pub(super) struct LowModes<'a> {
+    pair: &'a ScaledPair,
+    /// Number of modes below [`GRADED`]; 0 where K is indefinite.
+    pub count: usize,
+    shifted: Option<Shifted>,
+}
+
+/// Cholesky factor of `K + s M`.
+struct Shifted {
+    shift: f64,
+    factor: Llt<f64>,
+}
+
+impl<'a> LowModes<'a> {
+    /// Prepared for a pair whose omega² are these, ascending.
+    pub fn new(pair: &'a ScaledPair, omega_squared: &[f64]) -> Self {
+        let largest = omega_squared.last().copied().unwrap_or(0.0);
+        let count = omega_squared.partition_point(|value| *value <= GRADED * largest);
+        let shifted = (count > 0 && largest > 0.0)
+            .then(|| Shifted::new(pair, largest))
+            .flatten();
+        Self {
+            pair,
+            count: if shifted.is_some() { count } else { 0 },
+            shifted,
+        }
+    }
+
+    /// Replaces the lowest modes by those of one step of shift and invert.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent.
+    pub fn refine(&self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
+        let Some((image, _)) = self.inverse_image(modes) else {
+            return Ok(());
+        };
+        let mass = &self.pair.mass;
+        let projected = (mass * modes.vectors.subcols(0, self.count)).transpose() * &image;
+        let ritz = divide_and_conquer(&projected)?;
+        // The largest eigenvalues of the inverse are the lowest omega^2.
+        let last = self.count - 1;
+        let scaled = |i: usize, j: usize| ritz.vectors[(i, last - j)] / ritz.values[last - j];
+        let vectors = image * Mat::from_fn(self.count, self.count, scaled);
+        let vectors = orthonormal(vectors, mass)?;
+        self.take(modes, &vectors);
+        Ok(())
+    }
+
+    /// `(K + s M)^-1 M Phi` of the lowest modes, with s.
+    pub fn inverse_image(&self, modes: &SymmetricModes) -> Option<(RealMatrix, f64)> {
+        let Shifted { shift, factor } = self.shifted.as_ref()?;
+        let moved = &self.pair.mass * modes.vectors.subcols(0, self.count);
+        Some((factor.solve(&moved), *shift))
+    }
+
+    /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order, and takes their
+    /// components out of the others.
+    fn take(&self, modes: &mut SymmetricModes, low: &RealMatrix) {
+        let (k, m) = (&self.pair.stiffness, &self.pair.mass);
+        let strain = quadratic_forms(k.as_ref(), low.as_ref());
+        let kinetic = quadratic_forms(m.as_ref(), low.as_ref());
+        let quotient = |j: usize| strain[j].value / kinetic[j].value;
+        let mut order: Vec<usize> = (0..self.count).collect();
+        order.sort_by(|&a, &b| quotient(a).total_cmp(&quotient(b)));
+        let along =
+            (m * low).transpose() * modes.vectors.subcols(self.count, m.nrows() - self.count);
+        let mut others = modes
+            .vectors
+            .subcols_mut(self.count, m.nrows() - self.count);
+        others -= low * along;
+        // Vectors are rounded as well: to the square of `n eps` in the energy of the highest mode.
+        let largest = modes.omega_squared.last().copied().unwrap_or(0.0);
+        let of_vectors = (m.nrows() as f64 * f64::EPSILON).powi(2) * largest;
+        for (j, &from) in order.iter().enumerate() {
+            let norm = kinetic[from].value.sqrt();
+            modes.omega_squared[j] = quotient(from);
+            modes.rounding[j] =
+                f64::EPSILON * strain[from].magnitude / kinetic[from].value + of_vectors;
+            for i in 0..m.nrows() {
+                modes.vectors[(i, j)] = low[(i, from)] / norm;
+            }
+        }
+    }
+}
+
+impl Shifted {
+    fn new(pair: &ScaledPair, largest: f64) -> Option<Self> {
+        let n = pair.mass.nrows();
+        SHIFT_FACTORS.into_iter().find_map(|factor| {
+            let shift = factor * SHIFT * largest;
+            let entry = |i: usize, j: usize| pair.stiffness[(i, j)] + shift * pair.mass[(i, j)];
+            let factor = Mat::from_fn(n, n, entry).llt(Side::Lower).ok()?;
+            Some(Self { shift, factor })
+        })
+    }
+}
+
+/// Vectors made orthonormal with respect to the mass, each changed by those before it alone:
+/// `X^T M X = L L^T`, `X L^-T`.
+fn orthonormal(vectors: RealMatrix, mass: &RealMatrix) -> Result<RealMatrix, LinalgError> {
+    let gram = vectors.transpose() * (mass * &vectors);
+    let factor = gram.llt(Side::Lower);
+    let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: gram.nrows() })?;
+    let mut transposed = vectors.transpose().to_owned();
+    solve_lower_triangular_in_place(factor.L(), transposed.as_mut(), Par::Seq);
+    Ok(transposed.transpose().to_owned())
+}

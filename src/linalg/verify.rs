@@ -1,0 +1,568 @@
+//! Checks of decompositions, each independent of how the decomposition was computed.
+//!
+//! A product of factors is compared with its matrix by two vectors of random signs: `A z` and `Q (R z)` cost `O(n^2)`, and
+//! an error in any column shows in them. Every limit stands ten times or more above the largest figure of the right results
+//! for the matrices of `tests/suite/linear_algebra.rs`, and below what the results broken on purpose there cause.
+//!
+//! # Reference
+//! Freivalds (1979), Fast probabilistic algorithms, MFCS (products by random vectors); Higham (2002), Accuracy and
+//! Stability of Numerical Algorithms, 2nd ed., chapters 7, 10, 19 and 20 (backward errors); Parlett (1998), The Symmetric
+//! Eigenvalue Problem, chapters 3 and 10 (inertia, residual bounds).
+
+use std::cmp::Ordering;
+
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::traits::ComplexField;
+use faer::traits::ext::ComplexFieldExt;
+use faer::{Accum, Mat, MatRef, Par, Side, c64};
+
+use super::lanczos::{SparseModes, SplitMix};
+use super::low_modes::LowModes;
+use super::symmetric::{ScaledPair, SymmetricEigen, SymmetricModes};
+use super::{ComplexMatrix, LinalgError, RealMatrix, SparseMatrix};
+
+/// Vectors of random signs of one check.
+const PROBES: usize = 2;
+/// Lowest modes whose number is compared with the inertia, where there are as many.
+const COUNTED: usize = 30;
+/// Limit of a backward error over `(n + 10) eps`; for QR, whose rows may span decades, over `(m n + 10) eps`, for singular
+/// values over `(m + n + 10) eps`. Larger: an entry off by a hundred of these is not found. Smaller: right results fail; the
+/// largest figures are a third of it.
+const BACKWARD: f64 = 20.0;
+/// Limit of the residual of a solution with a sparse factor over eps and the largest entry of the solution, both scaled by
+/// the root of the diagonal.
+const SPARSE_FACTOR: f64 = 1e5;
+/// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry.
+const SPARSE_ORTHONORMAL: f64 = 1e-9;
+/// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its rounding bound.
+const QUOTIENT: [f64; 2] = [1e-7, 30.0];
+/// Limits of `|phi - (omega^2 + s) (K + s M)^-1 M phi|` in the norm of the mass, as a number and over the rounding bound
+/// of `omega^2 + s`.
+const INVERSE: [f64; 2] = [1e-6, 1e3];
+/// Part of an omega² that it must be above the one before, for the modes to be counted between them.
+const GAP: f64 = 1e-4;
+
+/// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which together prove that no
+/// eigenvalue is missing.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn symmetric_eigen(a: &RealMatrix, eigen: &SymmetricEigen) -> Result<(), LinalgError> {
+    let check = Check::new("symmetric eigenvalues", a.as_ref());
+    let (n, a) = (a.nrows(), hermitian(a.as_ref()));
+    check.complete(eigen.values.len(), eigen.vectors.as_ref())?;
+    let z = weighted_signs::<f64>(n, |_| 1.0);
+    let product = &eigen.vectors * &z;
+    let back = eigen.vectors.transpose() * &product - &z;
+    check.below(largest(&back), backward(n))?;
+    let weighted = Mat::from_fn(n, PROBES, |i, j| eigen.values[i] * z[(i, j)]);
+    let residual = &a * &product - &eigen.vectors * weighted;
+    let size = eigen
+        .values
+        .iter()
+        .map(|value| value.abs())
+        .fold(0.0, larger);
+    check.below(length(&residual), backward(n) * size)
+}
+
+/// Checks the modes of a symmetric pair (K, M).
+///
+/// - All vectors: `Phi^T M Phi = I`.
+/// - Modes from 1e-5 of the largest omega² up: `K Phi = M Phi Omega^2`, relative to that omega².
+/// - Modes below it: omega² equals the Rayleigh quotient of its vector, and `(K + s M)^-1 M phi = phi / (omega^2 + s)`
+///   with a Cholesky factor of `K + s M`; relative to each `omega^2 + s`, as a residual relative to the norm of K says
+///   nothing of them.
+/// - The number of the lowest modes is the number of negative eigenvalues of `K - sigma M`, sigma between the last of
+///   them and the next mode: `K - sigma M + M Phi D Phi^T M` with a positive D that moves these modes above sigma has a
+///   Cholesky factor only if there is no other.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`]; [`LinalgError::ModesMissing`].
+pub fn symmetric_modes(
+    stiffness: &RealMatrix,
+    mass: &RealMatrix,
+    modes: &SymmetricModes,
+) -> Result<(), LinalgError> {
+    let pair = ScaledPair::new(stiffness, mass);
+    let modes = pair.scaled(modes.clone());
+    let low = LowModes::new(&pair, &modes.omega_squared);
+    scaled_modes(&pair, &modes, &low)
+}
+
+/// [`symmetric_modes`] of a pair brought to order one, with the factor of its shifted stiffness.
+pub(super) fn scaled_modes(
+    pair: &ScaledPair,
+    modes: &SymmetricModes,
+    low: &LowModes<'_>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("natural frequencies", pair.mass.as_ref());
+    let n = pair.mass.nrows();
+    check.complete(modes.omega_squared.len(), modes.vectors.as_ref())?;
+    let falls = modes.omega_squared.windows(2).map(|pair| pair[0] - pair[1]);
+    check.below(falls.fold(0.0, larger), 0.0)?;
+    let z = weighted_signs::<f64>(n, |_| 1.0);
+    let moved = &pair.mass * (&modes.vectors * &z);
+    let back = modes.vectors.transpose() * &moved - &z;
+    check.below(largest(&back), backward(n))?;
+    upper_residual(&check, pair, modes, low.count)?;
+    lower_residuals(&check, pair, modes, low)?;
+    count(pair, modes, low.count)
+}
+
+/// `K Phi z - M Phi Omega^2 z` of the modes from `first` on, each row over the root of its mass.
+fn upper_residual(
+    check: &Check,
+    pair: &ScaledPair,
+    modes: &SymmetricModes,
+    first: usize,
+) -> Result<(), LinalgError> {
+    let n = pair.mass.nrows();
+    let mut z = weighted_signs::<f64>(n, |_| 1.0);
+    z.subrows_mut(0, first).fill(0.0);
+    let weighted = Mat::from_fn(n, PROBES, |i, j| modes.omega_squared[i] * z[(i, j)]);
+    let forces = &pair.stiffness * (&modes.vectors * &z);
+    let residual = forces - &pair.mass * (&modes.vectors * weighted);
+    let scaled = |i: usize, j: usize| residual[(i, j)] / pair.mass[(i, i)].sqrt();
+    let size = modes.omega_squared.iter();
+    let size = size.fold(0.0, |a: f64, b| a.max(b.abs()));
+    let got = largest(&Mat::from_fn(n, PROBES, scaled));
+    check.below(got, backward(n) * size)
+}
+
+/// Each of the lowest modes against its Rayleigh quotient and against one more step of shift and invert.
+fn lower_residuals(
+    check: &Check,
+    pair: &ScaledPair,
+    modes: &SymmetricModes,
+    low: &LowModes<'_>,
+) -> Result<(), LinalgError> {
+    let Some((image, shift)) = low.inverse_image(modes) else {
+        return Ok(());
+    };
+    let vectors = modes.vectors.subcols(0, low.count);
+    let forces = &pair.stiffness * vectors;
+    let shifted = |j: usize| modes.omega_squared[j] + shift;
+    let difference = Mat::from_fn(image.nrows(), low.count, |i, j| {
+        vectors[(i, j)] - shifted(j) * image[(i, j)]
+    });
+    let moved = &pair.mass * &difference;
+    for j in 0..low.count {
+        let (omega_squared, rounding) = (modes.omega_squared[j], modes.rounding[j]);
+        let quotient = vectors.col(j).transpose() * forces.col(j);
+        let limit = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
+        check.below((quotient - omega_squared).abs(), limit)?;
+        let norm = (difference.col(j).transpose() * moved.col(j)).abs().sqrt();
+        check.below(norm, INVERSE[0].max(INVERSE[1] * rounding / shifted(j)))?;
+    }
+    Ok(())
+}
+
+/// The number of the lowest modes against the inertia of `K - sigma M`.
+fn count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), LinalgError> {
+    let n = modes.omega_squared.len();
+    let Some(counted) = counted(&modes.omega_squared, low.max(COUNTED.min(n))) else {
+        // Where all modes are counted, or nothing separates them, that the vectors are complete is the proof.
+        return Ok(());
+    };
+    let next = modes.omega_squared[counted];
+    let sigma = 0.5 * (modes.omega_squared[counted - 1] + next);
+    let moved = &pair.mass * modes.vectors.subcols(0, counted);
+    let raised = Mat::from_fn(n, counted, |i, j| {
+        moved[(i, j)] * (next - modes.omega_squared[j])
+    });
+    let mut shifted = Mat::from_fn(n, n, |i, j| {
+        pair.stiffness[(i, j)] - sigma * pair.mass[(i, j)]
+    });
+    let rectangular = BlockStructure::Rectangular;
+    matmul(
+        shifted.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        raised.as_ref(),
+        rectangular,
+        moved.transpose(),
+        rectangular,
+        1.0,
+        Par::Seq,
+    );
+    match shifted.llt(Side::Lower) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(LinalgError::ModesMissing {
+            found: counted,
+            needed: counted + 1,
+        }),
+    }
+}
+
+/// The least number of modes, from `first` on, after which the next one is above a gap.
+fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
+    let is_gap =
+        |&j: &usize| omega_squared[j] - omega_squared[j - 1] > GAP * omega_squared[j].abs();
+    (first.max(1)..omega_squared.len()).find(is_gap)
+}
+
+/// Checks `A = Q R`, relative to each column of A, and `Q^H Q = I`.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn thin_qr<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    q: MatRef<'_, T>,
+    r: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("QR decomposition", a);
+    let n = a.ncols();
+    let z = weighted_signs::<T>(n, |j| a.col(j).norm_l2());
+    let residual = a * &z - q * (r * &z);
+    check.below(length(&residual), backward(a.nrows() * n))?;
+    orthonormal(&check, q)
+}
+
+/// Checks the triangle of `A = Q R` where Q is not formed: `|R z| = |A z|` and `R^H (R z) = A^H (A z)`, relative to
+/// each column of A.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn triangle<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    r: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("triangle of a QR decomposition", a);
+    let n = a.ncols();
+    let norms: Vec<f64> = (0..n).map(|j| a.col(j).norm_l2()).collect();
+    let z = weighted_signs::<T>(n, |j| norms[j]);
+    let difference = a.adjoint() * (a * &z) - r.adjoint() * (r * &z);
+    let rows = (0..n).filter(|&j| norms[j] > 0.0);
+    let rows = rows.map(|j| norm_of_row(&difference, j) / norms[j]);
+    check.below(rows.fold(0.0, larger), backward(a.nrows() * n))
+}
+
+/// Checks least squares: the residual is orthogonal to the columns of A, relative to the terms of `A X` and B.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn least_squares<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    x: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("least squares", a);
+    let weights: Vec<f64> = b.col_iter().map(|column| column.norm_l2()).collect();
+    let z = weighted_signs::<T>(b.ncols(), |k| weights[k]);
+    let along = a.adjoint() * (b * &z - a * (x * &z));
+    let norms: Vec<f64> = a.col_iter().map(|column| column.norm_l2()).collect();
+    // Terms of all right-hand sides without signs, as these may cancel: each side has the length 1.
+    let used = (0..b.ncols()).filter(|&k| weights[k] > 0.0);
+    let terms = |k: usize| {
+        let terms = norms
+            .iter()
+            .enumerate()
+            .map(|(j, norm)| norm * abs(&x[(j, k)]));
+        1.0 + terms.sum::<f64>() / weights[k]
+    };
+    let size: f64 = used.map(terms).sum();
+    for (j, norm) in norms.iter().enumerate() {
+        let limit = backward(a.nrows() * a.ncols()) * norm * size;
+        check.below(norm_of_row(&along, j), limit)?;
+    }
+    Ok(())
+}
+
+/// Checks `A = L L^H` of a matrix of which the lower triangle counts, relative to its diagonal.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn cholesky<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    lower: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("Cholesky factor", a);
+    let (n, a) = (a.nrows(), hermitian(a));
+    let root = |i: usize| abs(&a[(i, i)]).sqrt();
+    let z = weighted_signs::<T>(n, root);
+    let residual = &a * &z - lower * (lower.adjoint() * &z);
+    let rows = (0..n).filter(|&i| root(i) > 0.0);
+    let rows = rows.map(|i| norm_of_row(&residual, i) / root(i));
+    check.below(rows.fold(0.0, larger), backward(n))
+}
+
+/// Checks `A X = B` of a general square matrix, row by row relative to `|A| |X| + |B|`.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn square_solution(
+    a: &ComplexMatrix,
+    b: &ComplexMatrix,
+    x: &ComplexMatrix,
+) -> Result<(), LinalgError> {
+    let check = Check::new("solution of linear equations", a.as_ref());
+    let residual = b - a * x;
+    for k in 0..b.ncols() {
+        for i in 0..a.nrows() {
+            let terms: f64 = (0..a.ncols())
+                .map(|j| a[(i, j)].norm() * x[(j, k)].norm())
+                .sum();
+            let limit = backward(a.nrows()) * (terms + b[(i, k)].norm());
+            check.below(residual[(i, k)].norm(), limit)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks `A X = B` of a positive definite A of which the lower triangle counts, relative to its diagonal.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn definite_solution(
+    a: &RealMatrix,
+    b: &RealMatrix,
+    x: &RealMatrix,
+) -> Result<(), LinalgError> {
+    let check = Check::new("solution by Cholesky", a.as_ref());
+    let a = hermitian(a.as_ref());
+    let root = |i: usize| a[(i, i)].abs().sqrt();
+    let residual = b - &a * x;
+    for k in 0..b.ncols() {
+        let terms: f64 = (0..a.nrows()).map(|j| root(j) * x[(j, k)].abs()).sum();
+        for i in 0..a.nrows() {
+            let limit = backward(a.nrows()) * (root(i) * terms + b[(i, k)].abs());
+            check.below(residual[(i, k)].abs(), limit)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks `A V = U S`, `A^H U = V S` and that U and V are orthonormal.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn singular_vectors<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    u: MatRef<'_, T>,
+    values: &[f64],
+    v: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("singular values", a);
+    let k = values.len();
+    let z = weighted_signs::<T>(k, |_| 1.0);
+    let weighted = Mat::from_fn(k, PROBES, |i, j| z[(i, j)].mul_real(&values[i]));
+    let limit = backward(a.nrows() + a.ncols()) * values.first().copied().unwrap_or(0.0);
+    check.below(length(&(a * (v * &z) - u * &weighted)), limit)?;
+    check.below(length(&(a.adjoint() * (u * &z) - v * &weighted)), limit)?;
+    orthonormal(&check, u)?;
+    orthonormal(&check, v)
+}
+
+/// Checks eigenvalues and right eigenvectors of a general matrix: `A X = X Lambda`, relative to the norm of A, and that
+/// the values add up to the trace.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub fn general_eigen<T: ComplexField<Real = f64>>(
+    a: MatRef<'_, T>,
+    values: &[c64],
+    vectors: MatRef<'_, c64>,
+) -> Result<(), LinalgError> {
+    let check = Check::new("eigenvalues of a general matrix", a);
+    let n = a.nrows();
+    let complex = Mat::from_fn(n, n, |i, j| c64::new(a[(i, j)].real(), a[(i, j)].imag()));
+    let z = weighted_signs::<c64>(n, |j| vectors.col(j).norm_l2());
+    let weighted = Mat::from_fn(n, PROBES, |i, j| values[i] * z[(i, j)]);
+    let limit = backward(n) * a.norm_l2();
+    let residual = &complex * (vectors * &z) - vectors * weighted;
+    check.below(length(&residual), limit)?;
+    let trace: c64 = (0..n).map(|i| complex[(i, i)]).sum();
+    let sum: c64 = values.iter().sum();
+    check.below((sum - trace).norm(), limit)
+}
+
+/// Checks a factor of a sparse matrix by a solution: `A x = b` for `b = A z` of signs z over the root of the diagonal, each
+/// row relative to the diagonal.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub(super) fn sparse_factor(
+    size: usize,
+    a: &SparseMatrix,
+    solve: impl Fn(&mut RealMatrix),
+) -> Result<(), LinalgError> {
+    let check = Check {
+        what: "sparse factor",
+        rows: size,
+        columns: size,
+    };
+    let root: Vec<f64> = (0..size).map(|i| a.get(i, i).abs().sqrt()).collect();
+    let right = a.multiply(&weighted_signs::<f64>(size, |i| root[i]));
+    let mut x = right.clone();
+    solve(&mut x);
+    let residual = right - a.multiply(&x);
+    let rows = |of: &RealMatrix, power: i32| {
+        let rows = (0..size).filter(|&i| root[i] > 0.0);
+        rows.map(|i| norm_of_row(of, i) * root[i].powi(power))
+            .fold(0.0, larger)
+    };
+    check.below(
+        rows(&residual, -1),
+        SPARSE_FACTOR * f64::EPSILON * rows(&x, 1),
+    )
+}
+
+/// Checks modes of a sparse pair with a solver of `(K + s M) x = b`.
+///
+/// `Phi^T M Phi = I`, each omega² against the Rayleigh quotient of its vector, and
+/// `Phi = (K + s M)^-1 M Phi (Omega^2 + s)`; that none is missing is proved by the count that the solver ends with.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`].
+pub(super) fn sparse_modes(
+    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
+    modes: &SparseModes,
+    (shift, solve): (f64, impl Fn(&mut RealMatrix)),
+) -> Result<(), LinalgError> {
+    let (n, count) = (mass.size(), modes.omega_squared.len());
+    let check = Check {
+        what: "natural frequencies",
+        rows: n,
+        columns: n,
+    };
+    let mut limit = 0.0;
+    for (j, &omega_squared) in modes.omega_squared.iter().enumerate() {
+        let x: Vec<f64> = modes.vectors.col(j).iter().copied().collect();
+        let quotient = stiffness.quadratic_form(&x).value / mass.quadratic_form(&x).value;
+        let rounding = modes.rounding[j];
+        let nearest = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
+        check.below((quotient - omega_squared).abs(), nearest)?;
+        limit += INVERSE[0].max(INVERSE[1] * rounding / (omega_squared + shift));
+    }
+    let z = weighted_signs::<f64>(count, |_| 1.0);
+    let combined = &modes.vectors * &z;
+    let moved = mass.multiply(&combined);
+    let back = modes.vectors.transpose() * &moved - &z;
+    check.below(largest(&back), SPARSE_ORTHONORMAL)?;
+    let weighted = Mat::from_fn(count, PROBES, |i, j| {
+        (modes.omega_squared[i] + shift) * z[(i, j)]
+    });
+    let mut image = mass.multiply(&(&modes.vectors * weighted));
+    solve(&mut image);
+    let difference = combined - image;
+    let moved = mass.multiply(&difference);
+    for probe in 0..PROBES {
+        let energy = difference.col(probe).transpose() * moved.col(probe);
+        check.below(energy.abs().sqrt(), limit)?;
+    }
+    Ok(())
+}
+
+fn orthonormal<T: ComplexField<Real = f64>>(
+    check: &Check,
+    q: MatRef<'_, T>,
+) -> Result<(), LinalgError> {
+    let z = weighted_signs::<T>(q.ncols(), |_| 1.0);
+    let difference = q.adjoint() * (q * &z) - &z;
+    check.below(largest(&difference), backward(q.nrows() * q.ncols()))
+}
+
+/// What is checked, for the error.
+struct Check {
+    what: &'static str,
+    rows: usize,
+    columns: usize,
+}
+
+impl Check {
+    fn new<T>(what: &'static str, a: MatRef<'_, T>) -> Self {
+        Self {
+            what,
+            rows: a.nrows(),
+            columns: a.ncols(),
+        }
+    }
+
+    /// An error unless `got <= limit`; a figure that is not a number fails.
+    fn below(&self, got: f64, limit: f64) -> Result<(), LinalgError> {
+        if got <= limit {
+            return Ok(());
+        }
+        Err(LinalgError::Inaccurate {
+            what: self.what,
+            rows: self.rows,
+            columns: self.columns,
+            got,
+            limit,
+        })
+    }
+
+    /// As many values and vectors as the matrix has rows.
+    fn complete(&self, values: usize, vectors: MatRef<'_, f64>) -> Result<(), LinalgError> {
+        let needed = self.rows;
+        let found = values.min(vectors.ncols());
+        if found == needed && vectors.nrows() == needed {
+            return Ok(());
+        }
+        Err(LinalgError::ModesMissing { found, needed })
+    }
+}
+
+/// The whole of a matrix of which the lower triangle counts.
+fn hermitian<T: ComplexField<Real = f64>>(a: MatRef<'_, T>) -> Mat<T> {
+    Mat::from_fn(a.nrows(), a.nrows(), |i, j| {
+        match i.cmp(&j) {
+            Ordering::Greater => a[(i, j)].clone(),
+            Ordering::Less => a[(j, i)].conj(),
+            // The imaginary part of the diagonal does not count either.
+            Ordering::Equal => T::from_f64_impl(a[(i, i)].real()),
+        }
+    })
+}
+
+/// Largest backward error of a decomposition of `n` columns.
+fn backward(n: usize) -> f64 {
+    BACKWARD * f64::EPSILON * (n as f64 + 10.0)
+}
+
+/// Largest entry; not a number where an entry is none.
+fn largest<T: ComplexField<Real = f64>>(a: &Mat<T>) -> f64 {
+    if a.is_all_finite() {
+        a.norm_max()
+    } else {
+        f64::NAN
+    }
+}
+
+/// Root of the sum of squares; not a number where an entry is none.
+fn length<T: ComplexField<Real = f64>>(a: &Mat<T>) -> f64 {
+    if a.is_all_finite() {
+        a.norm_l2()
+    } else {
+        f64::NAN
+    }
+}
+
+fn norm_of_row<T: ComplexField<Real = f64>>(a: &Mat<T>, row: usize) -> f64 {
+    (0..a.ncols()).map(|j| abs(&a[(row, j)])).fold(0.0, larger)
+}
+
+/// The larger of two numbers; not a number where one is none.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+fn abs<T: ComplexField<Real = f64>>(value: &T) -> f64 {
+    value.real().hypot(value.imag())
+}
+
+/// Vectors of 1 and -1 without a pattern, each entry over a weight; 0 where the weight is 0.
+fn weighted_signs<T: ComplexField<Real = f64>>(n: usize, weight: impl Fn(usize) -> f64) -> Mat<T> {
+    let mut random = SplitMix(1);
+    let scale: Vec<f64> = (0..n)
+        .map(weight)
+        .map(|weight| if weight > 0.0 { weight.recip() } else { 0.0 })
+        .collect();
+    let mut z = Mat::zeros(n, PROBES);
+    for (i, scale) in scale.iter().enumerate() {
+        for j in 0..PROBES {
+            z[(i, j)] = T::from_f64_impl(if random.next() < 0.0 { -scale } else { *scale });
+        }
+    }
+    z
+}
