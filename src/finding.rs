@@ -128,6 +128,9 @@ codes! {
     /// Degrees of freedom tied by position.
     DofsByNode: "degrees of freedom of test and theory were tied by the nearest node; the largest distance is given",
         "With --nearest-node the names do not count: a sensor of the test meets the theory's degree of freedom of the same axis at the node nearest to it, within the tolerance. Both geometries must be in one frame and in the same unit; look at the largest distance.";
+    /// Motions without mass.
+    MasslessCondensed: "coordinates carry no mass; they were condensed statically (exact: every mode with a finite frequency is kept)",
+        "Rotations of lumped-mass models, and nodes without mass. Equilibrium alone determines their motion, so that the model has as many modes fewer. Frequencies, shapes at all coordinates, energies and sensitivities are those of the whole model. The value is the number of independent motions without mass.";
     /// Only the lowest modes of a large model were computed.
     LowestModesAlone: "the model is sparse: its lowest modes alone were computed; none is missing up to this frequency",
         "Of a model of many coordinates the modes are computed up to the end of the band, or as many as are asked for (30 where nothing is), by block Lanczos on the shifted and inverted matrices. The eigenvalues below the value are counted by the inertia of the shifted stiffness, and the modes are as many, repeated roots included. Ask for a band to see more.";

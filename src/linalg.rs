@@ -8,6 +8,7 @@ mod low_modes;
 mod products;
 mod ritz;
 mod scale;
+mod semidefinite;
 mod sparse;
 #[cfg(test)]
 mod sparse_tests;
@@ -20,10 +21,13 @@ use faer::linalg::solvers::{Solve, SolveLstsq};
 use faer::{Mat, Side, c64};
 use num_complex::Complex64;
 
-pub use compensated::QuadraticForm;
+pub use compensated::{QuadraticForm, rayleigh_quotients, sparse_rayleigh_quotient};
 pub use general::{GeneralModes, complex_eigenvalues, general_modes};
 pub use lanczos::{SparseModes, Wanted, sparse_modes};
 pub use products::{add_square, adjoint_product, by_column, less_product};
+pub use semidefinite::{
+    null_dimension, null_limit, null_vector, principal_block, solve_sparse_definite,
+};
 pub use sparse::SparseMatrix;
 pub use svd::{SingularVectors, right_singular_vectors, singular_values, singular_vectors};
 pub use symmetric::{SymmetricEigen, SymmetricModes, symmetric_eigen, symmetric_modes};

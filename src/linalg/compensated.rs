@@ -10,6 +10,7 @@
 use faer::MatRef;
 
 use super::vectorised::vectorised;
+use super::{RealMatrix, SparseMatrix};
 
 /// Columns of vectors that pass through one reading of the matrix.
 const COLUMNS: usize = 4;
@@ -71,6 +72,35 @@ pub fn quadratic_forms(a: MatRef<'_, f64>, block: MatRef<'_, f64>) -> Vec<Quadra
         forms.extend(forms_of(a, &nonzero, block.subcols(first, count)));
     }
     forms
+}
+
+/// `phi^T K phi / phi^T M phi` of every column, with the bound of its change by rounding of the entries of K,
+/// `eps |phi|^T |K| |phi| / phi^T M phi`.
+pub fn rayleigh_quotients(
+    stiffness: &RealMatrix,
+    mass: &RealMatrix,
+    vectors: &RealMatrix,
+) -> Vec<(f64, f64)> {
+    let strain = quadratic_forms(stiffness.as_ref(), vectors.as_ref());
+    let kinetic = quadratic_forms(mass.as_ref(), vectors.as_ref());
+    let pairs = strain.iter().zip(&kinetic);
+    pairs
+        .map(|(strain, kinetic)| quotient(*strain, *kinetic))
+        .collect()
+}
+
+/// [`rayleigh_quotients`] of one vector with sparse matrices.
+pub fn sparse_rayleigh_quotient(
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
+    x: &[f64],
+) -> (f64, f64) {
+    quotient(stiffness.quadratic_form(x), mass.quadratic_form(x))
+}
+
+fn quotient(strain: QuadraticForm, kinetic: QuadraticForm) -> (f64, f64) {
+    let rounding = f64::EPSILON * strain.magnitude / kinetic.value;
+    (strain.value / kinetic.value, rounding)
 }
 
 /// Rows of a column from its first entry that is not zero to its last.

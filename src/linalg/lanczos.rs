@@ -12,6 +12,7 @@
 
 use faer::{Mat, Side};
 
+use super::compensated::sparse_rayleigh_quotient;
 use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
 use super::{LinalgError, RealMatrix, verify};
@@ -397,9 +398,8 @@ impl<'a> Run<'a> {
         let of_vectors = (size as f64 * f64::EPSILON).powi(2) * largest;
         for (j, omega_squared) in found.omega_squared.iter_mut().enumerate() {
             let x: Vec<f64> = found.vectors.col(j).iter().copied().collect();
-            let (strain, kinetic) = (stiffness.quadratic_form(&x), self.mass.quadratic_form(&x));
-            let rounding = f64::EPSILON * strain.magnitude / kinetic.value + of_vectors;
-            let quotient = strain.value / kinetic.value;
+            let (quotient, rounding) = sparse_rayleigh_quotient(stiffness, self.mass, &x);
+            let rounding = rounding + of_vectors;
             let limit = RITZ_ERROR * (quotient.abs() + self.shift) + RITZ_ROUNDINGS * rounding;
             if (quotient - *omega_squared).abs() > limit {
                 return Err(LinalgError::Inaccurate {

@@ -16,6 +16,7 @@ use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Accum, Mat, MatRef, Par, Side, c64};
 
+use super::compensated::sparse_rayleigh_quotient;
 use super::lanczos::{SparseModes, SplitMix};
 use super::low_modes::LowModes;
 use super::symmetric::{ScaledPair, SymmetricEigen, SymmetricModes};
@@ -428,7 +429,7 @@ pub(super) fn sparse_modes(
     let mut limit = 0.0;
     for (j, &omega_squared) in modes.omega_squared.iter().enumerate() {
         let x: Vec<f64> = modes.vectors.col(j).iter().copied().collect();
-        let quotient = stiffness.quadratic_form(&x).value / mass.quadratic_form(&x).value;
+        let (quotient, _) = sparse_rayleigh_quotient(stiffness, mass, &x);
         let rounding = modes.rounding[j];
         let nearest = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
         check.below((quotient - omega_squared).abs(), nearest)?;

@@ -90,8 +90,7 @@ impl BeamModel {
     ) -> Result<(), TheoryError> {
         for (line, beam) in self.lines.iter().zip(&self.file.beams) {
             let part = beam.label();
-            let get = |name, value| {
-                let sign = Sign::Positive;
+            let get = |name, value, sign| {
                 let part = &part;
                 Property {
                     part,
@@ -101,10 +100,15 @@ impl BeamModel {
                 }
                 .dual(values)
             };
-            let bending = get("youngs_modulus_pa", &beam.youngs_modulus_pa)?
-                * get("second_moment_m4", &beam.second_moment_m4)?;
-            let mass_per_length =
-                get("density_kg_per_m3", &beam.density_kg_per_m3)? * get("area_m2", &beam.area_m2)?;
+            let above_0 = Sign::Positive;
+            let bending = get("youngs_modulus_pa", &beam.youngs_modulus_pa, above_0)?
+                * get("second_moment_m4", &beam.second_moment_m4, above_0)?;
+            let density = get(
+                "density_kg_per_m3",
+                &beam.density_kg_per_m3,
+                Sign::NotNegative,
+            )?;
+            let mass_per_length = density * get("area_m2", &beam.area_m2, above_0)?;
             let h = line.length_m / line.elements as f64;
             let stiffness = hermite::stiffness(values.part(bending), h);
             let mass = hermite::mass(values.part(mass_per_length), h);

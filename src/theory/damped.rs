@@ -52,6 +52,8 @@ impl DampedModes {
 /// Modes of `M x'' + C x' + K x = 0`; a model without a damping matrix counts as undamped. Undamped roots within a millionth of
 /// each other count as one ([`modes_of_matrices`]).
 ///
+/// Motions without mass on which no damping force acts follow by statics, with damping as without ([`super::Condensation`]).
+///
 /// In the coordinates `q` of the undamped modes, `x = Phi q` with `Phi^T M Phi = I`, the state `(Omega q, q')` follows the
 /// matrix `[[0, Omega], [-Omega, -Phi^T C Phi]]`, all of whose entries are frequencies. Of each conjugate pair of its
 /// roots the one with positive imaginary part is kept. Distinct roots are orthogonal with respect to
@@ -72,11 +74,12 @@ pub fn damped_modes(matrices: &SystemMatrices) -> Result<DampedModes, TheoryErro
         });
     }
     let omega = &undamped.omega_rad_s;
+    let size = undamped.coordinates.len();
     let damping = modal_damping(matrices, &undamped.vectors);
     let roots = roots(omega, &damping)?;
     let mut solution = DampedModes {
         poles_rad_s: Vec::with_capacity(omega.len()),
-        vectors: linalg::complex_matrix(omega.len(), omega.len(), |_, _| Complex64::ZERO),
+        vectors: linalg::complex_matrix(size, omega.len(), |_, _| Complex64::ZERO),
         groups: vec![None; omega.len()],
         coordinates: undamped.coordinates,
     };
@@ -88,7 +91,7 @@ pub fn damped_modes(matrices: &SystemMatrices) -> Result<DampedModes, TheoryErro
             let j = solution.poles_rad_s.len();
             solution.poles_rad_s.push(lambda);
             solution.groups[j] = repeated.then_some(number);
-            for i in 0..omega.len() {
+            for i in 0..size {
                 let component = q.iter().enumerate();
                 solution.vectors[(i, j)] =
                     component.map(|(k, q)| undamped.vectors[(i, k)] * q).sum();

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
@@ -17,7 +18,9 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearit
 use super::basis::{canonicalise, fix_sign};
 use super::energy::{StrainShares, kinetic_shares, part_shares, strain_shares};
 use super::system::System;
-use super::{Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError};
+use super::{
+    Condensation, Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError,
+};
 
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
 /// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
@@ -59,6 +62,9 @@ pub struct TheoryModes {
     pub kinetic_shares: RealMatrix,
     /// Where the strain energy is, by the names of the springs, or of the parts of the stiffness matrix.
     pub strain_shares: StrainShares,
+    /// Static condensation of the motions without mass, which have no mode; `None` where every motion carries mass, and of a
+    /// sparse system.
+    pub condensation: Option<Arc<Condensation>>,
 }
 
 /// Modes of a model with these parameter values at these sensors.
@@ -122,8 +128,11 @@ fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &m
 /// Neighbours within a millionth of their frequency share a group number and their mean `omega^2`. Damping from a damping
 /// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
 ///
+/// Motions without mass are condensed statically, which keeps all finite modes as they are ([`Condensation`]); a finding says
+/// how many.
+///
 /// # Errors
-/// [`TheoryError::DampingRatio`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
+/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
 /// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
 ///
 /// # Reference
@@ -133,7 +142,12 @@ pub fn modes_of_matrices(
     options: &ModeOptions,
 ) -> Result<TheoryModes, TheoryError> {
     check_arguments(matrices, options)?;
-    let solution = solve(matrices)?;
+    let condensation = Condensation::of_full(matrices)?;
+    let solution = solve(matrices, condensation.as_ref())?;
+    if let Some((own, c)) = condensation.as_ref().zip(matrices.damping.as_ref()) {
+        let (forces, magnitudes) = (c * &solution.vectors, sizes(c) * sizes(&solution.vectors));
+        own.check_undamped(&forces, &magnitudes, &matrices.coordinates)?;
+    }
     let damping = |j: usize| {
         let c = matrices.damping.as_ref()?;
         let forces = c * solution.vectors.subcols(j, 1);
@@ -144,6 +158,9 @@ pub fn modes_of_matrices(
     let mut result = solution.kept(options, &damping, &moved);
     result.strain_shares = strain_shares(&matrices.springs, &result.vectors);
     result.coordinates = matrices.coordinates.clone();
+    let finding = condensation.as_ref().map(Condensation::finding);
+    result.model.findings.extend(finding);
+    result.condensation = condensation.map(Arc::new);
     Ok(result)
 }
 
@@ -243,13 +260,23 @@ impl Solution {
             numbers: kept.iter().map(|&j| elastic(j)).collect(),
             rigid: kept.iter().filter(|&&j| j < self.rigid).count(),
             coordinates: Vec::new(),
+            condensation: None,
         }
     }
 }
 
-fn solve(matrices: &SystemMatrices) -> Result<Solution, TheoryError> {
-    let raw = linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?;
-    let total = row_squares(&raw.vectors);
+fn solve(
+    matrices: &SystemMatrices,
+    condensation: Option<&Condensation>,
+) -> Result<Solution, TheoryError> {
+    let raw = match condensation {
+        None => linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?,
+        Some(own) => own.modes(matrices)?,
+    };
+    let mut total = row_squares(&raw.vectors);
+    // A coordinate without mass is never a pivot, here as in sparse systems: its motion in all modes has no bound.
+    let massless = (0..total.len()).filter(|&i| matrices.mass[(i, i)].abs() <= 0.0);
+    massless.for_each(|i| total[i] = f64::INFINITY);
     let pairs = raw.omega_squared.iter().zip(raw.rounding);
     let roots = pairs.map(|(&value, rounding)| Root::new(value, rounding));
     let roots = roots.collect::<Result<Vec<_>, _>>()?;
@@ -286,6 +313,11 @@ impl Root {
             rounding,
         })
     }
+}
+
+/// Magnitudes of the entries.
+pub(super) fn sizes(of: &RealMatrix) -> RealMatrix {
+    linalg::real_matrix(of.nrows(), of.ncols(), |r, c| of[(r, c)].abs())
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

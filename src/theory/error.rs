@@ -3,6 +3,7 @@
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
 
+use super::MassError;
 use super::expected::{expected_bounds, expected_name, expected_nearest};
 
 /// Why a model cannot be built, assembled, observed or solved.
@@ -441,6 +442,9 @@ pub enum TheoryError {
         /// The next.
         upper: f64,
     },
+    /// A mass matrix, or motions without mass, for which natural frequencies are not defined.
+    #[error(transparent)]
+    Mass(#[from] MassError),
     /// A matrix problem without an answer.
     #[error(transparent)]
     Linalg(#[from] LinalgError),

@@ -78,7 +78,7 @@ impl LumpedModel {
                     property: name,
                     needed_for: free.name(),
                 })?;
-                let sign = Sign::Positive;
+                let sign = Sign::NotNegative;
                 let property = Property {
                     part,
                     name,

@@ -8,6 +8,11 @@ mod basis;
 mod beam;
 mod beam_line;
 mod compare;
+mod condensation;
+#[cfg(test)]
+mod condensation_tests;
+#[cfg(test)]
+mod condensation_uses_tests;
 mod damped;
 mod description;
 mod direct;
@@ -25,6 +30,8 @@ mod integrate;
 mod lumped;
 mod lumped_description;
 mod machine;
+mod mass_error;
+mod massless;
 mod parameter;
 mod property;
 mod quantity;
@@ -63,6 +70,7 @@ use crate::linalg::{RealMatrix, SparseMatrix};
 
 pub use beam::BeamModel;
 pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
+pub use condensation::Condensation;
 pub use damped::{DampedModes, damped_model, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
@@ -79,6 +87,7 @@ pub use lumped::LumpedModel;
 pub use lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
+pub use mass_error::MassError;
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
@@ -147,7 +156,8 @@ pub struct StiffnessPart<'a> {
 /// Matrices of `M x'' + C x' + K x = f` over the model's coordinates, all `n` by `n` and symmetric.
 #[derive(Clone, Debug)]
 pub struct SystemMatrices {
-    /// Mass, kg (kg m, kg m² where rotations are involved); positive definite.
+    /// Mass, kg (kg m, kg m² where rotations are involved); positive semidefinite.
+    /// Motions without mass are condensed statically, which is exact ([`Condensation`]).
     pub mass: RealMatrix,
     /// Viscous damping, N s/m; `None` for an undamped model.
     pub damping: Option<RealMatrix>,

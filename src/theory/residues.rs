@@ -28,7 +28,8 @@ pub struct PairResidues {
 /// Residues `A_jk = phi_j phi_k / (2 i omega_d)` with `omega_d = omega_n sqrt(1 - zeta^2)`, shapes of unit modal mass.
 ///
 /// `damping_ratios` has one value for each elastic mode in `modes`, in order. Degrees of freedom must be among the sensors
-/// at which the modes were computed; one whose sign is negative reads (or hits) with a minus.
+/// at which the modes were computed; one whose sign is negative reads (or hits) with a minus. A pair with both ends at motions
+/// without mass has a constant static compliance besides ([`Condensation::relax`](super::Condensation::relax)).
 ///
 /// # Errors
 /// [`TheoryError::DampingCount`], [`TheoryError::DampingRatio`], [`TheoryError::NotObserved`].

@@ -144,7 +144,12 @@ pub struct ModeDerivatives {
 /// there; one for each entry of `roots`, which holds the modes of a root.
 ///
 /// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not of its root:
-/// neither in its list nor of the same frequency, which a list of part of a repeated root leaves out.
+/// neither in its list nor of the same frequency, which a list of part of a repeated root leaves out. Motions without mass, which
+/// have no mode, add `-G (dK - lambda dM) phi` with their static compliance `G` ([`Condensation::relax`](super::Condensation::relax)),
+/// also where `dM` gives them mass: the sum and `G` together are `(K - lambda M)^-1` without the root.
+///
+/// # Errors
+/// [`TheoryError::Linalg`] where the stiffness of motions without mass is not positive definite.
 ///
 /// # Reference
 /// Fox and Kapoor (1968), equation 18.
@@ -152,7 +157,7 @@ pub fn mode_derivatives(
     modes: &TheoryModes,
     roots: &[&[usize]],
     by: &SystemDerivative,
-) -> Vec<ModeDerivatives> {
+) -> Result<Vec<ModeDerivatives>, TheoryError> {
     let lambda = |k: usize| modes.omega_rad_s[k] * modes.omega_rad_s[k];
     // All columns at once: a product of matrices costs less than as many of a matrix and a vector.
     let columns: Vec<(usize, &[usize])> = roots
@@ -175,7 +180,10 @@ pub fn mode_derivatives(
             all[(k, c)] / (lambda(own) - lambda(k))
         }
     });
-    let vectors = &modes.vectors * &share;
+    let mut vectors = &modes.vectors * &share;
+    if let Some(condensation) = &modes.condensation {
+        vectors -= condensation.relax(&force)?;
+    }
     let mut first = 0;
     let part = |root: &&[usize]| {
         let start = first;
@@ -185,7 +193,7 @@ pub fn mode_derivatives(
             vectors: real_matrix(n, root.len(), |i, c| vectors[(i, start + c)]),
         }
     };
-    roots.iter().map(part).collect()
+    Ok(roots.iter().map(part).collect())
 }
 
 fn branches(

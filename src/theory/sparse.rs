@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
 
-use super::eigen::{Root, Solution, check_damping_ratio, check_entries};
-use super::{Coordinate, ModeOptions, TheoryError, TheoryModes};
+use super::eigen::{Root, Solution, check_damping_ratio, check_entries, sizes};
+use super::{Condensation, Coordinate, ModeOptions, TheoryError, TheoryModes};
 
 /// Modes that are computed when neither a band nor a number is asked for.
 pub(super) const MODES: usize = 30;
@@ -18,7 +18,7 @@ const BEYOND_END: f64 = 1e-6;
 /// Matrices of `M x'' + C x' + K x = f` without their zeros, symmetric, of one size.
 #[derive(Clone, Debug)]
 pub struct SparseSystem {
-    /// Mass, positive definite.
+    /// Mass, positive semidefinite.
     pub mass: SparseMatrix,
     /// Viscous damping; `None` for an undamped model.
     pub damping: Option<SparseMatrix>,
@@ -41,10 +41,11 @@ pub struct SparseDerivative {
 ///
 /// With a band all modes up to its end, else as many as the options ask for, else the lowest thirty; none of them is
 /// missing ([`crate::linalg::sparse_modes`]). A finding says up to which frequency they were counted. Rigid-body modes,
-/// repeated roots, damping and the bound of rounding are those of [`super::modes_of_matrices`].
+/// repeated roots, damping and the bound of rounding are those of [`super::modes_of_matrices`]. Motions without mass are
+/// condensed statically there as here.
 ///
 /// # Errors
-/// [`TheoryError::DampingRatio`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
+/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
 /// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
 pub fn modes_of_sparse(
     system: &SparseSystem,
@@ -59,8 +60,18 @@ pub fn modes_of_sparse(
         (None, Some(count)) => Wanted::Lowest(count.max(1)),
         (None, None) => Wanted::Lowest(MODES),
     };
-    let raw = linalg::sparse_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?;
+    let stiffness = || Ok(system.stiffness.clone());
+    let condensation = Condensation::of(&system.mass, stiffness, &system.coordinates)?;
+    let raw = match &condensation {
+        None => linalg::sparse_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?,
+        Some(own) => own.lowest_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?,
+    };
     let solution = solution(system, &raw)?;
+    if let Some((own, c)) = condensation.as_ref().zip(system.damping.as_ref()) {
+        let forces = c.multiply(&solution.vectors);
+        let magnitudes = magnitudes(c)?.multiply(&sizes(&solution.vectors));
+        own.check_undamped(&forces, &magnitudes, &system.coordinates)?;
+    }
     let damping = |j: usize| {
         let c = system.damping.as_ref()?;
         let energy = c.quadratic_form(&column(&solution.vectors, j));
@@ -75,7 +86,15 @@ pub fn modes_of_sparse(
         raw.counted_below
             .map(|limit| finding.value(limit.max(0.0).sqrt() / TAU, "Hz")),
     );
+    let condensed = condensation.as_ref().map(Condensation::finding);
+    result.model.findings.extend(condensed);
     Ok(result)
+}
+
+/// Magnitudes of the entries.
+fn magnitudes(of: &SparseMatrix) -> Result<SparseMatrix, TheoryError> {
+    let entries: Vec<_> = of.entries().map(|(i, j, v)| (i, j, v.abs())).collect();
+    Ok(SparseMatrix::from_entries(of.size(), &entries)?)
 }
 
 fn check_system(system: &SparseSystem) -> Result<(), TheoryError> {

@@ -16,27 +16,30 @@ use super::{
 
 impl UpdateProblem<'_> {
     /// Residuals of the data.
+    ///
+    /// # Errors
+    /// [`UpdateError::Theory`].
     pub(super) fn data_residuals(
         &self,
         matrices: &SystemMatrices,
         modes: &TheoryModes,
         links: &[Link],
-    ) -> Vec<f64> {
+    ) -> Result<Vec<f64>, UpdateError> {
         if self.compares_frfs {
-            return self
-                .frfs
-                .iter()
-                .flat_map(|own| own.values(matrices))
-                .collect();
+            let values = self.frfs.iter().flat_map(|own| own.values(matrices));
+            return Ok(values.collect());
         }
         if self.options.residuals == Residuals::ModalDynamic {
-            let of_target = |(shapes, own): DynamicPair<'_>| own.values(shapes, matrices);
-            return self.dynamic().flat_map(of_target).collect();
+            let condensation = modes.condensation.as_deref();
+            let of_target =
+                |(shapes, own): DynamicPair<'_>| own.values(shapes, matrices, condensation);
+            let parts: Vec<Vec<f64>> = self.dynamic().map(of_target).collect::<Result<_, _>>()?;
+            return Ok(parts.concat());
         }
         let of_link = |link| LinkResidual::new(link, &self.targets, modes).values();
         let mut all: Vec<f64> = links.iter().flat_map(of_link).collect();
         all.extend(self.unpaired(links).flat_map(unexplained));
-        all
+        Ok(all)
     }
 
     /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
@@ -54,9 +57,12 @@ impl UpdateProblem<'_> {
             )
         } else if self.options.residuals == Residuals::ModalDynamic {
             let by = self.system_derivatives(at)?;
-            let of_target =
-                |(shapes, own): DynamicPair<'_>| own.derivatives(shapes, &at.matrices, &by);
-            joined(self.dynamic().map(of_target).collect())
+            let condensation = at.modes.condensation.as_deref();
+            let of_target = |(shapes, own): DynamicPair<'_>| {
+                own.derivatives(shapes, &at.matrices, condensation, &by)
+            };
+            let parts = self.dynamic().map(of_target);
+            joined(parts.collect::<Result<_, UpdateError>>()?)
         } else {
             let residuals = self.residuals(at);
             let by = self.derivatives(at, &residuals)?;

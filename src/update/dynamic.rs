@@ -12,7 +12,8 @@
 //! shape that no motion without force explains. `W = Phi0^T/(2 lambda sigma s)` with the modes `Phi0` of the model at the start
 //! (the norm of `M0^-1`), the relative deviation `sigma` of the frequency, and the length `s` of `u` there, the root of the sum
 //! of squares over the shapes of a repeated root, whose one frequency counts once; a root of the model that is off by `e`
-//! leaves `e/sigma` in all. No mode of the model is asked for: repeated and crossing roots are no
+//! leaves `e/sigma` in all. Motions without mass follow the others by statics, `u = T u_a` ([`Condensation`]): a force on
+//! them is infinitely large in the norm of `M0^-1`. No mode of the model is asked for: repeated and crossing roots are no
 //! matter, and nothing is expanded beforehand.
 //!
 //! # Reference
@@ -21,8 +22,9 @@
 //! SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
 
 use crate::linalg::{RealMatrix, real_matrix};
-use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
+use crate::theory::{Condensation, SystemDerivative, SystemMatrices, TheoryModes};
 
+use super::UpdateError;
 use super::residual::{Projection, dot};
 use super::target::TargetShapes;
 
@@ -50,25 +52,31 @@ impl DynamicTarget {
         let lengths = shapes.vectors.iter().map(length).sum::<f64>();
         let lambda = (std::f64::consts::TAU * hz).powi(2);
         let factor = 1.0 / (2.0 * lambda * relative_std * lengths.sqrt());
-        let n = modes.vectors.nrows();
+        let (n, m) = (modes.vectors.nrows(), modes.vectors.ncols());
         factor.is_finite().then(|| Self {
             lambda,
-            weight: real_matrix(n, n, |i, j| factor * modes.vectors[(j, i)]),
+            weight: real_matrix(m, n, |i, j| factor * modes.vectors[(j, i)]),
         })
     }
 
-    fn columns(&self, shapes: &TargetShapes, matrices: &SystemMatrices) -> Projection {
-        let n = self.weight.nrows();
-        let force = real_matrix(n, n, |i, j| {
-            matrices.stiffness[(i, j)] - self.lambda * matrices.mass[(i, j)]
-        });
-        let force = &self.weight * &force;
-        let d = shapes.rows.nrows();
-        let column = |j: usize| {
-            let top = (0..n).map(|i| force[(i, j)]);
-            top.chain((0..d).map(|i| shapes.rows[(i, j)])).collect()
-        };
-        Projection::of_columns((0..n).map(column))
+    /// `W (K - lambda M)`.
+    fn forces(&self, stiffness: &RealMatrix, mass: &RealMatrix) -> RealMatrix {
+        let n = self.weight.ncols();
+        let force = real_matrix(n, n, |i, j| stiffness[(i, j)] - self.lambda * mass[(i, j)]);
+        &self.weight * &force
+    }
+
+    /// Forces over readings, of all coordinates.
+    fn equations(&self, shapes: &TargetShapes, matrices: &SystemMatrices) -> RealMatrix {
+        let force = self.forces(&matrices.stiffness, &matrices.mass);
+        let (m, n, d) = (force.nrows(), force.ncols(), shapes.rows.nrows());
+        real_matrix(m + d, n, |i, j| {
+            if i < m {
+                force[(i, j)]
+            } else {
+                shapes.rows[(i - m, j)]
+            }
+        })
     }
 
     /// Zeros for the force, and the shape.
@@ -78,32 +86,64 @@ impl DynamicTarget {
     }
 
     /// The residuals.
-    pub fn values(&self, shapes: &TargetShapes, matrices: &SystemMatrices) -> Vec<f64> {
-        let columns = self.columns(shapes, matrices);
+    ///
+    /// # Errors
+    /// [`UpdateError::Theory`] where motions without mass cannot be condensed.
+    pub fn values(
+        &self,
+        shapes: &TargetShapes,
+        matrices: &SystemMatrices,
+        condensation: Option<&Condensation>,
+    ) -> Result<Vec<f64>, UpdateError> {
+        let mut equations = self.equations(shapes, matrices);
+        if let Some(own) = condensation {
+            equations = equations * own.expansion(&matrices.stiffness)?;
+        }
+        let columns = projection(&equations);
         let vectors = shapes.vectors.iter();
         let rests = vectors.map(|v| columns.rest(&self.measured(v)));
-        rests.flatten().collect()
+        Ok(rests.flatten().collect())
     }
 
-    /// Their derivatives by parameters, one column for each.
+    /// Their derivatives by parameters, one column for each: with `dT = -G dK T` of motions without mass.
+    ///
+    /// # Errors
+    /// As [`DynamicTarget::values`].
     pub fn derivatives(
         &self,
         shapes: &TargetShapes,
         matrices: &SystemMatrices,
+        condensation: Option<&Condensation>,
         by: &[SystemDerivative],
-    ) -> Vec<Vec<f64>> {
-        let columns = self.columns(shapes, matrices);
-        let (n, d) = (self.weight.nrows(), shapes.rows.nrows());
+    ) -> Result<Vec<Vec<f64>>, UpdateError> {
+        let whole = self.equations(shapes, matrices);
+        let expansion = condensation.map(|own| own.expansion(&matrices.stiffness));
+        let expansion = expansion.transpose()?;
+        let columns = match &expansion {
+            Some(own) => projection(&(&whole * own)),
+            None => projection(&whole),
+        };
         let of = |by: &SystemDerivative| {
-            let force = real_matrix(n, n, |i, j| {
-                by.stiffness[(i, j)] - self.lambda * by.mass[(i, j)]
+            let force = self.forces(&by.stiffness, &by.mass);
+            let mut change = real_matrix(whole.nrows(), whole.ncols(), |i, j| {
+                if i < force.nrows() {
+                    force[(i, j)]
+                } else {
+                    0.0
+                }
             });
-            let force = &self.weight * &force;
-            let change = real_matrix(n + d, n, |i, j| if i < n { force[(i, j)] } else { 0.0 });
+            if let Some((own, t)) = condensation.zip(expansion.as_ref()) {
+                change = change * t - &whole * own.relax(&(&by.stiffness * t))?;
+            }
             let vectors = shapes.vectors.iter();
             let own = vectors.flat_map(|v| columns.derivative(&self.measured(v), &change));
-            own.collect()
+            Ok(own.collect())
         };
         by.iter().map(of).collect()
     }
+}
+
+fn projection(columns: &RealMatrix) -> Projection {
+    let column = |j: usize| columns.col(j).iter().copied().collect();
+    Projection::of_columns((0..columns.ncols()).map(column))
 }

@@ -3,7 +3,9 @@
 use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{built_in, nominal_values};
 
-use super::test_models::{against_differences, chain, free, measured, sensors, two_directions};
+use super::test_models::{
+    against_differences, chain, chain_of, free, measured, sensors, two_directions,
+};
 use super::*;
 
 fn options() -> UpdateOptions {
@@ -108,6 +110,35 @@ fn the_equations_of_motion_give_the_stiffnesses_back() {
     let modal = update(&problem).unwrap();
     for (a, b) in result.parameters.iter().zip(&modal.parameters) {
         assert!((a.std / b.std - 1.0).abs() < 0.1, "{} {}", a.std, b.std);
+    }
+}
+
+/// Springs on both sides of a massless node are told apart by the shapes there: with modes and with equations of motion.
+#[test]
+fn massless_nodes_follow_by_statics_in_residuals_and_their_derivatives() {
+    let (start, truth) = ([100.0, 200.0, 300.0, 150.0], [130.0, 180.0, 310.0, 160.0]);
+    let model = chain_of(&[0.0, 2.0, 0.0, 1.0], &start);
+    let test = measured(&model, &truth, 1e-4, true);
+    assert_eq!(test.modes.len(), 2);
+    let own = [MeasuredModes::new("t", &test)];
+    let sensors = sensors(&model, &start);
+    let chosen = free(&["k1", "k2", "k3", "k4"]);
+    for residuals in [Residuals::ModalDynamic, Residuals::Modes] {
+        let kind = UpdateOptions {
+            residuals,
+            ..options()
+        };
+        let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, kind).unwrap();
+        let worst = against_differences(&problem, &[0.1, -0.1, 0.05, 0.02]);
+        assert!(worst < 1e-6, "{residuals:?}: {worst}");
+        let result = update(&problem).unwrap();
+        for (own, truth) in result.parameters.iter().zip(truth) {
+            // The prior pulls by the square of its ratio to the posterior deviation, 0.5 % of the largest.
+            assert!(
+                (own.updated / truth - 1.0).abs() < 5e-3,
+                "{residuals:?} {own:?}"
+            );
+        }
     }
 }
 

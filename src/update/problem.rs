@@ -274,6 +274,7 @@ impl<'a> UpdateProblem<'a> {
                 TheoryError::OutOfBounds { .. }
                 | TheoryError::PropertyOutOfRange { .. }
                 | TheoryError::NegativeStiffness { .. }
+                | TheoryError::Mass(_)
                 | TheoryError::Linalg(_),
             )) => Ok(None),
             Err(error) => Err(error),
@@ -290,7 +291,7 @@ impl<'a> UpdateProblem<'a> {
         let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
         let links = without_unseen(links(&modes), &self.targets, &modes);
         let links = with_whole_roots(links, &self.targets, &modes);
-        let mut residual = self.data_residuals(&matrices, &modes, &links);
+        let mut residual = self.data_residuals(&matrices, &modes, &links)?;
         let data_rows = residual.len();
         residual.extend(z.iter().map(|z| self.prior_weight * z));
         Ok(Evaluation {
@@ -334,7 +335,7 @@ impl<'a> UpdateProblem<'a> {
         let of = |parameter: &FreeParameter| {
             let by = self.model.derivative(&at.values, parameter.index)?;
             let slope = parameter.slope(at.values[parameter.index]);
-            Ok((mode_derivatives(&at.modes, &roots, &by), slope))
+            Ok((mode_derivatives(&at.modes, &roots, &by)?, slope))
         };
         let all = self.free.iter().map(of);
         let mut all = all.collect::<Result<Vec<_>, UpdateError>>()?;

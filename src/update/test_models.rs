@@ -11,15 +11,20 @@ use super::{ParameterChoice, UpdateProblem};
 /// A chain of masses of 1 kg on springs `k1`, `k2`, ..., fixed at the first: `stiffness` of each, N/m, and a spring named
 /// `extra` of 0 mean effect where it is asked for.
 pub fn chain(stiffness: &[f64]) -> LumpedModel {
+    chain_of(&vec![1.0; stiffness.len()], stiffness)
+}
+
+/// The same chain with other masses, kg, some of which may be 0.
+pub fn chain_of(masses: &[f64], stiffness: &[f64]) -> LumpedModel {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
-    for (i, k) in stiffness.iter().enumerate() {
+    for (i, (k, kg)) in stiffness.iter().zip(masses).enumerate() {
         let n = i + 1;
         text += &format!(
             "[[parameter]]\nname = \"k{n}\"\nunit = \"N/m\"\nnominal = {k:?}\nlower = 0.0\nupper = {:?}\nstatus = \"assumed\"\n",
             100.0 * k
         );
         text += &format!(
-            "[[body]]\nname = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\nmass_kg = 1.0\nfree = [\"x\"]\n"
+            "[[body]]\nname = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\nmass_kg = {kg:?}\nfree = [\"x\"]\n"
         );
         text += &format!("[[point]]\nname = \"p{n}\"\nbody = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\n");
         let to = if i == 0 {

@@ -1,0 +1,276 @@
+//! Static condensation of motions without mass, which is exact.
+//!
+//! With `a` the motions that carry mass and `o` those that do not, `M = diag(M_aa, 0)`, the rows `o` of
+//! `K phi = omega^2 M phi` are statics: `phi_o = -K_oo^-1 K_oa phi_a`. The modes of
+//! `K_c = K_aa - K_ao K_oo^-1 K_oa` with `M_aa` are all finite modes of the whole. Their derivatives need no more:
+//! `dK_c = T^T dK T` with `T = [I; -K_oo^-1 K_oa]`, and `(K - lambda M)^-1 = T (K_c - lambda M_aa)^-1 T^T + G` with
+//! `G = diag(0, K_oo^-1)` ([`Condensation::relax`]).
+//!
+//! # Reference
+//! Géradin and Rixen (2015), Mechanical Vibrations, 3rd ed., section 2.8; Guyan (1965), AIAA Journal 3, 380.
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::linalg::{
+    self, RealMatrix, SparseMatrix, SparseModes, SymmetricModes, Wanted, real_matrix,
+};
+
+use super::massless::{Division, without_zeros};
+use super::{Coordinate, MassError, SystemMatrices, TheoryError};
+
+/// Coordinates whose share in a motion is above this part of the largest take part in it. Smaller: coordinates at rest are
+/// named (rounding leaves 1e-10). Larger: the soft end of a mechanism is not. Test: `massless_coordinates_that_nothing_holds_are_named`.
+const TAKES_PART: f64 = 1e-6;
+/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion, `1/(1 + tau lambda)`, not below 1e-5,
+/// of others. Test: `all_finite_modes_of_a_small_sparse_model_are_found`.
+const CARRIES_MASS: f64 = 1e-9;
+
+/// The motions of a model that carry no mass, and the stiffness that holds them.
+#[derive(Clone, Debug)]
+pub struct Condensation {
+    division: Division,
+    /// `K_oo`.
+    held: SparseMatrix,
+    size: usize,
+}
+
+impl Condensation {
+    /// Of matrices; `None` where every motion carries mass. The stiffness is asked for only where one does not.
+    ///
+    /// # Errors
+    /// [`TheoryError::Mass`], [`TheoryError::Linalg`].
+    pub(super) fn of(
+        mass: &SparseMatrix,
+        stiffness: impl FnOnce() -> Result<SparseMatrix, TheoryError>,
+        coordinates: &[Coordinate],
+    ) -> Result<Option<Self>, TheoryError> {
+        let division = Division::of(mass, coordinates)?;
+        if division.massless.is_empty() {
+            return Ok(None);
+        }
+        let turned = division.turned(&stiffness()?)?;
+        let held = linalg::principal_block(&turned, &division.massless)?;
+        let own = Self {
+            division,
+            held,
+            size: mass.size(),
+        };
+        own.check_held(coordinates)?;
+        Ok(Some(own))
+    }
+
+    /// Of full matrices.
+    ///
+    /// # Errors
+    /// As [`Condensation::of`].
+    pub(super) fn of_full(matrices: &SystemMatrices) -> Result<Option<Self>, TheoryError> {
+        let stiffness = || without_zeros(&matrices.stiffness);
+        let mass = without_zeros(&matrices.mass)?;
+        Self::of(&mass, stiffness, &matrices.coordinates)
+    }
+
+    /// Number of motions without mass.
+    pub fn massless(&self) -> usize {
+        self.division.massless.len()
+    }
+
+    /// Stiffness must hold every massless motion where those with mass are at rest.
+    fn check_held(&self, coordinates: &[Coordinate]) -> Result<(), TheoryError> {
+        let motions = linalg::null_dimension(&self.held)?;
+        if motions == 0 {
+            return Ok(());
+        }
+        let vector = linalg::null_vector(&self.held)?;
+        let largest = vector.iter().fold(0.0, |m: f64, v| m.max(v * v));
+        let moves = |k: &usize| vector[*k] * vector[*k] > TAKES_PART * largest;
+        let moving: Vec<usize> = (0..vector.len()).filter(moves).collect();
+        Err(MassError::Free {
+            coordinates: self.division.names(&moving, coordinates),
+            motions,
+        }
+        .into())
+    }
+
+    /// Checks that no damping force acts on a massless motion in any mode, `(C Phi)_o = 0` within rounding: so it is without
+    /// damping there, and with damping proportional to stiffness. Statics then holds with damping as well.
+    ///
+    /// `forces` is `C Phi`, `magnitudes` the same product of the sizes of all entries.
+    ///
+    /// # Errors
+    /// [`MassError::Damped`].
+    pub(super) fn check_undamped(
+        &self,
+        forces: &RealMatrix,
+        magnitudes: &RealMatrix,
+        coordinates: &[Coordinate],
+    ) -> Result<(), TheoryError> {
+        // Rounding of `C = beta K` was up to 5 eps for frames of 466 and 946 coordinates.
+        let limit = linalg::null_limit(self.size);
+        let at = self.division.at_massless(forces, |weight| weight);
+        let sizes = self.division.at_massless(magnitudes, f64::abs);
+        let largest = |of: &RealMatrix, row: usize| {
+            (0..of.ncols()).fold(0.0, |m: f64, j| m.max(of[(row, j)].abs()))
+        };
+        let damped = |row: &usize| largest(&at, *row) > limit * largest(&sizes, *row);
+        let damped: Vec<usize> = (0..at.nrows()).filter(damped).collect();
+        if damped.is_empty() {
+            return Ok(());
+        }
+        Err(MassError::Damped {
+            coordinates: self.division.names(&damped, coordinates),
+        }
+        .into())
+    }
+
+    /// How many motions carry no mass and were condensed.
+    pub(super) fn finding(&self) -> Finding {
+        let finding = Finding::new(Severity::Info, Code::MasslessCondensed, Place::Whole);
+        let of = format!("of {} coordinates", self.size);
+        finding.value(self.massless() as f64, &of)
+    }
+
+    /// `G f` with `G = diag(0, K_oo^-1)`: how massless motions give way to forces where those with mass are at rest. Rows are
+    /// all coordinates.
+    ///
+    /// # Errors
+    /// [`TheoryError::Linalg`].
+    pub fn relax(&self, forces: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+        let forces = self.division.at_massless(forces, |weight| weight);
+        let own = linalg::solve_sparse_definite(&self.held, &forces)?;
+        let parts = [(self.division.massless.as_slice(), &own)];
+        Ok(self.division.lifted(&parts, self.size))
+    }
+
+    /// `T`: all coordinates (rows) from the motions that carry mass (columns).
+    ///
+    /// # Errors
+    /// [`TheoryError::Linalg`].
+    pub fn expansion(&self, stiffness: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+        let massive = &self.division.massive;
+        let turned = self.division.turned_full(stiffness)?;
+        let followed = self.followed(&self.coupling(&turned))?;
+        let identity = real_matrix(massive.len(), massive.len(), |i, j| {
+            f64::from(u8::from(i == j))
+        });
+        Ok(self.whole(&identity, &followed))
+    }
+
+    /// `K_oa`.
+    fn coupling(&self, turned: &RealMatrix) -> RealMatrix {
+        let Division {
+            massive, massless, ..
+        } = &self.division;
+        real_matrix(massless.len(), massive.len(), |i, a| {
+            turned[(massless[i], massive[a])]
+        })
+    }
+
+    /// `-K_oo^-1 K_oa`.
+    fn followed(&self, coupling: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+        let solved = linalg::solve_sparse_definite(&self.held, coupling)?;
+        Ok(-solved)
+    }
+
+    /// All coordinates from the parts with and without mass.
+    fn whole(&self, massive: &RealMatrix, massless: &RealMatrix) -> RealMatrix {
+        let division = &self.division;
+        let parts = [
+            (division.massive.as_slice(), massive),
+            (division.massless.as_slice(), massless),
+        ];
+        division.lifted(&parts, self.size)
+    }
+
+    /// All modes of full matrices, over all coordinates.
+    ///
+    /// # Errors
+    /// [`TheoryError::Linalg`].
+    pub(super) fn modes(&self, matrices: &SystemMatrices) -> Result<SymmetricModes, TheoryError> {
+        let massive = &self.division.massive;
+        let block = |of: &RealMatrix| {
+            real_matrix(massive.len(), massive.len(), |i, j| {
+                of[(massive[i], massive[j])]
+            })
+        };
+        let turned = self.division.turned_full(&matrices.stiffness)?;
+        let coupling = self.coupling(&turned);
+        let followed = self.followed(&coupling)?;
+        let condensed = block(&turned) + coupling.transpose() * &followed;
+        let symmetric = real_matrix(massive.len(), massive.len(), |i, j| {
+            0.5 * (condensed[(i, j)] + condensed[(j, i)])
+        });
+        let mass = block(&self.division.turned_full(&matrices.mass)?);
+        let own = linalg::symmetric_modes(&symmetric, &mass)?;
+        let massless = &followed * &own.vectors;
+        let vectors = self.whole(&own.vectors, &massless);
+        let quotients = linalg::rayleigh_quotients(&matrices.stiffness, &matrices.mass, &vectors);
+        let (omega_squared, rounding) = quotients.into_iter().unzip();
+        Ok(SymmetricModes {
+            omega_squared,
+            vectors,
+            rounding,
+        })
+    }
+
+    /// The lowest modes of sparse matrices, over all coordinates.
+    ///
+    /// With `tau > 0` the pair `(K, M + tau K)` has the vectors of `(K, M)`, and the eigenvalues
+    /// `mu = lambda/(1 + tau lambda)` in the same order; of every massless motion `1/tau`. `M + tau K` is positive
+    /// definite where `K_oo` is, and as sparse as `K`; `K_c`, which is full for a frame, is not made. `tau` is the least
+    /// `M_ii/K_ii`, so that `1/tau` is about the highest eigenvalue. Massless motions then follow the others once more.
+    ///
+    /// # Errors
+    /// [`TheoryError::Linalg`].
+    ///
+    /// # Reference
+    /// Ericsson and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of Computation 35, 1251.
+    pub(super) fn lowest_modes(
+        &self,
+        stiffness: &SparseMatrix,
+        mass: &SparseMatrix,
+        wanted: Wanted,
+        most: usize,
+    ) -> Result<SparseModes, TheoryError> {
+        let tau = least_ratio(mass, stiffness);
+        let raised = SparseMatrix::weighted_sum(self.size, &[(1.0, mass), (tau, stiffness)])?;
+        let wanted = match wanted {
+            Wanted::Lowest(count) => Wanted::Lowest(count.min(self.division.massive.len())),
+            Wanted::Below(limit) => Wanted::Below(limit / (1.0 + tau * limit)),
+        };
+        let raw = linalg::sparse_modes(stiffness, &raised, wanted, most)?;
+        let vectors = &raw.vectors - self.relax(&stiffness.multiply(&raw.vectors))?;
+        let moved = mass.multiply(&vectors);
+        let square = |j: usize| -> f64 {
+            let rows = 0..self.size;
+            rows.map(|i| vectors[(i, j)] * moved[(i, j)]).sum()
+        };
+        let squares: Vec<f64> = (0..vectors.ncols()).map(square).collect();
+        let kept: Vec<usize> = (0..squares.len())
+            .filter(|&j| squares[j] > CARRIES_MASS)
+            .collect();
+        let root = |mu: f64| mu / (1.0 - tau * mu);
+        let vectors = real_matrix(self.size, kept.len(), |i, j| {
+            vectors[(i, kept[j])] / squares[kept[j]].sqrt()
+        });
+        let quotient = |j: usize| {
+            let x: Vec<f64> = vectors.col(j).iter().copied().collect();
+            linalg::sparse_rayleigh_quotient(stiffness, mass, &x)
+        };
+        let (omega_squared, rounding) = (0..kept.len()).map(quotient).unzip();
+        Ok(SparseModes {
+            omega_squared,
+            vectors,
+            rounding,
+            counted_below: raw.counted_below.filter(|mu| tau * mu < 1.0).map(root),
+            solves: raw.solves,
+        })
+    }
+}
+
+/// The least `M_ii/K_ii` of coordinates with both, s²; 1 where there is none.
+fn least_ratio(mass: &SparseMatrix, stiffness: &SparseMatrix) -> f64 {
+    let ratios = (0..mass.size()).map(|i| mass.get(i, i) / stiffness.get(i, i));
+    let least = ratios
+        .filter(|own| *own > 0.0 && own.is_finite())
+        .fold(f64::MAX, f64::min);
+    if least < f64::MAX { least } else { 1.0 }
+}

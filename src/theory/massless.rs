@@ -1,0 +1,251 @@
+//! Which motions of a model carry mass.
+//!
+//! Massless is a coordinate whose row and column of the mass matrix are exactly 0. A mass matrix of lower rank whose null
+//! space is no set of coordinates (a mass off its node without rotary inertia, a mass between the nodes of a massless beam) is
+//! turned, block by block, into the axes of its null space: `x = Q y`.
+
+use crate::linalg::{self, RealMatrix, SparseMatrix, real_matrix};
+
+use super::{Coordinate, MassError, TheoryError};
+
+/// Largest block of coordinates coupled by mass whose null space is looked for: a full eigenproblem of less than a second.
+const MOST_BLOCK: usize = 500;
+/// The motions `y` of a model that carry mass and those that do not; `Q` is the identity outside the blocks.
+#[derive(Clone, Debug)]
+pub(super) struct Division {
+    blocks: Vec<Block>,
+    pub massive: Vec<usize>,
+    pub massless: Vec<usize>,
+}
+
+/// Coordinates coupled by mass, `x_at = vectors y_at`.
+#[derive(Clone, Debug)]
+struct Block {
+    at: Vec<usize>,
+    vectors: RealMatrix,
+}
+
+impl Division {
+    /// Division by the rows and columns of a mass matrix that are exactly 0, and by the null spaces of its blocks.
+    ///
+    /// # Errors
+    /// [`TheoryError::Mass`], [`TheoryError::Linalg`].
+    pub fn of(mass: &SparseMatrix, coordinates: &[Coordinate]) -> Result<Self, TheoryError> {
+        let mut carries = vec![false; mass.size()];
+        let mut coupled = false;
+        for (i, j, got) in mass.entries().filter(|(_, _, v)| v.abs() > 0.0) {
+            let diagonal = mass.get(i, i);
+            if diagonal <= 0.0 {
+                let [row, column] = [i, j].map(|own| coordinates[own].name.clone());
+                return Err(MassError::Indefinite {
+                    row,
+                    column,
+                    got,
+                    diagonal,
+                }
+                .into());
+            }
+            carries[i] = true;
+            coupled |= i != j;
+        }
+        let (massive, massless) = (0..mass.size()).partition(|&i| carries[i]);
+        let mut division = Self {
+            blocks: Vec::new(),
+            massive,
+            massless,
+        };
+        if division.massive.is_empty() {
+            let size = mass.size();
+            return Err(MassError::AllMassless { size }.into());
+        }
+        let loaded = linalg::principal_block(mass, &division.massive)?;
+        if coupled && linalg::null_dimension(&loaded)? > 0 {
+            division.turn_blocks(mass, coordinates)?;
+        }
+        Ok(division)
+    }
+
+    /// Turns the blocks of lower rank into the axes of their null spaces.
+    fn turn_blocks(
+        &mut self,
+        mass: &SparseMatrix,
+        coordinates: &[Coordinate],
+    ) -> Result<(), TheoryError> {
+        for at in coupled_blocks(mass, &self.massive) {
+            let block = linalg::principal_block(mass, &at)?;
+            let deficient = linalg::null_dimension(&block)?;
+            let names = || at.iter().map(|&i| coordinates[i].name.clone()).collect();
+            if deficient > 0 && at.len() > MOST_BLOCK {
+                return Err(MassError::Rank {
+                    coordinates: names(),
+                    deficient,
+                    most: MOST_BLOCK,
+                }
+                .into());
+            }
+            if deficient > 0 {
+                self.turn_block(&block, &at, &names)?;
+            }
+        }
+        self.massless.sort_unstable();
+        Ok(())
+    }
+
+    /// `D^-1/2 M D^-1/2 = V diag(values) V^T` of a block with `D` its diagonal; `x = D^-1/2 V y`.
+    fn turn_block(
+        &mut self,
+        block: &SparseMatrix,
+        at: &[usize],
+        names: &dyn Fn() -> Vec<String>,
+    ) -> Result<(), TheoryError> {
+        let k = at.len();
+        let roots: Vec<f64> = (0..k).map(|i| block.get(i, i).sqrt()).collect();
+        let scaled = real_matrix(k, k, |i, j| block.get(i, j) / (roots[i] * roots[j]));
+        let identity = real_matrix(k, k, |i, j| f64::from(u8::from(i == j)));
+        let own = linalg::symmetric_modes(&scaled, &identity)?;
+        let limit = linalg::null_limit(k);
+        let got = own.omega_squared[0];
+        if got < -limit {
+            return Err(MassError::Negative {
+                coordinates: names(),
+                got,
+                limit,
+            }
+            .into());
+        }
+        let null = own.omega_squared.partition_point(|value| *value <= limit);
+        self.massive.retain(|i| !at[..null].contains(i));
+        self.massless.extend(&at[..null]);
+        self.blocks.push(Block {
+            at: at.to_vec(),
+            vectors: real_matrix(k, k, |i, j| own.vectors[(i, j)] / roots[i]),
+        });
+        Ok(())
+    }
+
+    /// `Q^T A Q` of a full matrix.
+    pub fn turned_full(&self, a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+        if self.blocks.is_empty() {
+            return Ok(a.clone());
+        }
+        Ok(self.turned(&without_zeros(a)?)?.to_dense())
+    }
+
+    /// `Q^T A Q`.
+    pub fn turned(&self, a: &SparseMatrix) -> Result<SparseMatrix, TheoryError> {
+        if self.blocks.is_empty() {
+            return Ok(a.clone());
+        }
+        let mut rows: Vec<Vec<(usize, f64)>> = (0..a.size()).map(|i| vec![(i, 1.0)]).collect();
+        for block in &self.blocks {
+            for (k, &i) in block.at.iter().enumerate() {
+                let all = block.at.iter().enumerate();
+                rows[i] = all.map(|(c, &y)| (y, block.vectors[(k, c)])).collect();
+            }
+        }
+        let rows = &rows;
+        let entries = a.entries().flat_map(|(i, j, value)| {
+            let of_row = move |&(p, w): &(usize, f64)| {
+                let right = rows[j].iter();
+                right.map(move |&(q, u)| (p, q, value * (w * u)))
+            };
+            rows[i].iter().flat_map(of_row)
+        });
+        let entries: Vec<_> = entries.collect();
+        Ok(SparseMatrix::from_entries(a.size(), &entries)?)
+    }
+
+    /// `Q y`, from rows of the motions named to rows of all coordinates; the other motions are at rest.
+    pub fn lifted(&self, parts: &[(&[usize], &RealMatrix)], size: usize) -> RealMatrix {
+        let columns = parts.first().map_or(0, |(_, own)| own.ncols());
+        let mut y = real_matrix(size, columns, |_, _| 0.0);
+        for (at, own) in parts {
+            place_rows(&mut y, at, own);
+        }
+        for block in &self.blocks {
+            let own = rows_of(&y, &block.at);
+            place_rows(&mut y, &block.at, &(&block.vectors * own));
+        }
+        y
+    }
+
+    /// `Q^T f` at the massless motions; of magnitudes with the magnitudes of `Q`.
+    pub fn at_massless(&self, forces: &RealMatrix, weight: fn(f64) -> f64) -> RealMatrix {
+        let mut turned = rows_of(forces, &self.massless);
+        for block in &self.blocks {
+            let k = block.at.len();
+            let own = real_matrix(k, k, |i, j| weight(block.vectors[(j, i)]));
+            let own = own * rows_of(forces, &block.at);
+            for (row, at) in block.at.iter().enumerate() {
+                if let Ok(place) = self.massless.binary_search(at) {
+                    (0..own.ncols()).for_each(|j| turned[(place, j)] = own[(row, j)]);
+                }
+            }
+        }
+        turned
+    }
+
+    /// The coordinates that move most in massless motions, by their places among these, each once.
+    pub fn names(&self, motions: &[usize], coordinates: &[Coordinate]) -> Vec<String> {
+        let leading = |&place: &usize| {
+            let motion = self.massless[place];
+            let block = self.blocks.iter().find(|block| block.at.contains(&motion));
+            let most = block.and_then(|block| {
+                let column = block.at.iter().position(|&i| i == motion)?;
+                let size = |k: usize| block.vectors[(k, column)].abs();
+                let all = 0..block.at.len();
+                all.max_by(|&a, &b| size(a).total_cmp(&size(b)))
+                    .map(|k| block.at[k])
+            });
+            most.unwrap_or(motion)
+        };
+        let mut leading: Vec<usize> = motions.iter().map(leading).collect();
+        leading.sort_unstable();
+        leading.dedup();
+        let names = leading.iter().map(|&i| coordinates[i].name.clone());
+        names.collect()
+    }
+}
+
+/// Coordinates that entries of a matrix couple, directly or through others; ascending.
+fn coupled_blocks(mass: &SparseMatrix, massive: &[usize]) -> Vec<Vec<usize>> {
+    let mut leader: Vec<usize> = (0..mass.size()).collect();
+    fn root(leader: &mut [usize], mut i: usize) -> usize {
+        while leader[i] != i {
+            leader[i] = leader[leader[i]];
+            i = leader[i];
+        }
+        i
+    }
+    for (i, j, _) in mass.entries().filter(|(_, _, v)| v.abs() > 0.0) {
+        let (a, b) = (root(&mut leader, i), root(&mut leader, j));
+        leader[a.max(b)] = a.min(b);
+    }
+    let mut blocks: std::collections::BTreeMap<usize, Vec<usize>> = Default::default();
+    for &i in massive {
+        let own = root(&mut leader, i);
+        blocks.entry(own).or_default().push(i);
+    }
+    blocks.into_values().collect()
+}
+
+/// Rows of a matrix.
+pub(super) fn rows_of(a: &RealMatrix, rows: &[usize]) -> RealMatrix {
+    real_matrix(rows.len(), a.ncols(), |i, j| a[(rows[i], j)])
+}
+
+fn place_rows(a: &mut RealMatrix, rows: &[usize], own: &RealMatrix) {
+    for (i, &row) in rows.iter().enumerate() {
+        (0..own.ncols()).for_each(|j| a[(row, j)] = own[(i, j)]);
+    }
+}
+
+/// A matrix without its zeros.
+pub(super) fn without_zeros(a: &RealMatrix) -> Result<SparseMatrix, TheoryError> {
+    let mut entries = Vec::new();
+    for j in 0..a.ncols() {
+        let own = (0..a.nrows()).map(|i| (i, j, a[(i, j)]));
+        entries.extend(own.filter(|(_, _, value)| value.abs() > 0.0));
+    }
+    Ok(SparseMatrix::from_entries(a.nrows(), &entries)?)
+}
