@@ -19,6 +19,7 @@ mod hits;
 mod identify_command;
 mod linear_algebra;
 mod manners;
+mod massless;
 mod matrix_models;
 mod mode_files;
 mod mutants;

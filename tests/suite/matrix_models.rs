@@ -27,7 +27,7 @@ const SCENE: &str = r#"
 "#;
 
 /// A symmetric matrix by its lower triangle, rows and columns from 1.
-fn matrix_market(size: usize, entries: &[(usize, usize, f64)]) -> String {
+pub fn matrix_market(size: usize, entries: &[(usize, usize, f64)]) -> String {
     let count = entries.len();
     let mut text =
         format!("%%MatrixMarket matrix coordinate real symmetric\n{size} {size} {count}\n");
