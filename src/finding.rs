@@ -3,12 +3,14 @@
 //! A finding never stops the chain. Its sentence is made here from its parts, so that every report says the same.
 
 mod chinese;
+mod numbers;
 mod place;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use numbers::{short, with_spread};
 pub use place::Place;
 
 /// How much a finding matters.
@@ -70,7 +72,7 @@ codes! {
         "Universal files hold many dataset numbers. One that modalign does not read is passed over; the value is its number.";
     /// A part of a file could not be read.
     BadDataset: "a dataset is damaged and was left out; the good part of the file was read",
-        "The place says where. `inspect` delivers the good part and exits 1; `run`, `frf` and `identify` stop with exit 2 unless --partial is given.";
+        "Place, got and expected are given. `inspect` and `convert` deliver the good part and exit 1. Other verbs stop with exit 2 where their answer needs the damaged part, unless --partial is given; else they go on and exit 1. Modes and FRFs need neither geometry nor trace lines, titles, coherence or spectra.";
     /// A function with a value that is no number.
     ValueNotFinite: "a function has a value or a variance in the band that is no finite number; it was left out",
         "The value is the frequency of the first such line. Without --partial the command stops there. A mode that was seen only at this response or from this hit point is missed, and without the driving point modes have no modal mass. Export the function anew.";
@@ -86,9 +88,21 @@ codes! {
     /// A header text is not UTF-8.
     HeaderNotUtf8: "a header text is not valid UTF-8; the offending bytes were replaced",
         "Old systems write units such as m/s² in Latin-1. Numbers are not affected.";
+    /// A trace line of another length than stated.
+    TraceLineCount: "a trace line has another number of entries than its header states; at most as many as stated were read",
+        "Dataset 82 draws a line through nodes. No result depends on it. The value is the number of entries, the limit the number that the header states; zeros that fill up lines are not counted.";
     /// FRFs beside recorded hits.
     FunctionsPassedOver: "FRFs stand beside recorded hits and were passed over; they were estimated anew from the hits",
         "A test is made from its recorded hits where there are any. To use the FRFs of the file instead, give a file that holds them alone.";
+    /// Time records beside FRFs.
+    RecordsPassedOver: "time records stand beside FRFs and were left out; the FRFs were used",
+        "Modes are identified from FRFs. `run` estimates them anew where the records of the file make hits, each with a force record; `identify` uses those of the file. The value is the number of records.";
+    /// A record or function of a quantity that is not needed.
+    FunctionLeftOut: "a record or function is not used for FRFs or modes and was left out",
+        "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+    /// Coherence that is none.
+    CoherenceInvalid: "coherence outside 0 to 1 was ignored; the FRF was kept",
+        "Coherence lies between 0 and 1; some analysers write other values, mostly at 0 Hz. At these lines the coherence of the nearest valid lines was used for the variance; where most lines are invalid, coherence was not used at all, and the noise is estimated from the fit residual. The value is the largest of the ignored values.";
     /// Something that the output format has no place for.
     NotCarried: "the output format cannot hold this, and it was left out",
         "`convert` writes what the output format can hold. The place names what is lost; the value says how many of it. HDF5, .mat and .npz hold everything but arrays whose meaning nobody has stated.";
@@ -264,8 +278,8 @@ codes! {
     PhasesScatter: "no few modes describe the data to their noise, and the shapes of further roots have arbitrary phases; the modes are those that explain most",
         "So many roots as it takes fit any smooth course, but their shapes are then as much in quadrature as in phase with those of modes. Roots that explain less than a fifth of the response around them went, the least first, weak modes among them if there are any; what they described counts in the deviations, and in the limits that a mode must exceed. The value is the number of roots before. A nonlinear joint, a single hit for each function, a clamping that differed between hits or a filter in the chain leaves such a course; so do delays between channels, and damping that makes modes complex. Average several hits, look at their coherence, and look at what the synthesis misses.";
     /// The model leaves over more than noise around a mode.
-    ModelMisfit: "the fit leaves over more than noise around this mode; its deviations count that as noise",
-        "The value is the rms of what the fit leaves over within a half-power width on either side, over the noise. What no sum of modes explains is not noise: a frequency that moves from hit to hit or from point to point, a record that was cut before it decayed, a joint that rattles. The deviations of frequency and damping are multiplied with the value and are lower bounds all the same; damping tends to be too high. Look at the findings of the FRFs, and at whether runs agree.";
+    ModelMisfit: "the residual near a mode exceeds the noise, and its standard deviations, enlarged accordingly, matter",
+        "The value is the largest root mean square of the residual over the noise within a half-power bandwidth of such a mode, the limit that above which the model misses the data. The detail begins with the number of these modes out of all. Of each, the worst first: the factor of its standard deviations (σ), that of the frequency over the half-power bandwidth (Δf), of the damping over the damping, and the expected loss of MAC of the shape; of the worst, the FRFs with their residual over noise, and how many of all exceed the limit. A misfit is reported where the damping is uncertain by more than 10 %, the frequency by more than a twentieth of the bandwidth, or the MAC by more than 0.01. Causes: noise correlated between lines, a nonlinear or varying structure, truncated records, a variance that is too small. Look at the named FRFs, measure at one level of force, or leave these FRFs out.";
     /// A root that explains little.
     RootMinor: "a root of the fit explains little of the response and was not taken as a mode",
         "Where the model misses the data by more than noise, roots beside the modes can fit what is no resonance. It may be a local or weakly excited mode all the same. The value is the share of the response in the root's half-power band that nothing else explains. Below three parts in ten thousand no structure is linear enough, whatever the noise.";
@@ -347,6 +361,9 @@ codes! {
     /// Letters that the font of PNG figures does not have.
     LettersLacking: "the font of PNG figures lacks letters of this figure, and boxes stand in their place; its SVG has them",
         "The program carries one font, with Latin, Greek, Cyrillic and Hebrew letters; fonts with Chinese, Japanese or Korean ones are too large for it. Use the SVG, which is drawn with the fonts of the machine that shows it, save the figure as PNG from report.html, or name tests and parts in letters of the font.";
+    /// A built-in model whose name a folder has.
+    BuiltInTaken: "a built-in model and a folder with a scene have this name; the built-in model was used",
+        "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the built-in model where there is one. Put ./ before the name to use the scene.";
     /// An assumption of a model.
     Assumption: "a value was assumed, not measured or published",
         "The parameter's status in the model says so: printed, inferred or assumed.";
@@ -401,6 +418,9 @@ pub struct Finding {
     pub limit: Option<f64>,
     /// Unit of value and limit.
     pub unit: Option<String>,
+    /// Which parts are concerned, with their figures: got and expected of a damaged part, or the FRFs of a mode.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<String>,
 }
 
 impl Finding {
@@ -413,6 +433,7 @@ impl Finding {
             value: None,
             limit: None,
             unit: None,
+            detail: None,
         }
     }
 
@@ -428,6 +449,12 @@ impl Finding {
         self.limit = Some(limit);
         self
     }
+
+    /// With the parts that are concerned and their figures.
+    pub fn detail(mut self, detail: impl Into<String>) -> Self {
+        self.detail = Some(detail.into());
+        self
+    }
 }
 
 impl fmt::Display for Finding {
@@ -439,43 +466,18 @@ impl fmt::Display for Finding {
             .map_or_else(String::new, |u| format!(" {u}"));
         match (self.value, self.limit) {
             (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
-                write!(f, " ({})", with_spread(value, spread))
+                write!(f, " ({})", with_spread(value, spread))?;
             }
             (Some(value), Some(limit)) => {
-                write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))
+                write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))?;
             }
-            (Some(value), None) => write!(f, " ({}{unit})", short(value)),
-            (None, Some(limit)) => write!(f, " (limit {}{unit})", short(limit)),
-            (None, None) => Ok(()),
+            (Some(value), None) => write!(f, " ({}{unit})", short(value))?,
+            (None, Some(limit)) => write!(f, " (limit {}{unit})", short(limit))?,
+            (None, None) => {}
         }
+        let detail = self.detail.as_deref();
+        detail.map_or(Ok(()), |detail| write!(f, "; {detail}"))
     }
-}
-
-/// Four significant digits; whole numbers as they are, round ones with a power of ten where that is much shorter.
-fn short(value: f64) -> String {
-    let magnitude = value.abs();
-    if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {
-        let (whole, power) = (format!("{value:.0}"), format!("{value:e}"));
-        if power.len() + 4 <= whole.len() {
-            power
-        } else {
-            whole
-        }
-    } else if (1e-3..1e5).contains(&magnitude) {
-        let decimals = (3 - magnitude.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-/// A value and its deviation, both down to the second digit of the deviation.
-fn with_spread(value: f64, spread: f64) -> String {
-    if !(1e-9..10.0).contains(&spread) {
-        return format!("{} ± {}", short(value), short(spread));
-    }
-    let decimals = (1 - spread.log10().floor() as i32).max(0) as usize;
-    format!("{value:.decimals$} ± {spread:.decimals$}")
 }
 
 #[cfg(test)]

@@ -128,6 +128,9 @@ pub struct InspectArgs {
     /// Files of any known format.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
+    /// The good part of a partly bad file is sufficient. It is listed without this too; the exit code is 1 either way.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// `convert`.
@@ -291,6 +294,9 @@ pub struct TheoryArgs {
     /// Hold models of growing detail of the machine against each other and name the simplest within an error, percent (1 when none is given).
     #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
     pub compare: Option<f64>,
+    /// Go on with the good part of a partly bad file of finished modes.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// `correlate`.
@@ -363,6 +369,9 @@ pub struct CorrelateArgs {
     /// Digits after the point of every number in the tables, 0 to 15; CSV and JSON keep them all.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     pub digits: Option<u8>,
+    /// Go on with the good part of a partly bad file.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// `update`.

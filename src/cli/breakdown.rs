@@ -14,7 +14,7 @@ use crate::report::{
     Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_own_modes,
     breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_cells, stability_svg,
 };
-use crate::scene::{Observer, Scene, load_modes, read_text, run_observed};
+use crate::scene::{ModesOptions, Observer, load_modes, read_text, run_observed};
 use crate::study::breakdown::{
     BreakdownTable, CellStore, Finished, OwnMode, Part, Plan, SliceResult, compute, merge,
     own_modes,
@@ -24,6 +24,7 @@ use crate::study::{StudyError, parse_study};
 use super::Outcome;
 use super::meter::ProcessMeter;
 use super::output::Output;
+use super::study::SceneReading;
 
 /// `study breakdown`.
 #[derive(Debug, Args)]
@@ -59,7 +60,7 @@ fn part(text: &str) -> Result<Part, String> {
 /// Computes or merges the slices and writes what they show. Exit code 0.
 pub fn breakdown(
     args: &BreakdownArgs,
-    format: Option<&str>,
+    reading: SceneReading,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let mut spec = Spec::load(&args.input)?;
@@ -87,7 +88,7 @@ pub fn breakdown(
         output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
         return Ok(Outcome::Done);
     }
-    let (title, own_modes) = spec.own_modes(format, output.observer())?;
+    let (title, own_modes) = spec.own_modes(reading, output.observer())?;
     let rates = breakdown_rates(&finished);
     let own = BreakdownFile {
         schema: json::BREAKDOWN_SCHEMA.to_owned(),
@@ -172,18 +173,21 @@ impl Spec {
     /// The modes of `modes`, else those of the scene's tests with its title, else none.
     fn own_modes(
         &self,
-        format: Option<&str>,
+        reading: SceneReading,
         observer: &dyn Observer,
     ) -> Result<(Option<String>, Vec<OwnMode>), Error> {
         if let Some(path) = &self.table.modes {
-            let (model, _) = load_modes(&self.folder.join(path), None)?;
+            let options = ModesOptions {
+                partial: reading.partial,
+                ..ModesOptions::default()
+            };
+            let model = load_modes(&self.folder.join(path), &options)?.modes;
             return Ok((None, own_modes("", &model, None)));
         }
         let Some(scene) = &self.scene else {
             return Ok((None, Vec::new()));
         };
-        let mut scene = Scene::load(scene)?;
-        scene.format = format.map(str::to_owned);
+        let scene = reading.scene(scene)?;
         let result = run_observed(&scene, observer)?;
         let several = result.tests.len() > 1;
         let of_test = result.tests.iter().flat_map(|test| {

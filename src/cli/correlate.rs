@@ -9,6 +9,7 @@ use crate::correlate::measures::{
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
 use crate::error::Error;
+use crate::finding::Finding;
 use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
@@ -17,8 +18,8 @@ use crate::report::{
     renderer_for_extension, reversed_block, whole_comparison,
 };
 use crate::scene::{
-    LoadedModel, NamedTest, Scene, SceneError, Theory, compare_tests, holds_functions,
-    is_modes_file, load_model, load_modes, table_model, theory,
+    LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_taken,
+    compare_tests, holds_functions, load_model, load_modes, model_kind, table_model, theory,
 };
 use crate::theory::ModeOptions;
 
@@ -27,6 +28,7 @@ use super::args::CorrelateArgs;
 use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
 use super::output::{MODES, Output, check_extension};
+use super::study::SceneReading;
 use super::targets::{check_correlate, numbered};
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held against FRFs, a test without
@@ -77,9 +79,11 @@ fn compared(
     let mut tests = args
         .test
         .iter()
-        .map(|path| Ok((path.display().to_string(), load(path, format)?.theory)))
+        .map(|path| Ok((path.display().to_string(), load(path, args, format)?.theory)))
         .collect::<Result<Vec<_>, Error>>()?;
-    let Loaded { theory, model } = load(theory, format)?;
+    let Loaded { theory, model } = load(theory, args, format)?;
+    let loaded = tests.iter().map(|(_, own)| own).chain([&theory]);
+    let partly_bad = loaded.into_iter().any(|own| own.partly_bad);
     let Tied {
         theory,
         names,
@@ -133,6 +137,11 @@ fn compared(
         },
     );
     print(args, Printed::one(blocks, json), output);
+    let named_models = args.test.iter().chain(&args.theory);
+    let taken: Vec<Finding> = named_models
+        .filter_map(|path| built_in_taken(path))
+        .collect();
+    output.findings(&taken);
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
@@ -147,7 +156,7 @@ fn compared(
     for (test, findings) in &comparison.findings {
         output.findings_of(test, findings);
     }
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(partly_bad))
 }
 
 /// The reversed sensors of a test, told as findings, and turned where that is wanted.
@@ -175,7 +184,7 @@ fn itself(
 ) -> Result<Outcome, Error> {
     let options = pair_options(args)?;
     check_correlate(args, true)?;
-    let mut all = Vec::new();
+    let (mut all, mut partly_bad) = (Vec::new(), false);
     for path in &args.test {
         let name = path.display().to_string();
         if holds_functions(path, format) {
@@ -185,7 +194,12 @@ fn itself(
                 expected: "modes; or --theory with other FRFs".to_owned(),
             });
         }
-        let test = load(path, format)?.theory.modes;
+        let Theory {
+            modes: test,
+            partly_bad: is_bad,
+            ..
+        } = load(path, args, format)?.theory;
+        partly_bad |= is_bad;
         let own = auto_mac(&test, DuplicateLimits::default(), &options)?;
         output.findings(&test.findings);
         output.findings_of(&name, &own.findings());
@@ -197,7 +211,7 @@ fn itself(
         json::auto_macs_to_json(&all),
     );
     print(args, printed, output);
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(partly_bad))
 }
 
 /// A result in all its forms.
@@ -386,26 +400,28 @@ struct SolvedModel {
 
 /// Modes from a file that holds them; or a model solved at the sensors that its own file names, else at its coordinates;
 /// or the model of a scene at the scene's sensors.
-fn load(path: &Path, format: Option<&str>) -> Result<Loaded, SceneError> {
-    let finished = |modes, geometry| Loaded {
-        theory: Theory {
-            modes,
-            geometry,
-            ..Theory::default()
-        },
+fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loaded, SceneError> {
+    let partial = args.partial;
+    let finished = |theory| Loaded {
+        theory,
         model: None,
     };
-    if is_modes_file(path) {
-        let (modes, geometry) = load_modes(path, format)?;
-        return Ok(finished(modes, geometry));
+    let kind = model_kind(path);
+    if kind == ModelKind::Modes {
+        let options = ModesOptions {
+            format,
+            partial,
+            positions: args.nearest_node.is_some(),
+        };
+        return Ok(finished(load_modes(path, &options)?.into()));
     }
-    let (model, sensors) = if Scene::is_path(path) {
-        let scene = Scene::load(path)?;
+    let (model, sensors) = if kind == ModelKind::Scene {
+        let scene = SceneReading { format, partial }.scene(path)?;
         let table = scene.model.clone().unwrap_or_default();
         let Some(model) = table_model(&table, &scene.folder, &scene.path)? else {
             let options = ModeOptions::default();
             let own = theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)?;
-            return Ok(finished(own.modes, own.geometry));
+            return Ok(finished(own));
         };
         let sensors = model.sensors_with(&scene.sensors);
         (model, sensors)

@@ -12,6 +12,7 @@ use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate::{Printed, print};
 use super::output::{Output, check_extension};
+use super::study::SceneReading;
 use super::targets::check_correlate;
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
@@ -23,12 +24,20 @@ pub fn correlate_frfs(
 ) -> Result<Outcome, Error> {
     check_arguments(args)?;
     check_correlate(args, true)?;
-    let other = functions(theory, format, output)?;
+    let partial = args.partial;
+    let mut partly_bad = false;
+    let mut functions = |path: &Path| -> Result<FrfSet, Error> {
+        let reading = SceneReading { format, partial };
+        let (set, bad) = functions(path, reading, output)?;
+        partly_bad |= bad;
+        Ok(set)
+    };
+    let other = functions(theory)?;
     let second = theory.display().to_string();
     let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for path in &args.test {
         let name = path.display().to_string();
-        let own = frf_correlation(&functions(path, format, output)?, &other, args.band)?;
+        let own = frf_correlation(&functions(path)?, &other, args.band)?;
         tests.push(frf_correlation_blocks(&name, &second, &own));
         lines.push(frf_lines_block(&name, &second, &own));
         all.push((name, own));
@@ -38,7 +47,7 @@ pub fn correlate_frfs(
     }
     let json = json::frf_correlations_to_json(&all);
     print(args, Printed::of_tests(tests, json), output);
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(partly_bad))
 }
 
 /// What pairs modes has no meaning for functions.
@@ -66,10 +75,16 @@ fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
     }
 }
 
-/// The FRFs of a file, on one axis.
-fn functions(path: &Path, format: Option<&str>, output: &mut Output) -> Result<FrfSet, Error> {
+/// The FRFs of a file, on one axis, and whether part of it was bad.
+fn functions(
+    path: &Path,
+    reading: SceneReading,
+    output: &mut Output,
+) -> Result<(FrfSet, bool), Error> {
     let options = IngestOptions {
-        format,
+        format: reading.format,
+        partial: reading.partial,
+        frfs_first: true,
         ..IngestOptions::default()
     };
     let data = ingest_files(&[FilePlan::bare(path)], &options)?;
@@ -77,7 +92,10 @@ fn functions(path: &Path, format: Option<&str>, output: &mut Output) -> Result<F
     let count = data.frfs.len();
     let mut sets = data.frfs.into_iter();
     match (sets.next(), sets.next(), data.recording) {
-        (Some(set), None, None) => Ok(set),
+        (Some(set), None, None) => {
+            output.findings(&set.findings);
+            Ok((set, data.partly_bad))
+        }
         (_, _, recording) => Err(Error::Argument {
             argument: "--test, --theory",
             got: match recording {

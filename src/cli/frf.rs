@@ -99,6 +99,7 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
             trigger: *trigger,
             typed: Some(typed),
             partial,
+            frfs_first: false,
             format,
             averages: None,
             scene: &scene.path,

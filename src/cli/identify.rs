@@ -48,6 +48,7 @@ pub fn identify(
         &files,
         &IngestOptions {
             partial: args.partial,
+            frfs_first: true,
             format,
             averages: args.averages,
             ..IngestOptions::default()

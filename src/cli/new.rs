@@ -9,11 +9,12 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
-use crate::io::{Hints, NewFile, Source, open_path, sha256_hex, write_all_new};
+use crate::io::{Hints, Need, NewFile, Source, check_damage, open_path, sha256_hex, write_all_new};
 use crate::linalg::Vector3;
 use crate::report::Block;
 use crate::scene::{
-    DraftFile, DraftModel, DraftPlan, draft_scene, load_model, open_lines, read_text,
+    DraftFile, DraftModel, DraftPlan, ModelKind, draft_scene, load_model, model_kind, open_lines,
+    read_text,
 };
 
 use super::Outcome;
@@ -46,6 +47,9 @@ pub struct NewArgs {
     /// Copy the files to raw/ of the folder; else the scene names them where they are.
     #[arg(long)]
     pub copy: bool,
+    /// Go on with the good part of a partly bad file; the scene says so.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// What a new scene consists of, beside the raw files.
@@ -69,8 +73,12 @@ const EXPECTED: &str =
 /// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; says what is left to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     check_free(args)?;
-    let sources = args.files.iter().map(|path| opened(path, format));
-    let sources: Vec<Box<dyn Source>> = sources.collect::<Result<_, Error>>()?;
+    let opened = args
+        .files
+        .iter()
+        .map(|path| opened(path, args.partial, format));
+    let opened: Vec<(Box<dyn Source>, bool)> = opened.collect::<Result<_, Error>>()?;
+    let partly_bad = opened.iter().any(|(_, is_bad)| *is_bad);
     let paths: Vec<String> = args.files.iter().map(|path| named(args, path)).collect();
     let reference = |number: usize| match args.reference.as_slice() {
         [only] => Some(only),
@@ -78,13 +86,14 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     };
     let files: Vec<DraftFile> = paths
         .iter()
-        .zip(&sources)
+        .zip(&opened)
         .enumerate()
-        .map(|(number, (path, source))| DraftFile {
+        .map(|(number, (path, (source, is_bad)))| DraftFile {
             path,
             catalog: source.catalog(),
             response: args.response.as_ref(),
             reference: reference(number),
+            partial: args.partial && *is_bad,
         })
         .collect();
     let model = args
@@ -119,7 +128,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let writing = output.writing(written.iter().map(|(path, _)| path.as_path()));
     write_all_new(&written)?;
     drop(writing);
-    for source in &sources {
+    for (source, _) in &opened {
         output.findings(&source.catalog().findings);
     }
     output.blocks(&[Block::Text(told(args, &draft.scene))]);
@@ -131,7 +140,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         let scene = args.folder.join("scene.toml").display().to_string();
         format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
     });
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(partly_bad))
 }
 
 /// What the scene still needs, line by line, and what to type next.
@@ -212,16 +221,20 @@ fn argument(argument: &'static str, got: String, expected: &str) -> Error {
     }
 }
 
-fn opened(path: &Path, format: Option<&str>) -> Result<Box<dyn Source>, Error> {
+/// The source of a file, and whether part of it is bad.
+fn opened(
+    path: &Path,
+    partial: bool,
+    format: Option<&str>,
+) -> Result<(Box<dyn Source>, bool), Error> {
     let hints = Hints {
         path: path.display().to_string(),
         ..Hints::default()
     };
     let mut source = open_path(path, &hints, format)?;
-    match source.take_damage().into_iter().next() {
-        Some(damage) => Err(damage.into()),
-        None => Ok(source),
-    }
+    let needs = [Need::Records, Need::Frfs, Need::Modes];
+    let is_bad = check_damage(source.as_mut(), &needs, partial)?;
+    Ok((source, is_bad))
 }
 
 fn raw(args: &NewArgs, path: &Path) -> PathBuf {
@@ -283,7 +296,8 @@ fn resolved(path: &Path) -> Option<PathBuf> {
 fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
-    let is_file = path.exists();
+    let kind = model_kind(path);
+    let is_file = kind != ModelKind::BuiltIn && path.exists();
     let is_toml = path.extension().is_some_and(|own| own == "toml");
     if is_file && !is_toml {
         return Ok(DraftModel {

@@ -12,7 +12,7 @@ use crate::study::order;
 
 use super::Outcome;
 use super::output::Output;
-use super::study::load;
+use super::study::{SceneReading, load};
 
 /// `study order`.
 #[derive(Debug, Args)]
@@ -32,10 +32,10 @@ pub struct OrderArgs {
 /// Asks what the scene needs. Exit code 1 when a test could not be asked.
 pub fn needs(
     args: &OrderArgs,
-    format: Option<&str>,
+    reading: SceneReading,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    let (scene, spec) = load(&args.path, format)?;
+    let (scene, spec) = load(&args.path, reading)?;
     let own = order(&scene, &spec.order, output.observer())?;
     let blocks = order_blocks(&own);
     if let Some(folder) = &args.output {

@@ -17,15 +17,13 @@ use super::Outcome;
 use super::args::RunArgs;
 use super::output::Output;
 use super::report::report_files;
+use super::study::SceneReading;
 use super::targets::{check_targets, scene_files};
 
 /// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
-    let mut scene = Scene::load(&args.scene)?;
-    scene.format = format.map(str::to_owned);
-    for test in &mut scene.tests {
-        test.partial |= args.partial;
-    }
+    let partial = args.partial;
+    let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let result = run_scene(&scene, output.observer())?;
     let blocks = output.language().translated(blocks(&scene, &result));
     if let Some(folder) = &args.output {

@@ -14,7 +14,7 @@ use crate::study::{SpeedAccuracy, speed_accuracy};
 use super::Outcome;
 use super::meter::ProcessMeter;
 use super::output::Output;
-use super::study::load;
+use super::study::{SceneReading, load};
 
 /// `study speed-accuracy`.
 #[derive(Debug, Args)]
@@ -40,10 +40,10 @@ pub struct SpeedAccuracyArgs {
 /// Runs the study.
 pub fn study(
     args: &SpeedAccuracyArgs,
-    format: Option<&str>,
+    reading: SceneReading,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    let (scene, spec) = load(&args.path, format)?;
+    let (scene, spec) = load(&args.path, reading)?;
     let mut options = spec.speed_accuracy;
     options.draws = args.draws.unwrap_or(options.draws);
     let own = speed_accuracy(&scene, &options, (&ProcessMeter, output.observer()))?;

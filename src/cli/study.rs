@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, Subcommand};
 
 use crate::error::Error;
-use crate::scene::{Scene, read_text};
+use crate::scene::{Scene, SceneError, read_text};
 use crate::study::{StudyFile, parse_study};
 
 use super::Outcome;
@@ -26,6 +26,30 @@ pub struct StudyArgs {
     /// What is studied.
     #[command(subcommand)]
     pub study: Study,
+    /// Go on with the good part of a partly bad file of the scene.
+    #[arg(long, global = true)]
+    pub partial: bool,
+}
+
+/// How the files of a scene are to be read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SceneReading<'a> {
+    /// Format of every file, instead of judging by content.
+    pub format: Option<&'a str>,
+    /// Whether the good part of a partly bad file is sufficient.
+    pub partial: bool,
+}
+
+impl SceneReading<'_> {
+    /// The scene of a path, its files to be read so.
+    pub fn scene(self, path: &Path) -> Result<Scene, SceneError> {
+        let mut scene = Scene::load(path)?;
+        scene.format = self.format.map(str::to_owned);
+        if self.partial {
+            scene.take_good_parts();
+        }
+        Ok(scene)
+    }
 }
 
 /// The studies.
@@ -47,15 +71,17 @@ pub fn study(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
+    let partial = args.partial;
+    let reading = SceneReading { format, partial };
     match &args.study {
-        Study::SpeedAccuracy(args) => speed_accuracy(args, format, output),
-        Study::Breakdown(args) => breakdown(args, format, output),
-        Study::Order(args) => needs(args, format, output),
+        Study::SpeedAccuracy(args) => speed_accuracy(args, reading, output),
+        Study::Breakdown(args) => breakdown(args, reading, output),
+        Study::Order(args) => needs(args, reading, output),
     }
 }
 
 /// The scene with its spec; the defaults for a scene without one.
-pub(super) fn load(path: &Path, format: Option<&str>) -> Result<(Scene, StudyFile), Error> {
+pub(super) fn load(path: &Path, reading: SceneReading) -> Result<(Scene, StudyFile), Error> {
     let is_scene = Scene::is_path(path);
     let beside = path.is_dir().then(|| path.join(SPEC));
     let spec = match is_scene {
@@ -79,7 +105,5 @@ pub(super) fn load(path: &Path, format: Option<&str>) -> Result<(Scene, StudyFil
         (false, None) => folder.join("scene.toml"),
         (false, Some(scene)) => folder.join(scene),
     };
-    let mut scene = Scene::load(&scene)?;
-    scene.format = format.map(str::to_owned);
-    Ok((scene, file))
+    Ok((reading.scene(&scene)?, file))
 }

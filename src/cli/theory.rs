@@ -13,14 +13,15 @@ use crate::report::{
     roots_block, sensitivities_block, simplest_details_block, sweep_blocks, theory_block,
 };
 use crate::scene::{
-    LoadedModel, Scene, SceneError, Theory, is_modes_file, load_model, load_modes, table_model,
-    theory as scene_theory,
+    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_taken, load_model,
+    load_modes, model_kind, table_model, theory as scene_theory,
 };
 use crate::theory::{ModeOptions, ModelQuantity};
 
 use super::Outcome;
 use super::args::TheoryArgs;
 use super::output::{MODES, Output, check_extension};
+use super::study::SceneReading;
 use super::targets::{check_targets, files_of, targets};
 
 /// Prints the modes; writes them with `-o`.
@@ -79,7 +80,8 @@ pub fn theory(
     output.blocks(&blocks);
     output.json(|| json);
     output.findings(&result.modes.findings);
-    Ok(Outcome::Done)
+    output.findings(&built_in_taken(&args.model).into_iter().collect::<Vec<_>>());
+    Ok(Outcome::missed_if(result.partly_bad))
 }
 
 /// What MODEL means.
@@ -92,20 +94,22 @@ enum Named {
 
 impl Named {
     fn of(args: &TheoryArgs, format: Option<&str>) -> Result<Self, SceneError> {
+        let partial = args.partial;
         let settings: BTreeMap<String, f64> = args.settings.iter().cloned().collect();
-        if !Scene::is_path(&args.model) {
-            if !(is_modes_file(&args.model) && args.model.exists()) {
-                return load_model(&args.model, &settings).map(Named::Model);
+        match model_kind(&args.model) {
+            ModelKind::Scene => {}
+            ModelKind::Modes if args.model.exists() => {
+                let options = ModesOptions {
+                    format,
+                    partial,
+                    ..ModesOptions::default()
+                };
+                let own = load_modes(&args.model, &options)?;
+                return Ok(Named::Finished(Box::new(own.into())));
             }
-            let (modes, geometry) = load_modes(&args.model, format)?;
-            let theory = Theory {
-                modes,
-                geometry,
-                ..Theory::default()
-            };
-            return Ok(Named::Finished(Box::new(theory)));
+            _ => return load_model(&args.model, &settings).map(Named::Model),
         }
-        let scene = Scene::load(&args.model)?;
+        let scene = SceneReading { format, partial }.scene(&args.model)?;
         let mut table = scene.model.clone().unwrap_or_default();
         table.parameters.extend(settings);
         let (folder, path) = (&scene.folder, &scene.path);

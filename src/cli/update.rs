@@ -2,13 +2,14 @@
 
 use crate::error::Error;
 use crate::report::{RENDERERS, json, update_blocks};
-use crate::scene::{Scene, TestResult, update_scene};
+use crate::scene::{TestResult, update_scene};
 
 use super::Outcome;
 use super::args::UpdateArgs;
 use super::output::Output;
 use super::report::{rebuilt, update_figures};
 use super::run::into_folder;
+use super::study::SceneReading;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
 pub fn update(
@@ -16,11 +17,8 @@ pub fn update(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    let mut scene = Scene::load(&args.scene)?;
-    scene.format = format.map(str::to_owned);
-    for test in &mut scene.tests {
-        test.partial |= args.partial;
-    }
+    let partial = args.partial;
+    let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let own = update_scene(&scene)?;
     let blocks = output
         .language()

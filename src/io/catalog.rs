@@ -10,7 +10,7 @@ use crate::modal::Mode;
 use crate::quantity::Quantity;
 use crate::record::Role;
 
-use super::{FunctionNote, IoError};
+use super::{Damage, FunctionNote};
 
 /// What an entry holds; the numbers are those of universal file dataset 58.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -296,8 +296,8 @@ pub struct Catalog {
     pub geometry: Geometry,
     /// Title lines of the file (universal dataset 151), trimmed, without empty ones.
     pub title: Vec<String>,
-    /// Parts that could not be read, each with its place. A chain stops at the first unless part of a file will do.
-    pub damage: Vec<IoError>,
+    /// Parts that could not be read. A chain stops at the first that it needs, unless the good part of a file is sufficient.
+    pub damage: Vec<Damage>,
     /// What the headers say besides.
     pub findings: Vec<Finding>,
 }

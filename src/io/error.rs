@@ -170,3 +170,30 @@ pub enum IoError {
         expected: String,
     },
 }
+
+impl IoError {
+    /// What was read, got and expected, without the place in the file.
+    pub fn without_place(&self) -> String {
+        match self {
+            IoError::Text {
+                what,
+                got,
+                expected,
+                ..
+            } => format!("{what}: got {got:?}, expected {expected}"),
+            IoError::Binary {
+                what,
+                got,
+                expected,
+                ..
+            } => format!("{what}: got {got}, expected {expected}"),
+            IoError::Truncated {
+                what,
+                got,
+                expected,
+                ..
+            } => format!("the file ends inside {what}: got {got}, expected {expected}"),
+            other => other.to_string(),
+        }
+    }
+}

@@ -10,7 +10,10 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
 use crate::quantity::{FrfKind, Quantity};
 
-use super::{Block, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source};
+use super::coherence::{ValidCoherence, valid_coherence};
+use super::{
+    Block, Domain, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source,
+};
 
 /// One function with its axis.
 struct Read {
@@ -20,6 +23,7 @@ struct Read {
     data: FunctionData,
     note: FunctionNote,
     averages_assumed: bool,
+    finding: Option<Finding>,
 }
 
 /// Number of averages where coherence is given and nobody says how many: the fewest that practice asks of a hammer test.
@@ -30,7 +34,8 @@ const ASSUMED_AVERAGES: u32 = 3;
 ///
 /// A variance that the file does not hold is that of H1 with the coherence and the number of averages,
 /// |H|²(1−γ²)/(γ²(n−1)). A number that neither file nor scene states is taken as 3, with a finding. A coherence of 1
-/// throughout is that of a single average and says nothing; then the variance is unknown.
+/// throughout is that of a single average and says nothing; then the variance is unknown. Coherence outside 0 to 1 is ignored,
+/// and a function of another quantity than motion over force is left out, each with a finding.
 ///
 /// # Errors
 /// [`IoError::NotStated`] for a unit, kind or degree of freedom that neither file nor scene states; reading errors.
@@ -38,17 +43,19 @@ const ASSUMED_AVERAGES: u32 = 3;
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
 pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
+    let mut collected = Collected::default();
     let mut alone = Quality::default();
     for file in files.iter_mut() {
         if of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
-            alone.add_file(file)?;
+            collected.findings.extend(alone.add_file(file)?);
         }
     }
-    let mut collected = Collected::default();
     let mut over_all = Occurrences::default();
     for file in files {
         let mut own = Quality::default();
-        own.add_file(file)?;
+        if !of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
+            collected.findings.extend(own.add_file(file)?);
+        }
         let named = Occurrences::default().of(file);
         let named_over_all = over_all.of(file);
         for index in of_type(file.source.as_ref(), FunctionType::Frf) {
@@ -58,16 +65,22 @@ pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
             } else {
                 beside
             };
-            collected.add(read_function(file, index, quality)?)?;
+            match read_function(file, index, quality) {
+                Ok(read) => collected.add(read)?,
+                Err(error) => collected.leave_out(file, index, error)?,
+            }
         }
     }
-    Ok(collected.finish())
+    collected.finish()
 }
 
 /// Sets of one axis and window each, while functions are added.
 #[derive(Default)]
 struct Collected {
     sets: Vec<Collecting>,
+    findings: Vec<Finding>,
+    /// Why the first function was left out.
+    left_out: Option<IoError>,
 }
 
 struct Collecting {
@@ -102,9 +115,43 @@ impl Collected {
         self.sets[place].add(read)
     }
 
-    fn finish(self) -> Vec<FrfSet> {
-        self.sets.into_iter().map(Collecting::finish).collect()
+    /// Leaves a function out whose header states another quantity than motion over force; with --partial any that cannot be used.
+    fn leave_out(&mut self, file: &HitFile, index: usize, error: IoError) -> Result<(), IoError> {
+        let entry = &file.source.catalog().entries[index];
+        let severity = match (is_other_quantity(entry), file.partial) {
+            (true, _) => Severity::Warning,
+            (false, true) => Severity::Error,
+            (false, false) => return Err(error),
+        };
+        let place = Place::Function {
+            response: entry.response.clone(),
+            reference: entry.reference.clone(),
+        };
+        let finding = Finding::new(severity, Code::FunctionLeftOut, place);
+        self.findings.push(finding.detail(error.to_string()));
+        self.left_out.get_or_insert(error);
+        Ok(())
     }
+
+    /// The sets; the error of the first function that was left out where there is no other.
+    fn finish(self) -> Result<Vec<FrfSet>, IoError> {
+        let mut sets: Vec<FrfSet> = self.sets.into_iter().map(Collecting::finish).collect();
+        match (sets.first_mut(), self.left_out) {
+            (Some(first), _) => first.findings.extend(self.findings),
+            (None, Some(error)) => return Err(error),
+            (None, None) => {}
+        }
+        Ok(sets)
+    }
+}
+
+/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa than frequency.
+fn is_other_quantity(entry: &Entry) -> bool {
+    let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
+    let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
+    let is_stated = !entry.unit_label.is_empty() && kind(entry).is_none();
+    let other_abscissa = matches!(entry.axis.domain(), Domain::Other(code) if code != 0);
+    is_stated || (rotates && entry.to_si.is_none()) || other_abscissa
 }
 
 impl Collecting {
@@ -113,6 +160,7 @@ impl Collecting {
         let band = note.valid_hz.and_then(|(lo, hi)| Band::new(lo, hi).ok());
         self.valid_bands.extend(band);
         self.averages_assumed |= read.averages_assumed;
+        self.set.findings.extend(read.finding);
         // The record length is what is true of all functions.
         let common = self.set.record_duration_s;
         self.set.record_duration_s = common.filter(|own| note.record_s == Some(*own));
@@ -177,20 +225,20 @@ impl Occurrences {
     }
 }
 
-type OnAxis = (FrequencyAxis, Vec<f64>);
+type OnAxis<T> = (FrequencyAxis, T);
 
 /// Coherences and variances by the pair that they belong to.
 #[derive(Default)]
 struct Quality {
     occurrences: Occurrences,
-    coherence: BTreeMap<Occurrence, OnAxis>,
-    variance: BTreeMap<Occurrence, OnAxis>,
+    coherence: BTreeMap<Occurrence, OnAxis<ValidCoherence>>,
+    variance: BTreeMap<Occurrence, OnAxis<Vec<f64>>>,
 }
 
 /// What is known of one function.
 struct Beside<'a> {
-    coherence: Option<&'a OnAxis>,
-    variance: Option<&'a OnAxis>,
+    coherence: Option<&'a OnAxis<ValidCoherence>>,
+    variance: Option<&'a OnAxis<Vec<f64>>>,
 }
 
 impl Beside<'_> {
@@ -200,26 +248,26 @@ impl Beside<'_> {
 }
 
 impl Quality {
-    fn add_file(&mut self, file: &mut HitFile) -> Result<(), IoError> {
+    /// Adds those of a file; one that cannot be read is a finding, for no FRF needs it.
+    fn add_file(&mut self, file: &mut HitFile) -> Result<Vec<Finding>, IoError> {
         let named = self.occurrences.of(file);
+        let mut findings = Vec::new();
         for index in of_type(file.source.as_ref(), FunctionType::Coherence) {
-            let Some((axis, values)) = real_values(file, index)? else {
-                continue;
-            };
-            check_coherence(&values, file, index)?;
-            // Single precision may round one a little above itself.
-            let values = values.into_iter().map(|v| v.clamp(0.0, 1.0)).collect();
-            self.coherence.insert(named[index].clone(), (axis, values));
+            if let Some((axis, values)) = auxiliary(file, index, &mut findings)? {
+                let valid = valid_coherence(&axis, values);
+                self.coherence.insert(named[index].clone(), (axis, valid));
+            }
         }
         for index in of_type(file.source.as_ref(), FunctionType::Variance) {
             let to_si = file.source.catalog().entries[index].to_si;
-            let (Some((axis, values)), Some(to_si)) = (real_values(file, index)?, to_si) else {
+            let read = auxiliary(file, index, &mut findings)?;
+            let (Some((axis, values)), Some(to_si)) = (read, to_si) else {
                 continue;
             };
             let values = values.into_iter().map(|v| v * to_si).collect();
             self.variance.insert(named[index].clone(), (axis, values));
         }
-        Ok(())
+        Ok(findings)
     }
 
     fn of(&self, named: &Occurrence) -> Beside<'_> {
@@ -230,11 +278,32 @@ impl Quality {
     }
 }
 
-/// The values of an entry on an even frequency axis.
-fn real_values(
+/// The values of a function beside FRFs; `None`, with a finding, where they cannot be read.
+///
+/// # Errors
+/// [`IoError::System`].
+fn auxiliary(
     file: &mut HitFile,
     index: usize,
-) -> Result<Option<(FrequencyAxis, Vec<f64>)>, IoError> {
+    findings: &mut Vec<Finding>,
+) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
+    match real_values(file, index) {
+        Err(error) if !matches!(error, IoError::System { .. }) => {
+            let entry = &file.source.catalog().entries[index];
+            let place = Place::Function {
+                response: entry.response.clone(),
+                reference: entry.reference.clone(),
+            };
+            let finding = Finding::new(Severity::Warning, Code::BadDataset, place);
+            findings.push(finding.detail(error.to_string()));
+            Ok(None)
+        }
+        read => read,
+    }
+}
+
+/// The values of an entry on an even frequency axis.
+fn real_values(file: &mut HitFile, index: usize) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
     let entry = &file.source.catalog().entries[index];
     let (axis, len) = (entry.axis, entry.len());
     let EntryAxis::Frequency(axis) = axis else {
@@ -248,21 +317,6 @@ fn real_values(
         Block::Complex(values) => values.into_iter().map(|value| value.re).collect(),
     };
     Ok(Some((axis, values)))
-}
-
-fn check_coherence(values: &[f64], file: &HitFile, index: usize) -> Result<(), IoError> {
-    let bad = values
-        .iter()
-        .enumerate()
-        .find(|(_, value)| !(-1e-6..=1.0 + 1e-6).contains(*value));
-    bad.map_or(Ok(()), |(line, value)| {
-        Err(IoError::Grouping {
-            path: file.source.catalog().path.clone(),
-            what: "reading a coherence",
-            got: format!("{value} at line {line} of function {}", index + 1),
-            expected: "0 to 1".to_owned(),
-        })
-    })
 }
 
 fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Read, IoError> {
@@ -307,7 +361,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         .or(stated.map(|unit| unit.kind))
         .ok_or_else(|| {
             not_stated(
-                "the kind",
+                &format!("the kind (unit label {:?})", entry.unit_label),
                 "an ordinate of displacement, velocity or acceleration over force",
             )
         })?;
@@ -328,12 +382,16 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     };
     let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
     let note = entry.note.clone();
-    let of_axis = |found: Option<&OnAxis>| {
-        let found = found.filter(|(own, _)| own.same_lines(&axis));
-        found.map(|(_, values)| values.clone())
+    let coherence = of_axis(beside.coherence, &axis);
+    let finding = coherence.as_ref().and_then(|own| own.finding.clone());
+    let place = Place::Function {
+        response: Some(response.clone()),
+        reference: Some(reference.clone()),
     };
-    let coherence = of_axis(beside.coherence).filter(|values| !says_nothing(values));
-    let stated = of_axis(beside.variance);
+    let finding = finding.map(|finding| Finding { place, ..finding });
+    let coherence = coherence.and_then(|own| own.values);
+    let coherence = coherence.filter(|values| !says_nothing(values));
+    let stated = of_axis(beside.variance, &axis);
     let averages = note.averages.or(file.averages);
     // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them too.
     let variance_dof = match &stated {
@@ -367,7 +425,14 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         },
         note,
         averages_assumed,
+        finding,
     })
+}
+
+/// What is known at the lines of an axis.
+fn of_axis<T: Clone>(found: Option<&OnAxis<T>>, axis: &FrequencyAxis) -> Option<T> {
+    let found = found.filter(|(own, _)| own.same_lines(axis));
+    found.map(|(_, own)| own.clone())
 }
 
 /// A coherence of 1 at every line is that of one average.

@@ -26,12 +26,59 @@ impl Roles<'_> {
         &self.file.source.catalog().path
     }
 
+    /// The time records of which hits are made.
     fn times(&self) -> Vec<usize> {
+        let left_out = self.left_out();
+        let times = self.all_times().map(|(index, _)| index);
+        times.filter(|index| !left_out.contains(index)).collect()
+    }
+
+    fn all_times(&self) -> impl Iterator<Item = (usize, &Entry)> {
         let entries = self.entries().iter().enumerate();
-        entries
-            .filter(|(_, entry)| entry.function_type == FunctionType::Time)
-            .map(|(index, _)| index)
-            .collect()
+        entries.filter(|(_, entry)| entry.function_type == FunctionType::Time)
+    }
+
+    /// Records of another quantity than force and motion, where others are forces and motions: no hit needs them. None where
+    /// the scene numbers the records of a hit.
+    fn left_out(&self) -> BTreeSet<usize> {
+        if !self.overrides.is_empty() {
+            return BTreeSet::new();
+        }
+        let times = self.all_times().map(|(index, _)| index);
+        times.filter(|index| self.is_other(*index)).collect()
+    }
+
+    /// Whether a record states another quantity than force and motion, where others are forces and motions.
+    pub fn is_other(&self, index: usize) -> bool {
+        let has = |wanted: fn(Quantity) -> bool| {
+            let mut quantities = self.all_times().filter_map(|(_, entry)| entry.quantity);
+            quantities.any(wanted)
+        };
+        let entry = &self.entries()[index];
+        let states_other = entry.quantity.is_none() && !entry.unit_label.is_empty();
+        states_other
+            && has(|quantity| quantity == Quantity::Force)
+            && has(|quantity| quantity != Quantity::Force)
+    }
+
+    /// The records that are left out, each point and unit once.
+    pub fn left_out_findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for index in self.left_out() {
+            add_once(&mut findings, self.left_out_finding(index));
+        }
+        findings
+    }
+
+    /// The finding of a record that is left out.
+    pub fn left_out_finding(&self, index: usize) -> Finding {
+        let entry = &self.entries()[index];
+        let place = Place::Function {
+            response: entry.response.clone(),
+            reference: None,
+        };
+        let finding = Finding::new(Severity::Warning, Code::FunctionLeftOut, place);
+        finding.detail(format!("{}: unit {:?}", self.path(), entry.unit_label))
     }
 
     /// The role of an entry that is record `number` of its hit.
@@ -247,6 +294,13 @@ impl Roles<'_> {
             got: format!("{forces} force and {responses} response records in the hit that starts with record {from}"),
             expected: "one force record (ordinate type 13, or role = \"force\" in [[test.channel]]) and one response or more".to_owned(),
         })
+    }
+}
+
+/// Adds a finding that is not there yet.
+pub(super) fn add_once(findings: &mut Vec<Finding>, finding: Finding) {
+    if !findings.contains(&finding) {
+        findings.push(finding);
     }
 }
 

@@ -13,10 +13,9 @@ use crate::record::{
     ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
 };
 
-use super::hit_groups::{Group, Roles, channel_override};
+use super::hit_groups::{Group, Roles, add_once, channel_override};
 use super::{
-    Block, ChannelOverride, Entry, EntryAxis, FunctionType, HitFile, HitGrouping, IoError,
-    SampleFormat, Source,
+    Block, ChannelOverride, Entry, EntryAxis, HitFile, HitGrouping, IoError, SampleFormat,
 };
 
 /// Hits with what was said on the way.
@@ -89,15 +88,6 @@ impl Recording for FileRecording {
     }
 }
 
-/// Whether a file holds time records.
-pub fn has_time_records(source: &dyn Source) -> bool {
-    source
-        .catalog()
-        .entries
-        .iter()
-        .any(|entry| entry.function_type == FunctionType::Time)
-}
-
 /// Groups the time records of files into hits; their samples are read when they are asked for.
 ///
 /// # Errors
@@ -112,6 +102,7 @@ pub fn group_hits(
     let (mut hits, mut places) = (Vec::new(), Vec::new());
     for (number, file) in files.iter().enumerate() {
         let roles = Roles { overrides, file };
+        findings.extend(roles.left_out_findings());
         let groups = match grouping {
             HitGrouping::Files => roles.one_hit()?,
             HitGrouping::Records | HitGrouping::Trigger => roles.hits(&mut findings)?,
@@ -148,6 +139,9 @@ fn hit_of(
     let catalog = file.source.catalog();
     let axis = common_axis(catalog.entries.as_slice(), group, &catalog.path)?;
     let hit_point = hit_point(file, group, &roles, overrides, findings)?;
+    let is_motion = |quantity| quantity != Quantity::Force;
+    let quantities = group.iter().map(|index| catalog.entries[*index].quantity);
+    let moves = quantities.flatten().any(is_motion);
     let (mut force, mut responses, mut entries) = (None, Vec::new(), Vec::new());
     for (place, (&index, &role)) in group.iter().zip(&roles).enumerate() {
         let own = channel_override(overrides, place + 1);
@@ -157,6 +151,9 @@ fn hit_of(
                     channel_info(file, index, role, hit_point.clone(), own)?,
                     index,
                 ));
+            }
+            Role::Response if own.is_none() && moves && judge.is_other(index) => {
+                add_once(findings, judge.left_out_finding(index));
             }
             Role::Response => {
                 let dof = response_point(file, index, own)?;
@@ -257,9 +254,7 @@ fn hit_point(
         byte: None,
     };
     let finding = Finding::new(Severity::Info, Code::HitPointAssumed, place);
-    if !findings.contains(&finding) {
-        findings.push(finding);
-    }
+    add_once(findings, finding);
     Ok(found)
 }
 

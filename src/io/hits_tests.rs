@@ -18,7 +18,7 @@ impl Source for Memory {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 

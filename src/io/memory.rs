@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::Place;
 
-use super::{Block, Catalog, Domain, EntryAxis, IoError, ReadSeek, Source};
+use super::{Block, Catalog, Damage, Domain, EntryAxis, IoError, Part, ReadSeek, Source};
 
 /// All bytes of an input.
 ///
@@ -48,7 +48,7 @@ impl Source for MemorySource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 
@@ -232,9 +232,8 @@ impl Merged {
                     line: entry.line,
                     byte: entry.byte.filter(|_| entry.line.is_none()),
                 };
-                let finding = Finding::new(Severity::Error, Code::BadDataset, place);
-                self.catalog.findings.push(finding);
-                self.catalog.damage.push(error);
+                let part = Part::of_function(entry.function_type);
+                self.catalog.note_damage_at(error, part, place);
             }
         }
         let mut kept = good.iter();
@@ -249,7 +248,7 @@ impl Source for Merged {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 

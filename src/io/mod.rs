@@ -6,6 +6,8 @@
 mod array;
 mod assign;
 mod catalog;
+mod coherence;
+mod damage;
 mod error;
 mod files;
 mod frfs;
@@ -44,6 +46,7 @@ pub use catalog::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
     ModeEntry, SampleFormat,
 };
+pub use damage::{Damage, Need, Part, check_damage};
 pub use error::IoError;
 pub use files::{
     NewFile, TEMPORARY_PREFIX, bytes_for_path, detect, format_of, open_bytes, open_path,
@@ -53,7 +56,7 @@ pub use files::{
 pub use frfs::frf_sets;
 pub use hdf5::Hdf5;
 pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
-pub use hits::{FileRecording, HitSet, group_hits, has_time_records};
+pub use hits::{FileRecording, HitSet, group_hits};
 pub use matlab5::Matlab5;
 pub use matrix::{MatrixEntries, read_matrix};
 pub use memory::{MemorySource, Merged};
@@ -187,7 +190,7 @@ pub trait Source: Send {
     fn catalog(&self) -> &Catalog;
 
     /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.
-    fn take_damage(&mut self) -> Vec<IoError>;
+    fn take_damage(&mut self) -> Vec<Damage>;
 
     /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single precision stays single.
     ///

@@ -85,7 +85,7 @@ impl Format for ModesCsv {
             ..Catalog::default()
         };
         for error in damage {
-            catalog.note_damage(error);
+            catalog.note_damage(error, super::Part::Mode);
         }
         Ok(Box::new(MemorySource {
             catalog,

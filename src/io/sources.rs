@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::memory::check_range;
 use super::{
-    Block, Catalog, Entry, EntryAxis, FunctionNote, FunctionType, Identification, IoError,
+    Block, Catalog, Damage, Entry, EntryAxis, FunctionNote, FunctionType, Identification, IoError,
     MemorySource, SampleFormat, Source,
 };
 use crate::frf::{FrfSet, Function};
@@ -87,7 +87,7 @@ impl Source for FrfSource<'_> {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 

@@ -18,7 +18,7 @@ use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
 use super::model::{Theory, theory, value_error};
-use super::modes_file::load_modes;
+use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
 use super::placement::placed_tests;
 use super::plan::{Scene, TestPlan, TestSource};
@@ -222,6 +222,7 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 trigger: *trigger,
                 typed,
                 partial,
+                frfs_first: false,
                 format: scene.format.as_deref(),
                 averages: None,
                 scene: &scene.path,
@@ -243,12 +244,21 @@ fn input_file(path: &Path) -> Result<InputFile, SceneError> {
 }
 
 fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
-    let (mut modes, geometry) = load_modes(path, None)?;
+    let options = ModesOptions {
+        partial: test.partial,
+        ..ModesOptions::default()
+    };
+    let LoadedModes {
+        mut modes,
+        geometry,
+        partly_bad,
+    } = load_modes(path, &options)?;
     modes.band = test.band.or(modes.band);
     Ok(TestResult {
         name: test.name.clone(),
         modes,
         geometry,
+        partly_bad,
         ..TestResult::default()
     })
 }

@@ -24,6 +24,8 @@ pub struct DraftFile<'a> {
     pub response: Option<&'a Dof>,
     /// The hit point of what does not name one.
     pub reference: Option<&'a Dof>,
+    /// Whether part of it is bad, and its good part is sufficient.
+    pub partial: bool,
 }
 
 /// What a person says beside the files.
@@ -163,9 +165,13 @@ fn test_text(
         0 => String::new(),
         index => format!(" {}", index + 1),
     };
+    let partial = match files.iter().any(|file| file.partial) {
+        true => "partial = true   # part of a file is damaged: its good part is used\n",
+        false => "",
+    };
     let head = |name: &str| {
         format!(
-            "\n[[test]]\nname = \"{name}{number}\"\n{}{band}",
+            "\n[[test]]\nname = \"{name}{number}\"\n{}{partial}{band}",
             files_line(files)
         )
     };
@@ -179,7 +185,7 @@ fn test_text(
             let count = files[0].catalog.modes.len();
             let path = quoted(files[0].path);
             format!(
-                "\n[[test]]\nname = \"modes{number}\"\nmodes = {path}   # {count} finished modes\n{band}"
+                "\n[[test]]\nname = \"modes{number}\"\nmodes = {path}   # {count} finished modes\n{partial}{band}"
             )
         }
         Content::Nothing => {

@@ -9,9 +9,9 @@ use crate::frf::{FrfSet, check_functions};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
-    Merged, Source, format_of, frf_sets, group_hits, has_time_records, open_bytes, open_path,
+    Merged, Need, check_damage, format_of, frf_sets, group_hits, open_bytes, open_path,
 };
-use crate::quantity::{FrfUnit, Unit};
+use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::record::{Recording, Role};
 use crate::signal::TriggerOptions;
 
@@ -69,6 +69,8 @@ pub struct IngestOptions<'a> {
     pub typed: Option<&'a TestTable>,
     /// Whether the good part of a partly bad file will do.
     pub partial: bool,
+    /// Whether FRFs of the files are used where they also hold time records.
+    pub frfs_first: bool,
     /// Format of every file, instead of judging by content.
     pub format: Option<&'a str>,
     /// Number of averages of FRFs that do not state it, before the scene's word.
@@ -192,19 +194,24 @@ pub fn ingest_bytes(bytes: Vec<u8>, name: &str) -> Result<Ingested, SceneError> 
 
 fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested, SceneError> {
     let mut data = Ingested::default();
+    let of_type = |wanted| count(&files, |entry| entry.function_type == wanted);
+    let (records, frfs) = (of_type(FunctionType::Time), of_type(FunctionType::Frf));
+    let from_records = records > 0 && (frfs == 0 || makes_hits(&files, options));
+    let need = match from_records {
+        true => Need::Records,
+        false => Need::Frfs,
+    };
     for file in &mut files {
-        data.partly_bad |= judge(file.source.as_mut(), options.partial)?;
+        data.partly_bad |= check_damage(file.source.as_mut(), &[need], options.partial)?;
         let catalog = file.source.catalog();
         data.findings.extend(catalog.findings.iter().cloned());
         data.geometry.add(&catalog.geometry);
         data.findings.extend(local_directions(catalog));
     }
-    if files
-        .iter()
-        .any(|file| has_time_records(file.source.as_ref()))
-    {
+    if from_records {
         let overrides = overrides_of(&files, options)?;
-        data.findings.extend(passed_over(&files));
+        data.findings
+            .extend(passed_over(frfs, Code::FunctionsPassedOver, "functions"));
         let mut set = group_hits(files, options.hits, &overrides)?;
         if let Some(typed) = options.typed.filter(|_| overrides.is_empty()) {
             state_full_scales(&mut set.recording, &typed.channel);
@@ -222,12 +229,41 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         }
         data.recording = Some(recording);
     } else {
+        data.findings
+            .extend(passed_over(records, Code::RecordsPassedOver, "records"));
         data.frfs = frf_sets(&mut files)?;
         for set in &data.frfs {
             data.findings.extend(check_functions(set));
+            data.partly_bad |= set.findings.iter().any(is_lost);
         }
     }
     Ok(data)
+}
+
+/// Whether a finding of reading FRFs says that part of a file is damaged or was left out for want of what is needed.
+fn is_lost(finding: &Finding) -> bool {
+    match finding.code {
+        Code::BadDataset => true,
+        Code::FunctionLeftOut => finding.severity == Severity::Error,
+        _ => false,
+    }
+}
+
+/// Whether hits are made of the time records that stand beside FRFs: unless these are asked for, where one is a force.
+fn makes_hits(files: &[HitFile], options: &IngestOptions) -> bool {
+    let is_force = |entry: &Entry| {
+        let by_quantity = entry.quantity == Some(Quantity::Force);
+        entry.function_type == FunctionType::Time
+            && (by_quantity || entry.role == Some(Role::Force))
+    };
+    let is_described = options.typed.is_some_and(|typed| !typed.channel.is_empty());
+    !options.frfs_first && (is_described || count(files, is_force) > 0)
+}
+
+/// Number of the entries of files for which something holds.
+fn count(files: &[HitFile], holds: impl Fn(&Entry) -> bool) -> usize {
+    let entries = files.iter().flat_map(|file| &file.source.catalog().entries);
+    entries.filter(|entry| holds(entry)).count()
 }
 
 /// The ranges of converters that a scene states for the columns of tables; their units were checked when they were opened.
@@ -308,24 +344,10 @@ fn overrides_of(
     }
 }
 
-/// FRFs beside time records are not used: the hits are.
-fn passed_over(files: &[HitFile]) -> Option<Finding> {
-    let is_frf = |entry: &&Entry| entry.function_type == FunctionType::Frf;
-    let count: usize = files
-        .iter()
-        .map(|file| file.source.catalog().entries.iter().filter(is_frf).count())
-        .sum();
-    let finding = Finding::new(Severity::Info, Code::FunctionsPassedOver, Place::Whole);
-    (count > 0).then(|| finding.value(count as f64, "functions"))
-}
-
-/// Whether part of the file is bad; an error unless its good part will do.
-fn judge(source: &mut dyn Source, partial: bool) -> Result<bool, SceneError> {
-    let damaged = !source.catalog().damage.is_empty();
-    match source.take_damage().into_iter().next() {
-        Some(first) if !partial => Err(first.into()),
-        _ => Ok(damaged),
-    }
+/// What stands beside the functions that are used.
+fn passed_over(count: usize, code: Code, unit: &str) -> Option<Finding> {
+    let finding = Finding::new(Severity::Info, code, Place::Whole);
+    (count > 0).then(|| finding.value(count as f64, unit))
 }
 
 /// `[[test.channel]]` for files that are no tables: `column` is the number of the record within its hit.

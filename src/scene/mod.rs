@@ -52,8 +52,11 @@ pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
-pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
-pub use modes_file::{holds_functions, is_modes_file, load_modes};
+pub use model::{
+    LoadedModel, ModelKind, Theory, built_in_taken, load_model, model_kind, sensors, table_model,
+    theory,
+};
+pub use modes_file::{LoadedModes, ModesOptions, holds_functions, is_modes_file, load_modes};
 pub use observer::{Observer, run};
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
@@ -17,9 +18,10 @@ use crate::theory::{
     override_values, sweep,
 };
 
+use super::Scene;
 use super::SceneError;
 use super::matrices::matrix_model;
-use super::modes_file::{is_modes_file, load_modes};
+use super::modes_file::{LoadedModes, ModesOptions, is_modes_file, load_modes};
 use super::toml_text::{parse, read_text};
 use super::typed::{ModelTable, SensorTable};
 
@@ -48,6 +50,19 @@ pub struct Theory {
     /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the indices in them count all
     /// its modes. None for finished modes.
     pub roots: Vec<ModelRoot>,
+    /// Whether part of a file of finished modes was bad and left out.
+    pub partly_bad: bool,
+}
+
+impl From<LoadedModes> for Theory {
+    fn from(own: LoadedModes) -> Self {
+        Self {
+            modes: own.modes,
+            geometry: own.geometry,
+            partly_bad: own.partly_bad,
+            ..Self::default()
+        }
+    }
 }
 
 /// The keys that say which kind of model a file holds; a lumped one, and one of matrices, need not say it.
@@ -108,11 +123,57 @@ pub fn load_model(
     loaded(model, own_sensors, overrides)
 }
 
+/// What a path of the command line names where a model is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelKind {
+    /// A built-in model, perhaps with a set.
+    BuiltIn,
+    /// A scene whose model is meant.
+    Scene,
+    /// A file of finished modes.
+    Modes,
+    /// A model file.
+    File,
+}
+
+/// What a path names: a built-in name is the built-in model, unless it is a file; `NAME/SET` also unless it is a folder with
+/// a scene.
+pub fn model_kind(path: &Path) -> ModelKind {
+    let is_plain = path.components().count() == 1;
+    if is_built_in(path) && !path.is_file() && (is_plain || !holds_scene(path)) {
+        ModelKind::BuiltIn
+    } else if Scene::is_path(path) {
+        ModelKind::Scene
+    } else if path.is_file() && is_built_in(path) || is_modes_file(path) {
+        ModelKind::Modes
+    } else {
+        ModelKind::File
+    }
+}
+
+/// The finding that a built-in model was taken where a folder with a scene has its name.
+pub fn built_in_taken(path: &Path) -> Option<Finding> {
+    if model_kind(path) != ModelKind::BuiltIn || !holds_scene(path) {
+        return None;
+    }
+    let place = Place::File {
+        path: path.display().to_string(),
+        line: None,
+        byte: None,
+    };
+    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, place);
+    Some(finding.detail(format!("./{} names the folder", path.display())))
+}
+
+fn holds_scene(path: &Path) -> bool {
+    path.join("scene.toml").is_file()
+}
+
 /// Whether a model is meant by its built-in name, perhaps with a set, and not as a file.
 pub(super) fn is_built_in(name: &Path) -> bool {
     let text = name.to_string_lossy();
     let first = text.split('/').next();
-    let short = text.split('/').count() <= 2 && name.extension().is_none();
+    let short = text.split('/').count() <= 2 && !text.ends_with('/') && name.extension().is_none();
     short && BUILT_IN.iter().any(|model| Some(model.name) == first)
 }
 
@@ -196,6 +257,7 @@ impl LoadedModel {
             geometry: sensor_nodes(sensors),
             parameters,
             assumptions: self.model.assumptions(),
+            partly_bad: false,
         })
     }
 
@@ -338,12 +400,12 @@ pub fn theory(
     options: &ModeOptions,
 ) -> Result<Theory, SceneError> {
     let Some(model) = table_model(table, folder, path)? else {
-        let (modes, geometry) = load_modes(&named_model(table, folder, path)?, None)?;
-        return Ok(Theory {
-            modes,
-            geometry,
-            ..Theory::default()
-        });
+        let options = ModesOptions {
+            partial: table.partial,
+            ..ModesOptions::default()
+        };
+        let own = load_modes(&named_model(table, folder, path)?, &options)?;
+        return Ok(own.into());
     };
     model.solve(&model.sensors_with(sensors), options)
 }

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use crate::geometry::Geometry;
-use crate::io::{Hints, IoError, format_of, modes_from_json, modes_of, open_path, sha256_hex};
+use crate::io::{
+    Hints, IoError, Need, check_damage, format_of, modes_from_json, modes_of, open_path, sha256_hex,
+};
 use crate::modal::{InputFile, ModalModel};
 
 use super::SceneError;
@@ -37,25 +39,51 @@ pub fn holds_functions(path: &Path, format: Option<&str>) -> bool {
         })
 }
 
+/// How a file of modes is to be read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ModesOptions<'a> {
+    /// Its format, instead of judging by content.
+    pub format: Option<&'a str>,
+    /// Whether the good part of a partly bad file is sufficient.
+    pub partial: bool,
+    /// Whether the positions of nodes are needed, too.
+    pub positions: bool,
+}
+
+/// The modes of a file.
+#[derive(Clone, Debug, Default)]
+pub struct LoadedModes {
+    /// The modes.
+    pub modes: ModalModel,
+    /// Where the points are.
+    pub geometry: Geometry,
+    /// Whether part of the file was bad and left out.
+    pub partly_bad: bool,
+}
+
 /// Reads the modes of a file, with the geometry that it holds.
 ///
 /// # Errors
-/// [`SceneError`] with the place, for a file that is damaged, and for one that holds no modes.
-pub fn load_modes(path: &Path, format: Option<&str>) -> Result<(ModalModel, Geometry), SceneError> {
+/// [`SceneError`] with the place, where what is needed of the file is damaged, and for one that holds no modes.
+pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, SceneError> {
     let name = path.display().to_string();
-    let format = format_of(path, format)?;
+    let format = format_of(path, options.format)?;
     if format.name() == "modes" {
-        let modes = modes_from_json(&read_text(path)?, &name)?;
-        return Ok((modes, Geometry::default()));
+        return Ok(LoadedModes {
+            modes: modes_from_json(&read_text(path)?, &name)?,
+            ..LoadedModes::default()
+        });
     }
     let hints = Hints {
         path: name.clone(),
         table: None,
     };
     let mut source = open_path(path, &hints, Some(format.name()))?;
-    if let Some(damage) = source.take_damage().into_iter().next() {
-        return Err(damage.into());
-    }
+    let needs: &[Need] = match options.positions {
+        true => &[Need::Modes, Need::Positions],
+        false => &[Need::Modes],
+    };
+    let partly_bad = check_damage(source.as_mut(), needs, options.partial)?;
     let catalog = source.catalog();
     if catalog.modes.is_empty() {
         return Err(SceneError::Io(IoError::NotStated {
@@ -72,5 +100,9 @@ pub fn load_modes(path: &Path, format: Option<&str>) -> Result<(ModalModel, Geom
         path: name,
         sha256: sha256_hex(path)?,
     };
-    Ok((modes_of(catalog, vec![input]), catalog.geometry.clone()))
+    Ok(LoadedModes {
+        modes: modes_of(catalog, vec![input]),
+        geometry: catalog.geometry.clone(),
+        partly_bad,
+    })
 }

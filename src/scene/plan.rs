@@ -130,6 +130,16 @@ impl Scene {
         path.is_dir() || path.file_name().is_some_and(|name| name == "scene.toml")
     }
 
+    /// Takes the good part of every partly bad file that it names.
+    pub fn take_good_parts(&mut self) {
+        for test in &mut self.tests {
+            test.partial = true;
+        }
+        if let Some(model) = &mut self.model {
+            model.partial = true;
+        }
+    }
+
     /// Reads a scene from its folder or its `scene.toml`.
     ///
     /// # Errors
@@ -277,7 +287,10 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
     })?;
     let source = match (test.files.is_empty(), &test.synth, &test.modes) {
         (false, None, None) => files_source(test, folder, path)?,
-        (true, Some(_), None) | (true, None, Some(_)) if describes_files(test) => {
+        (true, synth, modes)
+            if synth.is_some() != modes.is_some()
+                && (describes_files(test) || (test.partial && synth.is_some())) =>
+        {
             let got = "hits, partial, sampling_rate_hz, delimiter, skip_lines, channel or file";
             return Err(value_error(path, &key(""), got, "these with `files` alone"));
         }
@@ -305,11 +318,7 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
 /// Whether a test states what only files need.
 fn describes_files(test: &TestTable) -> bool {
     let table = test.sampling_rate_hz.is_some() || test.delimiter.is_some() || test.skip_lines > 0;
-    table
-        || test.hits.is_some()
-        || test.partial
-        || !test.channel.is_empty()
-        || !test.file.is_empty()
+    table || test.hits.is_some() || !test.channel.is_empty() || !test.file.is_empty()
 }
 
 fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSource, SceneError> {

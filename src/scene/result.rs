@@ -72,7 +72,7 @@ pub struct SceneResult {
 impl SceneResult {
     /// Whether part of the input was bad and left out.
     pub fn partly_bad(&self) -> bool {
-        self.tests.iter().any(|test| test.partly_bad)
+        self.theory.partly_bad || self.tests.iter().any(|test| test.partly_bad)
     }
 
     /// Findings by the name of their test, which is empty in a scene of one test and for what belongs to none.

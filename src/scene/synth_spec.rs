@@ -86,6 +86,7 @@ impl TruthTable {
             name: self.name.clone(),
             file: self.file.clone(),
             parameters: self.parameters.clone(),
+            partial: false,
         }
     }
 }

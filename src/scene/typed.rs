@@ -230,6 +230,9 @@ pub struct ModelTable {
     /// Values by parameter name; nominal where not stated.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
+    /// Whether the good part of a partly bad file of modes is sufficient.
+    #[serde(default)]
+    pub partial: bool,
 }
 
 /// `[frf]`.

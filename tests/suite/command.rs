@@ -8,9 +8,17 @@ use assert_cmd::Command;
 
 /// The program with these arguments, in the project's folder.
 pub fn modalign<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
+    modalign_in(root(), arguments)
+}
+
+/// The program with these arguments, in a folder.
+pub fn modalign_in<S: AsRef<std::ffi::OsStr>>(
+    folder: &Path,
+    arguments: impl IntoIterator<Item = S>,
+) -> Output {
     let mut command = Command::cargo_bin("modalign").unwrap();
     command
-        .current_dir(root())
+        .current_dir(folder)
         .args(arguments)
         .output()
         .unwrap()

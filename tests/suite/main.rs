@@ -44,4 +44,5 @@ mod transmissions;
 mod truncation;
 #[path = "../population/twins.rs"]
 mod twins;
+mod unneeded;
 mod updating;

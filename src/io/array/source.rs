@@ -10,7 +10,7 @@ use crate::finding::{Code, Finding, Place, Severity};
 use super::{ArrayStore, Elements};
 use crate::io::assign::{Columns, RowLines, assign};
 use crate::io::{
-    ArrayInfo, Block, Catalog, ColumnName, Dimension, Hints, IoError, MemorySource, Source,
+    ArrayInfo, Block, Catalog, ColumnName, Dimension, Hints, IoError, MemorySource, Part, Source,
     TableSpec, layout,
 };
 
@@ -34,13 +34,19 @@ pub(in crate::io) fn open_arrays(
         ..Catalog::default()
     };
     catalog.findings.extend(findings);
+    let spec = hints.table.as_ref().filter(|spec| !spec.columns.is_empty());
+    let is_layout = layout::is_layout(store.as_mut(), &hints.path)?;
+    // Where a scene names the arrays that it needs, the others are not needed.
+    let part = match spec {
+        Some(_) if !is_layout => Part::Other,
+        _ => Part::Any,
+    };
     for error in damage {
-        catalog.note_damage(error);
+        catalog.note_damage(error, part);
     }
-    if layout::is_layout(store.as_mut(), &hints.path)? {
+    if is_layout {
         return Ok(Box::new(layout::open_layout(store, catalog)));
     }
-    let spec = hints.table.as_ref().filter(|spec| !spec.columns.is_empty());
     let Some(spec) = spec else {
         catalog.arrays = store.list().to_vec();
         return Ok(Box::new(MemorySource {
@@ -64,25 +70,6 @@ fn not_read(store: &dyn ArrayStore) -> Vec<Finding> {
             Finding::new(Severity::Info, Code::ArrayNotRead, place)
         })
         .collect()
-}
-
-impl Catalog {
-    /// Keeps an error of a part of the file, with the finding that says so.
-    pub(in crate::io) fn note_damage(&mut self, error: IoError) {
-        let (line, byte) = match &error {
-            IoError::Text { line, .. } => (Some(*line), None),
-            IoError::Binary { byte, .. } | IoError::Truncated { byte, .. } => (None, Some(*byte)),
-            _ => (None, None),
-        };
-        let place = Place::File {
-            path: self.path.clone(),
-            line,
-            byte,
-        };
-        self.findings
-            .push(Finding::new(Severity::Error, Code::BadDataset, place));
-        self.damage.push(error);
-    }
 }
 
 /// Where hits, channels and samples of an array lie: `(count, stride)` of each.

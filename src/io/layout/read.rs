@@ -9,8 +9,8 @@ use crate::io::array::bytes::count;
 use crate::io::array::{ArrayStore, Elements};
 use crate::io::memory::{check_range, even_abscissa};
 use crate::io::{
-    Block, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, SampleFormat,
-    Source,
+    Block, Catalog, Damage, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
+    SampleFormat, Source,
 };
 
 use super::entry_fields::{NUMBERS, TEXTS, domain_of, format_of};
@@ -77,20 +77,23 @@ pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalo
     for group in groups(&shelf) {
         match read_group(&mut shelf, &group) {
             Ok(entries) => found.extend(entries),
-            Err(error) => errors.push(error),
+            Err(error) => errors.push((error, part_of(&mut shelf, &group))),
         }
     }
-    let mut keep = |error: Option<IoError>| errors.extend(error);
+    let mut keep =
+        |read: Result<(), IoError>, part| errors.extend(read.err().map(|own| (own, part)));
+    let title = shelf.texts("title", None);
     keep(
-        shelf
-            .texts("title", None)
-            .map(|title| catalog.title = title.unwrap_or_default())
-            .err(),
+        title.map(|title| catalog.title = title.unwrap_or_default()),
+        Part::Other,
     );
-    keep(geometry::read(&mut shelf, &mut catalog.geometry).err());
-    keep(modes::read(&mut shelf, &mut catalog.modes).err());
-    for error in errors {
-        catalog.note_damage(error);
+    keep(
+        geometry::read(&mut shelf, &mut catalog.geometry),
+        Part::Nodes,
+    );
+    keep(modes::read(&mut shelf, &mut catalog.modes), Part::Mode);
+    for (error, part) in errors {
+        catalog.note_damage(error, part);
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (entries, places) = found
@@ -111,6 +114,12 @@ fn groups(shelf: &Shelf) -> Vec<String> {
         .names()
         .filter_map(|name| name.strip_suffix("/function_type"));
     names.map(str::to_owned).collect()
+}
+
+/// What a group holds of which something cannot be read.
+fn part_of(shelf: &mut Shelf, group: &str) -> Part {
+    let name = format!("{group}/function_type");
+    named(shelf, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)
 }
 
 fn read_group(shelf: &mut Shelf, group: &str) -> Result<Vec<(f64, Entry, Place)>, IoError> {
@@ -323,7 +332,7 @@ impl Source for LayoutSource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 

@@ -19,7 +19,7 @@ use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::frf::Estimator;
 use crate::io::{
     Block, Confidence, Delimiter, Domain, Entry, EntryAxis, Format, FunctionType, GeneralAxis,
-    Hints, IoError, MemorySource, ReadSeek, SampleFormat, Source, number,
+    Hints, IoError, MemorySource, Part, ReadSeek, SampleFormat, Source, number,
 };
 
 /// Text export of Brüel & Kjær PULSE LabShop.
@@ -64,7 +64,7 @@ impl Format for Pulse {
             source.push(entry.0, entry.1, entry.2);
         }
         for error in export.damage {
-            source.catalog.note_damage(error);
+            source.catalog.note_damage(error, Part::Function);
         }
         Ok(Box::new(source))
     }
@@ -245,7 +245,7 @@ fn entry_of(
     let (axis, abscissa, label) = axis(keys, slice.abscissa);
     tell_uneven(&axis, Some(line), source);
     if let Some(error) = contradiction(&axis, last, last_line, path) {
-        source.catalog.note_damage(error);
+        source.catalog.note_damage(error, Part::Function);
     }
     let (format, block) = if is_complex(keys) {
         let parts = slice.real.into_iter().zip(slice.imaginary);

@@ -12,7 +12,7 @@ use super::layout::{Layout, layout_of};
 use crate::finding::Finding;
 use crate::io::assign::assign;
 use crate::io::{
-    ArrayInfo, Confidence, Format, Hints, IoError, MemorySource, ReadSeek, Source, TableSpec,
+    ArrayInfo, Confidence, Format, Hints, IoError, MemorySource, Part, ReadSeek, Source, TableSpec,
     WriteOptions, WriteSeek,
 };
 
@@ -138,7 +138,7 @@ pub(super) fn new_source(format: &'static str, path: &str) -> MemorySource {
 /// A source that says what is bad in its file, where something is.
 pub(super) fn with_damage(mut source: MemorySource, damage: Option<IoError>) -> MemorySource {
     if let Some(error) = damage {
-        source.catalog.note_damage(error);
+        source.catalog.note_damage(error, Part::Function);
     }
     source
 }

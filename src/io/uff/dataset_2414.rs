@@ -31,8 +31,8 @@ pub(super) fn mode(lines: &[Line], first: &Line) -> Result<Result<RawMode, i64>,
     if location != [1] || !definition.is_mode() {
         return Ok(Err(definition.analysis));
     }
-    records.integer_row("record 10 of dataset 2414")?;
-    records.integer_row("record 11 of dataset 2414")?;
+    records.filled("record 10 of dataset 2414")?;
+    records.filled("record 11 of dataset 2414")?;
     let parameters = two_rows_of_parameters(&mut records)?;
     let (reals, [one, two]) = (parameters.numbers, parameters.stated);
     let (root, stated) = match definition.analysis {

@@ -196,6 +196,11 @@ fn function_record(line: &Line) -> Result<FunctionRecord, FieldError> {
     })
 }
 
+/// The function type that record 6 states.
+pub(super) fn function_type(line: &Line) -> Option<i32> {
+    Some(function_record(line).ok()?.function_type)
+}
+
 fn cuts_a_word(bytes: &[u8], edge: usize) -> bool {
     let blank = |at: usize| bytes.get(at).is_none_or(u8::is_ascii_whitespace);
     !blank(edge - 1) && !blank(edge)

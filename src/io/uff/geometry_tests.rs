@@ -21,7 +21,8 @@ const CHAIN: [&str; 9] = [
 fn read(parts: &[&[&str]]) -> (Geometry, Vec<IoError>, Vec<Finding>) {
     let file: Vec<Vec<u8>> = parts.iter().map(|lines| dataset(lines, "\r\n")).collect();
     let mut source = open(file.concat()).unwrap();
-    let damage = source.take_damage();
+    let damage = source.take_damage().into_iter();
+    let damage = damage.map(|own| own.error).collect();
     let catalog = source.catalog();
     (catalog.geometry.clone(), damage, catalog.findings.clone())
 }

@@ -93,7 +93,8 @@ use std::ops::Range;
 
 use super::memory::{check_range, even_abscissa};
 use super::{
-    Block, Catalog, Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
+    Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
+    WriteSeek,
 };
 use crate::finding::Finding;
 use dataset_58_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
@@ -205,7 +206,7 @@ impl Source for UffSource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<IoError> {
+    fn take_damage(&mut self) -> Vec<Damage> {
         std::mem::take(&mut self.catalog.damage)
     }
 

@@ -397,7 +397,8 @@ fn a_node_that_stands_twice_in_a_mode_is_damage() {
     );
     let source = open(dataset(&twice, "\n")).unwrap();
     let catalog = source.catalog();
-    let [IoError::Text { line: 15, got, .. }] = &catalog.damage[..] else {
+    let damage: Vec<&IoError> = catalog.damage.iter().map(|own| &own.error).collect();
+    let [IoError::Text { line: 15, got, .. }] = damage[..] else {
         panic!("{:?}", catalog.damage)
     };
     assert_eq!((got.trim(), catalog.modes.len()), ("5", 0));
@@ -478,7 +479,8 @@ fn a_damaged_mode_is_left_out_and_placed() {
         let mut source = open(file).unwrap();
         assert_eq!(source.catalog().modes.len(), 1, "{text}");
         let damage = source.take_damage();
-        let [IoError::Text { line: at, .. }] = &damage[..] else {
+        let damage: Vec<&IoError> = damage.iter().map(|own| &own.error).collect();
+        let [IoError::Text { line: at, .. }] = damage[..] else {
             panic!("{text}: {damage:?}")
         };
         assert_eq!(*at, line, "{text}");

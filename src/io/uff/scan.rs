@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use super::dataset_58::Header;
+use super::dataset_58::{Header, function_type};
 use super::dataset_58_axis::domain;
 use super::dataset_58_meaning::set_units;
 use super::dataset_58_samples::Samples;
@@ -18,7 +18,7 @@ use super::scan_functions::Qualifiers;
 use super::scan_geometry::{Described, is_geometry};
 use super::{dataset_151, dataset_164};
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::io::{Catalog, IoError, ReadSeek};
+use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
 
 /// What a pass over a file found.
 pub(super) struct Scan {
@@ -52,7 +52,8 @@ pub(super) struct Scanner {
     pub catalog: Catalog,
     pub headers: Vec<Header>,
     pub samples: Vec<Samples>,
-    pub units: Vec<(Position, Units)>,
+    /// Units of the file, `None` where their dataset is damaged.
+    pub units: Vec<(Position, Option<Units>)>,
     pub described: Described,
     unknown: BTreeSet<u32>,
     pub told: BTreeSet<Code>,
@@ -101,7 +102,8 @@ impl Scanner {
                     } else {
                         "`    -1`"
                     };
-                    self.damaged(FieldError::line(&line, "text between datasets", expected));
+                    let error = FieldError::line(&line, "text between datasets", expected);
+                    self.damaged(error, Part::Any);
                 }
                 (opened, stray) = (false, true);
             }
@@ -114,16 +116,16 @@ impl Scanner {
             (58, false) => self.text_function(first),
             (58, true) => self.binary_function(first),
             (151 | 164 | 1858, false) => {
-                if let Some(lines) = self.collect()? {
+                if let Some(lines) = self.collect(part_of(number))? {
                     let read = self.head_dataset(number, &lines, first);
-                    read.unwrap_or_else(|error| self.damaged(error));
+                    read.unwrap_or_else(|error| self.damaged(error, part_of(number)));
                 }
                 Ok(())
             }
             (number, false) if is_geometry(number) => {
-                if let Some(lines) = self.collect()? {
+                if let Some(lines) = self.collect(part_of(number))? {
                     let read = self.geometry_dataset(number, &lines, first);
-                    read.unwrap_or_else(|error| self.damaged(error));
+                    read.unwrap_or_else(|error| self.damaged(error, part_of(number)));
                 }
                 Ok(())
             }
@@ -135,7 +137,10 @@ impl Scanner {
                         .findings
                         .push(finding.value(f64::from(number), ""));
                 }
-                self.skip_text().map(|_| ())
+                if self.find_delimiter()?.is_none() {
+                    self.no_end(Part::Other);
+                }
+                Ok(())
             }
         }
     }
@@ -148,8 +153,9 @@ impl Scanner {
     ) -> Result<(), FieldError> {
         match number {
             164 => {
-                let units = dataset_164::units(lines, first)?;
-                self.units.push((first.at, units));
+                let units = dataset_164::units(lines, first);
+                self.units.push((first.at, units.as_ref().ok().copied()));
+                units?;
             }
             1858 => self.qualify(lines, first)?,
             _ if self.catalog.title.is_empty() => self.catalog.title = dataset_151::title(lines),
@@ -185,7 +191,9 @@ impl Scanner {
         while lines.len() < count {
             let Some(line) = self.header_line()? else {
                 let got = format!("{} lines", lines.len());
-                self.truncated("the header of dataset 58", got, format!("{count} lines"));
+                let part = header_part(&lines);
+                let expected = format!("{count} lines");
+                self.truncated("the header of dataset 58", got, expected, part);
                 return Ok(None);
             };
             lines.push(line);
@@ -194,7 +202,7 @@ impl Scanner {
     }
 
     /// The lines up to the delimiter; damage when the file ends before.
-    fn collect(&mut self) -> io::Result<Option<Vec<Line>>> {
+    fn collect(&mut self, part: Part) -> io::Result<Option<Vec<Line>>> {
         let mut lines = Vec::new();
         while let Some(line) = self.header_line()? {
             if is_delimiter(&line.bytes) {
@@ -202,20 +210,11 @@ impl Scanner {
             }
             lines.push(line);
         }
-        self.no_end();
+        self.no_end(part);
         Ok(None)
     }
 
-    /// Passes over lines up to and with the delimiter, and says where it starts; damage when the file ends before.
-    pub fn skip_text(&mut self) -> io::Result<Option<u64>> {
-        let found = self.find_delimiter()?;
-        if found.is_none() {
-            self.no_end();
-        }
-        Ok(found)
-    }
-
-    /// As [`Scanner::skip_text`] for a dataset whose damage is already known.
+    /// Passes over lines up to and with the delimiter, and says where it starts.
     pub fn find_delimiter(&mut self) -> io::Result<Option<u64>> {
         let mut line = Vec::new();
         while let Some(at) = self.lines.read_line(&mut line)? {
@@ -252,18 +251,18 @@ impl Scanner {
         }
     }
 
-    pub fn damaged(&mut self, error: FieldError) {
+    pub fn damaged(&mut self, error: FieldError, part: Part) {
         let at = error.at;
-        self.push_damage(error.in_file(&self.path), at);
+        self.push_damage(error.in_file(&self.path), at, part);
     }
 
-    pub fn no_end(&mut self) {
+    pub fn no_end(&mut self, part: Part) {
         let got = "the end of the file".to_owned();
         let expected = "the delimiter `    -1`".to_owned();
-        self.truncated("a dataset", got, expected);
+        self.truncated("a dataset", got, expected, part);
     }
 
-    fn truncated(&mut self, what: &'static str, got: String, expected: String) {
+    fn truncated(&mut self, what: &'static str, got: String, expected: String, part: Part) {
         let byte = self.lines.end();
         let error = IoError::Truncated {
             path: self.path.clone(),
@@ -272,13 +271,12 @@ impl Scanner {
             got,
             expected,
         };
-        self.push_damage(error, Position { line: None, byte });
+        self.push_damage(error, Position { line: None, byte }, part);
     }
 
-    pub fn push_damage(&mut self, error: IoError, at: Position) {
-        let finding = Finding::new(Severity::Error, Code::BadDataset, self.place(at));
-        self.catalog.findings.push(finding);
-        self.catalog.damage.push(error);
+    pub fn push_damage(&mut self, error: IoError, at: Position, part: Part) {
+        let place = self.place(at);
+        self.catalog.note_damage_at(error, part, place);
     }
 
     /// Puts units, nodes and entries together, for dataset 164 may stand behind what it applies to.
@@ -294,6 +292,7 @@ impl Scanner {
                 expected: "the delimiter `    -1`".to_owned(),
             };
             let first = self.catalog.damage.into_iter().next();
+            let first = first.map(|own| own.error);
             return Err(first.unwrap_or_else(|| nothing.in_file(&self.path)));
         }
         for (entry, header) in self.catalog.entries.iter_mut().zip(&self.headers) {
@@ -309,8 +308,31 @@ impl Scanner {
     }
 }
 
-/// The units that stand last before a byte, else the first of the file.
-pub(super) fn units_at(units: &[(Position, Units)], byte: u64) -> Option<&Units> {
+/// The units that stand last before a byte, else the first of the file; `None` where these are damaged.
+pub(super) fn units_at(units: &[(Position, Option<Units>)], byte: u64) -> Option<&Units> {
     let before = units.iter().rev().find(|(at, _)| at.byte < byte);
-    before.or(units.first()).map(|(_, units)| units)
+    before
+        .or(units.first())
+        .and_then(|(_, units)| units.as_ref())
+}
+
+/// What the dataset of a number holds.
+fn part_of(number: u32) -> Part {
+    match number {
+        55 | 2414 => Part::Mode,
+        15 | 781 | 2411 => Part::Nodes,
+        18 | 2420 => Part::Systems,
+        164 => Part::Units,
+        _ => Part::Other,
+    }
+}
+
+/// What a function is of whose header these lines are, as far as its record 6 can be read.
+pub(super) fn header_part(lines: &[Line]) -> Part {
+    lines
+        .get(5)
+        .and_then(function_type)
+        .map_or(Part::Function, |code| {
+            Part::of_function(FunctionType::from_code(code))
+        })
 }

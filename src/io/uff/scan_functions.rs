@@ -13,10 +13,10 @@ use super::dataset_58_samples::{BinaryBlock, Samples, value_bytes};
 use super::dataset_58_text::{TextBlock, read_text};
 use super::dataset_1858;
 use super::fields::{FieldError, Line, Position, dataset_number};
-use super::scan::Scanner;
+use super::scan::{Scanner, header_part};
 use super::scan_uneven::{binary_abscissae, text_abscissae};
 use crate::finding::{Code, Finding, Severity};
-use crate::io::{EntryAxis, GeneralAxis, IoError, SampleFormat, Window};
+use crate::io::{EntryAxis, FunctionType, GeneralAxis, IoError, Part, SampleFormat, Window};
 
 /// Qualifiers beside functions: whether they stand before or behind them is what the first of a file shows.
 #[derive(Debug, Default)]
@@ -51,7 +51,7 @@ impl Scanner {
         let header = match header(first.at, &lines) {
             Ok(header) => header,
             Err(error) => {
-                self.damaged(error);
+                self.damaged(error, header_part(&lines));
                 self.lines.go_to(start)?;
                 return self.find_delimiter().map(|_| ());
             }
@@ -78,7 +78,7 @@ impl Scanner {
         let most = (end - at.byte).div_ceil(2);
         let wanted = header.points.checked_mul(block.stride());
         if wanted.is_none_or(|wanted| wanted > most) {
-            self.damaged(FieldError {
+            let error = FieldError {
                 at,
                 what: "number of points of dataset 58",
                 got: header.points.to_string(),
@@ -87,7 +87,8 @@ impl Scanner {
                     most / block.stride(),
                     end - at.byte
                 ),
-            });
+            };
+            self.damaged(error, header.part());
             return Ok(());
         }
         let abscissae = match block.uneven {
@@ -96,7 +97,7 @@ impl Scanner {
         };
         match abscissae {
             Ok(abscissae) => self.entry(header, Samples::Text(block), abscissae.as_ref()),
-            Err(error) => self.push_damage(error, at),
+            Err(error) => self.push_damage(error, at, header.part()),
         }
         Ok(())
     }
@@ -132,7 +133,7 @@ impl Scanner {
             _ if ended => end,
             b"" | b"-" => last,
             _ => {
-                self.no_end();
+                self.no_end(header.part());
                 return Ok(());
             }
         };
@@ -157,7 +158,7 @@ impl Scanner {
             });
             return self.text_block(header, at, end);
         }
-        self.no_end();
+        self.no_end(header.part());
         Ok(())
     }
 
@@ -173,7 +174,8 @@ impl Scanner {
         let binary = match binary_line(first) {
             Ok(binary) => binary,
             Err(error) => {
-                self.damaged(error);
+                let part = self.part_ahead(start)?;
+                self.damaged(error, part);
                 return self.resynchronise();
             }
         };
@@ -185,7 +187,7 @@ impl Scanner {
         match header(first.at, &lines) {
             Ok(header) => self.binary_block(header, binary, block.byte),
             Err(error) => {
-                self.damaged(error);
+                self.damaged(error, header_part(&lines));
                 let behind = block.byte.saturating_add(binary.stated_bytes);
                 if let Some(delimiter) = self.lines.delimiter_at(behind, false)? {
                     self.lines.jump_to(delimiter)?;
@@ -196,6 +198,17 @@ impl Scanner {
                 }
             }
         }
+    }
+
+    /// What the function is of whose header begins at `start`; nothing is passed over.
+    fn part_ahead(&mut self, start: Position) -> io::Result<Part> {
+        let mut lines = Vec::with_capacity(HEADER_LINES);
+        while lines.len() < HEADER_LINES {
+            let Some(line) = self.line()? else { break };
+            lines.push(line);
+        }
+        self.lines.go_to(start)?;
+        Ok(header_part(&lines))
     }
 
     /// Finds the end of a binary block that starts at `byte`: where the number of points puts it if a delimiter (or the
@@ -297,7 +310,7 @@ impl Scanner {
                 expected: "the delimiter `    -1`".to_owned(),
             }
         };
-        self.push_damage(error, Position { line: None, byte });
+        self.push_damage(error, Position { line: None, byte }, header.part());
         match by_count {
             Some(delimiter) => {
                 self.lines.jump_to(delimiter)?;
@@ -317,7 +330,7 @@ impl Scanner {
             restored_rate_hz,
         } = match meaning(&header, text, abscissae) {
             Ok(meaning) => meaning,
-            Err(error) => return self.damaged(error),
+            Err(error) => return self.damaged(error, header.part()),
         };
         entry.note.window = entry.note.window.or(self.qualifiers.current);
         self.qualifiers.read = self.qualifiers.begun;
@@ -357,6 +370,13 @@ impl Scanner {
             entry.note.window = entry.note.window.or(window);
         }
         Ok(())
+    }
+}
+
+impl Header {
+    /// What the function is.
+    fn part(&self) -> Part {
+        Part::of_function(FunctionType::from_code(self.function_type))
     }
 }
 

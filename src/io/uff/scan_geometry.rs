@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::dataset_82::Traced;
 use super::fields::{FieldError, Line, Position};
 use super::modes::{Frames, RawMode, measured, names_measurement_system};
 use super::nodes::RawNode;
@@ -14,6 +15,7 @@ use super::{
 };
 use crate::finding::{Code, Finding, Severity};
 use crate::geometry::Node;
+use crate::io::Part;
 
 /// Labels of systems that nobody describes of which a finding is made; a file may hold any number.
 const MOST_TOLD: usize = 20;
@@ -53,7 +55,7 @@ impl Scanner {
                 self.described.systems.extend(systems);
             }
             55 => self.mode(first, dataset_55::mode(lines, first)?),
-            82 => geometry.lines.push(dataset_82::trace_line(lines, first)?),
+            82 => self.trace_line(dataset_82::trace_line(lines, first)?, first),
             2400 => self.described.model_name = dataset_2400::name(lines),
             2412 => geometry
                 .elements
@@ -69,6 +71,18 @@ impl Scanner {
                 .extend(dataset_2467::groups(number, lines, first)?),
         }
         Ok(())
+    }
+
+    fn trace_line(&mut self, traced: Traced, first: &Line) {
+        if traced.found != traced.stated {
+            let place = self.place(first.at);
+            let finding = Finding::new(Severity::Warning, Code::TraceLineCount, place);
+            let finding = finding.value(traced.found as f64, "");
+            self.catalog
+                .findings
+                .push(finding.limit(traced.stated as f64));
+        }
+        self.catalog.geometry.lines.push(traced.line);
     }
 
     fn mode(&mut self, first: &Line, mode: Result<RawMode, i64>) {
@@ -94,7 +108,7 @@ impl Scanner {
         let length = |at: Position| units_at(&self.units, at.byte).map_or(1.0, |own| own.length);
         let mut systems = Systems::new(described.systems, length);
         for error in std::mem::take(&mut systems.damage) {
-            self.damaged(error);
+            self.damaged(error, Part::Systems);
         }
         self.tell_unknown(&systems, &described.nodes);
         let nodes = self.place_nodes(&systems, described.nodes);
@@ -120,7 +134,7 @@ impl Scanner {
         systems: &Systems,
         raw: Vec<RawNode>,
     ) -> BTreeMap<usize, (i64, Node)> {
-        if let (Some(first), true) = (raw.first(), self.units.is_empty()) {
+        if let (Some(first), true) = (raw.first(), self.units.iter().all(|own| own.1.is_none())) {
             let place = self.place(first.at);
             let finding = Finding::new(Severity::Warning, Code::Assumption, place);
             self.catalog.findings.push(finding.value(1.0, "m"));
@@ -130,7 +144,7 @@ impl Scanner {
         for (i, node) in raw.iter().enumerate() {
             let (_, before) = known.entry(node.label).or_insert((i, node));
             match differs(systems, node, before) {
-                Some(error) => self.damaged(error),
+                Some(error) => self.damaged(error, Part::Nodes),
                 None if node.is_finer(before) => *before = node,
                 None => {}
             }

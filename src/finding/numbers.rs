@@ -1,0 +1,28 @@
+//! Numbers of findings as text.
+
+/// Four significant digits; whole numbers as they are, round ones with a power of ten where that is much shorter.
+pub(super) fn short(value: f64) -> String {
+    let magnitude = value.abs();
+    if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {
+        let (whole, power) = (format!("{value:.0}"), format!("{value:e}"));
+        if power.len() + 4 <= whole.len() {
+            power
+        } else {
+            whole
+        }
+    } else if (1e-3..1e5).contains(&magnitude) {
+        let decimals = (3 - magnitude.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// A value and its deviation, both down to the second digit of the deviation.
+pub(super) fn with_spread(value: f64, spread: f64) -> String {
+    if !(1e-9..10.0).contains(&spread) {
+        return format!("{} ± {}", short(value), short(spread));
+    }
+    let decimals = (1 - spread.log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$} ± {spread:.decimals$}")
+}
