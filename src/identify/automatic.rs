@@ -392,6 +392,7 @@ impl Fit {
         let evidence = Evidence {
             set,
             data: &self.data,
+            described: self.data.far().beside(&self.data, &self.roots),
             band,
             found,
             kept: &kept,

@@ -59,6 +59,7 @@ mod lsce;
 mod lscf_tests;
 #[cfg(test)]
 mod methods_tests;
+mod misfit;
 #[cfg(test)]
 mod ml_tests;
 mod moving;

@@ -10,12 +10,13 @@ use crate::frf::FrfSet;
 use crate::modal::Pole;
 
 use super::checks::{dropped_peak, reach};
+use super::far::Described;
 use super::moving::Moved;
 use super::receptance::Receptances;
 use super::roots::Root;
 use super::run_partners::{by_point, run_partners};
 use super::search::Found;
-use super::standing::{Doubt, LEAST_SHARE, MOST_MISFIT, MOST_PHASE, Standing};
+use super::standing::{Doubt, LEAST_SHARE, MOST_PHASE, Standing};
 
 /// Lines across a half-power band below which damping rests on the model alone.
 const FEWEST_LINES: f64 = 1.0;
@@ -53,6 +54,8 @@ pub(super) struct Evidence<'a> {
     pub set: &'a FrfSet,
     /// Its receptances on band and guard lines.
     pub data: &'a Receptances,
+    /// What all poles and the out-of-band terms make of the lines.
+    pub described: Described<'a>,
     /// The band that was asked for.
     pub band: Band,
     /// Peaks of the indicator.
@@ -90,8 +93,9 @@ impl Evidence<'_> {
             findings.push(finding.value(roots as f64, ""));
         }
         findings.extend(self.of_runs());
-        for (root, standing) in self.kept {
-            findings.extend(self.of_mode(root, standing));
+        findings.extend(self.of_misfit());
+        for (root, _) in self.kept {
+            findings.extend(self.of_mode(root));
         }
         findings.extend(self.of_parts());
         findings.extend(self.of_doubts());
@@ -129,7 +133,7 @@ impl Evidence<'_> {
         told.map(finding).collect()
     }
 
-    fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
+    fn of_mode(&self, root: &Root) -> Vec<Finding> {
         let place = self.place(root.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, place.clone())
@@ -137,15 +141,6 @@ impl Evidence<'_> {
                 .limit(limit)
         };
         let mut findings = Vec::new();
-        if standing.misfit > MOST_MISFIT {
-            let limit = MOST_MISFIT.sqrt();
-            findings.push(warning(
-                Code::ModelMisfit,
-                standing.misfit.sqrt(),
-                "",
-                limit,
-            ));
-        }
         if let Some(mode) = self.moved.of(root.lambda) {
             let finding = Finding::new(Severity::Warning, Code::RunsMerged, place.clone());
             let percent = 100.0 * mode.scatter / mode.lambda.im;
@@ -252,7 +247,7 @@ impl Evidence<'_> {
     }
 
     /// The row that a finding belongs to: the mode's frequency without the window's damping.
-    fn place(&self, lambda: Complex64) -> Place {
+    pub(super) fn place(&self, lambda: Complex64) -> Place {
         let pole = Pole { lambda }.without_added_damping(self.set.added_damping_rad_s);
         Place::Mode(pole.natural_frequency_hz())
     }

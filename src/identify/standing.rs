@@ -156,7 +156,18 @@ pub(super) fn misfit(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
     own.map(held).sum::<f64>() / values
 }
 
-fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
+/// The same of each function, without the noise that functions share.
+pub(super) fn misfit_by_function(data: &Receptances, rest: &Rest, root: &Root) -> Vec<f64> {
+    let own = own_lines(data, root);
+    let of = |f: usize| {
+        let squares = own.clone().map(|k| rest.at(f, k).norm_sqr());
+        squares.sum::<f64>() / own.len() as f64
+    };
+    (0..data.functions()).map(of).collect()
+}
+
+/// Lines of a root on which its misfit is measured.
+pub(super) fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
     lines_around(data, root, OWN)
 }
 

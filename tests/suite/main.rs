@@ -21,6 +21,7 @@ mod linear_algebra;
 mod manners;
 mod massless;
 mod matrix_models;
+mod misfits;
 mod mode_files;
 mod mutants;
 #[path = "../population/mutation.rs"]
