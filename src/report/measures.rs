@@ -85,18 +85,24 @@ pub fn alignment_block(own: &Alignment) -> Block {
 
 /// Sensors that read against the theory; `None` where there are none.
 pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
-    let row = |test: &str, own: &ReversedSensor| {
-        vec![
+    let row = |test: &str, group: &[ReversedSensor]| {
+        let own = group.first()?;
+        let name = match &own.group {
+            Some(name) => format!("{name} ({} sensors)", group.len()),
+            None => own.dof.to_string(),
+        };
+        Some(vec![
             Cell::text(test),
-            Cell::text(own.dof.to_string()),
+            Cell::text(name),
             Cell::signed(Some(own.direction), 3),
             Cell::number(Some(own.mac_before), 4),
             Cell::number(Some(own.mac_after), 4),
-        ]
+        ])
     };
-    let rows = tests
-        .iter()
-        .flat_map(|(test, all)| all.iter().map(move |own| row(test, own)));
+    let rows = tests.iter().flat_map(|(test, all)| {
+        let groups = all.chunk_by(|a, b| a.group.is_some() && a.group == b.group);
+        groups.filter_map(move |group| row(test, group))
+    });
     let rows: Vec<Vec<Cell>> = rows.collect();
     let mut columns = vec![Column::text("test"), Column::text("sensor")];
     columns.extend(["direction", "mean MAC", "mean MAC, turned"].map(Column::number));

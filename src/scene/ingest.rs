@@ -52,6 +52,8 @@ pub struct Ingested {
     pub frfs: Vec<FrfSet>,
     /// Nodes and what else the files say of the points.
     pub geometry: Geometry,
+    /// Degrees of freedom that are in one of several files alone, for each file.
+    pub dofs_of_files: Vec<Vec<Dof>>,
     /// Findings of reading.
     pub findings: Vec<Finding>,
     /// Whether part of a file was bad and left out.
@@ -208,6 +210,7 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         data.geometry.add(&catalog.geometry);
         data.findings.extend(local_directions(catalog));
     }
+    data.dofs_of_files = dofs_of_files(&files);
     if from_records {
         let overrides = overrides_of(&files, options)?;
         data.findings
@@ -264,6 +267,24 @@ fn makes_hits(files: &[HitFile], options: &IngestOptions) -> bool {
 fn count(files: &[HitFile], holds: impl Fn(&Entry) -> bool) -> usize {
     let entries = files.iter().flat_map(|file| &file.source.catalog().entries);
     entries.filter(|entry| holds(entry)).count()
+}
+
+/// Degrees of freedom that are in one of several files alone, for each file.
+fn dofs_of_files(files: &[HitFile]) -> Vec<Vec<Dof>> {
+    let dofs = |file: &HitFile| -> BTreeSet<Dof> {
+        let entries = file.source.catalog().entries.iter();
+        let stated = [file.response.clone(), file.reference.clone()];
+        let named = entries.flat_map(|entry| [entry.response.clone(), entry.reference.clone()]);
+        let all = stated.into_iter().chain(named).flatten();
+        all.map(|dof| dof.positive()).collect()
+    };
+    let all: Vec<BTreeSet<Dof>> = files.iter().map(dofs).collect();
+    let alone = |dof: &&Dof| all.iter().filter(|own| own.contains(*dof)).count() == 1;
+    let of_file = |own: &BTreeSet<Dof>| match all.len() {
+        1 => Vec::new(),
+        _ => own.iter().filter(alone).cloned().collect(),
+    };
+    all.iter().map(of_file).collect()
 }
 
 /// The ranges of converters that a scene states for the columns of tables; their units were checked when they were opened.

@@ -36,6 +36,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
+pub(crate) use chain::with_dofs;
 pub use chain::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
     run_observed, test_data,
