@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use super::super::measures::models::{dof, model};
 use super::super::pair;
 use super::*;
+use crate::modal::InputFile;
 
 /// Bending of a hinged beam at `count` sensors in modes 1 to 4, at 10, 40, 90, 160 Hz.
 fn beam(count: usize) -> ModalModel {
@@ -197,4 +198,79 @@ fn bent(theory: &ModalModel) -> ModalModel {
         mode.shape = ModeShape::new(bent.collect::<Vec<_>>());
     }
     test
+}
+
+/// The groups of a test with these degrees of freedom, each with its size.
+fn named_groups(test: &ModalModel) -> Vec<(String, usize)> {
+    let map = DofMap::of_models(test, test);
+    let groups = hypotheses(test, &map).into_iter();
+    let named = groups.filter_map(|own| Some((own.group?, own.members.len())));
+    named.collect()
+}
+
+fn at(dofs: &[&str]) -> ModalModel {
+    let values = dofs
+        .iter()
+        .map(|dof| (dof.parse().unwrap(), Complex64::ONE));
+    let shape = ModeShape::new(values.collect::<Vec<(Dof, Complex64)>>());
+    let mut own = model(&[(10.0, &[1.0])]);
+    own.modes[0].shape = shape;
+    own
+}
+
+#[test]
+fn a_group_of_more_than_half_of_the_sensors_is_named_by_the_others() {
+    let named = |own: &[(&str, usize)]| -> Vec<(String, usize)> {
+        own.iter()
+            .map(|(name, n)| ((*name).to_owned(), *n))
+            .collect()
+    };
+    let three = at(&["1:+X", "2:+X", "3:+X", "4:+X", "1:+Y", "1:+Z", "2:+Z"]);
+    let expected = [("directions Y, Z", 3), ("direction Z", 2)];
+    assert_eq!(named_groups(&three), named(&expected));
+    // Two directions of as many sensors are one hypothesis.
+    let two = at(&["1:+X", "2:+X", "1:+Z", "2:+Z"]);
+    assert_eq!(named_groups(&two), named(&[("direction X", 2)]));
+    let components = at(&[
+        "arm.1:+X",
+        "arm.2:+X",
+        "base.1:+X",
+        "base.2:+X",
+        "base.3:+X",
+    ]);
+    assert_eq!(named_groups(&components), named(&[("component arm", 2)]));
+    assert_eq!(named_groups(&at(&["1:+X", "2:+X"])), []);
+}
+
+#[test]
+fn sensors_of_one_file_are_named_together() {
+    let theory = beam(12);
+    let dofs: Vec<Dof> = theory.modes[0]
+        .shape
+        .iter()
+        .map(|(dof, _)| dof.clone())
+        .collect();
+    let mut test = turned(&theory, &dofs[..5]);
+    let file = |path: &str, dofs: &[Dof]| InputFile {
+        path: path.to_owned(),
+        sha256: String::new(),
+        dofs: dofs.to_vec(),
+    };
+    test.inputs = vec![file("a.uff", &dofs[..5]), file("b.uff", &dofs[5..])];
+    let own = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
+    assert!(
+        own.iter()
+            .all(|own| own.group.as_deref() == Some("file a.uff")),
+        "{own:?}"
+    );
+    assert_eq!(own.len(), 5);
+    let findings = reversed_findings(&own, false);
+    assert_eq!(findings.len(), 1);
+    assert_eq!(
+        (findings[0].code, &findings[0].place),
+        (
+            Code::ReversedGroup,
+            &Place::Sensors("file a.uff".to_owned())
+        )
+    );
 }
