@@ -68,6 +68,21 @@ pub struct ReversedSensor {
     pub direction: f64,
 }
 
+impl ReversedSensor {
+    /// Whether both are reversed with one group.
+    pub fn is_grouped_with(&self, other: &Self) -> bool {
+        self.group.is_some() && self.group == other.group
+    }
+
+    /// Name of the sensor, or of its group of so many.
+    pub fn name(&self, members: usize) -> String {
+        match &self.group {
+            Some(group) => format!("{group} ({members} sensors)"),
+            None => self.dof.to_string(),
+        }
+    }
+}
+
 /// The sensors of a test with the opposite sign of the theory, those first that gain most.
 ///
 /// For every single sensor, and every group of one direction (X, Y, Z, ...), component (the part of a name before the dot) or file, the
@@ -381,7 +396,7 @@ pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Findin
     } else {
         Severity::Warning
     };
-    let groups = sensors.chunk_by(|a, b| a.group.is_some() && a.group == b.group);
+    let groups = sensors.chunk_by(ReversedSensor::is_grouped_with);
     let finding = |own: &ReversedSensor| {
         let gain = own.mac_after - own.mac_before;
         let (code, place) = match &own.group {
