@@ -1,7 +1,7 @@
 //! Checks of decompositions, each independent of how the decomposition was computed.
 //!
 //! A product of factors is compared with its matrix by two vectors of random signs: `A z` and `Q (R z)` cost `O(n^2)`, and
-//! an error in any column shows in them. Every limit stands ten times or more above the largest figure of the right results
+//! an error in any column shows in them. Every limit stands three times or more above the largest figure of right results
 //! for the matrices of `tests/suite/linear_algebra.rs`, and below what the results broken on purpose there cause.
 //!
 //! # Reference
@@ -9,39 +9,27 @@
 //! Stability of Numerical Algorithms, 2nd ed., chapters 7, 10, 19 and 20 (backward errors); Parlett (1998), The Symmetric
 //! Eigenvalue Problem, chapters 3 and 10 (inertia, residual bounds).
 
+mod modes;
+
 use std::cmp::Ordering;
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
-use faer::{Accum, Mat, MatRef, Par, Side, c64};
+use faer::{Mat, MatRef, c64};
 
-use super::compensated::sparse_rayleigh_quotient;
-use super::lanczos::{SparseModes, SplitMix};
-use super::low_modes::LowModes;
-use super::symmetric::{ScaledPair, SymmetricEigen, SymmetricModes};
-use super::{ComplexMatrix, LinalgError, RealMatrix, SparseMatrix};
+use super::lanczos::SplitMix;
+use super::symmetric::SymmetricEigen;
+use super::{ComplexMatrix, LinalgError, RealMatrix};
+
+pub use modes::symmetric_modes;
+pub(super) use modes::{scaled_modes, sparse_factor, sparse_modes};
 
 /// Vectors of random signs of one check.
 const PROBES: usize = 2;
-/// Lowest modes whose number is compared with the inertia, where there are as many.
-const COUNTED: usize = 30;
 /// Limit of a backward error over `(n + 10) eps`; for QR, whose rows may span decades, over `(m n + 10) eps`, for singular
 /// values over `(m + n + 10) eps`. Larger: an entry off by a hundred of these is not found. Smaller: right results fail; the
 /// largest figures are a third of it.
 const BACKWARD: f64 = 20.0;
-/// Limit of the residual of a solution with a sparse factor over eps and the largest entry of the solution, both scaled by
-/// the root of the diagonal.
-const SPARSE_FACTOR: f64 = 1e5;
-/// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry.
-const SPARSE_ORTHONORMAL: f64 = 1e-9;
-/// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its rounding bound.
-const QUOTIENT: [f64; 2] = [1e-7, 30.0];
-/// Limits of `|phi - (omega^2 + s) (K + s M)^-1 M phi|` in the norm of the mass, as a number and over the rounding bound
-/// of `omega^2 + s`.
-const INVERSE: [f64; 2] = [1e-6, 1e3];
-/// Part of an omega² that it must be above the one before, for the modes to be counted between them.
-const GAP: f64 = 1e-4;
 
 /// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which together prove that no
 /// eigenvalue is missing.
@@ -64,142 +52,6 @@ pub fn symmetric_eigen(a: &RealMatrix, eigen: &SymmetricEigen) -> Result<(), Lin
         .map(|value| value.abs())
         .fold(0.0, larger);
     check.below(length(&residual), backward(n) * size)
-}
-
-/// Checks the modes of a symmetric pair (K, M).
-///
-/// - All vectors: `Phi^T M Phi = I`.
-/// - Modes from 1e-5 of the largest omega² up: `K Phi = M Phi Omega^2`, relative to that omega².
-/// - Modes below it: omega² equals the Rayleigh quotient of its vector, and `(K + s M)^-1 M phi = phi / (omega^2 + s)`
-///   with a Cholesky factor of `K + s M`; relative to each `omega^2 + s`, as a residual relative to the norm of K says
-///   nothing of them.
-/// - The number of the lowest modes is the number of negative eigenvalues of `K - sigma M`, sigma between the last of
-///   them and the next mode: `K - sigma M + M Phi D Phi^T M` with a positive D that moves these modes above sigma has a
-///   Cholesky factor only if there is no other.
-///
-/// # Errors
-/// [`LinalgError::Inaccurate`]; [`LinalgError::ModesMissing`].
-pub fn symmetric_modes(
-    stiffness: &RealMatrix,
-    mass: &RealMatrix,
-    modes: &SymmetricModes,
-) -> Result<(), LinalgError> {
-    let pair = ScaledPair::new(stiffness, mass);
-    let modes = pair.scaled(modes.clone());
-    let low = LowModes::new(&pair, &modes.omega_squared);
-    scaled_modes(&pair, &modes, &low)
-}
-
-/// [`symmetric_modes`] of a pair brought to order one, with the factor of its shifted stiffness.
-pub(super) fn scaled_modes(
-    pair: &ScaledPair,
-    modes: &SymmetricModes,
-    low: &LowModes<'_>,
-) -> Result<(), LinalgError> {
-    let check = Check::new("natural frequencies", pair.mass.as_ref());
-    let n = pair.mass.nrows();
-    check.complete(modes.omega_squared.len(), modes.vectors.as_ref())?;
-    let falls = modes.omega_squared.windows(2).map(|pair| pair[0] - pair[1]);
-    check.below(falls.fold(0.0, larger), 0.0)?;
-    let z = weighted_signs::<f64>(n, |_| 1.0);
-    let moved = &pair.mass * (&modes.vectors * &z);
-    let back = modes.vectors.transpose() * &moved - &z;
-    check.below(largest(&back), backward(n))?;
-    upper_residual(&check, pair, modes, low.count)?;
-    lower_residuals(&check, pair, modes, low)?;
-    count(pair, modes, low.count)
-}
-
-/// `K Phi z - M Phi Omega^2 z` of the modes from `first` on, each row over the root of its mass.
-fn upper_residual(
-    check: &Check,
-    pair: &ScaledPair,
-    modes: &SymmetricModes,
-    first: usize,
-) -> Result<(), LinalgError> {
-    let n = pair.mass.nrows();
-    let mut z = weighted_signs::<f64>(n, |_| 1.0);
-    z.subrows_mut(0, first).fill(0.0);
-    let weighted = Mat::from_fn(n, PROBES, |i, j| modes.omega_squared[i] * z[(i, j)]);
-    let forces = &pair.stiffness * (&modes.vectors * &z);
-    let residual = forces - &pair.mass * (&modes.vectors * weighted);
-    let scaled = |i: usize, j: usize| residual[(i, j)] / pair.mass[(i, i)].sqrt();
-    let size = modes.omega_squared.iter();
-    let size = size.fold(0.0, |a: f64, b| a.max(b.abs()));
-    let got = largest(&Mat::from_fn(n, PROBES, scaled));
-    check.below(got, backward(n) * size)
-}
-
-/// Each of the lowest modes against its Rayleigh quotient and against one more step of shift and invert.
-fn lower_residuals(
-    check: &Check,
-    pair: &ScaledPair,
-    modes: &SymmetricModes,
-    low: &LowModes<'_>,
-) -> Result<(), LinalgError> {
-    let Some((image, shift)) = low.inverse_image(modes) else {
-        return Ok(());
-    };
-    let vectors = modes.vectors.subcols(0, low.count);
-    let forces = &pair.stiffness * vectors;
-    let shifted = |j: usize| modes.omega_squared[j] + shift;
-    let difference = Mat::from_fn(image.nrows(), low.count, |i, j| {
-        vectors[(i, j)] - shifted(j) * image[(i, j)]
-    });
-    let moved = &pair.mass * &difference;
-    for j in 0..low.count {
-        let (omega_squared, rounding) = (modes.omega_squared[j], modes.rounding[j]);
-        let quotient = vectors.col(j).transpose() * forces.col(j);
-        let limit = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
-        check.below((quotient - omega_squared).abs(), limit)?;
-        let norm = (difference.col(j).transpose() * moved.col(j)).abs().sqrt();
-        check.below(norm, INVERSE[0].max(INVERSE[1] * rounding / shifted(j)))?;
-    }
-    Ok(())
-}
-
-/// The number of the lowest modes against the inertia of `K - sigma M`.
-fn count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), LinalgError> {
-    let n = modes.omega_squared.len();
-    let Some(counted) = counted(&modes.omega_squared, low.max(COUNTED.min(n))) else {
-        // Where all modes are counted, or nothing separates them, that the vectors are complete is the proof.
-        return Ok(());
-    };
-    let next = modes.omega_squared[counted];
-    let sigma = 0.5 * (modes.omega_squared[counted - 1] + next);
-    let moved = &pair.mass * modes.vectors.subcols(0, counted);
-    let raised = Mat::from_fn(n, counted, |i, j| {
-        moved[(i, j)] * (next - modes.omega_squared[j])
-    });
-    let mut shifted = Mat::from_fn(n, n, |i, j| {
-        pair.stiffness[(i, j)] - sigma * pair.mass[(i, j)]
-    });
-    let rectangular = BlockStructure::Rectangular;
-    matmul(
-        shifted.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        raised.as_ref(),
-        rectangular,
-        moved.transpose(),
-        rectangular,
-        1.0,
-        Par::Seq,
-    );
-    match shifted.llt(Side::Lower) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(LinalgError::ModesMissing {
-            found: counted,
-            needed: counted + 1,
-        }),
-    }
-}
-
-/// The least number of modes, from `first` on, after which the next one is above a gap.
-fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
-    let is_gap =
-        |&j: &usize| omega_squared[j] - omega_squared[j - 1] > GAP * omega_squared[j].abs();
-    (first.max(1)..omega_squared.len()).find(is_gap)
 }
 
 /// Checks `A = Q R`, relative to each column of A, and `Q^H Q = I`.
@@ -375,83 +227,6 @@ pub fn general_eigen<T: ComplexField<Real = f64>>(
     let trace: c64 = (0..n).map(|i| complex[(i, i)]).sum();
     let sum: c64 = values.iter().sum();
     check.below((sum - trace).norm(), limit)
-}
-
-/// Checks a factor of a sparse matrix by a solution: `A x = b` for `b = A z` of signs z over the root of the diagonal, each
-/// row relative to the diagonal.
-///
-/// # Errors
-/// [`LinalgError::Inaccurate`].
-pub(super) fn sparse_factor(
-    size: usize,
-    a: &SparseMatrix,
-    solve: impl Fn(&mut RealMatrix),
-) -> Result<(), LinalgError> {
-    let check = Check {
-        what: "sparse factor",
-        rows: size,
-        columns: size,
-    };
-    let root: Vec<f64> = (0..size).map(|i| a.get(i, i).abs().sqrt()).collect();
-    let right = a.multiply(&weighted_signs::<f64>(size, |i| root[i]));
-    let mut x = right.clone();
-    solve(&mut x);
-    let residual = right - a.multiply(&x);
-    let rows = |of: &RealMatrix, power: i32| {
-        let rows = (0..size).filter(|&i| root[i] > 0.0);
-        rows.map(|i| norm_of_row(of, i) * root[i].powi(power))
-            .fold(0.0, larger)
-    };
-    check.below(
-        rows(&residual, -1),
-        SPARSE_FACTOR * f64::EPSILON * rows(&x, 1),
-    )
-}
-
-/// Checks modes of a sparse pair with a solver of `(K + s M) x = b`.
-///
-/// `Phi^T M Phi = I`, each omega² against the Rayleigh quotient of its vector, and
-/// `Phi = (K + s M)^-1 M Phi (Omega^2 + s)`; that none is missing is proved by the count that the solver ends with.
-///
-/// # Errors
-/// [`LinalgError::Inaccurate`].
-pub(super) fn sparse_modes(
-    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
-    modes: &SparseModes,
-    (shift, solve): (f64, impl Fn(&mut RealMatrix)),
-) -> Result<(), LinalgError> {
-    let (n, count) = (mass.size(), modes.omega_squared.len());
-    let check = Check {
-        what: "natural frequencies",
-        rows: n,
-        columns: n,
-    };
-    let mut limit = 0.0;
-    for (j, &omega_squared) in modes.omega_squared.iter().enumerate() {
-        let x: Vec<f64> = modes.vectors.col(j).iter().copied().collect();
-        let (quotient, _) = sparse_rayleigh_quotient(stiffness, mass, &x);
-        let rounding = modes.rounding[j];
-        let nearest = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
-        check.below((quotient - omega_squared).abs(), nearest)?;
-        limit += INVERSE[0].max(INVERSE[1] * rounding / (omega_squared + shift));
-    }
-    let z = weighted_signs::<f64>(count, |_| 1.0);
-    let combined = &modes.vectors * &z;
-    let moved = mass.multiply(&combined);
-    let back = modes.vectors.transpose() * &moved - &z;
-    check.below(largest(&back), SPARSE_ORTHONORMAL)?;
-    let weighted = Mat::from_fn(count, PROBES, |i, j| {
-        (modes.omega_squared[i] + shift) * z[(i, j)]
-    });
-    let mut image = mass.multiply(&(&modes.vectors * weighted));
-    solve(&mut image);
-    let difference = combined - image;
-    let moved = mass.multiply(&difference);
-    for probe in 0..PROBES {
-        let energy = difference.col(probe).transpose() * moved.col(probe);
-        check.below(energy.abs().sqrt(), limit)?;
-    }
-    Ok(())
 }
 
 fn orthonormal<T: ComplexField<Real = f64>>(

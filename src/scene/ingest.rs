@@ -17,6 +17,7 @@ use crate::signal::TriggerOptions;
 
 use super::SceneError;
 use super::columns::table_spec;
+use super::file_dofs::dofs_of_files;
 use super::model::value_error;
 use super::plan::FilePlan;
 use super::trigger::cut;
@@ -267,24 +268,6 @@ fn makes_hits(files: &[HitFile], options: &IngestOptions) -> bool {
 fn count(files: &[HitFile], holds: impl Fn(&Entry) -> bool) -> usize {
     let entries = files.iter().flat_map(|file| &file.source.catalog().entries);
     entries.filter(|entry| holds(entry)).count()
-}
-
-/// Degrees of freedom that are in one of several files alone, for each file.
-fn dofs_of_files(files: &[HitFile]) -> Vec<Vec<Dof>> {
-    let dofs = |file: &HitFile| -> BTreeSet<Dof> {
-        let entries = file.source.catalog().entries.iter();
-        let stated = [file.response.clone(), file.reference.clone()];
-        let named = entries.flat_map(|entry| [entry.response.clone(), entry.reference.clone()]);
-        let all = stated.into_iter().chain(named).flatten();
-        all.map(|dof| dof.positive()).collect()
-    };
-    let all: Vec<BTreeSet<Dof>> = files.iter().map(dofs).collect();
-    let alone = |dof: &&Dof| all.iter().filter(|own| own.contains(*dof)).count() == 1;
-    let of_file = |own: &BTreeSet<Dof>| match all.len() {
-        1 => Vec::new(),
-        _ => own.iter().filter(alone).cloned().collect(),
-    };
-    all.iter().map(of_file).collect()
 }
 
 /// The ranges of converters that a scene states for the columns of tables; their units were checked when they were opened.

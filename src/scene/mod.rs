@@ -11,6 +11,7 @@ mod draft_columns;
 mod error;
 mod expected;
 mod figures;
+mod file_dofs;
 mod ingest;
 mod limits;
 mod matrices;

@@ -229,7 +229,7 @@ fn one_reversed_sensor_of_six_is_named_on_exact_models() {
             let test = turned(&twin.test, std::slice::from_ref(dof));
             assert_eq!(
                 reversed(&test, &twin.theory),
-                [dof.clone()],
+                std::slice::from_ref(dof),
                 "{kind:?} {dof}"
             );
             assert_eq!(roots(&paired(&test, &twin.theory)), good, "{kind:?} {dof}");

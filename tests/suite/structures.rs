@@ -37,10 +37,13 @@ pub const KINDS: [Kind; 5] = [
     Kind::Frame,
 ];
 
-/// Unit masses at degrees of freedom, and springs: coefficients of the elongation, stiffness, class.
+/// Coefficients of the elongation, stiffness, class.
+type Spring = (Vec<(usize, f64)>, f64, usize);
+
+/// Unit masses at degrees of freedom, and springs.
 pub struct Structure {
     dofs: Vec<Dof>,
-    springs: Vec<(Vec<(usize, f64)>, f64, usize)>,
+    springs: Vec<Spring>,
 }
 
 /// What differs between a model and its test.
