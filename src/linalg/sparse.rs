@@ -268,7 +268,7 @@ impl Pencil {
             pencil: self,
             values,
         };
-        verify::sparse_factor(self.size, &self.symmetric(&own), |x| factor.solve(x))?;
+        verify::sparse_factor(verify::CHOLESKY, &self.symmetric(&own), |x| factor.solve(x))?;
         Ok(factor)
     }
 
@@ -340,7 +340,7 @@ impl Pencil {
         }
         let rows = PermRef::new_checked(&forward, &inverse, self.size);
         let factor = IntranodeLbltRef::new(&self.symbolic, &values, &subdiagonal, rows);
-        verify::sparse_factor(self.size, &self.symmetric(&own), |x| {
+        verify::sparse_factor(verify::INERTIA, &self.symmetric(&own), |x| {
             let scratch = self
                 .symbolic
                 .solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);

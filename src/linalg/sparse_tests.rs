@@ -341,7 +341,7 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     // A factor of another matrix.
     let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
     let own = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
-    verify::sparse_factor(m.size(), &own, |x| factor.solve(x)).unwrap();
-    let wrong = verify::sparse_factor(m.size(), &own, |x| other.solve(x));
+    verify::sparse_factor(verify::CHOLESKY, &own, |x| factor.solve(x)).unwrap();
+    let wrong = verify::sparse_factor(verify::CHOLESKY, &own, |x| other.solve(x));
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }

@@ -22,7 +22,7 @@ use super::symmetric::SymmetricEigen;
 use super::{ComplexMatrix, LinalgError, RealMatrix};
 
 pub use modes::symmetric_modes;
-pub(super) use modes::{scaled_modes, sparse_factor, sparse_modes};
+pub(super) use modes::{CHOLESKY, INERTIA, scaled_modes, sparse_factor, sparse_modes};
 
 /// Vectors of random signs of one check.
 const PROBES: usize = 2;

@@ -14,7 +14,10 @@ use super::{Check, PROBES, backward, larger, largest, norm_of_row, weighted_sign
 const COUNTED: usize = 30;
 /// Limit of the residual of a solution with a sparse factor over eps and the largest entry of the solution, both scaled by
 /// the root of the diagonal.
-const SPARSE_FACTOR: f64 = 1e5;
+pub(in crate::linalg) const CHOLESKY: f64 = 1e5;
+/// The same of a factor that counts eigenvalues, which is pivoted within its blocks alone (1.2e5 beside the eigenvalue of many
+/// massless motions); an error of 2e-8 moves no eigenvalue over a limit that stands in a gap of 1e-5.
+pub(in crate::linalg) const INERTIA: f64 = 1e8;
 /// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry.
 const SPARSE_ORTHONORMAL: f64 = 1e-9;
 /// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its rounding bound.
@@ -167,10 +170,11 @@ fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
 /// # Errors
 /// [`LinalgError::Inaccurate`].
 pub(in crate::linalg) fn sparse_factor(
-    size: usize,
+    limit: f64,
     a: &SparseMatrix,
     solve: impl Fn(&mut RealMatrix),
 ) -> Result<(), LinalgError> {
+    let size = a.size();
     let check = Check {
         what: "sparse factor",
         rows: size,
@@ -186,10 +190,7 @@ pub(in crate::linalg) fn sparse_factor(
         rows.map(|i| norm_of_row(of, i) * root[i].powi(power))
             .fold(0.0, larger)
     };
-    check.below(
-        rows(&residual, -1),
-        SPARSE_FACTOR * f64::EPSILON * rows(&x, 1),
-    )
+    check.below(rows(&residual, -1), limit * f64::EPSILON * rows(&x, 1))
 }
 
 /// Checks modes of a sparse pair with a solver of `(K + s M) x = b`.
