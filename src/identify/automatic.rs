@@ -18,12 +18,6 @@
 //!    arbitrary phases, or that repeat a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
 //!    counts as noise in its deviations.
 //!
-//! 8. A pole that misfit far from its resonance moves is fitted in a narrower window ([`refine`](super::refine)). Poles that a stiffness
-//!    by amplitude makes beside a mode stay in the fit and are not taken as modes ([`standing`](super::standing)).
-//!
-//! Where the file states a window for steady excitation, poles have the line shape that it makes of them
-//! ([`receptance`](super::receptance)).
-//!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
 
@@ -39,7 +33,7 @@ use super::indicator::Indicator;
 use super::moving::Moved;
 use super::pruning::{Change, Judge};
 use super::reasons::{Dropped, Evidence};
-use super::receptance::{LineShape, Receptances};
+use super::receptance::Receptances;
 use super::refine::{Stop, apart, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
@@ -47,7 +41,7 @@ use super::seeds::LeastSquaresComplexFrequency;
 use super::several::{alone, completed};
 use super::sides::Sides;
 use super::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
-use super::standing::{Standing, candidate, companions, standings, strongest_companions};
+use super::standing::{Standing, candidate, standings};
 use super::tries::WORTHWHILE;
 use super::window::Window;
 use super::{Candidate, IdentifyError, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
@@ -78,7 +72,6 @@ impl PoleEstimator for Automatic {
         fit.look_outside();
         fit.doubt();
         fit.settle(Stop::Fine);
-        fit.narrow_windows();
         fit.reckon_with_outside();
         fit.reckon_with_noise();
         let mut table = fit.table((set, band), &found);
@@ -95,7 +88,6 @@ impl Automatic {
         let mut fits: Vec<(Fit, Found)> = Vec::new();
         loop {
             let mut data = Receptances::guarded(set, band)?;
-            data.observe(LineShape::of(set));
             moved.straighten(&mut data);
             let sides = Sides::new(set.functions());
             let sides = if sides.complete() {
@@ -386,11 +378,7 @@ impl Fit {
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let standings = self.standings();
-        let companions = companions(&self.roots);
-        let is_mode = |j: usize| companions.iter().all(|own| own.0 != j);
-        let modes = self.roots.iter().zip(&standings).enumerate();
-        let modes = modes.filter(|(j, _)| is_mode(*j));
-        let mut kept: Vec<(&Root, &Standing)> = modes.map(|(_, own)| own).collect();
+        let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
         kept.retain(|(root, _)| {
             let hz = root.lambda.norm() / TAU;
             hz >= band.lo_hz && hz <= band.hi_hz
@@ -411,7 +399,6 @@ impl Fit {
             dropped: &self.dropped,
             scattered: self.scattered,
             moved: &self.moved,
-            companions: &strongest_companions(&self.roots, &companions),
         };
         PoleTable {
             candidates: kept

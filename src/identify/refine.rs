@@ -1,6 +1,6 @@
 //! Maximum likelihood refinement of all roots of a band: blocks of roots in their windows, swept until nothing moves.
 //!
-//! A root is fitted on the lines within [`REACH`](super::roots::REACH) half-power widths, or fewer ([`local`]): with constant and slope left free this costs a tenth of its
+//! A root is fitted on the lines within [`REACH`] half-power widths: with constant and slope left free this costs a tenth of its
 //! information against a band without end (9.9 % for a pole alone in the middle; more where the data end within the window).
 //! Roots that overlap share a block. All others in the window have their shapes fitted with it, and poles too where their
 //! skirts matter; what lies outside is subtracted as it is known. Blocks are independent within a sweep, so that they run in
@@ -20,8 +20,8 @@ use super::roots::{Progress, Quality, Root, combined};
 use super::sides::Sides;
 use super::window::Window;
 
-mod local;
-
+/// Half of a window, half-power widths.
+const REACH: f64 = 20.0;
 /// Fewest lines on either side of a root.
 const SIDE_LINES: usize = 24;
 /// Half-power widths that a root may lie beyond the lines, at most.
@@ -223,7 +223,6 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         root.quality = Quality {
             pole_bound: bound * decay,
             pole_std: before.quality.pole_std,
-            misfit: fitted.misfit,
             offset,
             bias: None,
             combinations: combined(&root.parts, &strengths.combinations),
@@ -344,7 +343,7 @@ pub(super) fn window<'a>(
 ) -> Range<usize> {
     let (mut start, mut end) = (data.lines(), 0);
     for root in roots {
-        let side = (root.reach * root.width() / data.step).ceil() as usize;
+        let side = (REACH * root.width() / data.step).ceil() as usize;
         let side = side.max(SIDE_LINES).min(data.lines());
         let top = ((root.lambda.im - data.omega[0]) / data.step).round();
         let top = (top.max(0.0) as usize).min(data.lines() - 1);

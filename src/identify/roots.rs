@@ -2,8 +2,6 @@
 
 use num_complex::Complex64;
 
-/// Half of the window that a pole is fitted in, half-power bandwidths.
-pub(super) const REACH: f64 = 20.0;
 /// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
 const FRESH: u8 = 2;
 
@@ -34,8 +32,6 @@ pub(super) struct Root {
     pub progress: Progress,
     /// Whether something speaks against its being a mode.
     pub suspect: bool,
-    /// Half of the window that its pole is fitted in, half-power bandwidths.
-    pub reach: f64,
     /// Number that it shares with the root beside it from which it was told by what one alone leaves over.
     pub pair: Option<u32>,
 }
@@ -47,8 +43,6 @@ pub(super) struct Quality {
     pub pole_bound: f64,
     /// The same in the noise that there is.
     pub pole_std: f64,
-    /// Reduced chi-square of the window that the pole was fitted in.
-    pub misfit: f64,
     /// From the pole to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for one that stays where it was put.
     pub offset: Complex64,
     /// Error that what lies outside the lines leaves in λ as far as the data tell, rad/s; `None` where anything may lie there.
@@ -79,7 +73,6 @@ impl Quality {
     pub const UNKNOWN: Self = Self {
         pole_bound: f64::INFINITY,
         pole_std: f64::INFINITY,
-        misfit: 1.0,
         offset: Complex64::ZERO,
         bias: None,
         strengths: Vec::new(),
@@ -144,7 +137,6 @@ impl Root {
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
             suspect: false,
-            reach: REACH,
             pair: None,
         }
     }

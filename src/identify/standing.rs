@@ -17,11 +17,6 @@ use super::refine::apart;
 use super::roots::Root;
 use super::sides::Sides;
 
-mod companions;
-
-use companions::is_companion_of_any;
-pub(super) use companions::{companions, strongest_companions};
-
 /// Lines on either side of a root that are its own: half-power widths, and fewest.
 const OWN: f64 = 1.0;
 const FEWEST_OWN: usize = 3;
@@ -244,9 +239,6 @@ pub(super) fn doubt(
     if own.share < least {
         return Some(Doubt::Tiny(own.share, least));
     }
-    if is_companion_of_any(roots, j) {
-        return None;
-    }
     let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
     let misses = own.misfit > most || scrutiny == Scrutiny::Scattered;
     if misses && own.share < LEAST_SHARE {
@@ -310,8 +302,7 @@ pub(super) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
         let other = reference(roots, standings, *j).map_or(0.0, |i| residue_phase(&roots[i]));
         let most = in_phase(root, other).max(in_phase(root, 0.0));
         // cos 2φ moves by 2 for each radian at most.
-        let most = most + 2.0 * unknown(root, own);
-        own.share < OWN_MODE && most < limit && !is_companion_of_any(roots, *j)
+        own.share < OWN_MODE && most + 2.0 * unknown(root, own) < limit
     };
     let count = (0..roots.len()).filter(scattered).count();
     count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))
