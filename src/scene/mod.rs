@@ -11,7 +11,6 @@ mod draft_columns;
 mod error;
 mod expected;
 mod figures;
-mod file_dofs;
 mod ingest;
 mod limits;
 mod matrices;
@@ -37,7 +36,6 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
-pub(crate) use chain::with_dofs;
 pub use chain::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
     run_observed, test_data,

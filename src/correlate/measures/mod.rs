@@ -19,6 +19,7 @@ mod coordinate;
 mod frf;
 mod orthogonality;
 mod pair_shapes;
+mod reversed;
 mod serep_modes;
 
 use num_complex::Complex64;
@@ -40,7 +41,7 @@ pub use orthogonality::{
     reduced_mass,
 };
 
-pub use super::reversed::{ReversedSensor, reversed_findings, reversed_sensors, turned};
+pub use reversed::{ReversedSensor, reversed_sensors, turned};
 pub use serep_modes::serep_modes;
 
 use auto_mac::at_sensors;
@@ -233,7 +234,7 @@ fn scale_factors(matrix: &MacMatrix, shapes: &Shapes, pairing: &Pairing) -> Vec<
 }
 
 #[cfg(test)]
-pub(in super::super) mod models;
+pub(super) mod models;
 #[cfg(test)]
 mod orthogonality_tests;
 #[cfg(test)]
