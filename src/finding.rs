@@ -319,6 +319,9 @@ codes! {
     /// Two partners are as good.
     Ambiguous: "two partners are as good as each other; the pairing cannot be decided",
         "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
+    /// A MAC that independent shapes reach.
+    BelowChanceLevel: "The MAC of this pair is below the chance level for independent shapes. The pair was marked ambiguous.",
+        "The value is the MAC, the limit the level that independent shapes at these sensors reach with any of the roots within the frequency gate in 1 of 100 cases. Real, smooth shapes correlate more. Only the frequency supports this pair. Measure at more points, check names, directions and signs of the sensors, or correct the model.";
     /// A test shape or a root that another one could hold half of.
     ClaimedTwice: "another root could hold half of this test shape or more, or this root as much of another test shape; only one of them can be right",
         "Each root is judged with those near it in frequency alone, so that roots far from each other can each hold a shape that looks the same at these sensors. The value is the part that the other one would hold. Measure at more points, or narrow the gate on the frequency error.";
@@ -343,6 +346,9 @@ codes! {
     /// A sensor that points the other way.
     ReversedSensor: "this sensor reads against the theory in the pairs; turned, it raises their mean MAC",
         "Its values disagree in sign with the theory's in most pairs of modes. The value is what the mean MAC gains when it is turned. Look at how the sensor was mounted, or at the sign of its channel; it is left as it is unless --turn-reversed is given.";
+    /// A group of sensors that points the other way.
+    ReversedGroup: "These sensors have the opposite sign of the theory relative to all others. Reversed together, they raise the mean MAC.",
+        "The value is what the mean MAC gains. Only the sign relative to the other sensors is observable: reversing this group is the same as reversing all others, and the smaller side is named. Pairs are chosen with the group reversed; MAC is of the shapes as measured. Look at how the sensors of this direction, component or file were mounted, or at the sign of their channels. Values are left as they are unless --turn-reversed is given.";
     /// A test shape that the modes of a reduction cannot hold.
     OutsideReduction: "part of this test shape lies outside the modes that the SEREP reduction keeps, and its orthogonality does not see it",
         "SEREP takes a test shape for the nearest sum of the modes that it keeps: as many of the model's lowest as the sensors tell apart. What is left, as a part of the squared length, is the value. Where it is large, the orthogonality looks better than the shape is. Look at the MAC, use --orthogonality guyan, or measure at more points.";

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::correlate::measures::{
     AutoMac, DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor,
-    auto_mac, measures, orthogonality, orthogonality_dofs, reversed_sensors, serep_modes, turned,
+    auto_mac, measures, orthogonality, orthogonality_dofs, reversed_findings, reversed_sensors,
+    serep_modes, turned,
 };
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
@@ -159,7 +160,7 @@ fn compared(
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// The reversed sensors of a test, told as findings, and turned where that is wanted.
+/// The reversed sensors of a test, turned where that is wanted; those that are not are findings of the pairing.
 fn turn(
     args: &CorrelateArgs,
     test: &mut ModalModel,
@@ -170,9 +171,8 @@ fn turn(
     if args.turn_reversed {
         let dofs: Vec<Dof> = found.iter().map(|own| own.dof.clone()).collect();
         *test = turned(test, &dofs);
+        test.findings.extend(reversed_findings(&found, true));
     }
-    let findings = found.iter().map(|own| own.finding(args.turn_reversed));
-    test.findings.extend(findings);
     Ok(found)
 }
 

@@ -12,7 +12,7 @@ use crate::report::{
     stabilization_block,
 };
 use crate::scene::{
-    FilePlan, IngestOptions, SceneError, identify_sets, indicators_of_sets, ingest_files,
+    FilePlan, IngestOptions, SceneError, identify_sets, indicators_of_sets, ingest_files, with_dofs,
 };
 
 use super::Outcome;
@@ -65,12 +65,9 @@ pub fn identify(
     }
     let own = identify_sets(&data.frfs, &options, &name)?;
     let mut modes = own.model;
+    let inputs = args.inputs.iter().map(|path| input(path));
+    modes.inputs = with_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
-    modes.inputs = args
-        .inputs
-        .iter()
-        .map(|path| input(path))
-        .collect::<Result<_, SceneError>>()?;
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {
         // The directions are those of the functions; no system turns them once more.
@@ -135,5 +132,6 @@ fn input(path: &Path) -> Result<InputFile, SceneError> {
     Ok(InputFile {
         path: path.display().to_string(),
         sha256: sha256_hex(path)?,
+        dofs: Vec::new(),
     })
 }

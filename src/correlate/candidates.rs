@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
+use super::chance::{ChanceLevel, MIN_DOFS_OF_SHAPE, Setting, effective_part};
 use super::common_factor::{Unlike, common_factor};
 use super::pairing::{
-    LEAST_DIRECTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict,
+    Basis, LEAST_DIRECTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict,
 };
 use super::roots::{Root, elastic_modes, elastic_roots};
 use super::share::{Share, shares};
@@ -40,11 +41,22 @@ struct Candidate {
     low_mac: bool,
 }
 
+/// A choice of pairs with what it was made from.
+struct Choice<'a> {
+    root_of: &'a [Option<usize>],
+    shapes: &'a Shapes,
+    options: &'a PairOptions,
+    /// Whether each row reaches the chance level of its root, all rows being judged alike; `None` where no shapes can tell.
+    correlated: Vec<Option<bool>>,
+}
+
 /// Every elastic test mode against every elastic root.
 pub(super) struct CandidateTable {
     modes: Vec<usize>,
     pub roots: Vec<Root>,
     candidates: Vec<Vec<Candidate>>,
+    /// Effective degrees of freedom over their number.
+    effective_part: f64,
 }
 
 impl CandidateTable {
@@ -83,6 +95,7 @@ impl CandidateTable {
         let row = |&i: &usize| (0..roots.len()).map(|r| candidate(i, r)).collect();
         Self {
             candidates: modes.iter().map(row).collect(),
+            effective_part: effective_part(&shapes.of_roots(&roots)),
             modes,
             roots,
         }
@@ -108,6 +121,14 @@ impl CandidateTable {
         shapes: &Shapes,
         options: &PairOptions,
     ) -> Result<Vec<Pair>, CorrelateError> {
+        let mut choice = Choice {
+            root_of,
+            shapes,
+            options,
+            correlated: vec![None; root_of.len()],
+        };
+        let correlated = |i: usize| self.correlated(i, &choice);
+        choice.correlated = (0..root_of.len()).map(correlated).collect();
         let mut pairs = Vec::new();
         for (r, root) in self.roots.iter().enumerate() {
             let rows: Vec<usize> = (0..root_of.len())
@@ -121,7 +142,7 @@ impl CandidateTable {
                 1 => Vec::new(),
                 _ => shapes.angles_deg(&modes, &root.modes)?,
             };
-            let partner = |&i: &usize| self.partner(i, r, root_of, options);
+            let partner = |&i: &usize| self.partner((i, r), &choice);
             pairs.push(Pair {
                 theory: root.modes.clone(),
                 partners: rows.iter().map(partner).collect(),
@@ -134,30 +155,88 @@ impl CandidateTable {
         Ok(pairs)
     }
 
-    fn partner(
-        &self,
-        i: usize,
-        r: usize,
-        root_of: &[Option<usize>],
-        options: &PairOptions,
-    ) -> Partner {
+    fn partner(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Partner {
         let chosen = self.candidates[i][r];
         let cost = chosen.cost.expect("only allowed pairs are assigned");
-        let verdict = match self.rival(i, r, root_of) {
+        let chance_level = self.chance_level((i, r), choice);
+        let mac = choice.shapes.compare(self.modes[i], &self.roots[r].modes).1;
+        Partner {
+            test: self.modes[i],
+            frequency_error: chosen.frequency_error,
+            mac,
+            chance_level,
+            basis: match chance_level {
+                Some(_) => Basis::Shape,
+                None => Basis::Frequency,
+            },
+            cost,
+            verdict: match (chance_level, mac) {
+                (Some(level), Some(mac)) if mac < level.mac => Verdict::Uncorrelated {
+                    mac,
+                    level,
+                    reversed: chosen.mac.filter(|own| *own >= level.mac),
+                },
+                _ => self.verdict((i, r), choice),
+            },
+        }
+    }
+
+    /// Whether a row has a root whose chance level it reaches; `None` where no root within the gate has enough degrees of freedom in common.
+    fn correlated(&self, i: usize, choice: &Choice<'_>) -> Option<bool> {
+        if let Some(r) = choice.root_of[i] {
+            let level = self.chance_level((i, r), choice)?;
+            let mac = choice.shapes.compare(self.modes[i], &self.roots[r].modes).1;
+            return Some(mac? >= level.mac);
+        }
+        let gate = choice.options.max_frequency_error;
+        let comparable = |(root, own): (&Root, &Candidate)| {
+            let places = || choice.shapes.places(&[self.modes[i]], &root.modes);
+            own.off <= gate && places().len() >= MIN_DOFS_OF_SHAPE
+        };
+        let mut candidates = self.roots.iter().zip(&self.candidates[i]);
+        candidates.any(comparable).then_some(false)
+    }
+
+    /// Whether most of the other rows reach their levels.
+    fn others_correlate(i: usize, choice: &Choice<'_>) -> bool {
+        let rows = choice.correlated.iter().enumerate();
+        let others = rows.filter_map(|(row, own)| own.filter(|_| row != i));
+        let (reached, all) = others.fold((0, 0), |(reached, all), own| {
+            (reached + usize::from(own), all + 1)
+        });
+        2 * reached > all
+    }
+
+    /// `None` where fewer degrees of freedom than a pair by shape needs are in common.
+    fn chance_level(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Option<ChanceLevel> {
+        let root = &self.roots[r].modes;
+        let [test, root] = choice.shapes.common(&[self.modes[i]], root);
+        let row = &self.candidates[i];
+        let within = |off: f64| row.iter().filter(|own| own.off <= off).count();
+        (test[0].len() >= MIN_DOFS_OF_SHAPE).then(|| {
+            ChanceLevel::new(&Setting {
+                test: &test[0],
+                root: &root,
+                effective_part: self.effective_part,
+                roots: within(choice.options.max_frequency_error),
+                rank: within(row[r].off),
+                others_correlate: Self::others_correlate(i, choice),
+            })
+        })
+    }
+
+    /// The verdict on a pair that is correlated.
+    fn verdict(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Verdict {
+        let cost = self.candidates[i][r].cost.unwrap_or(ALONE);
+        let options = choice.options;
+        match self.rival(i, r, choice.root_of) {
             Some((rival_cost, rival)) if rival_cost - cost < options.ambiguous_margin => {
                 Verdict::Ambiguous {
                     rival,
                     cost_difference: rival_cost - cost,
                 }
             }
-            _ => self.by_share((i, r), root_of, options),
-        };
-        Partner {
-            test: self.modes[i],
-            frequency_error: chosen.frequency_error,
-            mac: chosen.mac,
-            cost,
-            verdict,
+            _ => self.by_share((i, r), choice.root_of, options),
         }
     }
 
@@ -237,28 +316,20 @@ impl CandidateTable {
             .collect()
     }
 
-    /// Pairs that are not sure, and test modes left over whose nearest root in frequency was refused for its MAC.
+    /// Pairs that are not sure, and unmatched test modes whose nearest root in frequency was rejected for its MAC.
     pub fn findings(
         &self,
         test: &ModalModel,
-        root_of: &[Option<usize>],
+        (root_of, pairs): (&[Option<usize>], &[Pair]),
         options: &PairOptions,
     ) -> Vec<Finding> {
+        let partners = || pairs.iter().flat_map(|pair| &pair.partners);
         let mut findings = Vec::new();
-        for (i, root) in root_of.iter().enumerate() {
-            let place = Place::Mode(test.modes[self.modes[i]].frequency_hz);
+        for (i, &mode) in self.modes.iter().enumerate() {
+            let place = Place::Mode(test.modes[mode].frequency_hz);
             let warn = |code| Finding::new(Severity::Warning, code, place);
-            if let Some(r) = root {
-                let finding = match self.partner(i, *r, root_of, options).verdict {
-                    Verdict::Paired => None,
-                    Verdict::Ambiguous {
-                        cost_difference, ..
-                    } => Some((Code::Ambiguous, cost_difference, options.ambiguous_margin)),
-                    Verdict::Claimed { share, .. } => Some((Code::ClaimedTwice, share, HALF)),
-                    Verdict::Mixed { share, std } => {
-                        Some((Code::MixedShape, share - std, options.min_mac))
-                    }
-                };
+            if let Some(own) = partners().find(|own| own.test == mode) {
+                let finding = doubt(&own.verdict, options);
                 let finding =
                     finding.map(|(code, value, limit)| warn(code).value(value, "").limit(limit));
                 findings.extend(finding);
@@ -293,6 +364,19 @@ impl CandidateTable {
             gate: options.max_frequency_error,
         };
         common_factor(&own, root_of.iter().flatten().count())
+    }
+}
+
+/// The finding of a verdict, its value and its limit; `None` of a pair that is sure.
+fn doubt(verdict: &Verdict, options: &PairOptions) -> Option<(Code, f64, f64)> {
+    match verdict {
+        Verdict::Paired => None,
+        Verdict::Uncorrelated { mac, level, .. } => Some((Code::BelowChanceLevel, *mac, level.mac)),
+        Verdict::Ambiguous {
+            cost_difference, ..
+        } => Some((Code::Ambiguous, *cost_difference, options.ambiguous_margin)),
+        Verdict::Claimed { share, .. } => Some((Code::ClaimedTwice, *share, HALF)),
+        Verdict::Mixed { share, std } => Some((Code::MixedShape, share - std, options.min_mac)),
     }
 }
 

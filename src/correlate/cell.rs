@@ -5,9 +5,13 @@ use std::collections::BTreeSet;
 use crate::finding::{Code, Finding, Place};
 use crate::modal::{ModalModel, Mode};
 
+use super::chance::MIN_DOFS_OF_SHAPE;
 use super::roots::Root;
 use super::table::{PairedTest, Status, TestCell};
-use super::{ErrorReference, Observability, Pair, PairOptions, Rival, Verdict, observability};
+use super::{
+    Basis, ChanceLevel, ErrorReference, Observability, Pair, PairOptions, Partner, Rival, Verdict,
+    observability,
+};
 
 /// Test modes nearer than this part of their frequency are one root: what comes from one pole is equal but for rounding.
 const ONE_FREQUENCY: f64 = 1e-6;
@@ -70,13 +74,19 @@ impl<'a> TestSight<'a> {
         let (found, expected) = (indices.len(), root.modes.len());
         let part = (found < expected)
             .then(|| format!("{found} of the {expected} modes of a repeated root"));
+        let by_frequency = |own: &Partner| own.basis == Basis::Frequency;
+        let basis = match pair.partners.iter().any(by_frequency) {
+            true => Basis::Frequency,
+            false => Basis::Shape,
+        };
         let blind = pair.partners.iter().all(|partner| partner.mac.is_none());
+        let levels = pair.partners.iter().filter_map(|own| own.chance_level);
         let reasons = [
             doubt,
             alike,
             part,
             test.split(&indices),
-            basis(blind, still),
+            rests_on(basis, blind, still),
         ];
         let reasons = reasons.into_iter().flatten();
         let worst = pair
@@ -96,6 +106,9 @@ impl<'a> TestSight<'a> {
                 .zip(std_hz.filter(|std| *std > 0.0))
                 .map(|(hz, std)| (hz - root.hz) / std),
             mac: macs.reduce(f64::min),
+            basis: Some(basis),
+            chance_level: levels.max_by(|a, b| a.mac.total_cmp(&b.mac)),
+            uncorrelated: pair.partners.iter().any(uncorrelated),
             angles_deg: pair.angles_deg.clone(),
             status: if ambiguous {
                 Status::Ambiguous
@@ -110,6 +123,16 @@ impl<'a> TestSight<'a> {
     fn doubt(&self, verdict: &Verdict) -> Option<String> {
         let (rival, cost_difference) = match verdict {
             Verdict::Paired => return None,
+            Verdict::Uncorrelated {
+                mac,
+                level,
+                reversed,
+            } => {
+                let turned = reversed.map_or_else(String::new, |mac| {
+                    format!("; with the reversed sensors turned it is {mac:.3}")
+                });
+                return Some(below_chance(*mac, level) + &turned);
+            }
             Verdict::Mixed { share, std } => {
                 return Some(format!(
                     "the root holds {:.0} ± {:.0} % of the test shape when all roots explain it together",
@@ -212,16 +235,41 @@ impl<'a> TestSight<'a> {
     }
 }
 
+fn uncorrelated(own: &Partner) -> bool {
+    matches!(own.verdict, Verdict::Uncorrelated { .. })
+}
+
+/// The reason of a pair whose MAC is below the chance level.
+fn below_chance(mac: f64, level: &ChanceLevel) -> String {
+    let ChanceLevel {
+        dofs, roots, rank, ..
+    } = level;
+    let effective = if level.effective_dofs < *dofs as f64 - 0.05 {
+        format!(", {:.1} effective", level.effective_dofs)
+    } else {
+        String::new()
+    };
+    format!(
+        "the MAC of {mac:.3} is below the chance level for independent shapes, {:.3} ({dofs} DOFs{effective}, root {rank} of {roots} in reach)",
+        level.mac
+    )
+}
+
 /// What a pair rests on, where that is less than its shapes.
-fn basis(blind: bool, still: bool) -> Option<String> {
+fn rests_on(basis: Basis, blind: bool, still: bool) -> Option<String> {
     let stands = "the model leaves these sensors or hits still in this root: the pair";
-    match (blind, still) {
-        (true, true) => Some(format!(
+    match (basis, still) {
+        (Basis::Frequency, true) => Some(format!(
             "{stands} rests on frequency alone and contradicts the model"
         )),
-        (true, false) => Some("paired by frequency alone: no shapes could be compared".to_owned()),
-        (false, true) => Some(format!("{stands} contradicts the model")),
-        (false, false) => None,
+        (Basis::Frequency, false) if blind => {
+            Some("paired by frequency alone: no shapes could be compared".to_owned())
+        }
+        (Basis::Frequency, false) => Some(format!(
+            "paired by frequency alone: fewer than {MIN_DOFS_OF_SHAPE} DOFs in common"
+        )),
+        (Basis::Shape, true) => Some(format!("{stands} contradicts the model")),
+        (Basis::Shape, false) => None,
     }
 }
 
@@ -287,6 +335,9 @@ impl PairedTest<'_> {
             damping_ratio: collect(|mode| mode.damping_ratio).and_then(mean),
             damping_std: collect(|mode| mode.damping_std).and_then(std_of_mean),
             mac: None,
+            basis: None,
+            chance_level: None,
+            uncorrelated: false,
             angles_deg: None,
             status,
             reasons: Vec::new(),

@@ -4,8 +4,9 @@ use std::fmt;
 
 use crate::finding::Code;
 
-use super::ErrorReference;
+use super::chance::MIN_DOFS_OF_SHAPE;
 use super::table::{PairedTest, Row, Status, TestCell};
+use super::{Basis, ChanceLevel, ErrorReference};
 
 /// A sentence under the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +24,21 @@ pub enum Footnote {
         /// The highest frequency of one, Hz.
         highest_hz: f64,
     },
-    /// A test, by name, whose modes were paired by frequency alone.
+    /// A test, by name, of which modes were paired by frequency alone.
     FrequencyAlone(String),
+    /// Chance levels of the pairs of a test.
+    ChanceLevel {
+        /// The test.
+        test: String,
+        /// Lowest and highest level.
+        mac: [f64; 2],
+        /// Smallest and largest number of degrees of freedom in common.
+        dofs: [usize; 2],
+        /// Smallest and largest number of roots within the frequency gate.
+        roots: [usize; 2],
+        /// Smallest and largest probability that an independent shape reaches its level.
+        significance: [f64; 2],
+    },
     /// Missed roots were not judged for being observable: their verdict says no more than that they are missed.
     ObservabilityNotJudged,
     /// A damping ratio of a test, by name, that stands for the one that the theory does not have.
@@ -44,6 +58,7 @@ impl Footnote {
         match self {
             Footnote::FrequencyAlone(test)
             | Footnote::Synthetic(test)
+            | Footnote::ChanceLevel { test, .. }
             | Footnote::DampingOfTest { test, .. } => Some(test),
             _ => None,
         }
@@ -72,7 +87,21 @@ impl fmt::Display for Footnote {
             }
             Footnote::FrequencyAlone(test) => write!(
                 f,
-                "{test}: paired by frequency alone where no shapes could be compared."
+                "{test}: paired by frequency alone where fewer than {MIN_DOFS_OF_SHAPE} DOFs are in common."
+            ),
+            Footnote::ChanceLevel {
+                test,
+                mac,
+                dofs,
+                roots,
+                significance,
+            } => write!(
+                f,
+                "{test}: chance level for independent shapes: MAC {} ({} DOFs, {} roots in reach), reached in {} of 100 cases. A pair by shape reaches it; real, smooth shapes correlate more.",
+                range(mac.map(|level| format!("{level:.3}"))),
+                range(dofs.map(|n| n.to_string())),
+                range(roots.map(|n| n.to_string())),
+                range(significance.map(|part| format!("{:.0}", 100.0 * part)))
             ),
             Footnote::Synthetic(test) => write!(
                 f,
@@ -88,6 +117,36 @@ impl fmt::Display for Footnote {
             ),
         }
     }
+}
+
+/// Two ends as text, one of them where they are equal.
+fn range([low, high]: [String; 2]) -> String {
+    if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    }
+}
+
+/// The note on the chance levels of a test; `None` where all pairs rest on frequency alone.
+fn chance_levels(test: &PairedTest<'_>) -> Option<Footnote> {
+    let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
+    let levels: Vec<ChanceLevel> = partners.filter_map(|own| own.chance_level).collect();
+    let counts = |of: fn(&ChanceLevel) -> usize| {
+        let all = || levels.iter().map(of);
+        Some([all().min()?, all().max()?])
+    };
+    let values = |of: fn(&ChanceLevel) -> f64| {
+        let all = || levels.iter().map(of);
+        Some([all().reduce(f64::min)?, all().reduce(f64::max)?])
+    };
+    Some(Footnote::ChanceLevel {
+        test: test.name.to_owned(),
+        mac: values(|own| own.mac)?,
+        dofs: counts(|own| own.dofs)?,
+        roots: counts(|own| own.roots)?,
+        significance: values(|own| own.significance)?,
+    })
 }
 
 /// What has to be said under a table of these rows.
@@ -119,7 +178,11 @@ pub(super) fn footnotes(
     }));
     for test in tests {
         let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
-        if partners.into_iter().any(|partner| partner.mac.is_none()) {
+        notes.extend(chance_levels(test));
+        if partners
+            .into_iter()
+            .any(|own| own.basis == Basis::Frequency)
+        {
             notes.push(Footnote::FrequencyAlone(test.name.to_owned()));
         }
         let mut findings = test.model.findings.iter();

@@ -10,6 +10,7 @@ mod alignment;
 mod assignment;
 mod candidates;
 mod cell;
+mod chance;
 mod common_factor;
 mod dof_map;
 mod dof_names;
@@ -24,6 +25,7 @@ mod pairing;
 mod placement;
 mod points;
 pub mod published;
+mod reversed;
 mod roots;
 mod share;
 mod subspace;
@@ -44,6 +46,7 @@ mod verdict_tests;
 
 pub use alignment::{Alignment, Similarity, align_known, align_nearest, fit_similarity};
 pub use assignment::assign;
+pub use chance::ChanceLevel;
 pub use dof_map::{DofMap, DofPair};
 pub use dof_names::{DofNames, Reading};
 pub use error::CorrelateError;
@@ -54,7 +57,7 @@ pub use observability::{
     RootDamping, observability,
 };
 pub use options::{ErrorReference, PairOptions};
-pub use pairing::{NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
+pub use pairing::{Basis, NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
 pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
 pub(crate) use roots::highest_rigid_hz;
 pub use subspace::{principal_angles_deg, subspace_mac};

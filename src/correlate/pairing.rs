@@ -4,13 +4,16 @@
 //! shapes are used as they are; they are not made real first.
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix, singular_values};
 use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
-use super::roots::{check_model, highest_rigid_hz};
+use super::chance::ChanceLevel;
+use super::reversed::{ReversedSensor, detect, reversed_findings, signs};
+use super::roots::{Root, check_model, highest_rigid_hz};
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions};
 
@@ -34,6 +37,15 @@ pub enum Rival {
 pub enum Verdict {
     /// No other partner of either side is as good.
     Paired,
+    /// The MAC is below the chance level: independent shapes correlate as well.
+    Uncorrelated {
+        /// MAC of the pair.
+        mac: f64,
+        /// Level that it does not reach.
+        level: ChanceLevel,
+        /// MAC with the reversed sensors turned, where that reaches the level.
+        reversed: Option<f64>,
+    },
     /// A rival costs less than the margin more.
     Ambiguous {
         /// The cheapest rival.
@@ -57,6 +69,16 @@ pub enum Verdict {
     },
 }
 
+/// Evidence on which a pair rests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Basis {
+    /// Frequency and shape.
+    Shape,
+    /// Frequency alone: fewer than three degrees of freedom are in common, or there are no shapes.
+    Frequency,
+}
+
 /// A test mode as the partner of a root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Partner {
@@ -66,6 +88,10 @@ pub struct Partner {
     pub frequency_error: f64,
     /// MAC, for a repeated root that with its subspace; `None` when paired by frequency alone.
     pub mac: Option<f64>,
+    /// Chance level of that MAC; `None` with fewer than three degrees of freedom in common.
+    pub chance_level: Option<ChanceLevel>,
+    /// Evidence on which the pair rests.
+    pub basis: Basis,
     /// Cost of the pair, from 0 to 1.
     pub cost: f64,
     /// How sure it is.
@@ -125,6 +151,8 @@ pub struct Pairing {
     pub highest_rigid_hz: f64,
     /// Number of theory modes.
     pub theory_modes: usize,
+    /// Sensors with the opposite sign of the theory. Pairs are chosen with these reversed; MAC is of the shapes as measured.
+    pub reversed: Vec<ReversedSensor>,
     /// What the shapes and frequencies said on the way.
     pub findings: Vec<Finding>,
 }
@@ -135,12 +163,17 @@ pub struct Pairing {
 /// test shape that a root holds when all roots explain it together (their own module has the formula), a pair is allowed when
 /// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
 /// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than two degrees of freedom in common it costs `u`: a
-/// MAC over one component is 1 for any two shapes, and says nothing. Such a pair says that it rests on frequency alone, and whether the
-/// model contradicts it. Leaving a test mode and a theory mode over
+/// MAC over one component is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over
 /// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
-/// as moving costs more than that. The sum is made smallest over all pairs at once. A pair is ambiguous when, for either
+/// as moving costs more than that. The sum is made smallest over all pairs at once.
+///
+/// A pair with three degrees of freedom in common or more rests on frequency and shape ([`Basis::Shape`]): its MAC has to reach
+/// the [`ChanceLevel`], else it is uncorrelated. With fewer it rests on frequency alone. A pair is ambiguous when, for either
 /// side, another allowed partner costs less than `ambiguous_margin` more; claimed when another root holds half of the shape by the same
 /// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below `min_mac`.
+///
+/// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`]) are reversed while pairs are
+/// chosen; MAC and chance level are of the shapes as measured.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
 /// modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes at 0 Hz, are left out: modes at 0 Hz and, of the lowest
@@ -162,7 +195,13 @@ pub fn pair(
     check_model("theory", theory)?;
     let map = DofMap::of_models(test, theory);
     let shapes = Shapes::new(test, theory, &map, options)?;
-    let table = CandidateTable::new(test, theory, &shapes, options);
+    let reversed = detect((test, theory), &map, &shapes, options);
+    let table = CandidateTable::new(
+        test,
+        theory,
+        &shapes.reversed(&signs(&map, &reversed)),
+        options,
+    );
     let root_of = table.assign();
     // Without any shape of the theory there is nothing to be tied; that modes are paired by frequency alone is told by their rows.
     let has_shapes = theory.modes.iter().any(|mode| !mode.shape.is_empty());
@@ -170,8 +209,9 @@ pub fn pair(
     if has_shapes {
         findings.extend(map.findings(options.min_dofs));
     }
-    findings.extend(table.findings(test, &root_of, options));
     let pairs = table.pairs(&root_of, &shapes, options)?;
+    findings.extend(reversed_findings(&reversed, false));
+    findings.extend(table.findings(test, (&root_of, &pairs), options));
     findings.extend(pairs.iter().filter_map(|pair| alike(pair, test)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {
@@ -183,6 +223,7 @@ pub fn pair(
         highest_rigid_hz: highest_rigid_hz(theory),
         theory_modes: theory.modes.len(),
         map,
+        reversed,
         findings,
     })
 }
@@ -221,6 +262,26 @@ impl Shapes {
                 .collect(),
             theory: without_rounding(theory.collect()),
         })
+    }
+
+    /// The same with the test's values times these signs.
+    pub fn reversed(&self, signs: &[f64]) -> Self {
+        let signed = |own: &Vec<Option<Complex64>>| {
+            let values = own.iter().zip(signs);
+            values
+                .map(|(value, sign)| value.map(|v| v * *sign))
+                .collect()
+        };
+        Self {
+            test: self.test.iter().map(signed).collect(),
+            theory: self.theory.clone(),
+        }
+    }
+
+    /// Shapes of all modes of some roots of the theory.
+    pub fn of_roots(&self, roots: &[Root]) -> Vec<Vec<Option<Complex64>>> {
+        let modes = roots.iter().flat_map(|root| &root.modes);
+        modes.map(|&j| self.theory[j].clone()).collect()
     }
 
     /// The degrees of freedom at which all of these modes have a value.

@@ -12,7 +12,9 @@ use crate::modal::ModalModel;
 use super::cell::{TestSight, mean};
 use super::footnote::{Footnote, footnotes};
 use super::roots::{Root, check_model, elastic_roots};
-use super::{CorrelateError, ErrorReference, Observability, PairOptions, Pairing};
+use super::{
+    Basis, ChanceLevel, CorrelateError, ErrorReference, Observability, PairOptions, Pairing,
+};
 
 /// One test of a comparison, already paired with the theory.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +88,12 @@ pub struct TestCell {
     pub damping_std: Option<f64>,
     /// MAC; with the subspace of a repeated root, and then the smallest of its test modes.
     pub mac: Option<f64>,
+    /// Evidence on which a pair rests; `None` without a partner.
+    pub basis: Option<Basis>,
+    /// Chance level of the MAC; `None` without a partner, or where the pair rests on frequency alone.
+    pub chance_level: Option<ChanceLevel>,
+    /// Whether the MAC of a pair is below its chance level.
+    pub uncorrelated: bool,
     /// Principal angles between the test modes and a repeated root, degrees.
     pub angles_deg: Option<Vec<f64>>,
     /// What became of it.
@@ -132,8 +140,17 @@ pub struct TestSummary {
     pub test: String,
     /// Roots with a partner, ambiguous ones included.
     pub paired: usize,
+    /// Those of them that are paired by frequency and shape.
+    #[serde(default)]
+    pub paired_by_shape: usize,
+    /// Those of them that are paired by frequency alone.
+    #[serde(default)]
+    pub paired_by_frequency: usize,
     /// Those of them that are ambiguous.
     pub ambiguous: usize,
+    /// Those of the ambiguous whose MAC is below the chance level for independent shapes.
+    #[serde(default)]
+    pub uncorrelated: usize,
     /// Roots without a partner inside the band, those apart that were not observable.
     pub missed: usize,
     /// Those of them of which it is not known whether the test could have seen them.
@@ -274,6 +291,10 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
         all.filter(|cell| cell.test == test.name)
     };
     let count = |status| cells().filter(|cell| cell.status == status).count();
+    let on = |basis| {
+        let paired = cells().filter(|cell| cell.status == Status::Paired);
+        paired.filter(|cell| cell.basis == Some(basis)).count()
+    };
     let errors: Vec<f64> = cells().filter_map(|cell| cell.error_percent).collect();
     let magnitudes = || errors.iter().map(|error| error.abs());
     let hz = || cells().filter_map(|cell| cell.error_hz).map(f64::abs);
@@ -281,7 +302,10 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
     TestSummary {
         test: test.name.to_owned(),
         paired: count(Status::Paired) + count(Status::Ambiguous),
+        paired_by_shape: on(Basis::Shape),
+        paired_by_frequency: on(Basis::Frequency),
         ambiguous: count(Status::Ambiguous),
+        uncorrelated: cells().filter(|cell| cell.uncorrelated).count(),
         missed: count(Status::MissedExpected) + count(Status::MissedUnexpected),
         not_judged: cells().filter(|cell| !cell.judged()).count(),
         not_observable: count(Status::NotObservable),

@@ -43,30 +43,35 @@ fn the_mac_of_whole_sets_is_that_of_each_pair_by_itself() {
 }
 
 /// The verdict of the first mode against two roots of which it is a sum of these parts.
-fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [usize; 2]) -> (Verdict, Vec<Finding>) {
-    let points = shape(shapes[0]).into_iter().zip(shape(shapes[1]));
+fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [Vec<f64>; 2]) -> (Verdict, Vec<Finding>) {
+    let points = shapes[0].iter().zip(&shapes[1]);
     let sum: Vec<f64> = points.map(|(x, y)| parts[0] * x + parts[1] * y).collect();
-    let theory = model(vec![
-        mode(hz[0], &shape(shapes[0])),
-        mode(hz[1], &shape(shapes[1])),
-    ]);
+    let theory = model(vec![mode(hz[0], &shapes[0]), mode(hz[1], &shapes[1])]);
     let found = paired(&model(vec![mode(hz[0], &sum)]), &theory);
     (found.pairs[0].partners[0].verdict.clone(), found.findings)
 }
 
+/// Shapes of 24 points at right angles to one another.
+fn wave(number: usize) -> Vec<f64> {
+    let point = |p: usize| ((p as f64 + 0.5) * number as f64 * std::f64::consts::PI / 24.0).cos();
+    (0..24).map(point).collect()
+}
+
 #[test]
 fn half_of_a_shape_within_its_deviation_is_mixed() {
-    // Of six points a share of 0.64 is known to 0.06, as the shares' own module computes by hand: one of 0.55 may be less than half.
-    assert_eq!(
-        verdict_of([0.8, 0.6], [100.0, 104.0], [1, 2]).0,
-        Verdict::Paired
-    );
-    let (verdict, findings) = verdict_of([0.55f64.sqrt(), 0.45f64.sqrt()], [100.0, 104.0], [1, 2]);
+    // Of 24 points a share of 0.52 is known to 0.03, so that it may be less than half; one of 0.64 may not.
+    let of = |share: f64, shapes| {
+        let parts = [share.sqrt(), (1.0 - share).sqrt()];
+        verdict_of(parts, [100.0, 104.0], shapes)
+    };
+    let points = || [wave(1), wave(2)];
+    assert_eq!(of(0.64, points()).0, Verdict::Paired);
+    let (verdict, findings) = of(0.52, points());
     assert!(
-        matches!(verdict, Verdict::Mixed { share, std } if (share - 0.55).abs() < 0.01 && (std - 0.06).abs() < 0.01),
+        matches!(verdict, Verdict::Mixed { share, std } if (share - 0.52).abs() < 0.01 && (std - 0.03).abs() < 0.005),
         "{verdict:?}"
     );
-    // What is held against the limit.
+    // The value compared with the limit.
     let told = findings.iter().find(|own| own.code == Code::MixedShape);
     let told = told.expect("a finding");
     assert!((told.value.unwrap() - 0.49).abs() < 0.01, "{told}");
@@ -74,9 +79,50 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
 }
 
 #[test]
+fn mac_below_the_chance_level_is_ambiguous_with_mac_level_and_dofs() {
+    // Six points and two roots in reach: independent shapes reach 0.789 with the nearest.
+    let (verdict, findings) = verdict_of([0.8, 0.6], [100.0, 104.0], [shape(1), shape(2)]);
+    assert!(
+        matches!(&verdict, Verdict::Uncorrelated { mac, level, .. }
+            if (mac - 0.64).abs() < 1e-12 && (level.mac - 0.789).abs() < 1e-3 && (level.dofs, level.roots, level.rank) == (6, 2, 1)),
+        "{verdict:?}"
+    );
+    let told = findings
+        .iter()
+        .find(|own| own.code == Code::BelowChanceLevel);
+    let told = told.expect("a finding");
+    assert!(
+        (told.value.unwrap() - 0.64).abs() < 1e-12 && told.value < told.limit,
+        "{told}"
+    );
+}
+
+#[test]
+fn two_degrees_of_freedom_pair_by_frequency_alone_and_three_by_shape() {
+    for (points, basis) in [
+        (1, Basis::Frequency),
+        (2, Basis::Frequency),
+        (3, Basis::Shape),
+    ] {
+        let values = shape(1)[..points].to_vec();
+        let found = paired(
+            &model(vec![mode(101.0, &values)]),
+            &model(vec![mode(100.0, &values)]),
+        );
+        let partner = &found.pairs[0].partners[0];
+        assert_eq!(
+            (partner.basis, &partner.verdict),
+            (basis, &Verdict::Paired),
+            "{points}"
+        );
+        assert_eq!(partner.chance_level.is_some(), basis == Basis::Shape);
+    }
+}
+
+#[test]
 fn two_far_roots_of_one_shape_both_claim_a_mode() {
     // 15 % apart neither mixes into the other, so that each holds all of the shape; their costs differ by more than the margin.
-    let (verdict, findings) = verdict_of([1.0, 0.0], [100.0, 115.0], [1, 1]);
+    let (verdict, findings) = verdict_of([1.0, 0.0], [100.0, 115.0], [shape(1), shape(1)]);
     assert!(findings.iter().any(|own| own.code == Code::ClaimedTwice));
     assert!(findings.iter().all(|own| own.code != Code::Ambiguous));
     assert!(

@@ -37,6 +37,8 @@ pub enum Place {
         /// Reference (hit) degree of freedom.
         reference: Option<Dof>,
     },
+    /// A group of sensors, by its name.
+    Sensors(String),
     /// A mode, by its frequency in Hz.
     Mode(f64),
     /// A model or option parameter, by name.
@@ -69,6 +71,7 @@ impl fmt::Display for Place {
                     None => write!(f, "channel {}", name(response)),
                 }
             }
+            Place::Sensors(group) => write!(f, "sensors of {group}"),
             Place::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
             Place::Parameter(name) => write!(f, "parameter {name}"),
             Place::Quantity(name) => write!(f, "quantity {name}"),

@@ -40,6 +40,8 @@ struct ModesFile {
 struct InputJson {
     path: String,
     sha256: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    dofs: Vec<Dof>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -114,6 +116,7 @@ pub fn modes_to_json(model: &ModalModel, synthetic: Option<serde_json::Value>) -
             .map(|i| InputJson {
                 path: i.path.clone(),
                 sha256: i.sha256.clone(),
+                dofs: i.dofs.clone(),
             })
             .collect(),
         band_hz: model.band.map(|band| [band.lo_hz, band.hi_hz]),
@@ -198,6 +201,7 @@ pub fn modes_from_json(text: &str, path: &str) -> Result<ModalModel, IoError> {
             .map(|i| InputFile {
                 path: i.path,
                 sha256: i.sha256,
+                dofs: i.dofs,
             })
             .collect(),
         band,

@@ -136,6 +136,8 @@ pub struct InputFile {
     pub path: String,
     /// SHA-256 of its bytes, lower-case hexadecimal.
     pub sha256: String,
+    /// Degrees of freedom that are in this one of several files alone.
+    pub dofs: Vec<Dof>,
 }
 
 /// The modes of a test or of a model, ordered by frequency.

@@ -37,6 +37,9 @@ pub fn comparison_blocks(
         Block::Table(table)
     });
     let mut blocks: Vec<Block> = tables.collect();
+    let named = table.summary.len() > 1;
+    let headlines = table.summary.iter().map(|test| headline(test, named));
+    blocks.extend(headlines.map(Block::Text));
     blocks.push(Block::Table(summary_table(table)));
     blocks.extend(parameters_block(&theory.parameters));
     blocks
@@ -291,9 +294,27 @@ fn status_text(cell: &TestCell) -> &'static str {
     }
 }
 
+/// Pairs of a test by the evidence on which they rest: `12 paired: 9 by shape, 3 by frequency alone; 2 ambiguous`.
+pub(super) fn headline(test: &TestSummary, named: bool) -> String {
+    let name = if named {
+        format!("{}: ", test.test)
+    } else {
+        String::new()
+    };
+    let (shape, frequency) = (test.paired_by_shape, test.paired_by_frequency);
+    let ambiguous = match test.ambiguous {
+        0 => String::new(),
+        count => format!("; {count} ambiguous"),
+    };
+    let all = shape + frequency;
+    format!("{name}{all} paired: {shape} by shape, {frequency} by frequency alone{ambiguous}")
+}
+
 fn summary_table(table: &ComparisonTable) -> Table {
     let heads = [
         "paired",
+        "by shape",
+        "by frequency alone",
         "missed",
         "not observable",
         "extra",
@@ -308,7 +329,9 @@ fn summary_table(table: &ComparisonTable) -> Table {
     let row = |summary: &TestSummary| {
         vec![
             Cell::text(&summary.test),
-            count(summary.paired),
+            count(summary.paired_by_shape + summary.paired_by_frequency),
+            count(summary.paired_by_shape),
+            count(summary.paired_by_frequency),
             count(summary.missed),
             count(summary.not_observable),
             count(summary.extra),

@@ -60,6 +60,14 @@ impl Language {
         }
     }
 
+    /// A paragraph in this language; one without a translation stays as it is.
+    pub(super) fn translated_text(self, text: String) -> String {
+        match self {
+            Language::English => text,
+            Language::Chinese => best_phrase(HEADLINES.iter(), &text),
+        }
+    }
+
     /// Blocks with their headings in this language; a heading without a translation stays as it is.
     pub fn translated(self, blocks: Vec<Block>) -> Vec<Block> {
         match self {
@@ -90,6 +98,8 @@ const PHRASES: &[(&str, &str)] = &[
     ("{}\nverdict", "{}\n结论"),
     ("test", "试验"),
     ("paired", "已配对"),
+    ("by shape", "按振型"),
+    ("by frequency alone", "仅按频率"),
     ("missed", "漏检"),
     ("not observable", "不可观测"),
     ("extra", "多余"),
@@ -216,6 +226,26 @@ const PHRASES: &[(&str, &str)] = &[
     ("draws per second", "每秒抽样数"),
 ];
 
+/// Paragraphs as written, and in Chinese.
+const HEADLINES: &[(&str, &str)] = &[
+    (
+        "{} paired: {} by shape, {} by frequency alone",
+        "{} 个已配对：{} 个按振型，{} 个仅按频率",
+    ),
+    (
+        "{} paired: {} by shape, {} by frequency alone; {} ambiguous",
+        "{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确",
+    ),
+    (
+        "{}: {} paired: {} by shape, {} by frequency alone",
+        "{}：{} 个已配对：{} 个按振型，{} 个仅按频率",
+    ),
+    (
+        "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous",
+        "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确",
+    ),
+];
+
 /// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the columns that hold them.
 const LABELS: &[(&str, &[(&str, &str)])] = &[
     (
@@ -274,12 +304,12 @@ const LABELS: &[(&str, &[(&str, &str)])] = &[
 fn block(block: Block) -> Block {
     match block {
         Block::Heading(text) => Block::Heading(phrase(&text)),
+        Block::Text(text) => Block::Text(Language::Chinese.translated_text(text)),
         Block::Table(table) => Block::Table(translated_table(table)),
         Block::Findings { findings, .. } => Block::Findings {
             findings,
             language: Language::Chinese,
         },
-        other => other,
     }
 }
 
@@ -312,11 +342,13 @@ fn label(head: &str, text: &str) -> String {
 
 /// The translation of a heading: that of the phrase with the most letters of its own that fits.
 fn phrase(text: &str) -> String {
+    best_phrase(PHRASES.iter().chain(PHRASES_OF_RUNS), text)
+}
+
+/// The same among some phrases.
+fn best_phrase<'p>(phrases: impl Iterator<Item = &'p (&'p str, &'p str)>, text: &str) -> String {
     let own = |phrase: &str| phrase.replace("{}", "").chars().count();
-    let fits = PHRASES
-        .iter()
-        .chain(PHRASES_OF_RUNS)
-        .filter_map(|(from, to)| Some((own(from), filled(to, &names(from, text)?))));
+    let fits = phrases.filter_map(|(from, to)| Some((own(from), filled(to, &names(from, text)?))));
     let best = fits.max_by_key(|(letters, _)| *letters);
     best.map_or_else(|| text.to_owned(), |(_, translated)| translated)
 }

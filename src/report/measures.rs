@@ -85,25 +85,26 @@ pub fn alignment_block(own: &Alignment) -> Block {
 
 /// Sensors that read against the theory; `None` where there are none.
 pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
-    let row = |test: &str, own: &ReversedSensor| {
-        vec![
+    let row = |test: &str, group: &[ReversedSensor]| {
+        let own = group.first()?;
+        Some(vec![
             Cell::text(test),
-            Cell::text(own.dof.to_string()),
+            Cell::text(own.name(group.len())),
             Cell::signed(Some(own.direction), 3),
             Cell::number(Some(own.mac_before), 4),
             Cell::number(Some(own.mac_after), 4),
-        ]
+        ])
     };
-    let rows = tests
-        .iter()
-        .flat_map(|(test, all)| all.iter().map(move |own| row(test, own)));
-    let rows: Vec<Vec<Cell>> = rows.collect();
+    let rows = tests.iter().flat_map(|(test, all)| {
+        let groups = all.chunk_by(ReversedSensor::is_grouped_with);
+        groups.filter_map(move |group| row(test, group))
+    });
+    let rows: Vec<_> = rows.collect();
     let mut columns = vec![Column::text("test"), Column::text("sensor")];
     columns.extend(["direction", "mean MAC", "mean MAC, turned"].map(Column::number));
-    let state = if turned {
-        "They were turned."
-    } else {
-        "They were left as they are."
+    let state = match turned {
+        true => "They were turned.",
+        false => "They were left as they are.",
     };
     (!rows.is_empty()).then(|| {
         Block::Table(Table {

@@ -195,6 +195,7 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
             let input = InputFile {
                 path: name.clone(),
                 sha256: sha256_of_bytes(&recording.uff),
+                dofs: Vec::new(),
             };
             let mut ingested = ingest_bytes(recording.uff.clone(), &name)?;
             ingested
@@ -227,19 +228,29 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 averages: None,
                 scene: &scene.path,
             };
+            let ingested = ingest_files(files, &options)?;
             Ok(TestData {
-                ingested: ingest_files(files, &options)?,
-                inputs,
+                inputs: with_dofs(inputs, &ingested),
+                ingested,
                 recording: None,
             })
         }
     }
 }
 
+/// The files with the degrees of freedom that each has alone.
+pub(crate) fn with_dofs(mut inputs: Vec<InputFile>, ingested: &Ingested) -> Vec<InputFile> {
+    for (input, dofs) in inputs.iter_mut().zip(&ingested.dofs_of_files) {
+        input.dofs.clone_from(dofs);
+    }
+    inputs
+}
+
 fn input_file(path: &Path) -> Result<InputFile, SceneError> {
     Ok(InputFile {
         path: path.display().to_string(),
         sha256: sha256_hex(path)?,
+        dofs: Vec::new(),
     })
 }
 

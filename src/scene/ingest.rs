@@ -17,6 +17,7 @@ use crate::signal::TriggerOptions;
 
 use super::SceneError;
 use super::columns::table_spec;
+use super::file_dofs::dofs_of_files;
 use super::model::value_error;
 use super::plan::FilePlan;
 use super::trigger::cut;
@@ -52,6 +53,8 @@ pub struct Ingested {
     pub frfs: Vec<FrfSet>,
     /// Nodes and what else the files say of the points.
     pub geometry: Geometry,
+    /// Degrees of freedom that are in one of several files alone, for each file.
+    pub dofs_of_files: Vec<Vec<Dof>>,
     /// Findings of reading.
     pub findings: Vec<Finding>,
     /// Whether part of a file was bad and left out.
@@ -208,6 +211,7 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         data.geometry.add(&catalog.geometry);
         data.findings.extend(local_directions(catalog));
     }
+    data.dofs_of_files = dofs_of_files(&files);
     if from_records {
         let overrides = overrides_of(&files, options)?;
         data.findings

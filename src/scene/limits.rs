@@ -12,7 +12,7 @@ pub struct Limits {
     pub max_frequency_error_percent: Option<f64>,
     /// Smallest MAC of a paired mode.
     pub min_mac: Option<f64>,
-    /// Smallest number of paired modes, per test.
+    /// Smallest number of paired modes, per test; ambiguous ones count, but not those whose MAC is below the chance level.
     pub min_paired: Option<usize>,
     /// Largest number of theory modes in the band without partner, per test; those not judged for being observable count.
     pub max_missed: Option<usize>,
@@ -82,6 +82,7 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
             0 => "missed modes".to_owned(),
             n => format!("missed modes ({n} of them not judged)"),
         };
+        let paired = paired_label(test);
         let rows = [
             (
                 "largest |frequency error| (%)",
@@ -91,8 +92,8 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
             ),
             ("smallest MAC", test.min_mac, limits.min_mac, false),
             (
-                "paired modes",
-                count(test.paired),
+                paired.as_str(),
+                count(test.paired.saturating_sub(test.uncorrelated)),
                 limits.min_paired.map(|n| n as f64),
                 false,
             ),
@@ -131,6 +132,23 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
         }
     }
     checks
+}
+
+/// The pairs that count for `min_paired`, by their evidence where it is not the shape of all: ambiguous ones count, but not
+/// those whose MAC is below the chance level.
+fn paired_label(test: &TestSummary) -> String {
+    let ambiguous = test.ambiguous.saturating_sub(test.uncorrelated);
+    let parts = [
+        (test.paired_by_frequency, "by frequency alone"),
+        (ambiguous, "ambiguous"),
+    ];
+    let parts = parts.iter().filter(|(count, _)| *count > 0);
+    let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
+    if parts.is_empty() {
+        "paired modes".to_owned()
+    } else {
+        format!("paired modes ({} of them)", parts.join(", "))
+    }
 }
 
 /// Every stated mode held against the modes that were found: the nearest one in frequency counts, each once.

@@ -11,6 +11,7 @@ mod draft_columns;
 mod error;
 mod expected;
 mod figures;
+mod file_dofs;
 mod ingest;
 mod limits;
 mod matrices;
@@ -36,6 +37,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
+pub(crate) use chain::with_dofs;
 pub use chain::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
     run_observed, test_data,

@@ -99,6 +99,7 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
     let input = InputFile {
         path: name,
         sha256: sha256_hex(path)?,
+        dofs: Vec::new(),
     };
     Ok(LoadedModes {
         modes: modes_of(catalog, vec![input]),

@@ -2,7 +2,7 @@
 
 use crate::axis::Band;
 use crate::correlate::ComparisonTable;
-use crate::finding::Finding;
+use crate::finding::{Code, Finding};
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
@@ -24,6 +24,9 @@ use super::updated_model::{overrides_note, replaced, table};
 
 /// Name of the published frequencies beside the tests.
 const PUBLISHED: &str = "published";
+
+/// Findings on the signs of sensors.
+const REVERSED: [Code; 2] = [Code::ReversedSensor, Code::ReversedGroup];
 
 /// What updating a scene's model came to.
 #[derive(Clone, Debug)]
@@ -106,6 +109,18 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .flat_map(|t| t.modes.findings.clone())
         .collect();
     findings.extend(after.findings.into_iter().flat_map(|(_, own)| own));
+    // An updated model may have adapted to a reversed sensor: the model at the start shows it.
+    let reversed = before.findings.iter().flat_map(|(_, own)| own);
+    let reversed = reversed.filter(|own| REVERSED.contains(&own.code));
+    let new: Vec<Finding> = reversed
+        .filter(|own| {
+            !findings
+                .iter()
+                .any(|other| (other.code, &other.place) == (own.code, &own.place))
+        })
+        .cloned()
+        .collect();
+    findings.extend(new);
     findings.extend(result.findings());
     Ok(SceneUpdate {
         before: before.table.labelled_from(scene.first_root),

@@ -29,7 +29,7 @@ const REPEATED_SPACING: f64 = 1e-6;
 /// modes are not 0; those of the beams, frames, plates, solids and chains of `tests/support/matrix_zoo.rs` lie within 0.6 bounds,
 /// and a matrix that was summed in another order rounds several times.
 const ZERO_ROUNDINGS: f64 = 4.0;
-/// A larger bound of the change by rounding of K, as a part of the natural frequency, is a finding.
+/// Part of a natural frequency from which on the bound of its change by rounding of K is a finding.
 const ROUNDING_REPORTED: f64 = 1e-6;
 
 /// Which modes to keep, and their damping.

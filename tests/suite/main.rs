@@ -27,6 +27,7 @@ mod mutants;
 #[path = "../population/mutation.rs"]
 mod mutation;
 mod new_command;
+mod pairs_by_shape;
 mod placement;
 mod population;
 mod published;
@@ -37,6 +38,7 @@ mod report;
 mod roving;
 #[path = "../population/seeds.rs"]
 mod seeds;
+mod structures;
 mod study_command;
 mod targets;
 mod theory_command;

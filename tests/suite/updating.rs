@@ -5,12 +5,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use modalign::io::{Block, ColumnName, ColumnRole, Hints, TableColumn, TableSpec, open_path};
+use modalign::linalg::{real_matrix, symmetric_modes};
 use modalign::report::json::{UPDATE_SCHEMA, update_from_json};
 use modalign::update::{Residuals, Verdict};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::command::{fail, json, root, shared_data, succeed, write};
+use crate::command::{fail, json, modalign, root, shared_data, succeed, write};
 use crate::twins::{Tally, Twin, lumped, torsional, twin};
 
 /// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the ground.
@@ -77,6 +78,53 @@ fn updated(model: &str, modes: &str, update: &str) -> (Value, tempfile::TempDir)
 /// Natural frequency of a body on a spring to the ground, Hz.
 fn hz(stiffness: f64, mass: f64) -> f64 {
     (stiffness / mass).sqrt() / std::f64::consts::TAU
+}
+
+#[test]
+fn reversed_sensor_of_a_test_is_reported_by_update() {
+    let truth = [1.3e4, 0.9e4, 1.1e4, 1.0e4, 1.2e4, 0.8e4];
+    let modes = storey_modes(&truth).into_iter();
+    let modes = modes.map(|(hz, mut shape)| {
+        shape[2] = -shape[2];
+        (hz, Some(1e-3 * hz), shape)
+    });
+    let model = frame(1.0, &[1.0e4; 6], (0.5, 2.0));
+    let folder = tempfile::tempdir().unwrap();
+    let text = scene("[update]\nshape_floor = 0.02\n");
+    let modes = modes_json(&modes.collect::<Vec<_>>());
+    let files = [
+        ("scene.toml", text.as_str()),
+        ("model.toml", &model),
+        ("modes.json", &modes),
+    ];
+    write(folder.path(), &files);
+    let output = modalign(["update", folder.path().to_str().unwrap()]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        error.contains("channel 3:+X") && error.contains("reversed-sensor"),
+        "{error}"
+    );
+}
+
+/// Frequencies (Hz) and shapes of a shear frame of unit masses with these storey stiffnesses.
+fn storey_modes(stiffness: &[f64]) -> Vec<(f64, Vec<f64>)> {
+    let count = stiffness.len();
+    let above = |i: usize| stiffness.get(i + 1).copied().unwrap_or(0.0);
+    let k = real_matrix(count, count, |i, j| match i.abs_diff(j) {
+        0 => stiffness[i] + above(i),
+        1 => -stiffness[i.max(j)],
+        _ => 0.0,
+    });
+    let mass = real_matrix(count, count, |i, j| if i == j { 1.0 } else { 0.0 });
+    let modes = symmetric_modes(&k, &mass).unwrap();
+    let mode = |j: usize| {
+        let shape = (0..count).map(|i| modes.vectors[(i, j)]);
+        (
+            modes.omega_squared[j].sqrt() / std::f64::consts::TAU,
+            shape.collect(),
+        )
+    };
+    (0..count).map(mode).collect()
 }
 
 #[test]

@@ -19,7 +19,6 @@ mod coordinate;
 mod frf;
 mod orthogonality;
 mod pair_shapes;
-mod reversed;
 mod serep_modes;
 
 use num_complex::Complex64;
@@ -41,7 +40,7 @@ pub use orthogonality::{
     reduced_mass,
 };
 
-pub use reversed::{ReversedSensor, reversed_sensors, turned};
+pub use super::reversed::{ReversedSensor, reversed_findings, reversed_sensors, turned};
 pub use serep_modes::serep_modes;
 
 use auto_mac::at_sensors;
@@ -234,7 +233,7 @@ fn scale_factors(matrix: &MacMatrix, shapes: &Shapes, pairing: &Pairing) -> Vec<
 }
 
 #[cfg(test)]
-pub(super) mod models;
+pub(in super::super) mod models;
 #[cfg(test)]
 mod orthogonality_tests;
 #[cfg(test)]

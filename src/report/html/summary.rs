@@ -10,6 +10,7 @@ use crate::finding::{Code, Finding, Severity};
 use crate::scene::Overview;
 
 use super::super::Language;
+use super::super::comparison::headline;
 use super::super::json::RunReport;
 use super::numbers::{short, to_place_of, two_digits};
 use super::words::{sentence, word};
@@ -88,6 +89,7 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
         "{} of {} modes of the model in the band have a partner",
         &[test.paired.to_string(), whole.to_string()],
     );
+    let evidence = language.translated_text(headline(test, false));
     let mac = test
         .min_mac
         .map_or_else(|| "—".to_owned(), |mac| format!("{mac:.3}"));
@@ -113,11 +115,12 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
         false => String::new(),
     };
     format!(
-        "<div class=\"card\"><h3>{}{synthetic}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
+        "<div class=\"card\"><h3>{}{synthetic}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
         escape(&test.test),
         percent(test.rms_error_percent),
         w("rms frequency error"),
         escape(&pairs),
+        escape(&evidence),
         w("largest"),
         percent(test.max_error_percent),
         w("smallest MAC"),

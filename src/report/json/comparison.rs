@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::correlate::measures::{Measures, ReversedSensor};
 use crate::correlate::{
-    Alignment, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
+    Alignment, Basis, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
 };
 use crate::scene::{LimitCheck, PlacedTest};
 
@@ -113,6 +113,12 @@ pub struct TestFile {
     pub damping_std: Option<f64>,
     /// MAC.
     pub mac: Option<f64>,
+    /// Evidence on which a pair rests: `shape` (and frequency) or `frequency` alone; absent without a partner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub basis: Option<Basis>,
+    /// Chance level for independent shapes that the MAC of a pair by shape reaches; absent elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chance_level: Option<f64>,
     /// Principal angles of a cluster, degrees.
     pub angles_deg: Option<Vec<f64>>,
     /// What became of the mode.
@@ -219,6 +225,8 @@ fn test_file(cell: &TestCell) -> TestFile {
         damping_ratio: cell.damping_ratio,
         damping_std: cell.damping_std,
         mac: cell.mac,
+        basis: cell.basis,
+        chance_level: cell.chance_level.map(|level| level.mac),
         angles_deg: cell.angles_deg.clone(),
         status: cell.status,
         judged: (!cell.judged()).then_some(false),

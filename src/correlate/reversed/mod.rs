@@ -1,0 +1,434 @@
+//! Sensors and groups of sensors whose sign is opposite to that of the theory.
+//!
+//! Every hypothesis reverses one sensor, or all of one direction, component or file together, and is evaluated with the pairs that are
+//! best under it: the detection does not need pairs that are good as measured. Of a group only the sign relative to all other
+//! sensors is observable, in modes that move both.
+
+mod hypotheses;
+mod overlaps;
+
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::modal::{ModalModel, ModeShape};
+
+use super::pairing::Shapes;
+use super::{CorrelateError, DofMap, PairOptions};
+
+use hypotheses::{Hypothesis, hypotheses};
+use overlaps::{Choice, Overlaps, Signed, View};
+
+/// Minimum MAC, with the sensors reversed, of a pair that is used to search. Larger: of many reversed sensors none is found,
+/// because each by itself leaves the MAC low (`one_reversed_sensor_of_many_is_found_and_so_are_more`). Smaller: more pairs of
+/// different modes; the final test does not depend on it.
+const MIN_MAC_OF_SEARCH: f64 = 0.2;
+
+/// Minimum number of pairs that show a reversal. One mode says nothing of a sensor: the model may be wrong there.
+const MIN_PAIRS: usize = 2;
+
+/// Largest correlation of the values as measured with those of the theory, over the pairs. Larger (nearer 0): sensors that are
+/// reversed in one mode and not in another. Smaller: noise of 5 % hides sensors that move little
+/// (`reversed_sensors_are_found_and_no_others`).
+const MAX_DIRECTION: f64 = -0.8;
+
+/// Minimum gain of MAC over that of a reversed sensor of a right model. Larger: model errors hide reversed sensors. Smaller: good
+/// sensors of poor models (`a_poor_model_has_no_reversed_sensors`).
+const MIN_PART_OF_GAIN: f64 = 0.5;
+
+/// Minimum share of the squared length, as a part of the mean share of as many sensors, of the group and of all others: below it
+/// noise decides the sign (`noise_at_sensors_that_hardly_move_reverses_none`).
+const MIN_SHARE: f64 = 0.1;
+
+/// Maximum expected number of good sensors and groups, of all that are tested, that disagree in the same pairs. Larger: good
+/// sensors in three poor pairs (`sensors_that_disagree_by_chance_in_three_poor_pairs_are_left`). Smaller: reversed sensors of
+/// tests with three or four modes.
+const MAX_EXPECTED_FALSE: f64 = 0.1;
+
+/// Maximum number of sensors at which the pairs are chosen anew for each single sensor; of more, one sensor changes a MAC by less
+/// than 4/64, and no pair.
+const MAX_SENSORS_CHOSEN_ANEW: usize = 64;
+
+/// A sensor with the opposite sign of the theory.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReversedSensor {
+    /// As the test names it.
+    pub dof: Dof,
+    /// The group with which it is reversed; `None` of a single sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// Mean MAC of the pairs with those found before it reversed.
+    pub mac_before: f64,
+    /// Mean MAC with this one, or its group, reversed as well.
+    pub mac_after: f64,
+    /// Correlation of its values, or those of its group, with the theory's over the pairs, near -1.
+    pub direction: f64,
+}
+
+impl ReversedSensor {
+    /// Whether both are reversed with one group.
+    pub fn is_grouped_with(&self, other: &Self) -> bool {
+        self.group.is_some() && self.group == other.group
+    }
+
+    /// Name of the sensor, or of its group of so many.
+    pub fn name(&self, members: usize) -> String {
+        match &self.group {
+            Some(group) => format!("{group} ({members} sensors)"),
+            None => self.dof.to_string(),
+        }
+    }
+}
+
+/// The sensors of a test with the opposite sign of the theory, those first that gain most.
+///
+/// For every single sensor, and every group of one direction (X, Y, Z, ...), component (the part of a name before the dot) or file, the
+/// test modes are paired within the frequency gate at the smallest sum of `0.1 u + 0.9 (1 − MAC)` with its sign changed, `u` being
+/// the frequency error over the gate. The hypothesis of the smallest sum is taken again and again, if over the pairs with a MAC of
+/// 0.2 or more
+///
+/// - the correlation of its values with the theory's, `Σ Re(b* a)/√(Σ|a|² Σ|b|²)` of unit shapes `a`, `b`, is at most −0.8 as
+///   measured;
+/// - the sum of MAC over all test modes gains half or more of what a reversed sensor of a right model would,
+///   `4 w (√MAC − w)` of each pair with its share `w` of the squared length;
+/// - it and all others have a tenth or more of the mean share of as many sensors.
+///
+/// Then the false-alarm probability is tested, with all of them reversed, over the pairs whose MAC exceeds the [`super::ChanceLevel`]
+/// and that move both sides: in each, a good sensor disagrees as often as others do (their number and one, over all and one), and
+/// by no more than `m σ²/Σ|a + b|²`, `σ²` being the mean square difference of the others and `m` the number of its sensors
+/// (Chebyshev). The product of the smaller of these over the pairs, two or more, times the number of hypotheses has to be below 0.1.
+///
+/// A single sensor is never found among fewer than three, and never half of all sensors.
+///
+/// # Errors
+/// [`CorrelateError::MixedUnits`].
+pub fn reversed_sensors(
+    test: &ModalModel,
+    theory: &ModalModel,
+    options: &PairOptions,
+) -> Result<Vec<ReversedSensor>, CorrelateError> {
+    options.validate()?;
+    super::roots::check_model("test", test)?;
+    super::roots::check_model("theory", theory)?;
+    let map = DofMap::of_models(test, theory);
+    let shapes = Shapes::new(test, theory, &map, options)?;
+    Ok(detect((test, theory), &map, &shapes, options))
+}
+
+/// The same of shapes that are known.
+pub(super) fn detect(
+    (test, theory): (&ModalModel, &ModalModel),
+    map: &DofMap,
+    shapes: &Shapes,
+    options: &PairOptions,
+) -> Vec<ReversedSensor> {
+    let overlaps = Overlaps::new((test, theory), shapes, options);
+    if overlaps.modes() < MIN_PAIRS {
+        return Vec::new();
+    }
+    let search = Search {
+        hypotheses: hypotheses(test, map),
+        overlaps,
+        sensors: map.len(),
+    };
+    let all: Vec<usize> = (0..search.hypotheses.len()).collect();
+    let suspects = search.found(&all);
+    let significant = search.significant(&suspects);
+    let found = if significant.len() == suspects.len() {
+        suspects
+    } else {
+        search.found(&significant)
+    };
+    let sensors = found.iter().flat_map(|own| search.sensors_of(own, map));
+    sensors.collect()
+}
+
+/// Signs of the degrees of freedom of a map with some sensors reversed.
+pub(super) fn signs(map: &DofMap, reversed: &[ReversedSensor]) -> Vec<f64> {
+    let count = |dof: &Dof| reversed.iter().filter(|own| own.dof == *dof).count();
+    let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
+    map.pairs.iter().map(|pair| sign(&pair.test)).collect()
+}
+
+struct Search {
+    overlaps: Overlaps,
+    hypotheses: Vec<Hypothesis>,
+    sensors: usize,
+}
+
+/// A hypothesis that was taken.
+struct Found {
+    hypothesis: usize,
+    mac_before: f64,
+    mac_after: f64,
+    direction: f64,
+}
+
+impl Search {
+    /// Hypotheses among some whose reversal improves the pairs, those first that improve them most.
+    fn found(&self, among: &[usize]) -> Vec<Found> {
+        let mut signed = self.overlaps.signed(vec![1.0; self.sensors]);
+        let mut choice = self.overlaps.choose(&signed, &[]);
+        let mut left = among.to_vec();
+        let mut found = Vec::new();
+        let mean = |choice: &Choice| choice.mac / self.overlaps.modes().max(1) as f64;
+        while let Some((hypothesis, next, direction)) = self.best(&signed, &choice, &left) {
+            signed = self
+                .overlaps
+                .signed(self.changed(&signed.signs, hypothesis));
+            left.retain(|own| *own != hypothesis);
+            found.push(Found {
+                hypothesis,
+                mac_before: mean(&choice),
+                mac_after: mean(&next),
+                direction,
+            });
+            choice = next;
+        }
+        found
+    }
+
+    /// The hypothesis of smallest cost that passes, its pairs and its direction.
+    fn best(
+        &self,
+        signed: &Signed,
+        before: &Choice,
+        among: &[usize],
+    ) -> Option<(usize, Choice, f64)> {
+        let anew = self.sensors <= MAX_SENSORS_CHOSEN_ANEW;
+        let reversed = signed.signs.iter().filter(|sign| **sign < 0.0).count();
+        let tried = among.iter().filter_map(|&own| {
+            let Hypothesis { group, members } = &self.hypotheses[own];
+            let most = if group.is_some() {
+                self.sensors
+            } else {
+                self.sensors - 1
+            };
+            if 2 * (reversed + members.len()) > most {
+                return None;
+            }
+            let choice = if anew || group.is_some() {
+                self.overlaps.choose(signed, members)
+            } else {
+                self.overlaps.keep(signed, members, before)
+            };
+            if choice.cost >= before.cost {
+                return None;
+            }
+            let direction = self.direction((signed, before), own, &choice)?;
+            Some((own, choice, direction))
+        });
+        tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)))
+    }
+
+    /// Direction as measured of a hypothesis that passes all but the test of chance.
+    fn direction(
+        &self,
+        (signed, before): (&Signed, &Choice),
+        hypothesis: usize,
+        choice: &Choice,
+    ) -> Option<f64> {
+        let members = &self.hypotheses[hypothesis].members;
+        let views = self
+            .overlaps
+            .views(choice, &self.changed(&signed.signs, hypothesis));
+        let views = views.into_iter().filter(|own| own.mac >= MIN_MAC_OF_SEARCH);
+        let parts: Vec<Part> = views.map(|own| Part::new(&own, members)).collect();
+        let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+        let direction =
+            -sum(|own| own.along) / (sum(|own| own.test) * sum(|own| own.theory)).sqrt();
+        let of_reversed = sum(|own| 4.0 * own.share * (own.mac.sqrt() - own.share));
+        let passes = parts.len() >= MIN_PAIRS
+            && direction <= MAX_DIRECTION
+            && choice.mac - before.mac >= MIN_PART_OF_GAIN * of_reversed
+            && sum(|own| own.relative) >= MIN_SHARE * parts.len() as f64
+            && sum(|own| own.relative_others) >= MIN_SHARE * parts.len() as f64;
+        passes.then_some(direction)
+    }
+
+    /// Those of some hypotheses that good sensors do not fulfil by chance.
+    fn significant(&self, suspects: &[Found]) -> Vec<usize> {
+        let mut signs = vec![1.0; self.sensors];
+        let mut suspected = vec![false; self.sensors];
+        for own in suspects {
+            signs = self.changed(&signs, own.hypothesis);
+            for &d in &self.hypotheses[own.hypothesis].members {
+                suspected[d] = true;
+            }
+        }
+        let choice = self
+            .overlaps
+            .choose(&self.overlaps.signed(signs.clone()), &[]);
+        let views = self.overlaps.views(&choice, &signs).into_iter();
+        let views: Vec<View> = views.filter(|own| own.mac >= own.level).collect();
+        let poor: Vec<Poorness> = views
+            .iter()
+            .map(|own| Poorness::new(own, &suspected))
+            .collect();
+        let expected_false = |hypothesis: usize| {
+            let members = &self.hypotheses[hypothesis].members;
+            let parts = views.iter().zip(&poor).filter_map(|(own, poor)| {
+                let part = Part::new(own, members);
+                part.agrees()
+                    .then(|| poor.probability(&part, members.len()))
+            });
+            let parts: Vec<f64> = parts.collect();
+            let shown = parts.len() >= MIN_PAIRS;
+            shown.then(|| self.hypotheses.len() as f64 * parts.iter().product::<f64>())
+        };
+        let own = suspects.iter().map(|own| own.hypothesis);
+        own.filter(|own| expected_false(*own).is_some_and(|n| n < MAX_EXPECTED_FALSE))
+            .collect()
+    }
+
+    fn changed(&self, signs: &[f64], hypothesis: usize) -> Vec<f64> {
+        let mut signs = signs.to_vec();
+        for &d in &self.hypotheses[hypothesis].members {
+            signs[d] = -signs[d];
+        }
+        signs
+    }
+
+    fn sensors_of<'m>(
+        &'m self,
+        found: &'m Found,
+        map: &'m DofMap,
+    ) -> impl Iterator<Item = ReversedSensor> + 'm {
+        let Hypothesis { group, members } = &self.hypotheses[found.hypothesis];
+        members.iter().map(move |&d| ReversedSensor {
+            dof: map.pairs[d].test.clone(),
+            group: group.clone(),
+            mac_before: found.mac_before,
+            mac_after: found.mac_after,
+            direction: found.direction,
+        })
+    }
+}
+
+/// Sums over the sensors of a hypothesis in one pair, of unit test shape `a` and theory shape `b`, with these sensors reversed.
+struct Part {
+    mac: f64,
+    /// `Σ Re(b* a)`.
+    along: f64,
+    /// `Σ |a|²`.
+    test: f64,
+    /// `Σ |b|²`.
+    theory: f64,
+    /// `Σ |a + b|²`: squared deviation from the theory as measured.
+    deviation: f64,
+    /// Share of the squared length, mean of test and theory.
+    share: f64,
+    /// That share over the mean share of as many sensors.
+    relative: f64,
+    /// The same of all other sensors.
+    relative_others: f64,
+}
+
+impl Part {
+    fn new(view: &View, members: &[usize]) -> Self {
+        let sum = |of: &dyn Fn(&(num_complex::Complex64, num_complex::Complex64)) -> f64| {
+            members.iter().map(|&d| of(&view.values[d])).sum::<f64>()
+        };
+        let (test, theory) = (sum(&|(a, _)| a.norm_sqr()), sum(&|(_, b)| b.norm_sqr()));
+        let share = 0.5 * (test + theory);
+        let (count, all) = (members.len() as f64, view.dofs as f64);
+        Self {
+            mac: view.mac,
+            along: sum(&|(a, b)| (b.conj() * a).re),
+            deviation: sum(&|(a, b)| (a + b).norm_sqr()),
+            relative: share * all / count,
+            relative_others: (1.0 - share) * all / (all - count).max(1.0),
+            test,
+            theory,
+            share,
+        }
+    }
+
+    /// Whether the pair moves both sides, and the sensors, reversed, agree with the theory.
+    fn agrees(&self) -> bool {
+        self.relative >= MIN_SHARE && self.relative_others >= MIN_SHARE && self.along > 0.0
+    }
+}
+
+/// How poorly a pair agrees at the sensors that nobody suspects.
+struct Poorness {
+    /// Part of the sensors that disagree, one more of each counted: none of a few is not never.
+    disagreeing: f64,
+    /// Mean square difference of test and theory at a sensor.
+    variance: f64,
+}
+
+impl Poorness {
+    fn new(view: &View, suspected: &[bool]) -> Self {
+        let mean_share = (view.dofs as f64).recip();
+        let others = view.values.iter().zip(suspected);
+        let others = || {
+            let kept = others.clone().filter(|(_, suspected)| !**suspected);
+            kept.map(|(values, _)| values)
+                .filter(|(a, b)| a.norm_sqr() + b.norm_sqr() > 0.0)
+        };
+        let against = others().filter(|(a, b)| {
+            let share = 0.5 * (a.norm_sqr() + b.norm_sqr());
+            share >= MIN_SHARE * mean_share && (b.conj() * a).re < 0.0
+        });
+        let count = others().count() as f64;
+        let squares: f64 = others().map(|(a, b)| (a - b).norm_sqr()).sum();
+        Self {
+            disagreeing: (against.count() as f64 + 1.0) / (count + 1.0),
+            variance: squares / (count - 1.0).max(1.0),
+        }
+    }
+
+    /// Bound on the probability that good sensors deviate as much.
+    fn probability(&self, part: &Part, members: usize) -> f64 {
+        let chebyshev = members as f64 * self.variance / part.deviation.max(f64::MIN_POSITIVE);
+        self.disagreeing.min(chebyshev)
+    }
+}
+
+/// Findings of reversed sensors, one for each group; of no more than information where they were turned.
+pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Finding> {
+    let severity = if turned {
+        Severity::Info
+    } else {
+        Severity::Warning
+    };
+    let groups = sensors.chunk_by(ReversedSensor::is_grouped_with);
+    let finding = |own: &ReversedSensor| {
+        let gain = own.mac_after - own.mac_before;
+        let (code, place) = match &own.group {
+            Some(group) => (Code::ReversedGroup, Place::Sensors(group.clone())),
+            None => (
+                Code::ReversedSensor,
+                Place::Function {
+                    response: Some(own.dof.clone()),
+                    reference: None,
+                },
+            ),
+        };
+        Finding::new(severity, code, place).value(gain, "")
+    };
+    groups.filter_map(|own| own.first()).map(finding).collect()
+}
+
+/// A model with the values of some degrees of freedom times -1, in shapes and in the residues of responses there; twice named is
+/// not reversed.
+pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
+    let count = |dof: &Dof| dofs.iter().filter(|own| *own == dof).count();
+    let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
+    let mut turned = model.clone();
+    for mode in &mut turned.modes {
+        let values = mode
+            .shape
+            .iter()
+            .map(|(dof, v)| (dof.clone(), v * sign(dof)));
+        mode.shape = ModeShape::new(values.collect::<Vec<_>>());
+        for ((response, _), residue) in &mut mode.residues {
+            *residue *= sign(response);
+        }
+    }
+    turned
+}

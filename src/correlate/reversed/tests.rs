@@ -1,0 +1,276 @@
+//! Reversed sensors: single ones, groups, and good sensors of poor models.
+
+use proptest::prelude::*;
+
+use num_complex::Complex64;
+
+use super::super::measures::models::{dof, model};
+use super::super::pair;
+use super::*;
+use crate::modal::InputFile;
+
+/// Bending of a hinged beam at `count` sensors in modes 1 to 4, at 10, 40, 90, 160 Hz.
+fn beam(count: usize) -> ModalModel {
+    let shape = |n: usize| -> Vec<f64> {
+        let at = |q: usize| (q as f64 + 0.7) / (count as f64 + 0.4);
+        let value = |q: usize| (n as f64 * std::f64::consts::PI * at(q)).sin();
+        (0..count).map(value).collect()
+    };
+    let modes: Vec<(f64, Vec<f64>)> = (1..=4).map(|n| (10.0 * (n * n) as f64, shape(n))).collect();
+    let modes: Vec<(f64, &[f64])> = modes.iter().map(|(hz, s)| (*hz, s.as_slice())).collect();
+    model(&modes)
+}
+
+fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
+    let own = reversed_sensors(test, theory, &PairOptions::default())
+        .expect("shapes of this test have degrees of freedom in common");
+    let mut dofs: Vec<Dof> = own.into_iter().map(|own| own.dof).collect();
+    dofs.sort();
+    dofs
+}
+
+#[test]
+fn turning_raises_the_mac_to_that_of_the_shapes() {
+    let theory = beam(10);
+    let test = turned(&theory, &[dof(4)]);
+    let own = reversed_sensors(&test, &theory, &PairOptions::default())
+        .expect("shapes of this test have degrees of freedom in common");
+    assert_eq!(own.len(), 1);
+    assert!((own[0].mac_after - 1.0).abs() < 1e-12 && own[0].mac_before < 0.75);
+    assert!((own[0].direction + 1.0).abs() < 1e-12);
+    assert_eq!(turned(&test, &[dof(4)]), theory);
+    assert_eq!(
+        reversed_findings(&own, false)[0].severity,
+        Severity::Warning
+    );
+    assert_eq!(reversed_findings(&own, true)[0].severity, Severity::Info);
+}
+
+proptest! {
+    #[test]
+    fn reversed_sensors_are_found_and_no_others(
+        count in 14usize..40,
+        drawn in proptest::collection::btree_set(0usize..1000, 0..3),
+        noise in proptest::collection::vec(-0.05..0.05f64, 160),
+    ) {
+        let theory = beam(count);
+        let reversed: std::collections::BTreeSet<usize> = drawn.iter().map(|q| 1 + q % count).collect();
+        let reversed: Vec<Dof> = reversed.into_iter().map(dof).collect();
+        let mut test = turned(&theory, &reversed);
+        for (n, mode) in test.modes.iter_mut().enumerate() {
+            let noisy = mode.shape.iter().enumerate();
+            let noisy = noisy.map(|(q, (dof, v))| (dof.clone(), v + noise[40 * n + q]));
+            mode.shape = ModeShape::new(noisy.collect::<Vec<_>>());
+        }
+        let own = found(&test, &theory);
+        prop_assert!(own.iter().all(|dof| reversed.contains(dof)), "{own:?} {reversed:?}");
+        // A sensor with a share w of the squared length costs about 4 w of the MAC.
+        let share = |dof: &Dof| {
+            let of = |mode: &crate::modal::Mode| {
+                let all: f64 = mode.shape.iter().map(|(_, v)| v.norm_sqr()).sum();
+                mode.shape.get(dof).expect("shapes of this test have degrees of freedom in common").norm_sqr() / all
+            };
+            theory.modes.iter().map(of).sum::<f64>() / 4.0
+        };
+        for dof in reversed.iter().filter(|dof| share(dof) > 0.01) {
+            prop_assert!(own.contains(dof), "{dof} {own:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sensor_that_disagrees_in_one_mode_and_agrees_in_another_is_left() {
+    let theory = model(&[
+        (10.0, &[1.0, 1.0, 0.4, 0.2, 0.1, 0.1]),
+        (40.0, &[1.0, -1.0, 0.3, 0.1, -0.1, 0.2]),
+    ]);
+    let mut test = model(&[
+        (10.0, &[1.0, 1.0, -0.4, 0.2, 0.1, 0.1]),
+        (40.0, &[1.0, -1.0, 0.3, 0.1, -0.1, 0.2]),
+    ]);
+    // Turning the third sensor would raise the MAC of mode 1 more than it lowers that of mode 2.
+    let (first, second) = ((1.90f64 / 2.22).powi(2), (1.97f64 / 2.15).powi(2));
+    assert!(0.5 * ((1.0 + second) - (first + 1.0)) > 0.04);
+    assert_eq!(found(&test, &theory), []);
+    // In both modes it is one that points the other way.
+    test.modes[1] = turned(&theory, &[dof(3)]).modes[1].clone();
+    assert_eq!(found(&test, &theory), [dof(3)]);
+}
+
+#[test]
+fn one_reversed_sensor_of_many_is_found_and_so_are_more() {
+    let theory = beam(300);
+    // Turning one of 300 gains about 4/300 at most, which is less than two pairs alone would need.
+    let one = turned(&theory, &[dof(75)]);
+    let own = reversed_sensors(&one, &theory, &PairOptions::default())
+        .expect("shapes of this test have degrees of freedom in common");
+    assert_eq!(own.len(), 1);
+    assert_eq!(own[0].dof, dof(75));
+    assert!(own[0].mac_after - own[0].mac_before < 0.02);
+    let many: Vec<Dof> = (2..29).map(|n| dof(10 * n)).collect();
+    let mut expected = many.clone();
+    expected.sort();
+    assert_eq!(found(&turned(&theory, &many), &theory), expected);
+}
+
+#[test]
+fn noise_at_sensors_that_hardly_move_reverses_none() {
+    // The last 200 of 300 sensors stand on a part that hardly moves: their values are noise of 5 % of the mean.
+    let mut theory = beam(300);
+    let still = |q: usize| q >= 100;
+    let noise = |n: usize, q: usize| {
+        let x = (q * 37 + n * 101) as f64;
+        0.035 * (x * x * 0.618_034).sin()
+    };
+    let mut test = theory.clone();
+    for (n, (own, other)) in test.modes.iter_mut().zip(&mut theory.modes).enumerate() {
+        let both = |seed: usize, shape: &ModeShape| {
+            let values = shape.iter().enumerate().map(|(q, (dof, v))| {
+                let kept = if still(q) { Complex64::ZERO } else { v };
+                (dof.clone(), kept + noise(n + seed, q))
+            });
+            ModeShape::new(values.collect::<Vec<_>>())
+        };
+        (own.shape, other.shape) = (both(0, &own.shape), both(50, &other.shape));
+    }
+    let pairing = pair(&test, &theory, &PairOptions::default())
+        .expect("shapes of this test have degrees of freedom in common");
+    assert!(pairing.pairs.len() >= 3);
+    assert_eq!(found(&test, &theory), []);
+}
+
+#[test]
+fn sensors_that_disagree_by_chance_in_three_poor_pairs_are_left() {
+    // Every fifth sensor disagrees in each mode, drawn for each by itself: 300/125 in all three.
+    let mut theory = beam(300);
+    theory.modes.truncate(3);
+    let mut test = theory.clone();
+    let mut state = 12345u64;
+    let mut fifth = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33).is_multiple_of(5)
+    };
+    for mode in &mut test.modes {
+        let values = mode
+            .shape
+            .iter()
+            .map(|(dof, v)| (dof.clone(), if fifth() { -v } else { v }));
+        mode.shape = ModeShape::new(values.collect::<Vec<_>>());
+    }
+    let against = |dof: &Dof| {
+        let both = test.modes.iter().zip(&theory.modes);
+        both.clone()
+            .all(|(a, b)| a.shape.get(dof) != b.shape.get(dof))
+    };
+    let dofs: Vec<Dof> = theory.modes[0]
+        .shape
+        .iter()
+        .map(|(dof, _)| dof.clone())
+        .collect();
+    assert!(dofs.iter().any(against));
+    assert_eq!(found(&test, &theory), []);
+    // Three good pairs say it of as many.
+    let few: Vec<Dof> = dofs.into_iter().filter(against).collect();
+    assert_eq!(found(&turned(&theory, &few), &theory), few);
+}
+
+#[test]
+fn a_poor_model_has_no_reversed_sensors() {
+    for count in [12, 300] {
+        let theory = beam(count);
+        assert_eq!(found(&bent(&theory), &theory), [], "{count}");
+    }
+}
+
+/// A beam that is stiffer at one end: nodes move, and signs near them.
+fn bent(theory: &ModalModel) -> ModalModel {
+    let mut test = theory.clone();
+    for (n, mode) in test.modes.iter_mut().enumerate() {
+        let values = mode.shape.iter().enumerate();
+        let bent = values.map(|(q, (dof, _))| {
+            let x = (q as f64 + 0.7) / (mode.shape.len() as f64 + 0.4);
+            let moved = x + 0.06 * (std::f64::consts::PI * x).sin();
+            let value = ((n + 1) as f64 * std::f64::consts::PI * moved).sin();
+            (dof.clone(), Complex64::from(value))
+        });
+        mode.shape = ModeShape::new(bent.collect::<Vec<_>>());
+    }
+    test
+}
+
+/// The groups of a test with these degrees of freedom, each with its size.
+fn named_groups(test: &ModalModel) -> Vec<(String, usize)> {
+    let map = DofMap::of_models(test, test);
+    let groups = hypotheses(test, &map).into_iter();
+    let named = groups.filter_map(|own| Some((own.group?, own.members.len())));
+    named.collect()
+}
+
+fn at(dofs: &[&str]) -> ModalModel {
+    let values = dofs
+        .iter()
+        .map(|dof| (dof.parse().unwrap(), Complex64::ONE));
+    let shape = ModeShape::new(values.collect::<Vec<(Dof, Complex64)>>());
+    let mut own = model(&[(10.0, &[1.0])]);
+    own.modes[0].shape = shape;
+    own
+}
+
+#[test]
+fn a_group_of_more_than_half_of_the_sensors_is_named_by_the_others() {
+    let named = |own: &[(&str, usize)]| -> Vec<(String, usize)> {
+        own.iter()
+            .map(|(name, n)| ((*name).to_owned(), *n))
+            .collect()
+    };
+    let three = at(&["1:+X", "2:+X", "3:+X", "4:+X", "1:+Y", "1:+Z", "2:+Z"]);
+    let expected = [("directions Y, Z", 3), ("direction Z", 2)];
+    assert_eq!(named_groups(&three), named(&expected));
+    // Two directions of as many sensors are one hypothesis.
+    let two = at(&["1:+X", "2:+X", "1:+Z", "2:+Z"]);
+    assert_eq!(named_groups(&two), named(&[("direction X", 2)]));
+    let components = at(&[
+        "arm.1:+X",
+        "arm.2:+X",
+        "base.1:+X",
+        "base.2:+X",
+        "base.3:+X",
+    ]);
+    assert_eq!(named_groups(&components), named(&[("component arm", 2)]));
+    assert_eq!(named_groups(&at(&["1:+X", "2:+X"])), []);
+}
+
+#[test]
+fn sensors_of_one_file_are_named_together() {
+    let theory = beam(12);
+    let dofs: Vec<Dof> = theory.modes[0]
+        .shape
+        .iter()
+        .map(|(dof, _)| dof.clone())
+        .collect();
+    let mut test = turned(&theory, &dofs[..5]);
+    let file = |path: &str, dofs: &[Dof]| InputFile {
+        path: path.to_owned(),
+        sha256: String::new(),
+        dofs: dofs.to_vec(),
+    };
+    test.inputs = vec![file("a.uff", &dofs[..5]), file("b.uff", &dofs[5..])];
+    let own = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
+    assert!(
+        own.iter()
+            .all(|own| own.group.as_deref() == Some("file a.uff")),
+        "{own:?}"
+    );
+    assert_eq!(own.len(), 5);
+    let findings = reversed_findings(&own, false);
+    assert_eq!(findings.len(), 1);
+    assert_eq!(
+        (findings[0].code, &findings[0].place),
+        (
+            Code::ReversedGroup,
+            &Place::Sensors("file a.uff".to_owned())
+        )
+    );
+}
