@@ -301,6 +301,12 @@ codes! {
     /// The record holds too few time constants of this mode.
     FewTimeConstants: "the record captures few time constants of this mode; its damping and its modal mass may be too high",
         "With n time constants in the record the relative error of H at the resonance is about exp(-n); below 6 it exceeds 0.25 %.";
+    /// Damping that the window of a steady excitation raises.
+    DampingBiasedHigh: "the resonance is few frequency lines wide: leakage of a random excitation under a Hann or flat top window would bias its damping high by about this much; it was not corrected",
+        "Under steady random force the averaged FRF is the true one smoothed by the power spectrum of the window; the wider the window's main lobe beside the resonance, the more damping a fit of poles finds. The value is that bias in percent of the true damping, of a least squares fit of one pole, had the file's window been used, or a Hann window where the file states none; neighbouring modes and the weights of the lines make up to twice as much of it. There is none where even an undamped mode would look as wide. Where the window is stated (dataset 1858 of universal files), `--method ml` fits the smoothed line shape, which removes the bias. A hammer test, and an excitation that is periodic in the record, have no such bias. Record longer.";
+    /// Poles fitted as a window smooths them.
+    WindowLineShape: "the file states a window for steady excitation; the line shape of poles under it was fitted, so that damping holds no bias by leakage",
+        "Under steady random force the averaged H1 is the FRF smoothed by the power spectrum of the window, of which a pole 1/(iω − λ) becomes the transform of e^(λt) times the window's autocorrelation, over records as long as the inverse of the line spacing. Where the excitation was not random but periodic in the record, or the spectra were zero-padded, damping comes out too low: export the FRFs without a window then.";
     /// A mode above the valid band.
     AboveValidBand: "the mode lies above the valid band: beyond 0.4 of the sampling rate, where the anti-alias filter falls off and aliases cannot be excluded, or where the force excites little",
         "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";

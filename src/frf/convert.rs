@@ -27,6 +27,7 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
     let first = usize::from(integrates && laplace(set, 0).norm() <= 0.0);
     let mut out = FrfSet::new(without_first(set.axis(), first));
     out.added_damping_rad_s = set.added_damping_rad_s;
+    out.window = set.window;
     out.record_duration_s = set.record_duration_s;
     out.valid_band = set.valid_band;
     out.excited_band = set.excited_band;

@@ -30,6 +30,7 @@ mod synthesise;
 mod truncation;
 mod usable;
 mod variance;
+mod window;
 
 #[cfg(test)]
 mod decay_tests;
@@ -54,3 +55,4 @@ pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};
 pub use synthesise::{Residues, modal_terms, synthesise};
 pub use truncation::{TRUNCATION_LIMIT, Truncation};
 pub use usable::usable_band;
+pub use window::Window;

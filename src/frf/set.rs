@@ -9,6 +9,8 @@ use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::quantity::FrfKind;
 
+use super::Window;
+
 /// Which FRF estimator made a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
@@ -107,6 +109,8 @@ pub struct FrfSet {
     variance: Vec<Option<Vec<f64>>>,
     /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
     pub added_damping_rad_s: f64,
+    /// Window of all records; `None` where there was none, or nobody says, or functions differ.
+    pub window: Option<Window>,
     /// Length of the records that the functions came from, s; `None` when the file does not say.
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
@@ -132,6 +136,7 @@ impl FrfSet {
             coherence: Vec::new(),
             variance: Vec::new(),
             added_damping_rad_s: 0.0,
+            window: None,
             record_duration_s: None,
             valid_band: None,
             excited_band: None,
@@ -225,6 +230,7 @@ impl FrfSet {
     pub fn part(&self, functions: &[usize]) -> Self {
         let mut part = Self::new(self.axis);
         part.added_damping_rad_s = self.added_damping_rad_s;
+        part.window = self.window;
         part.record_duration_s = self.record_duration_s;
         part.valid_band = self.valid_band;
         part.excited_band = self.excited_band;

@@ -18,6 +18,9 @@
 //!    arbitrary phases, or that repeat a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
 //!    counts as noise in its deviations.
 //!
+//! Where the file states a window for steady excitation, poles have the line shape that it makes of them
+//! ([`receptance`](super::receptance)).
+//!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
 
@@ -33,7 +36,7 @@ use super::indicator::Indicator;
 use super::moving::Moved;
 use super::pruning::{Change, Judge};
 use super::reasons::{Dropped, Evidence};
-use super::receptance::Receptances;
+use super::receptance::{LineShape, Receptances};
 use super::refine::{Stop, apart, refine, unsettle};
 use super::roots::Root;
 use super::search::{self, Found};
@@ -88,6 +91,7 @@ impl Automatic {
         let mut fits: Vec<(Fit, Found)> = Vec::new();
         loop {
             let mut data = Receptances::guarded(set, band)?;
+            data.observe(LineShape::of(set));
             moved.straighten(&mut data);
             let sides = Sides::new(set.functions());
             let sides = if sides.complete() {

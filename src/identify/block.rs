@@ -199,7 +199,7 @@ impl<'a> Windowed<'a> {
             }
             None => Window::new(around.data, &block.lines, poles),
         };
-        let known = known_courses(&around.data.omega[block.lines.clone()], around.roots, block);
+        let known = known_courses(around.data, around.roots, block);
         let near = window.near(around, &known);
         Self {
             energy: window.energy(around, (&known, &near)),
@@ -299,8 +299,9 @@ fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
 }
 
 /// Courses of the other roots and of all conjugates; 0 for the members: lines × twice the roots.
-fn known_courses(omega: &[f64], roots: &[Root], block: &Block) -> ComplexMatrix {
-    let mut known = courses(omega, roots);
+fn known_courses(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
+    let omega = &data.omega[block.lines.clone()];
+    let mut known = courses(data.line_shape, omega, roots);
     for j in &block.members {
         known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
     }

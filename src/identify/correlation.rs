@@ -89,6 +89,11 @@ impl Correlation {
         }
     }
 
+    /// Of some lags, from that of neighbours on.
+    pub fn of_lags(lags: Vec<Complex64>) -> Self {
+        Self { lags }
+    }
+
     /// Of what a fit leaves over. `None` where it is more than noise nearly everywhere.
     pub fn of_rest(rest: &Rest) -> Option<Self> {
         Some(Quiet::new(rest, STRETCHES)?.correlation())

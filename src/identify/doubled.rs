@@ -79,21 +79,20 @@ fn second_terms(
         return None;
     }
     let course = Profile::new(data, lines.clone()).course;
-    let pole = |k: usize, root: &Root| {
-        root.decay() / (Complex64::new(0.0, data.omega[lines.start + k]) - root.lambda)
+    let power = |k: usize, root: &Root, n: usize| {
+        let at = (data.omega[lines.start + k], root.lambda);
+        data.line_shape.power(root.decay(), at, n)
     };
     let middle = 0.5 * lines.len() as f64;
     let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
         let value = match near.get(column) {
-            Some(root) => pole(k, root),
+            Some(root) => power(k, root, 1),
             None if column == near.len() => Complex64::ONE,
             None => Complex64::from(k as f64 / middle - 1.0),
         };
         value / course[k]
     });
-    let second = linalg::complex_matrix(lines.len(), 1, |k, _| {
-        pole(k, &roots[j]).powi(2) / course[k]
-    });
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &roots[j], 2) / course[k]);
     let basis = linalg::thin_qr(&others).ok()?.q;
     let own = &second - &basis * (basis.adjoint() * &second);
     let norm = own.norm_l2();

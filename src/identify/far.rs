@@ -8,7 +8,7 @@ use crate::linalg::{self, ComplexMatrix};
 
 use super::background::{Background, Course, EVERYWHERE, Outside};
 use super::noise_profile::Profile;
-use super::receptance::Receptances;
+use super::receptance::{LineShape, Receptances};
 use super::roots::Root;
 
 /// What lies outside the lines, told from all of them together: the background of the whole band.
@@ -17,6 +17,7 @@ use super::roots::Root;
 /// there, and the whole band knows by how much.
 pub(super) struct Far {
     omega: Vec<f64>,
+    line_shape: LineShape,
     level: Vec<f64>,
     /// Columns of the background times their coordinates, and what gives the coordinates: lines × columns.
     columns: ComplexMatrix,
@@ -92,6 +93,7 @@ impl Far {
         let weights = of(&|k| course[k].recip());
         Self {
             omega: data.omega.clone(),
+            line_shape: data.line_shape,
             coordinates: linalg::adjoint_product(&weights, data.values.matrix().as_ref()),
             columns: of(&|k| course[k]),
             weights,
@@ -106,7 +108,7 @@ impl Far {
 
     /// Coordinates of what the roots leave over: columns × functions.
     pub fn of_rest(&self, roots: &[Root]) -> ComplexMatrix {
-        let courses = self.weights.adjoint() * courses(&self.omega, roots);
+        let courses = self.weights.adjoint() * courses(self.line_shape, &self.omega, roots);
         &self.coordinates - courses * residues(roots, self.level.len())
     }
 
@@ -193,7 +195,11 @@ impl Described<'_> {
     /// What they leave over on some lines, over the noise at each.
     pub fn left_over(&self, lines: Range<usize>) -> Rest {
         let first = self.far.columns.ncols();
-        let roots = courses(&self.far.omega[lines.clone()], self.roots);
+        let roots = courses(
+            self.far.line_shape,
+            &self.far.omega[lines.clone()],
+            self.roots,
+        );
         let courses = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
             if c < first {
                 self.far.columns[(lines.start + k, c)]
@@ -215,7 +221,7 @@ impl Described<'_> {
 }
 
 /// `1/(iω − λ)` of every root and of its conjugate: lines × twice the roots.
-pub(super) fn courses(omega: &[f64], roots: &[Root]) -> ComplexMatrix {
+pub(super) fn courses(line_shape: LineShape, omega: &[f64], roots: &[Root]) -> ComplexMatrix {
     linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
         let lambda = roots[place / 2].lambda;
         let lambda = if place % 2 == 0 {
@@ -223,7 +229,7 @@ pub(super) fn courses(omega: &[f64], roots: &[Root]) -> ComplexMatrix {
         } else {
             lambda.conj()
         };
-        (Complex64::new(0.0, omega[k]) - lambda).inv()
+        line_shape.pole(omega[k], lambda)
     })
 }
 

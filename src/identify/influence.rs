@@ -28,18 +28,33 @@ use crate::linalg::{self, ComplexMatrix};
 use super::automatic::Fit;
 use super::background::Background;
 use super::correlation::Correlation;
+use super::far::Rest;
 use super::noise_profile::Profile;
 use super::receptance::Receptances;
 use super::refine::window;
 use super::roots::Root;
 
+/// Half-power bandwidths on either side in which the residual tells what functions share, and fewest lines: within 2 the fit leaves too
+/// few values, beyond 5 other noise is more than that of the resonance.
+const ALONG_HALF_POWER_WIDTHS: f64 = 3.0;
+const MIN_ALONG_LINES: usize = 6;
+/// Complex values that the fit took of them: pole, residue, constant and slope.
+const FITTED: f64 = 4.0;
+/// Fewest degrees of freedom: the variance of a Student variable of fewer is none.
+const MIN_FREEDOM: f64 = 3.0;
 /// Least part of the derivative's course that nothing else explains.
 const OWN: f64 = 1e-6;
 
 impl Fit {
     /// Deviations of the poles with the noise as it is.
     pub fn reckon_with_noise(&mut self) {
-        let factor = |root: &Root| raised(&self.data, &self.roots, root);
+        let rest = self.data.line_shape.is_smoothed().then(|| self.rest());
+        let factor = |root: &Root| {
+            let along = rest
+                .as_ref()
+                .map(|rest| power_along(&self.data, rest, root));
+            raised(&self.data, &self.roots, (root, along.unwrap_or(0.0)))
+        };
         let factors: Vec<Option<f64>> = self.roots.par_iter().map(factor).collect();
         for (root, factor) in self.roots.iter_mut().zip(factors) {
             if let Some(factor) = factor {
@@ -49,8 +64,40 @@ impl Fit {
     }
 }
 
-/// Variance of a pole over that in noise as the fit weights it; `None` where its lines do not tell it from what is around.
-fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
+/// Power of the residual along the residues of a root, over what functions that err each by itself would leave there.
+///
+/// Under steady random force leakage is an error of a mode's response to the force, which all functions hold in the ratio of their
+/// residues `a`: `E|Σ_f conj(a_f) r_f/l_f²|²` is then up to n times `Σ_f |a_f|² v_f/l_f⁴` of n functions, and so is the variance of the pole.
+/// The residual tells it on the lines of the resonance, less what the fit took of these.
+fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
+    let side = (ALONG_HALF_POWER_WIDTHS * root.width() / data.step).ceil() as usize;
+    let (side, top) = (side.max(MIN_ALONG_LINES), data.line_of(root.lambda));
+    let lines = top.saturating_sub(side)..(top + side + 1).min(data.lines());
+    let functions = 0..data.functions();
+    let variance: Vec<f64> = functions
+        .map(|f| data.mean_variance(f, lines.clone()))
+        .collect();
+    let (mut along, mut alone) = (0.0, 0.0);
+    for k in lines.clone() {
+        let mut sum = Complex64::ZERO;
+        for (f, a) in root.residues.iter().enumerate() {
+            let weight = a.conj() * (data.deviation(f, k) / variance[f]);
+            sum += weight * rest.at(f, k);
+            alone += weight.norm_sqr();
+        }
+        along += sum.norm_sqr();
+    }
+    // Independent complex values, and the degrees of freedom that the fit leaves of them; a deviation from few of these is that of a
+    // Student variable.
+    let values = lines.len() as f64 / data.correlation.alike();
+    let freedom = (2.0 * (values - FITTED)).max(MIN_FREEDOM);
+    let ratio = along / alone * (2.0 * values / freedom) * (freedom / (freedom - 2.0));
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
+
+/// Variance of a pole over that in noise as the fit weights it, at least so many times that of functions that err each by itself; `None`
+/// where its lines do not tell it from what is around.
+fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
     let profile = Profile::new(data, lines.clone());
     let course = derivative(data, (roots, root), (&lines, &profile))?;
@@ -60,6 +107,7 @@ fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
     let weights: f64 = weights.map(|(f, a)| a.norm_sqr() / over(f)).sum();
     // Of the response and of the force where it is not shared, mean squares over the functions; along the response, by hit point.
     let (mut own, mut single) = (vec![0.0; lines.len()], vec![0.0; lines.len()]);
+    let mut alone = vec![0.0; lines.len()];
     let mut turn = vec![Complex64::ZERO; lines.len()];
     let mut shared = Vec::new();
     for (group, part) in data.shared.parts_of_groups() {
@@ -72,6 +120,7 @@ fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
             for (k, ((h, v), p)) in values.iter().zip(variance).zip(by_force).enumerate() {
                 let p = p.clamp(0.0, 1.0);
                 own[k] += a.norm_sqr() * v * (1.0 - p);
+                alone[k] += a.norm_sqr() * v;
                 single[k] += (1.0 - part) * a.norm_sqr() * v * p;
                 let size = h.norm().max(f64::MIN_POSITIVE);
                 along[k] += a * h * ((v * p).sqrt() / size);
@@ -101,6 +150,10 @@ fn raised(data: &Receptances, roots: &[Root], root: &Root) -> Option<f64> {
     for along in shared {
         variance += by_force.power(&plan, each(&|k| along[k]));
     }
+    if along > 0.0 {
+        let alone = by_response.power(&plan, each(&|k| alone[k].sqrt().into()));
+        variance = variance.max(along * alone);
+    }
     let factor = variance / (energy * weights);
     // Correlation that chance makes lowers nothing.
     factor.is_finite().then_some(factor.max(1.0))
@@ -123,17 +176,19 @@ fn derivative(
     if lines.len() < columns + near.len() + 2 {
         return None;
     }
-    let pole = |k: usize, root: &Root| root.decay() / (Complex64::new(0.0, omega[k]) - root.lambda);
+    let power = |k: usize, root: &Root, n: usize| {
+        data.line_shape
+            .power(root.decay(), (omega[k], root.lambda), n)
+    };
     let others = linalg::complex_matrix(lines.len(), columns + near.len(), |k, column| {
         let value = match column.checked_sub(columns) {
-            Some(place) => pole(k, near[place]),
+            Some(place) => power(k, near[place], 1),
             None => background.value(column, omega, k),
         };
         value / profile.course[k]
     });
-    let second = linalg::complex_matrix(lines.len(), 1, |k, _| {
-        pole(k, root).powi(2) / profile.course[k]
-    });
+    let second =
+        linalg::complex_matrix(lines.len(), 1, |k, _| power(k, root, 2) / profile.course[k]);
     let basis: ComplexMatrix = linalg::thin_qr(&others).ok()?.q;
     let own = &second - &basis * (basis.adjoint() * &second);
     let enough = own.norm_l2() > OWN * second.norm_l2();

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::frf::{Function, runs};
 
 use super::Candidate;
-use super::receptance::Receptances;
+use super::receptance::{LineShape, Receptances};
 use super::roots::Root;
 use super::sides::Sides;
 
@@ -119,8 +119,9 @@ impl Moved {
         }
         for (run, functions) in self.runs.iter().enumerate() {
             for f in functions {
+                let line_shape = data.line_shape;
                 data.correct(*f, |omega| {
-                    let own = |mode: &Moving| mode.correction((*f, run), omega);
+                    let own = |mode: &Moving| mode.correction(line_shape, (*f, run), omega);
                     self.modes.iter().map(own).sum()
                 });
             }
@@ -444,11 +445,11 @@ impl Moving {
     }
 
     /// What brings a function of a run from its own pole to the mean, at one frequency, rad/s.
-    fn correction(&self, (f, run): (usize, usize), omega: f64) -> Complex64 {
+    fn correction(&self, shape: LineShape, (f, run): (usize, usize), omega: f64) -> Complex64 {
+        let pole = |lambda: Complex64| shape.pole(omega, lambda);
         let (a, lambda) = (self.residues[f], self.lambda);
         let own = lambda + self.shifts[run];
-        a * (pole(omega, lambda) - pole(omega, own))
-            + a.conj() * (pole(omega, lambda.conj()) - pole(omega, own.conj()))
+        a * (pole(lambda) - pole(own)) + a.conj() * (pole(lambda.conj()) - pole(own.conj()))
     }
 }
 
@@ -486,10 +487,6 @@ fn poles_beside(
         }
     };
     others.flat_map(poles).collect()
-}
-
-fn pole(omega: f64, lambda: Complex64) -> Complex64 {
-    (Complex64::new(0.0, omega) - lambda).inv()
 }
 
 #[cfg(test)]

@@ -81,6 +81,13 @@ impl Evidence<'_> {
                 Place::Whole,
             ));
         }
+        if self.data.line_shape.is_smoothed() {
+            findings.push(Finding::new(
+                Severity::Info,
+                Code::WindowLineShape,
+                Place::Whole,
+            ));
+        }
         if let Some(rate) = self.data.unstated_decay() {
             let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Place::Whole);
             findings.push(match rate {

@@ -24,8 +24,10 @@ use super::noise::{self, Noise};
 use super::noise_course::Smooth;
 use super::shared::Shared;
 
+mod line_shape;
 mod told;
 
+pub(super) use line_shape::{LineShape, leakage_bias};
 use told::ToldFrom;
 
 /// Lines beside a band that are used with it, as a share of its own.
@@ -64,6 +66,8 @@ pub(super) struct Receptances {
     pub omega: Vec<f64>,
     /// Spacing of the lines, rad/s.
     pub step: f64,
+    /// What the records make of a pole.
+    pub line_shape: LineShape,
     /// Values, m/N.
     pub values: Values,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
@@ -146,6 +150,7 @@ impl Receptances {
         });
         let mut data = Self {
             step,
+            line_shape: LineShape::EXACT,
             values: Values(values),
             variance,
             by_force,
@@ -238,6 +243,15 @@ impl Receptances {
     pub fn line_of(&self, lambda: Complex64) -> usize {
         let line = ((lambda.im - self.omega[0]) / self.step).round();
         (line.max(0.0) as usize).min(self.lines() - 1)
+    }
+
+    /// Takes over the line shape of poles, with the correlation of noise that goes with it.
+    pub fn observe(&mut self, line_shape: LineShape) {
+        self.line_shape = line_shape;
+        if let Some(correlation) = line_shape.noise_correlation() {
+            self.correlation = correlation;
+        }
+        self.renew();
     }
 
     /// Adds to a function what is to be corrected of it at each frequency, rad/s.

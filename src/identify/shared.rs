@@ -221,15 +221,15 @@ impl Shared {
         &self,
         data: &Receptances,
         root: &Root,
-        power: i32,
+        power: usize,
         response: impl Fn(usize, usize) -> Complex64,
     ) -> Vec<Part> {
         let mut parts = Vec::new();
         let lines = lines_around(data, root, REACH);
         let stride = lines.len().div_ceil(MOST_LINES);
         for k in lines.step_by(stride) {
-            let course =
-                (root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda)).powi(power);
+            let at = (data.omega[k], root.lambda);
+            let course = data.line_shape.power(root.decay(), at, power);
             for (number, group) in self.groups.iter().enumerate() {
                 let own = |f: usize| root.residues[f] * course / data.deviation(f, k);
                 let part = split(group, own, |f| response(k, f) / data.deviation(f, k));
@@ -301,9 +301,9 @@ fn ratio(above: f64, below: f64) -> Option<f64> {
 
 /// What a root makes of a function at a line, its conjugate included.
 fn contribution(data: &Receptances, root: &Root, (k, f): (usize, usize)) -> Complex64 {
-    let s = Complex64::new(0.0, data.omega[k]);
+    let pole = |lambda| data.line_shape.pole(data.omega[k], lambda);
     let residue = root.residues[f];
-    residue / (s - root.lambda) + residue.conj() / (s - root.lambda.conj())
+    residue * pole(root.lambda) + residue.conj() * pole(root.lambda.conj())
 }
 
 /// Energies of one line of one hit point.

@@ -98,7 +98,7 @@ impl LeftOver<'_> {
     ) -> Option<Root> {
         let lines = stretch.top.saturating_sub(stretch.width)
             ..(stretch.top + stretch.width + 1).min(self.data.lines());
-        let course = |k: usize| (Complex64::new(0.0, self.data.omega[k]) - lambda).inv();
+        let course = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
         let size = lines
             .clone()
             .map(|k| course(k).norm_sqr())

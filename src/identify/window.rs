@@ -7,6 +7,7 @@
 //! g = |σ/σ_0| (x + ε x² + ε² x³ + …)      g² = |σ/σ_0|² (x² + 2ε x³ + …)
 //! ```
 //!
+//! (of a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`)
 //! so that the coordinates of the values in an orthonormal basis of background, x, x² and x³ serve all poles near λ_0: a step of a fit
 //! touches no line, and the values are read once for as long as poles stay near and the noise is the same. What other roots put into
 //! the window has coordinates as well, which are taken from those of the values.
@@ -22,7 +23,7 @@ use super::background::Background;
 use super::block::Surroundings;
 use super::linearised::Compressed;
 use super::noise_profile::Profile;
-use super::receptance::Receptances;
+use super::receptance::{LineShape, Receptances};
 use super::roots::Root;
 
 /// Powers of each course.
@@ -77,7 +78,7 @@ impl Window {
         let background = Background::new(&data.omega, lines, data.outside());
         let first = background.columns();
         let columns = first + POWERS * about.len();
-        let courses = courses(omega, &about);
+        let courses = courses(data.line_shape, omega, &about);
         let value = |k: usize, column: usize| {
             let value = match column.checked_sub(first) {
                 None => background.value(column, omega, k),
@@ -154,7 +155,7 @@ impl Window {
 
     fn grow(&mut self, data: &Receptances, more: Vec<Complex64>) {
         let course = &self.profile.course;
-        let courses = courses(&data.omega[self.lines.clone()], &more);
+        let courses = courses(data.line_shape, &data.omega[self.lines.clone()], &more);
         // Twice, the second time at full length: of columns that nearly lie in the basis the first leaves rounding as well.
         let (above, first) = self.apart(&over(&courses, course));
         let (correction, second) = self.apart(&first.q);
@@ -339,11 +340,10 @@ fn near(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
 }
 
 /// Powers of the course of each pole: lines × powers of all.
-fn courses(omega: &[f64], about: &[Complex64]) -> ComplexMatrix {
+fn courses(line_shape: LineShape, omega: &[f64], about: &[Complex64]) -> ComplexMatrix {
     linalg::complex_matrix(omega.len(), POWERS * about.len(), |k, place| {
         let lambda = about[place / POWERS];
-        let course = lambda.re.abs() / (Complex64::new(0.0, omega[k]) - lambda);
-        course.powu((place % POWERS) as u32 + 1)
+        line_shape.power(lambda.re.abs(), (omega[k], lambda), place % POWERS + 1)
     })
 }
 

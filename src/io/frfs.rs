@@ -104,6 +104,7 @@ impl Collected {
         let place = self.sets.iter().position(fits).unwrap_or_else(|| {
             let mut set = FrfSet::new(axis);
             (set.added_damping_rad_s, set.record_duration_s) = (decay, note.record_s);
+            set.window = note.window;
             self.sets.push(Collecting {
                 set,
                 repeats: BTreeMap::new(),
@@ -161,7 +162,8 @@ impl Collecting {
         self.valid_bands.extend(band);
         self.averages_assumed |= read.averages_assumed;
         self.set.findings.extend(read.finding);
-        // The record length is what is true of all functions.
+        // Window and record length are what is true of all functions.
+        self.set.window = self.set.window.filter(|own| note.window == Some(*own));
         let common = self.set.record_duration_s;
         self.set.record_duration_s = common.filter(|own| note.record_s == Some(*own));
         let pair = (function.response.with_repeat(1), function.reference.clone());

@@ -157,3 +157,24 @@ fn only_the_set_that_needs_it_assumes_a_number_of_averages() {
     let counts: Vec<usize> = sets.iter().map(|set| set.findings.len()).collect();
     assert_eq!(counts, [0, 1]);
 }
+
+#[test]
+fn a_set_has_the_window_that_all_its_functions_state() {
+    let window_of = |windows: [Option<Window>; 2]| {
+        let mut source = MemorySource::default();
+        for (response, window) in ["2:+Z", "3:+Z"].into_iter().zip(windows) {
+            let mut entry = entry(FunctionType::Frf, response);
+            entry.note.window = window;
+            let values = vec![Complex64::new(3.0, 4.0); 3];
+            source.push(entry, Block::Complex(values), Vec::new());
+        }
+        let sets = sets(vec![source], None);
+        assert_eq!(sets.len(), 1);
+        sets[0].window
+    };
+    let hann = Some(Window::HannNarrow);
+    assert_eq!(window_of([hann, hann]), hann);
+    assert_eq!(window_of([hann, None]), None);
+    assert_eq!(window_of([None, hann]), None);
+    assert_eq!(window_of([hann, Some(Window::FlatTop)]), None);
+}

@@ -42,6 +42,7 @@ mod matrix_tests;
 #[cfg(test)]
 mod modes_csv_tests;
 
+pub use crate::frf::Window;
 pub use catalog::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
     ModeEntry, SampleFormat,
@@ -63,7 +64,7 @@ pub use memory::{MemorySource, Merged};
 pub use modes_csv::ModesCsv;
 pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};
-pub use note::{FunctionNote, Window};
+pub use note::FunctionNote;
 pub use numpy::{Npy, Npz};
 pub use selection_json::{SELECTION_SCHEMA, read_selection, selection_from_json};
 pub use sources::{FrfSource, frf_source, hit_source};

@@ -1,6 +1,6 @@
 //! How a function was made, as far as a file says it.
 
-use crate::frf::Estimator;
+use crate::frf::{Estimator, Window};
 
 /// What a file says of how a function was made. Universal files of modalign hold it in their ID lines 4 and 5.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,56 +19,6 @@ pub struct FunctionNote {
     pub variance_dof: Option<f64>,
     /// Window of the records; `None` where there was none or nobody says.
     pub window: Option<Window>,
-}
-
-/// Window of the records of a function, as dataset 1858 of universal files numbers them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Window {
-    /// 1, Hann, narrow band.
-    HannNarrow,
-    /// 2, Hann, broad band.
-    HannBroad,
-    /// 3, flat top.
-    FlatTop,
-    /// 4, exponential.
-    Exponential,
-    /// 5, impact (force).
-    Force,
-    /// 6, impact and exponential.
-    ForceAndExponential,
-}
-
-/// Windows by their number less one, with their names in files.
-const WINDOWS: [(Window, &str); 6] = [
-    (Window::HannNarrow, "hann-narrow"),
-    (Window::HannBroad, "hann-broad"),
-    (Window::FlatTop, "flat-top"),
-    (Window::Exponential, "exponential"),
-    (Window::Force, "force"),
-    (Window::ForceAndExponential, "force-and-exponential"),
-];
-
-impl Window {
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        WINDOWS[self as usize].1
-    }
-
-    /// The window of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        WINDOWS.iter().find(|row| row.1 == name).map(|row| row.0)
-    }
-
-    /// The number in dataset 1858.
-    pub fn code(self) -> i64 {
-        self as i64 + 1
-    }
-
-    /// The window of this number in dataset 1858; `None` for 0, which is none or unknown.
-    pub fn from_code(code: i64) -> Option<Self> {
-        let index = usize::try_from(code.checked_sub(1)?).ok()?;
-        WINDOWS.get(index).map(|row| row.0)
-    }
 }
 
 /// The mark that the line begins with.
@@ -193,18 +143,5 @@ mod tests {
         assert_eq!(pack_fields(&fields, &mut lines), 1);
         let expected = format!("modalign {} {}", fields[0], fields[2]);
         assert_eq!((expected.len(), &lines), (80, &[None, Some(expected)]));
-    }
-
-    #[test]
-    fn windows_have_a_number_and_a_name() {
-        for (code, (window, name)) in (1..).zip(WINDOWS) {
-            assert_eq!(Window::from_code(code), Some(window));
-            assert_eq!(window.code(), code);
-            assert_eq!(Window::from_name(name), Some(window));
-            assert_eq!(window.name(), name);
-        }
-        for code in [i64::MIN, -1, 0, 7] {
-            assert_eq!(Window::from_code(code), None);
-        }
     }
 }

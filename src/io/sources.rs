@@ -171,6 +171,7 @@ fn function_entry(set: &FrfSet, function: &Function, title: &str) -> Entry {
             estimator: function.estimator,
             added_damping_rad_s: Some(set.added_damping_rad_s).filter(|decay| *decay > 0.0),
             record_s: set.record_duration_s,
+            window: set.window,
             variance_dof: function.variance_dof,
             valid_hz: set.valid_band.map(|band| (band.lo_hz, band.hi_hz)),
             ..FunctionNote::default()

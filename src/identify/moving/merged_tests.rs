@@ -7,7 +7,8 @@ use num_complex::Complex64;
 use crate::identify::Candidate;
 use crate::modal::Pole;
 
-use super::{Moved, Moving, Told, pole};
+use super::{Moved, Moving, Told};
+use crate::identify::receptance::LineShape;
 
 #[test]
 fn a_function_is_brought_from_the_pole_of_its_run_to_the_mean() {
@@ -21,12 +22,15 @@ fn a_function_is_brought_from_the_pole_of_its_run_to_the_mean() {
         residues: vec![Complex64::new(1.0, -2.0), Complex64::new(-0.5, 3.0)],
         shifts: shifts.clone(),
     };
+    let shape = LineShape::EXACT;
     for (f, run) in [(0, 1), (1, 0)] {
         let a = mode.residues[f];
         for omega in [58.0, 60.3, 61.0] {
-            let with =
-                |lambda: Complex64| a * pole(omega, lambda) + a.conj() * pole(omega, lambda.conj());
-            let brought = with(mean + shifts[run]) + mode.correction((f, run), omega);
+            let with = |lambda: Complex64| {
+                let pole = |lambda: Complex64| shape.pole(omega, lambda);
+                a * pole(lambda) + a.conj() * pole(lambda.conj())
+            };
+            let brought = with(mean + shifts[run]) + mode.correction(shape, (f, run), omega);
             assert!((brought - with(mean)).norm() < 1e-12, "{f} {omega}");
         }
     }

@@ -13,7 +13,7 @@ use super::super::standing::lines_around;
 use super::merging::{Criterion, between_runs};
 use super::run::{Run, Step, without};
 use super::track::{Fitted, Track};
-use super::{Moved, Moving, pole};
+use super::{Moved, Moving};
 
 /// Half-power widths on either side in which a pole is looked at.
 const REACH: f64 = 3.0;
@@ -44,7 +44,7 @@ pub(super) const STILL: f64 = 1e-6;
 
 /// The lines around a strong root and the roots of its group, without what roots farther away explain.
 pub(super) struct Resonance<'a> {
-    data: &'a Receptances,
+    pub(super) data: &'a Receptances,
     pub(super) omega: Vec<f64>,
     pub(super) profile: Profile,
     /// Over the noise, as runs are brought together: lines × functions.
@@ -132,7 +132,7 @@ impl<'a> Resonance<'a> {
         }
         let profile = Profile::new(data, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
-        let explained = courses(&omega, &far) * residues(&far, data.functions());
+        let explained = courses(data.line_shape, &omega, &far) * residues(&far, data.functions());
         let straight = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
             let value = data.values[f][lines.start + k] - explained[(k, f)];
             value / over(k, f)
@@ -148,7 +148,7 @@ impl<'a> Resonance<'a> {
             {
                 let own = modes_near
                     .iter()
-                    .map(|mode| mode.correction((f, run), omega[k]));
+                    .map(|mode| mode.correction(data.line_shape, (f, run), omega[k]));
                 values[(k, f)] -= own.sum::<Complex64>() / over(k, f);
             }
         }
@@ -176,7 +176,7 @@ impl<'a> Resonance<'a> {
         let columns = near.len() + self.background.ncols();
         let columns = linalg::complex_matrix(self.omega.len(), columns, |k, column| {
             let value = match near.get(column) {
-                Some(lambda) => pole(self.omega[k], *lambda) * lambda.re,
+                Some(lambda) => self.data.line_shape.pole(self.omega[k], *lambda) * lambda.re,
                 None => self.background[(k, column - near.len())],
             };
             value / self.profile.course[k]
@@ -424,7 +424,8 @@ impl<'a> Resonance<'a> {
     /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background fitted here.
     fn left_by_roots(&self) -> f64 {
         let own: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
-        let explained = courses(&self.omega, &own) * residues(&own, self.data.functions());
+        let explained = courses(self.data.line_shape, &self.omega, &own)
+            * residues(&own, self.data.functions());
         let Profile { course, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.functions());
         let rest = linalg::complex_matrix(lines, functions, |k, f| {

@@ -4,7 +4,6 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-use super::pole;
 use super::resonance::{Resonance, STILL};
 
 /// Largest change of a decay rate over that of its frequency.
@@ -152,10 +151,15 @@ impl<'a> Run<'a> {
     }
 
     /// Courses of a power of `1/(iω − λ)` for some poles over that of the noise: lines × poles.
-    fn courses(&self, poles: &[Complex64], power: i32) -> ComplexMatrix {
-        let Resonance { omega, profile, .. } = self.resonance;
+    fn courses(&self, poles: &[Complex64], power: usize) -> ComplexMatrix {
+        let Resonance {
+            omega,
+            profile,
+            data,
+            ..
+        } = self.resonance;
         linalg::complex_matrix(omega.len(), poles.len(), |k, j| {
-            pole(omega[k], poles[j]).powi(power) / profile.course[k]
+            data.line_shape.power(1.0, (omega[k], poles[j]), power) / profile.course[k]
         })
     }
 

@@ -1,0 +1,178 @@
+//! Damping from tests under steady random force, whose windows smooth the FRFs.
+
+use super::steady::Steady;
+use crate::axis::Band;
+use crate::finding::{Code, Finding, Place};
+use crate::frf::{FrfSet, Window};
+use crate::identify::synthetic::Structure;
+use crate::identify::{IdentifyOptions, MethodOptions, identify};
+use crate::modal::Mode;
+
+const POINTS: usize = 10;
+/// Natural frequencies, Hz, and damping ratios: of the kind of a highway bridge, half-power bandwidths of 1.7 to 3.4 lines.
+const MODES: [(f64, f64); 6] = [
+    (2.48, 0.0106),
+    (2.96, 0.0129),
+    (3.50, 0.0152),
+    (4.08, 0.0110),
+    (4.17, 0.0086),
+    (4.63, 0.0092),
+];
+const DRAWS: u64 = 12;
+
+/// Bending and torsion, half of the points on either side.
+fn bridge() -> Structure {
+    let half = POINTS / 2;
+    let shape = |r: usize| {
+        let point = |p: usize| {
+            let x = (p % half + 1) as f64 / (half + 1) as f64;
+            let side = if p >= half && r % 2 == 1 { -1.0 } else { 1.0 };
+            side * (std::f64::consts::PI * ((r / 2 + 1) as f64 * x + 0.15)).sin()
+        };
+        (0..POINTS).map(point).collect()
+    };
+    let modes = MODES.iter().enumerate();
+    Structure {
+        modes: modes.map(|(r, (f, z))| (*f, *z, shape(r))).collect(),
+    }
+}
+
+/// 30 averages of 32 s, and 10 % of noise on the responses.
+fn measured(seed: u64, coherence_given: bool) -> FrfSet {
+    let how = Steady {
+        rate_hz: 32.0,
+        record: 1024,
+        averages: 30,
+        noise: 0.1,
+        hann: true,
+        coherence_given,
+        seed,
+    };
+    how.measured(&bridge(), Band::new(1.0, 8.0).unwrap())
+}
+
+fn in_band(lo_hz: f64, hi_hz: f64, order: Option<usize>) -> IdentifyOptions {
+    IdentifyOptions {
+        band: Some(Band::new(lo_hz, hi_hz).unwrap()),
+        estimator: MethodOptions {
+            max_order: order,
+            ..MethodOptions::default()
+        },
+        ..IdentifyOptions::default()
+    }
+}
+
+/// What an identification says of the damping of one mode.
+struct Damping {
+    /// Error over the true damping.
+    error: f64,
+    /// The same of its standard deviation.
+    std: f64,
+}
+
+/// The six modes of the bridge, of which no other is allowed and none may be missing.
+fn dampings(set: &FrfSet, options: &IdentifyOptions) -> Vec<Damping> {
+    let model = identify(set, options).unwrap();
+    let (lo_hz, hi_hz) = (MODES[0].0 - 0.3, MODES[5].0 + 0.3);
+    let inside = |mode: &&Mode| (lo_hz..hi_hz).contains(&mode.frequency_hz);
+    let modes: Vec<_> = model.modes.iter().filter(inside).collect();
+    let found: Vec<f64> = modes.iter().map(|mode| mode.frequency_hz).collect();
+    assert_eq!(found.len(), 6, "{found:?}");
+    let damping = |(mode, (hz, truth)): (&&Mode, &(f64, f64))| {
+        // Half of the half-power bandwidth.
+        assert!((mode.frequency_hz - hz).abs() < hz * truth, "{found:?}");
+        Damping {
+            error: mode.damping_ratio.unwrap() / truth - 1.0,
+            std: mode.damping_std.unwrap() / truth,
+        }
+    };
+    modes.iter().zip(&MODES).map(damping).collect()
+}
+
+fn stated(seed: u64, coherence_given: bool) -> FrfSet {
+    let mut set = measured(seed, coherence_given);
+    set.window = Some(Window::HannNarrow);
+    set
+}
+
+#[test]
+fn damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation() {
+    for given in [true, false] {
+        let draws =
+            (1..=DRAWS).flat_map(|seed| dampings(&stated(seed, given), &in_band(2.0, 5.0, None)));
+        let all: Vec<Damping> = draws.collect();
+        let count = all.len() as f64;
+        let mean = all.iter().map(|own| own.error).sum::<f64>() / count;
+        let rms = |of: &dyn Fn(&Damping) -> f64| {
+            (all.iter().map(|own| of(own).powi(2)).sum::<f64>() / count).sqrt()
+        };
+        let (scatter, normalised) = (rms(&|own| own.error), rms(&|own| own.error / own.std));
+        // Three standard errors; fits of poles that are not smoothed are 13 to 25 % too high.
+        assert!(
+            mean.abs() < 3.0 * scatter / count.sqrt(),
+            "{given}: {mean} {scatter}"
+        );
+        assert!(scatter < 0.06, "{given}: {scatter}");
+        // 95 % intervals: 99.9 % of binomial counts of 72 are above 61. No deviation is twice what it need be.
+        let inside = |own: &&Damping| own.error.abs() < 1.96 * own.std;
+        let covered = all.iter().filter(inside).count();
+        assert!(covered >= 62, "{given}: {covered} of {count}, {normalised}");
+        assert!(normalised > 0.5, "{given}: {normalised}");
+    }
+}
+
+#[test]
+fn band_and_order_change_damping_by_less_than_its_deviation() {
+    let set = stated(3, true);
+    let first = dampings(&set, &in_band(2.0, 5.0, None));
+    let others = [
+        in_band(2.2, 4.9, None),
+        in_band(1.0, 7.0, None),
+        in_band(2.0, 5.0, Some(20)),
+        in_band(2.0, 5.0, Some(12)),
+    ];
+    for options in &others {
+        for (own, first) in dampings(&set, options).iter().zip(&first) {
+            assert!((own.error - first.error).abs() < first.std, "{options:?}");
+        }
+    }
+}
+
+#[test]
+fn where_no_window_is_stated_the_bias_of_damping_is_reported() {
+    let (mut reported, mut made) = (0.0, 0.0);
+    for seed in 1..=4 {
+        let set = measured(seed, false);
+        let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
+        let distance = |mode: &&Mode| (mode.frequency_hz - MODES[5].0).abs();
+        let mode = model
+            .modes
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap();
+        let place = Place::Mode(mode.frequency_hz);
+        let told = |own: &&Finding| own.code == Code::DampingBiasedHigh && own.place == place;
+        reported += model.findings.iter().find(told).unwrap().value.unwrap();
+        made += 100.0 * (mode.damping_ratio.unwrap() / MODES[5].1 - 1.0);
+    }
+    assert!(
+        made > 0.5 * reported && made < 2.0 * reported,
+        "{made} {reported}"
+    );
+}
+
+#[test]
+fn hits_have_no_bias_by_a_window() {
+    let mut set = measured(1, true);
+    let told = |set: &FrfSet| {
+        let model = identify(set, &in_band(2.0, 5.0, None)).unwrap();
+        let own = |own: &Finding| own.code == Code::DampingBiasedHigh;
+        model.findings.iter().any(own)
+    };
+    assert!(told(&set));
+    set.window = Some(Window::Exponential);
+    assert!(!told(&set));
+    set.window = None;
+    set.record_duration_s = Some(32.0);
+    assert!(!told(&set));
+}
