@@ -14,7 +14,7 @@ use crate::report::{
     Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_own_modes,
     breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_cells, stability_svg,
 };
-use crate::scene::{ModesOptions, Observer, load_modes, read_text, run_observed};
+use crate::scene::{ModesOptions, Observer, load_modes, lost_parts, read_text, run_observed};
 use crate::study::breakdown::{
     BreakdownTable, CellStore, Finished, OwnMode, Part, Plan, SliceResult, compute, merge,
     own_modes,
@@ -57,7 +57,7 @@ fn part(text: &str) -> Result<Part, String> {
         .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
 }
 
-/// Computes or merges the slices and writes what they show. Exit code 0.
+/// Computes or merges the slices and writes what they show. Exit code 1 when part of the files of its own modes was bad.
 pub fn breakdown(
     args: &BreakdownArgs,
     reading: SceneReading,
@@ -88,7 +88,11 @@ pub fn breakdown(
         output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
         return Ok(Outcome::Done);
     }
-    let (title, own_modes) = spec.own_modes(reading, output.observer())?;
+    let OwnModes {
+        title,
+        modes: own_modes,
+        is_bad,
+    } = spec.own_modes(reading, output)?;
     let rates = breakdown_rates(&finished);
     let own = BreakdownFile {
         schema: json::BREAKDOWN_SCHEMA.to_owned(),
@@ -107,7 +111,7 @@ pub fn breakdown(
     let blocks: Vec<Block> = breakdown_blocks(&own).into_iter().chain(rates).collect();
     output.blocks(&blocks);
     output.json(|| json::breakdown_to_json(&own));
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(is_bad))
 }
 
 fn finished(
@@ -171,31 +175,51 @@ impl Spec {
     }
 
     /// The modes of `modes`, else those of the scene's tests with its title, else none.
-    fn own_modes(
-        &self,
-        reading: SceneReading,
-        observer: &dyn Observer,
-    ) -> Result<(Option<String>, Vec<OwnMode>), Error> {
+    fn own_modes(&self, reading: SceneReading, output: &mut Output) -> Result<OwnModes, Error> {
         if let Some(path) = &self.table.modes {
             let options = ModesOptions {
                 partial: reading.partial,
                 ..ModesOptions::default()
             };
-            let model = load_modes(&self.folder.join(path), &options)?.modes;
-            return Ok((None, own_modes("", &model, None)));
+            let own = load_modes(&self.folder.join(path), &options)?;
+            if own.partly_bad {
+                output.findings_of("", &lost_parts(&own.modes.findings));
+            }
+            return Ok(OwnModes {
+                title: None,
+                modes: own_modes("", &own.modes, None),
+                is_bad: own.partly_bad,
+            });
         }
         let Some(scene) = &self.scene else {
-            return Ok((None, Vec::new()));
+            return Ok(OwnModes::default());
         };
         let scene = reading.scene(scene)?;
-        let result = run_observed(&scene, observer)?;
+        let result = run_observed(&scene, output.observer())?;
+        for test in result.tests.iter().filter(|test| test.partly_bad) {
+            output.findings_of(&test.name, &lost_parts(&test.modes.findings));
+        }
         let several = result.tests.len() > 1;
         let of_test = result.tests.iter().flat_map(|test| {
             let name = if several { test.name.as_str() } else { "" };
             own_modes(name, &test.modes, test.frfs.first())
         });
-        Ok((Some(scene.title), of_test.collect()))
+        Ok(OwnModes {
+            title: Some(scene.title),
+            modes: of_test.collect(),
+            is_bad: result.partly_bad(),
+        })
     }
+}
+
+/// Modes that are marked in the maps.
+#[derive(Default)]
+struct OwnModes {
+    /// Title of the scene that they come from.
+    title: Option<String>,
+    modes: Vec<OwnMode>,
+    /// Whether part of their files was bad.
+    is_bad: bool,
 }
 
 /// Folder of the finished slices in that of the results.

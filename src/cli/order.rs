@@ -12,7 +12,7 @@ use crate::study::order;
 
 use super::Outcome;
 use super::output::Output;
-use super::study::{SceneReading, load};
+use super::study::{SceneReading, load, report_damage};
 
 /// `study order`.
 #[derive(Debug, Args)]
@@ -29,7 +29,7 @@ pub struct OrderArgs {
     png: bool,
 }
 
-/// Asks what the scene needs. Exit code 1 when a test could not be asked.
+/// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was bad.
 pub fn needs(
     args: &OrderArgs,
     reading: SceneReading,
@@ -53,5 +53,6 @@ pub fn needs(
     }
     output.blocks(&blocks);
     output.json(|| json::order_to_json(&own));
-    Ok(Outcome::missed_if(!own.failed.is_empty()))
+    let is_bad = report_damage(&scene, output)?;
+    Ok(Outcome::missed_if(is_bad || !own.failed.is_empty()))
 }

@@ -14,7 +14,7 @@ use crate::study::{SpeedAccuracy, speed_accuracy};
 use super::Outcome;
 use super::meter::ProcessMeter;
 use super::output::Output;
-use super::study::{SceneReading, load};
+use super::study::{SceneReading, load, report_damage};
 
 /// `study speed-accuracy`.
 #[derive(Debug, Args)]
@@ -37,7 +37,7 @@ pub struct SpeedAccuracyArgs {
     draws: Option<usize>,
 }
 
-/// Runs the study.
+/// Runs the study; exit code 1 when part of the files was bad.
 pub fn study(
     args: &SpeedAccuracyArgs,
     reading: SceneReading,
@@ -54,7 +54,7 @@ pub fn study(
     }
     output.blocks(&speed_accuracy_blocks(&own));
     output.json(|| json::speed_accuracy_to_json(&own));
-    Ok(Outcome::Done)
+    Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }
 
 /// Measured times stand in files of their own: `speed-accuracy.csv` has the same bytes on every run.

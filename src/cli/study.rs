@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, Subcommand};
 
 use crate::error::Error;
-use crate::scene::{Scene, SceneError, read_text};
+use crate::scene::{Scene, SceneError, damage, read_text};
 use crate::study::{StudyFile, parse_study};
 
 use super::Outcome;
@@ -78,6 +78,17 @@ pub fn study(
         Study::Breakdown(args) => breakdown(args, reading, output),
         Study::Order(args) => needs(args, reading, output),
     }
+}
+
+/// Lists what the files of the tests have lost; whether there is any.
+pub(super) fn report_damage(scene: &Scene, output: &mut Output) -> Result<bool, Error> {
+    let mut is_bad = false;
+    for test in &scene.tests {
+        let findings = damage(scene, test)?;
+        is_bad |= !findings.is_empty();
+        output.findings_of(&test.name, &findings);
+    }
+    Ok(is_bad)
 }
 
 /// The scene with its spec; the defaults for a scene without one.

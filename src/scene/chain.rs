@@ -254,7 +254,7 @@ fn input_file(path: &Path) -> Result<InputFile, SceneError> {
     })
 }
 
-fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
+pub(super) fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
     let options = ModesOptions {
         partial: test.partial,
         ..ModesOptions::default()

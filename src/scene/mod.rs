@@ -6,6 +6,7 @@ mod chain;
 mod change;
 mod claims;
 mod columns;
+mod damage;
 mod draft;
 mod draft_columns;
 mod error;
@@ -46,6 +47,7 @@ pub use change::{
     Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
     RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
 };
+pub use damage::{damage, lost_parts};
 pub use draft::{Draft, DraftFile, DraftModel, DraftPlan, draft_scene};
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};

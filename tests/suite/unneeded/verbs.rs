@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::build::{NODES, dataset, frfs, modes};
 use super::{assert_right, identified};
 use crate::command::{fail, json, modalign, modalign_in, succeed, write};
+use crate::updating::frame;
 
 /// Exit code with and without `--partial` and standard error without it.
 fn codes(arguments: &[&str]) -> (Option<i32>, Option<i32>, String) {
@@ -82,6 +83,50 @@ fn a_drafted_scene_takes_the_good_part_and_runs() {
     .unwrap();
     let (without, with, said) = codes(&["run", &scene]);
     assert_eq!((without, with), (Some(2), Some(1)), "{said}");
+}
+
+#[test]
+fn an_update_and_a_study_of_a_scene_take_the_good_part() {
+    let folder = tempfile::tempdir().unwrap();
+    // Node 1 of the test is the upper storey, where its first mode is larger.
+    let model = frame(1.0, &[1.1e4, 1.1e4], (0.5, 2.0))
+        .replace("[1.0, 0.0, 0.0]", "[0.0, 0.0, 1.0]")
+        .replace("[\"x\"]", "[\"z\"]")
+        .replace(
+            "\"1:+X\"\ncoordinate = \"b1.x\"",
+            "\"2:+Z\"\ncoordinate = \"b1.z\"",
+        )
+        .replace(
+            "\"2:+X\"\ncoordinate = \"b2.x\"",
+            "\"1:+Z\"\ncoordinate = \"b2.z\"",
+        );
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n[[test]]\nname = \"t\"\nmodes = \"modes.uff\"\n[update]\n";
+    let study = "schema = \"modalign-study/1\"\n[breakdown]\ndraws = 1\nmethods = [\"peak\"]\nmodes = \"modes.uff\"\ncase = { lines = 60 }\n[[breakdown.slice]]\nx = { factor = \"separation\", lo = 0.5, hi = 8.0, count = 2 }\ny = { factor = \"damping\", lo = 0.005, hi = 0.05, count = 2 }\n";
+    let damaged_frfs = frfs().replacen("         5       141", "        99       141", 1);
+    let of_frfs = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"t\"\nfiles = [\"../frfs.uff\"]\nband_hz = [10.0, 30.0]\n";
+    let files = [
+        ("scene.toml", scene),
+        ("study.toml", study),
+        ("model.toml", &model),
+        ("modes.uff", &modes(true)),
+        ("frfs.uff", &damaged_frfs),
+        ("frfs/scene.toml", of_frfs),
+    ];
+    std::fs::create_dir(folder.path().join("frfs")).unwrap();
+    write(folder.path(), &files);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (scene, spec, out) = (path(""), path("study.toml"), path("out"));
+    let (of_frfs, fast) = (path("frfs"), ["--draws", "1"]);
+    for arguments in [
+        vec!["update", &scene, "-o", &out],
+        vec!["study", "order", &scene, "-o", &out],
+        vec!["study", "breakdown", &spec, "-o", &out],
+        [&["study", "speed-accuracy", &of_frfs], fast.as_slice()].concat(),
+    ] {
+        let (without, with, said) = codes(&arguments);
+        assert_eq!((without, with), (Some(2), Some(1)), "{arguments:?}: {said}");
+        assert!(said.contains(".uff:"), "{said}");
+    }
 }
 
 #[test]

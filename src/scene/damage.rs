@@ -1,0 +1,34 @@
+//! What the files of a scene's tests have lost.
+
+use crate::finding::{Finding, Severity};
+
+use super::chain::{finished_modes, test_data};
+use super::{Scene, SceneError, TestPlan, TestSource};
+
+/// Findings on the bad parts of the files of a test; none where all were sound.
+///
+/// # Errors
+/// [`SceneError`] for files that cannot be read, or that are partly bad where the test does not go on with their good part.
+pub fn damage(scene: &Scene, test: &TestPlan) -> Result<Vec<Finding>, SceneError> {
+    let (findings, partly_bad) = match &test.source {
+        TestSource::Synth(_) => (Vec::new(), false),
+        TestSource::Modes(path) => {
+            let own = finished_modes(test, path)?;
+            (own.modes.findings, own.partly_bad)
+        }
+        TestSource::Files { .. } => {
+            let own = test_data(scene, test)?.ingested;
+            (own.findings, own.partly_bad)
+        }
+    };
+    Ok(match partly_bad {
+        true => lost_parts(&findings),
+        false => Vec::new(),
+    })
+}
+
+/// The findings on what was left out of a partly bad file.
+pub fn lost_parts(findings: &[Finding]) -> Vec<Finding> {
+    let is_lost = |own: &&Finding| own.severity == Severity::Error;
+    findings.iter().filter(is_lost).cloned().collect()
+}
