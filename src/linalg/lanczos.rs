@@ -10,12 +10,13 @@
 //! eigenproblems, SIAM Journal on Matrix Analysis and Applications 15, 228; Ericsson and Ruhe (1980), The spectral
 //! transformation Lanczos method, Mathematics of Computation 35, 1251.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::compensated::sparse_rayleigh_quotient;
+use super::low_modes::{NEAR_SHIFT, orthonormal};
 use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
-use super::{LinalgError, RealMatrix, verify};
+use super::{LinalgError, RealMatrix, SymmetricEigen, symmetric_eigen, verify};
 
 /// Width of the block: two and more see the double roots of symmetric structures at once; one to four take about as long,
 /// eight longer.
@@ -344,16 +345,11 @@ impl<'a> Run<'a> {
         let symmetric = Mat::from_fn(m, m, |i, j| {
             0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
         });
-        let solved =
-            symmetric
-                .self_adjoint_eigen(Side::Lower)
-                .map_err(|_| LinalgError::NotConverged {
-                    what: "symmetric eigenvalue iteration",
-                    rows: m,
-                    columns: m,
-                })?;
-        let theta: Vec<f64> = solved.S().column_vector().iter().copied().collect();
-        let coefficients = Mat::from_fn(m, m, |i, j| solved.U()[(i, m - 1 - j)]);
+        let SymmetricEigen {
+            values: theta,
+            vectors,
+        } = symmetric_eigen(&symmetric)?;
+        let coefficients = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
         let width = self.remainder.ncols();
         let last = coefficients.subrows(m - width, width);
         let residuals = &self.remainder * last;
@@ -391,15 +387,19 @@ impl<'a> Run<'a> {
         stiffness: &SparseMatrix,
         mut found: SparseModes,
     ) -> Result<SparseModes, LinalgError> {
-        let size = self.mass.size();
-        let ratio = |i: usize| stiffness.get(i, i) / self.mass.get(i, i);
-        let largest = (0..size).map(ratio).fold(0.0, f64::max);
-        // Vectors are rounded as well: to the square of `n eps` in the energy of the highest mode.
-        let of_vectors = (size as f64 * f64::EPSILON).powi(2) * largest;
+        // As among the lowest modes of a dense pair.
+        let is_near = |omega_squared: &f64| omega_squared + self.shift <= NEAR_SHIFT * self.shift;
+        let near = found.omega_squared.partition_point(is_near);
+        let mut smooth = self
+            .mass
+            .multiply(&found.vectors.subcols(0, near).to_owned());
+        self.factor.solve(&mut smooth);
+        let moved = self.mass.multiply(&smooth);
+        let smooth = orthonormal(smooth, &moved)?;
+        found.vectors.subcols_mut(0, near).copy_from(smooth);
         for (j, omega_squared) in found.omega_squared.iter_mut().enumerate() {
             let x: Vec<f64> = found.vectors.col(j).iter().copied().collect();
             let (quotient, rounding) = sparse_rayleigh_quotient(stiffness, self.mass, &x);
-            let rounding = rounding + of_vectors;
             let limit = RITZ_ERROR * (quotient.abs() + self.shift) + RITZ_ROUNDINGS * rounding;
             if (quotient - *omega_squared).abs() > limit {
                 return Err(LinalgError::Inaccurate {

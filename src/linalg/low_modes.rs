@@ -20,9 +20,17 @@ use super::{LinalgError, RealMatrix};
 /// (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of divide and conquer, up to 10 eps of the
 /// largest omega², exceeds 1e-9 of the omega² of modes that are not computed again.
 const GRADED: f64 = 1e-5;
+/// Part of an omega² that it must be above the one before, for the two to be computed in different ways. Smaller: a repeated root,
+/// known to 2e-10 there, is divided, and its values do not ascend. Larger: modes of a dense spectrum are computed again without use.
+const GAP: f64 = 1e-8;
 /// The shift as a part of the largest omega². Larger: modes far below it are not separated from each other. Smaller: the
 /// modes just below [`GRADED`] are not, as the error of a Ritz vector is eps times their omega² over the shift.
 const SHIFT: f64 = 1e-12;
+/// Modes with `omega^2 + s` up to this many shifts get one more product with the inverse by themselves: the Ritz step leaves rounding
+/// of the size of the vectors everywhere, and in the highest modes, which the inverse takes away, its energy is `(n eps)^2` of the
+/// largest omega². Larger: such a product brings rounding of the lowest modes into higher ones, by the ratio of their
+/// `omega^2 + s`. Smaller: rolling balls of the cycloid ball drive are not at 0.
+pub(super) const NEAR_SHIFT: f64 = 10.0;
 /// Factors of [`SHIFT`] that are tried until `K + s M` is positive definite to working precision; a matrix for which none
 /// suffices is indefinite, and what is relative to its small eigenvalues has no meaning.
 const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
@@ -45,7 +53,11 @@ impl<'a> LowModes<'a> {
     /// Prepared for a pair whose omega² are these, ascending.
     pub fn new(pair: &'a ScaledPair, omega_squared: &[f64]) -> Self {
         let largest = omega_squared.last().copied().unwrap_or(0.0);
-        let count = omega_squared.partition_point(|value| *value <= GRADED * largest);
+        let mut count = omega_squared.partition_point(|value| *value <= GRADED * largest);
+        let is_near = |j: usize| omega_squared[j] - omega_squared[j - 1] <= GAP * omega_squared[j];
+        while count > 0 && count < omega_squared.len() && is_near(count) {
+            count += 1;
+        }
         let shifted = (count > 0 && largest > 0.0)
             .then(|| Shifted::new(pair, largest))
             .flatten();
@@ -61,7 +73,7 @@ impl<'a> LowModes<'a> {
     /// # Errors
     /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent.
     pub fn refine(&self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
-        let Some((image, _)) = self.inverse_image(modes) else {
+        let Some((image, shift)) = self.inverse_image(modes) else {
             return Ok(());
         };
         let mass = &self.pair.mass;
@@ -71,7 +83,19 @@ impl<'a> LowModes<'a> {
         let last = self.count - 1;
         let scaled = |i: usize, j: usize| ritz.vectors[(i, last - j)] / ritz.values[last - j];
         let vectors = image * Mat::from_fn(self.count, self.count, scaled);
-        let vectors = orthonormal(vectors, mass)?;
+        let moved = mass * &vectors;
+        let mut vectors = orthonormal(vectors, &moved)?;
+        let is_near = |&j: &usize| NEAR_SHIFT * shift * ritz.values[last - j] >= 1.0;
+        let near = (0..self.count).take_while(is_near).count();
+        if let Some(Shifted { factor, .. }) = &self.shifted {
+            let smooth = factor.solve(mass * vectors.subcols(0, near));
+            let smooth = Mat::from_fn(smooth.nrows(), near, |i, j| {
+                smooth[(i, j)] / ritz.values[last - j]
+            });
+            vectors.subcols_mut(0, near).copy_from(smooth);
+            let moved = mass * &vectors;
+            vectors = orthonormal(vectors, &moved)?;
+        }
         self.take(modes, &vectors);
         Ok(())
     }
@@ -88,24 +112,22 @@ impl<'a> LowModes<'a> {
     fn take(&self, modes: &mut SymmetricModes, low: &RealMatrix) {
         let (k, m) = (&self.pair.stiffness, &self.pair.mass);
         let strain = quadratic_forms(k.as_ref(), low.as_ref());
-        let kinetic = quadratic_forms(m.as_ref(), low.as_ref());
-        let quotient = |j: usize| strain[j].value / kinetic[j].value;
+        // M is definite: its forms are no small differences of large terms.
+        let moved = m * low;
+        let kinetic = |j: usize| low.col(j).transpose() * moved.col(j);
+        let kinetic: Vec<f64> = (0..self.count).map(kinetic).collect();
+        let quotient = |j: usize| strain[j].value / kinetic[j];
         let mut order: Vec<usize> = (0..self.count).collect();
         order.sort_by(|&a, &b| quotient(a).total_cmp(&quotient(b)));
-        let along =
-            (m * low).transpose() * modes.vectors.subcols(self.count, m.nrows() - self.count);
+        let along = moved.transpose() * modes.vectors.subcols(self.count, m.nrows() - self.count);
         let mut others = modes
             .vectors
             .subcols_mut(self.count, m.nrows() - self.count);
         others -= low * along;
-        // Vectors are rounded as well: to the square of `n eps` in the energy of the highest mode.
-        let largest = modes.omega_squared.last().copied().unwrap_or(0.0);
-        let of_vectors = (m.nrows() as f64 * f64::EPSILON).powi(2) * largest;
         for (j, &from) in order.iter().enumerate() {
-            let norm = kinetic[from].value.sqrt();
+            let norm = kinetic[from].sqrt();
             modes.omega_squared[j] = quotient(from);
-            modes.rounding[j] =
-                f64::EPSILON * strain[from].magnitude / kinetic[from].value + of_vectors;
+            modes.rounding[j] = f64::EPSILON * strain[from].magnitude / kinetic[from];
             for i in 0..m.nrows() {
                 modes.vectors[(i, j)] = low[(i, from)] / norm;
             }
@@ -125,10 +147,16 @@ impl Shifted {
     }
 }
 
-/// Vectors made orthonormal with respect to the mass, each changed by those before it alone:
+/// Vectors X made orthonormal with respect to the mass, `moved` being `M X`, each changed by those before it alone:
 /// `X^T M X = L L^T`, `X L^-T`.
-fn orthonormal(vectors: RealMatrix, mass: &RealMatrix) -> Result<RealMatrix, LinalgError> {
-    let gram = vectors.transpose() * (mass * &vectors);
+///
+/// # Errors
+/// [`LinalgError::NotPositiveDefinite`] for vectors that do not stay independent.
+pub(super) fn orthonormal(
+    vectors: RealMatrix,
+    moved: &RealMatrix,
+) -> Result<RealMatrix, LinalgError> {
+    let gram = vectors.transpose() * moved;
     let factor = gram.llt(Side::Lower);
     let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: gram.nrows() })?;
     let mut transposed = vectors.transpose().to_owned();

@@ -28,7 +28,7 @@ pub(super) fn power_of_four<T: ComplexField<Real = f64>>(a: MatRef<'_, T>) -> f6
 }
 
 /// `2^-floor(log2 x)` of a normal number, as near as a normal number comes to it.
-fn exact_reciprocal(x: f64) -> f64 {
+pub(super) fn exact_reciprocal(x: f64) -> f64 {
     let exponent = (x.to_bits() >> 52) as i64 - 1023;
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
 }

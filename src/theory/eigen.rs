@@ -25,11 +25,14 @@ use super::{
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
 /// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
 const REPEATED_SPACING: f64 = 1e-6;
-/// Rounding bounds of K within which an omega² counts as 0. Larger: soft suspensions are taken for none. Smaller: rigid-body
-/// modes are not 0; those of the beams, frames, plates, solids and chains of `tests/support/matrix_zoo.rs` lie within 0.6 bounds,
-/// and a matrix that was summed in another order rounds several times.
-const ZERO_ROUNDINGS: f64 = 4.0;
-/// Part of a natural frequency from which on the bound of its change by rounding of K is a finding.
+/// Rounding bounds of K within which an omega² counts as 0: this many over the number of coordinates, within the range of
+/// [`ZERO_RANGE`]. Entries that sum many springs are rounded many times, up to 4 bounds with the 37 coordinates of the cycloid ball
+/// drive; those of a mesh are rounded a few times each, and many cancel.
+const ZERO_ROUNDINGS: f64 = 150.0;
+/// Smaller: the rigid-body modes of free plates are not at 0 (0.11 bounds), nor the rolling balls of the drive. Larger: a bar of 500
+/// elements on a suspension of 0.1 Hz, at 0.34 bounds, is taken for free, and a stiffness that is not semidefinite for one that is.
+const ZERO_RANGE: [f64; 2] = [0.25, 4.0];
+/// Part of a natural frequency above which the bound of its change by rounding of K is a finding.
 const ROUNDING_REPORTED: f64 = 1e-6;
 
 /// Which modes to keep, and their damping.
@@ -120,10 +123,10 @@ fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &m
 /// Modes of given matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
 ///
 /// `K phi = omega^2 M phi`, solved and checked by [`crate::linalg::symmetric_modes`]. Rounding of the entries of K alone moves
-/// each `omega^2` by up to `eps |phi|^T |K| |phi|` (entries without their signs): a mode within four times that bound of 0 is a
-/// rigid-body mode at exactly 0. A suspension so soft that it falls under the bound (0.1 Hz of a bar whose first bending mode
-/// is at 148 Hz, from 250 elements on) is not distinguished from none. Where the bound exceeds a millionth of a natural
-/// frequency, a finding states it.
+/// each `omega^2` by up to `eps |phi|^T |K| |phi|` (entries without their signs), mostly by far less in a mesh: a mode within four of these bounds of 0, or
+/// a quarter of one in a model of 600 coordinates and more, is a rigid-body mode at exactly 0. A suspension below it (0.05 Hz of a bar of 500 elements whose first
+/// bending mode is at 148 Hz) is not distinguished from none. Where the bound exceeds a millionth of a natural frequency, a
+/// finding states it.
 ///
 /// Neighbours within a millionth of their frequency share a group number and their mean `omega^2`. Damping from a damping
 /// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
@@ -278,7 +281,8 @@ fn solve(
     let massless = (0..total.len()).filter(|&i| matrices.mass[(i, i)].abs() <= 0.0);
     massless.for_each(|i| total[i] = f64::INFINITY);
     let pairs = raw.omega_squared.iter().zip(raw.rounding);
-    let roots = pairs.map(|(&value, rounding)| Root::new(value, rounding));
+    let size = raw.vectors.nrows();
+    let roots = pairs.map(|(&value, rounding)| Root::new(value, rounding, size));
     let roots = roots.collect::<Result<Vec<_>, _>>()?;
     Ok(Solution::arranged(&raw.vectors, &roots, &total))
 }
@@ -291,19 +295,21 @@ pub(super) struct Root {
 }
 
 impl Root {
-    /// Exactly 0 within [`ZERO_ROUNDINGS`].
+    /// Of a model of so many coordinates; exactly 0 within [`ZERO_ROUNDINGS`] over their number.
     ///
     /// # Errors
-    /// [`TheoryError::NegativeStiffness`] for a value below them.
-    pub fn new(omega_squared: f64, rounding: f64) -> Result<Self, TheoryError> {
-        let limit = ZERO_ROUNDINGS * rounding;
+    /// [`TheoryError::NegativeStiffness`] for a value below 0 by more than the most of [`ZERO_RANGE`].
+    pub fn new(omega_squared: f64, rounding: f64, size: usize) -> Result<Self, TheoryError> {
+        let [least, most] = ZERO_RANGE;
+        let limit = most * rounding;
         if omega_squared < -limit {
             return Err(TheoryError::NegativeStiffness {
                 got_rad2_s2: omega_squared,
                 limit_rad2_s2: limit,
             });
         }
-        let omega_squared = if omega_squared <= limit {
+        let zero = rounding * (ZERO_ROUNDINGS / size as f64).clamp(least, most);
+        let omega_squared = if omega_squared <= zero {
             0.0
         } else {
             omega_squared

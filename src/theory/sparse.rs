@@ -113,7 +113,8 @@ fn column(vectors: &RealMatrix, j: usize) -> Vec<f64> {
 
 fn solution(system: &SparseSystem, raw: &SparseModes) -> Result<Solution, TheoryError> {
     let pairs = raw.omega_squared.iter().zip(&raw.rounding);
-    let roots = pairs.map(|(&value, &rounding)| Root::new(value, rounding));
+    let size = raw.vectors.nrows();
+    let roots = pairs.map(|(&value, &rounding)| Root::new(value, rounding, size));
     let roots = roots.collect::<Result<Vec<_>, _>>()?;
     let inverse_mass = |i: usize| 1.0 / system.mass.get(i, i);
     let total: Vec<f64> = (0..system.mass.size()).map(inverse_mass).collect();

@@ -371,7 +371,7 @@ pub struct Compared {
     pub error_over_limit: f64,
     pub error: f64,
     pub rounding: f64,
-    /// Largest omega² of a rigid-body mode over four times the bound of its rounding.
+    /// Largest omega² of a rigid-body mode over the part of the bound of its rounding within which it counts as 0.
     pub rigid_over_bound: f64,
     /// Largest entry of `Phi^T M Phi - I`, of the modes compared.
     pub orthogonality: f64,
@@ -419,7 +419,8 @@ pub fn compared(specimen: &Specimen) -> Result<Compared, LinalgError> {
     for (j, exact) in exact.iter().enumerate() {
         let got = modes.omega_squared[j];
         if j < specimen.rigid {
-            let over = got.abs() / (LIMIT_ROUNDINGS * modes.rounding[j]);
+            let zero = (150.0 / n as f64).clamp(0.25, 4.0);
+            let over = got.abs() / (zero * modes.rounding[j]);
             row.rigid_over_bound = row.rigid_over_bound.max(over);
             continue;
         }
