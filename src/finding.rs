@@ -307,6 +307,9 @@ codes! {
     /// Poles fitted as a window smooths them.
     WindowLineShape: "the file states a window for steady excitation; the line shape of poles under it was fitted, so that damping holds no bias by leakage",
         "Under steady random force the averaged H1 is the FRF smoothed by the power spectrum of the window, of which a pole 1/(iω − λ) becomes the transform of e^(λt) times the window's autocorrelation, over records as long as the inverse of the line spacing. Where the excitation was not random but periodic in the record, or the spectra were zero-padded, damping comes out too low: export the FRFs without a window then.";
+    /// A stated window that the data contradict.
+    WindowContradicted: "The file states a window for steady excitation. Poles without its line shape fit the data much better. The window was not used.",
+        "Under steady random force a window smooths the FRFs, and poles have another line shape. An impact, or an excitation that is periodic in the record, has no such smoothing. Correct the window that the file states (dataset 1858 of universal files).";
     /// A mode above the valid band.
     AboveValidBand: "the mode lies above the valid band: beyond 0.4 of the sampling rate, where the anti-alias filter falls off and aliases cannot be excluded, or where the force excites little",
         "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";
@@ -327,7 +330,7 @@ codes! {
         "MAC and frequency of the best and the second partner differ by less than the stated margin. Measure at more points, or give the pairing.";
     /// A MAC that independent shapes reach.
     BelowChanceLevel: "The MAC of this pair is below the chance level for independent shapes. The pair was marked ambiguous.",
-        "The value is the MAC, the limit the level that independent shapes at these sensors reach with any of the roots within the frequency gate in 1 of 100 cases. Real, smooth shapes correlate more. Only the frequency supports this pair. Measure at more points, check names, directions and signs of the sensors, or correct the model.";
+        "The value is the MAC, the limit the level that independent shapes at these sensors reach with any of the roots within the frequency gate in 1 of 100 cases, or in 5 where most other modes of the test reach theirs. Real, smooth shapes correlate more. Only the frequency supports this pair. Measure at more points, check names, directions and signs of the sensors, or correct the model.";
     /// A test shape or a root that another one could hold half of.
     ClaimedTwice: "another root could hold half of this test shape or more, or this root as much of another test shape; only one of them can be right",
         "Each root is judged with those near it in frequency alone, so that roots far from each other can each hold a shape that looks the same at these sensors. The value is the part that the other one would hold. Measure at more points, or narrow the gate on the frequency error.";

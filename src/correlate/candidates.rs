@@ -84,10 +84,10 @@ impl CandidateTable {
         let candidate = |i: usize, r: usize| {
             let root = &roots[r];
             let hz = test.modes[i].frequency_hz;
-            let (comparable, mac) = shapes.compare(i, &root.modes);
-            let likeness = match comparable {
-                true => Likeness::Of(mac, held[r].get(&i).copied()),
-                false => Likeness::Unknown,
+            let mac = shapes.compare(i, &root.modes).1;
+            let likeness = match shapes.places(&[i], &root.modes).len() {
+                MIN_DOFS_OF_SHAPE.. => Likeness::Of(mac, held[r].get(&i).copied()),
+                _ => Likeness::Unknown,
             };
             let frequency_error = options.error_reference.error(hz, root.hz);
             candidate((frequency_error, off(i, r)), likeness, options)

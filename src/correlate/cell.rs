@@ -249,8 +249,13 @@ fn below_chance(mac: f64, level: &ChanceLevel) -> String {
     } else {
         String::new()
     };
+    let sensors = format!("{dofs} DOFs{effective}, root {rank} of {roots} in reach");
+    // No measured shape has less than a thousandth of noise.
+    if level.mac > 0.999 {
+        return format!("at these sensors independent shapes have a MAC of 1 as well ({sensors})");
+    }
     format!(
-        "the MAC of {mac:.3} is below the chance level for independent shapes, {:.3} ({dofs} DOFs{effective}, root {rank} of {roots} in reach)",
+        "the MAC of {mac:.3} is below the chance level for independent shapes, {:.3} ({sensors})",
         level.mac
     )
 }

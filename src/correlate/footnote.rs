@@ -97,7 +97,7 @@ impl fmt::Display for Footnote {
                 significance,
             } => write!(
                 f,
-                "{test}: chance level for independent shapes: MAC {} ({} DOFs, {} roots in reach), reached in {} of 100 cases. A pair by shape reaches it; real, smooth shapes correlate more.",
+                "{test}: chance level for independent shapes: MAC {} ({} DOFs; roots in reach: {}), reached in {} of 100 cases. A pair by shape reaches it; real, smooth shapes correlate more.",
                 range(mac.map(|level| format!("{level:.3}"))),
                 range(dofs.map(|n| n.to_string())),
                 range(roots.map(|n| n.to_string())),

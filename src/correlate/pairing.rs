@@ -162,8 +162,8 @@ pub struct Pairing {
 /// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference of errors is, and the share `a` of a
 /// test shape that a root holds when all roots explain it together (their own module has the formula), a pair is allowed when
 /// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
-/// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than two degrees of freedom in common it costs `u`: a
-/// MAC over one component is 1 for any two shapes, and says nothing. Leaving a test mode and a theory mode over
+/// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than three degrees of freedom in common it costs `u`: a
+/// MAC over one component is 1 for any two shapes, and over two independent shapes reach 0.9 in a fifth of all cases. Leaving a test mode and a theory mode over
 /// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
 /// as moving costs more than that. The sum is made smallest over all pairs at once.
 ///

@@ -357,10 +357,16 @@ fn one_common_degree_of_freedom_pairs_by_frequency_alone() {
 }
 
 #[test]
-fn two_common_degrees_of_freedom_are_compared_and_a_repeated_root_at_one_has_no_angles() {
-    let theory = model(vec![mode(100.0, &[1.0, -1.0])]);
-    let test = model(vec![mode(100.0, &[1.0, 1.0])]);
-    assert!(paired(&test, &theory).pairs.is_empty());
+fn two_common_degrees_of_freedom_pair_by_frequency_and_a_repeated_root_at_one_has_no_angles() {
+    // By MAC each would be the other's.
+    let theory = model(vec![mode(100.0, &[1.0, -1.0]), mode(101.0, &[1.0, 1.0])]);
+    let test = model(vec![mode(100.0, &[1.0, 1.0]), mode(101.0, &[1.0, -1.0])]);
+    let pairing = paired(&test, &theory);
+    assert_eq!(numbers(&pairing), [(1, 1), (2, 2)]);
+    for pair in &pairing.pairs {
+        assert_eq!(pair.partners[0].basis, Basis::Frequency);
+        assert!(pair.partners[0].mac.unwrap() < 1e-12);
+    }
     let one = model(vec![mode(100.0, &[1.0]), mode(100.5, &[2.0])]);
     let pairing = paired(&one, &repeated());
     let root = pairing

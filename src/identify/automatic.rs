@@ -29,6 +29,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 
 use super::far::Rest;
@@ -58,6 +59,11 @@ const SEARCHES: usize = 4;
 const SAME_NOISE: f64 = 0.1;
 /// A root stands alone where the next is so many sums of half-power widths away.
 const ALONE: f64 = 1.0;
+/// Relative residual of poles without the line shape of a stated window, over that with it, below which the data contradict the
+/// window. Larger: more poles imitate the line shape of one (0.7 and more under a true window). Smaller: in noise of a hundredth of the
+/// peaks a window that was stated in error is believed. Tests: `a_window_that_the_data_contradict_is_not_used`,
+/// `damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation`.
+const CONTRADICTED: f64 = 0.25;
 
 /// The maximum likelihood method.
 pub(super) struct Automatic {
@@ -71,27 +77,63 @@ impl PoleEstimator for Automatic {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let (mut fit, found) = self.merged(set, band)?;
-        fit.look_outside();
-        fit.doubt();
-        fit.settle(Stop::Fine);
-        fit.reckon_with_outside();
-        fit.reckon_with_noise();
-        let mut table = fit.table((set, band), &found);
+        let shape = LineShape::of(set);
+        let (fit, found) = self.fitted(set, band, shape)?;
+        let plain = match shape.is_smoothed() {
+            true => Some(self.fitted(set, band, LineShape::EXACT)?),
+            false => None,
+        };
+        let contradicts = |(own, _): &(Fit, Found)| {
+            own.relative_residual() < CONTRADICTED * fit.relative_residual()
+        };
+        let mut table = match plain.filter(contradicts) {
+            Some((plain, found)) => {
+                let mut table = plain.table((set, band), &found);
+                // Leakage under the window is what the data contradict.
+                let is_leakage = |own: &Finding| own.code == Code::DampingBiasedHigh;
+                table.findings.retain(|own| !is_leakage(own));
+                let code = Code::WindowContradicted;
+                let finding = Finding::new(Severity::Warning, code, Place::Whole);
+                table.findings.push(finding);
+                table
+            }
+            None => fit.table((set, band), &found),
+        };
         state_orders(&mut table);
         Ok(table)
     }
 }
 
 impl Automatic {
+    /// The fit of poles with a line shape.
+    fn fitted(
+        &self,
+        set: &FrfSet,
+        band: Band,
+        shape: LineShape,
+    ) -> Result<(Fit, Found), IdentifyError> {
+        let (mut fit, found) = self.merged(set, band, shape)?;
+        fit.look_outside();
+        fit.doubt();
+        fit.settle(Stop::Fine);
+        fit.reckon_with_outside();
+        fit.reckon_with_noise();
+        Ok((fit, found))
+    }
+
     /// First roots of the runs as they are, and again with those brought together that disagree: of all these fits the one that needs the
     /// fewest roots where modes move, the latest of several.
-    fn merged(&self, set: &FrfSet, band: Band) -> Result<(Fit, Found), IdentifyError> {
+    fn merged(
+        &self,
+        set: &FrfSet,
+        band: Band,
+        shape: LineShape,
+    ) -> Result<(Fit, Found), IdentifyError> {
         let mut moved = Moved::none(set.functions());
         let mut fits: Vec<(Fit, Found)> = Vec::new();
         loop {
             let mut data = Receptances::guarded(set, band)?;
-            data.observe(LineShape::of(set));
+            data.observe(shape);
             moved.straighten(&mut data);
             let sides = Sides::new(set.functions());
             let sides = if sides.complete() {
@@ -361,6 +403,21 @@ impl Fit {
         let far = self.data.far();
         let described = far.beside(&self.data, &self.roots);
         described.left_over(0..self.data.lines())
+    }
+
+    /// Mean over the functions of their residual over their values, each summed in squares over the lines.
+    fn relative_residual(&self) -> f64 {
+        let rest = self.rest();
+        let of = |f: usize| {
+            let residual = |k: usize| rest.at(f, k).norm_sqr() * self.data.variance[f][k];
+            let lines = 0..self.data.lines();
+            let residual: f64 = lines.clone().map(residual).sum();
+            residual
+                / lines
+                    .map(|k| self.data.values[f][k].norm_sqr())
+                    .sum::<f64>()
+        };
+        (0..self.data.functions()).map(of).sum::<f64>() / self.data.functions() as f64
     }
 
     /// Standard deviations of the parts of a root's residues: from the noise of every function and how it hangs together over the lines.

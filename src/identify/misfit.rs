@@ -91,7 +91,11 @@ impl Evidence<'_> {
             root,
             standing,
             residual: ((standing.misfit - 1.0) / self.response_over_noise(root)).sqrt(),
-            damping: root.quality.pole_std * standing.inflation() / decay,
+            // Where the window's decay is all that there is, damping is not determined.
+            damping: match decay > 0.0 {
+                true => root.quality.pole_std * standing.inflation() / decay,
+                false => f64::INFINITY,
+            },
             shape: (root.multiplicity() == 1).then_some(squared * variance / size),
         }
     }

@@ -174,7 +174,6 @@ fn function_entry(set: &FrfSet, function: &Function, title: &str) -> Entry {
             window: set.window,
             variance_dof: function.variance_dof,
             valid_hz: set.valid_band.map(|band| (band.lo_hz, band.hi_hz)),
-            ..FunctionNote::default()
         },
         ..Entry::new(FunctionType::Frf, axis, SampleFormat::ComplexF64)
     }

@@ -38,6 +38,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
+#[cfg(feature = "cli")]
 pub(crate) use chain::with_dofs;
 pub use chain::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,

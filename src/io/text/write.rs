@@ -211,6 +211,10 @@ fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
             }),
         ),
         (
+            "windows of records",
+            count(|entry| entry.note.window.is_some()),
+        ),
+        (
             "notes on functions",
             count(|entry| entry.note != FunctionNote::default()),
         ),

@@ -1,10 +1,10 @@
 //! Damping from tests under steady random force, whose windows smooth the FRFs.
 
 use super::steady::Steady;
-use crate::axis::Band;
+use crate::axis::{Band, FrequencyAxis};
 use crate::finding::{Code, Finding, Place};
 use crate::frf::{FrfSet, Window};
-use crate::identify::synthetic::Structure;
+use crate::identify::synthetic::{Measurement, Structure};
 use crate::identify::{IdentifyOptions, MethodOptions, identify};
 use crate::modal::Mode;
 
@@ -158,6 +158,37 @@ fn where_no_window_is_stated_the_bias_of_damping_is_reported() {
     assert!(
         made > 0.5 * reported && made < 2.0 * reported,
         "{made} {reported}"
+    );
+}
+
+#[test]
+fn a_window_that_the_data_contradict_is_not_used() {
+    // FRFs without smoothing, as a hammer test gives them.
+    let axis = FrequencyAxis {
+        start_hz: 1.0,
+        step_hz: 1.0 / 32.0,
+        len: 224,
+    };
+    let how = Measurement {
+        snr_db: Some(40.0),
+        seed: 5,
+        ..Measurement::of_sensors(POINTS, axis)
+    };
+    let mut set = bridge().measured(&how);
+    set.window = Some(Window::HannNarrow);
+    for damping in dampings(&set, &in_band(2.0, 5.0, None)) {
+        assert!(damping.error.abs() < 4.0 * damping.std, "{}", damping.error);
+    }
+    let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
+    let has = |code: Code| model.findings.iter().any(|own| own.code == code);
+    assert!(has(Code::WindowContradicted));
+    assert!(!has(Code::WindowLineShape) && !has(Code::DampingBiasedHigh));
+    let steady = identify(&stated(1, true), &in_band(2.0, 5.0, None)).unwrap();
+    assert!(
+        steady
+            .findings
+            .iter()
+            .all(|own| own.code != Code::WindowContradicted)
     );
 }
 
