@@ -109,7 +109,7 @@ pub struct FrfSet {
     variance: Vec<Option<Vec<f64>>>,
     /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
     pub added_damping_rad_s: f64,
-    /// Window of all records; `None` where there was none, or nobody says, or functions differ.
+    /// Window of all records; `None` where there was none, none is stated, or functions differ.
     pub window: Option<Window>,
     /// Length of the records that the functions came from, s; `None` when the file does not say.
     pub record_duration_s: Option<f64>,

@@ -20,7 +20,7 @@ use super::{IdentifyError, residues};
 const FEWEST_LINES: f64 = 5.0;
 /// Time constants that a record should hold.
 const FEWEST_TIME_CONSTANTS: f64 = 6.0;
-/// Bias of damping by leakage, over damping, from which on it is reported: a resonance of 4 lines under a Hann window. At 5 % resonances of
+/// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines under a Hann window. At 5 % resonances of
 /// the 5 lines that peak-picking needs would be reported; at 30 % the bias of a bridge of 2 lines would not.
 const MAX_LEAKAGE_BIAS: f64 = 0.1;
 /// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).

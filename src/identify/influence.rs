@@ -34,13 +34,13 @@ use super::receptance::Receptances;
 use super::refine::window;
 use super::roots::Root;
 
-/// Half-power bandwidths on either side in which the residual tells what functions share, and fewest lines: within 2 the fit leaves too
+/// Half-power bandwidths on either side in which the common error of the functions is estimated from the residual, and fewest lines: within 2 the fit leaves too
 /// few values, beyond 5 other noise is more than that of the resonance.
 const ALONG_HALF_POWER_WIDTHS: f64 = 3.0;
 const MIN_ALONG_LINES: usize = 6;
 /// Complex values that the fit took of them: pole, residue, constant and slope.
 const FITTED: f64 = 4.0;
-/// Fewest degrees of freedom: the variance of a Student variable of fewer is none.
+/// Fewest degrees of freedom: a Student variable of 3 has a variance of 3; of 2 and fewer, none.
 const MIN_FREEDOM: f64 = 3.0;
 /// Least part of the derivative's course that nothing else explains.
 const OWN: f64 = 1e-6;
@@ -64,7 +64,7 @@ impl Fit {
     }
 }
 
-/// Power of the residual along the residues of a root, over what functions that err each by itself would leave there.
+/// Power of the residual along the residues of a root, over what functions with independent errors would leave there.
 ///
 /// Under steady random force leakage is an error of a mode's response to the force, which all functions hold in the ratio of their
 /// residues `a`: `E|Σ_f conj(a_f) r_f/l_f²|²` is then up to n times `Σ_f |a_f|² v_f/l_f⁴` of n functions, and so is the variance of the pole.
@@ -95,7 +95,7 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
-/// Variance of a pole over that in noise as the fit weights it, at least so many times that of functions that err each by itself; `None`
+/// Variance of a pole over that in noise as the fit weights it, at least `along` times that of functions with independent errors; `None`
 /// where its lines do not tell it from what is around.
 fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
     let lines = window(data, std::iter::once(root));

@@ -17,7 +17,7 @@ pub struct FunctionNote {
     pub valid_hz: Option<(f64, f64)>,
     /// Degrees of freedom of the variance that belongs to it; modalign's layout alone holds it, as it does the variance.
     pub variance_dof: Option<f64>,
-    /// Window of the records; `None` where there was none or nobody says.
+    /// Window of the records; `None` where there was none or none is stated.
     pub window: Option<Window>,
 }
 

@@ -147,6 +147,13 @@ fn modes_broken_on_purpose_are_caught() {
                     let first = first.count();
                     modes.omega_squared[first] *= 2.0;
                 }),
+                ("root just above those of shift and invert off", |modes| {
+                    let largest = *modes.omega_squared.last().unwrap();
+                    let is_low = |value: &f64| *value <= 1e-5 * largest;
+                    let first = modes.omega_squared.partition_point(is_low);
+                    let last = modes.omega_squared.len() - 1;
+                    modes.omega_squared[first.min(last)] *= 1.0 + 1e-6;
+                }),
                 ("root omitted", |modes| {
                     modes.omega_squared.remove(1);
                     let n = modes.vectors.nrows();

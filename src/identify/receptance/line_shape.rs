@@ -96,7 +96,7 @@ impl LineShape {
         }
     }
 
-    /// `1/(iω − λ)`, or what smoothing makes of it.
+    /// `1/(iω − λ)`, smoothed by the window where there is one.
     pub fn pole(&self, omega: f64, lambda: Complex64) -> Complex64 {
         match self.0 {
             None => (Complex64::new(0.0, omega) - lambda).inv(),
@@ -105,8 +105,8 @@ impl LineShape {
     }
 }
 
-/// By what part of the true damping a fit of `1/(iω − λ)` finds more, from the decay rate that it found, rad/s, under the window
-/// of a set, or under a Hann window where none is stated. `None` where the records were those of hits: under a window for these, or as
+/// Relative bias of the damping of a fit of `1/(iω − λ)`, from the decay rate that it found, rad/s, under the window of a set, or
+/// under a Hann window where none is stated. `None` where the records were those of hits: under a window for these, or as
 /// modalign estimates them. Infinite where an undamped mode looks as wide.
 ///
 /// The least squares fit `A e^(−σ't)` of `ρ(t) e^(−σt)` has `F(p) + 2σ'F'(p) = 0` at `p = σ + σ'`, F the transform of ρ. To first order
