@@ -345,3 +345,26 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     let wrong = verify::sparse_factor(verify::CHOLESKY, &own, |x| other.solve(x));
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
+
+#[test]
+fn many_modes_of_a_chain_are_exact_at_any_scale() {
+    // Between two walls: omega^2 = 4 k/m sin^2(j pi / 2(n + 1)).
+    let n = 600;
+    let one = 0..n;
+    for stiffness in [1.0, 1e10, 1e14] {
+        let diagonal = one.clone().map(|i| (i, i, 2.0 * stiffness));
+        let beside = (0..n - 1).flat_map(|i| [(i, i + 1, -stiffness), (i + 1, i, -stiffness)]);
+        let k = SparseMatrix::from_entries(n, &diagonal.chain(beside).collect::<Vec<_>>());
+        let m =
+            SparseMatrix::from_entries(n, &one.clone().map(|i| (i, i, 1.0)).collect::<Vec<_>>());
+        let modes = sparse_modes(&k.unwrap(), &m.unwrap(), Wanted::Lowest(150), n).unwrap();
+        for (j, got) in modes.omega_squared.iter().enumerate().take(150) {
+            let angle = (j + 1) as f64 * std::f64::consts::PI / (2.0 * (n + 1) as f64);
+            let exact = 4.0 * stiffness * angle.sin().powi(2);
+            assert!(
+                (got / exact - 1.0).abs() < 1e-11,
+                "{stiffness:e} {j}: {got} {exact}"
+            );
+        }
+    }
+}

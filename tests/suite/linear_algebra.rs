@@ -98,6 +98,24 @@ fn equal_singular_values_and_graded_and_defective_matrices_pass_their_checks() {
     assert_eq!(complex_eigenvalues(&jordan).unwrap().len(), 40);
 }
 
+#[test]
+fn repeated_root_at_the_limit_of_the_lowest_modes_is_one_root() {
+    let identity = real_matrix(20, 20, |i, j| f64::from(u8::from(i == j)));
+    let values: Vec<f64> = (0..20)
+        .map(|i| match i {
+            0..4 => 1e6,
+            _ => 1e6 * 10f64.powf(5.0 * (i - 3) as f64 / 16.0),
+        })
+        .collect();
+    for seed in 1..=20 {
+        let modes = symmetric_modes(&matrix_zoo::turned(&values, seed), &identity).unwrap();
+        for (got, exact) in modes.omega_squared.iter().zip(&values).take(4) {
+            // Rounding of the entries, 1e-16 of the largest root.
+            assert!((got / exact - 1.0).abs() < 1e-9, "{seed}: {got}");
+        }
+    }
+}
+
 /// What is done to a right result.
 type Broken<T> = (&'static str, fn(&mut T));
 

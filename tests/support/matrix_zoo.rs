@@ -528,11 +528,20 @@ pub fn graded(size: usize, decades: f64) -> (RealMatrix, RealMatrix) {
     )
 }
 
-/// Ten clusters, each spread over a part of its eigenvalue, turned by Householder reflections.
+/// Ten clusters, each spread over a part of its eigenvalue.
 fn clusters(size: usize, spread: f64) -> (RealMatrix, RealMatrix) {
-    let mut random = Random(7 + size as u64);
     let value = |i: usize| (1.0 + (i % 10) as f64).powi(3) * (1.0 + spread * (i / 10) as f64);
-    let mut k = real_matrix(size, size, |i, j| if i == j { value(i) } else { 0.0 });
+    let values: Vec<f64> = (0..size).map(value).collect();
+    (
+        turned(&values, 7 + size as u64),
+        real_matrix(size, size, |i, j| f64::from(u8::from(i == j))),
+    )
+}
+
+/// A matrix of these eigenvalues: their diagonal turned by three Householder reflections.
+pub fn turned(values: &[f64], seed: u64) -> RealMatrix {
+    let (size, mut random) = (values.len(), Random(seed));
+    let mut k = real_matrix(size, size, |i, j| if i == j { values[i] } else { 0.0 });
     for _ in 0..3 {
         let v: Vec<f64> = (0..size).map(|_| random.next()).collect();
         let norm: f64 = v.iter().map(|x| x * x).sum();
@@ -549,10 +558,7 @@ fn clusters(size: usize, spread: f64) -> (RealMatrix, RealMatrix) {
             }
         }
     }
-    (
-        k,
-        real_matrix(size, size, |i, j| f64::from(u8::from(i == j))),
-    )
+    k
 }
 
 /// Wilkinson's W+ of odd size, moved by 2 to be positive definite; copies joined by 1e-8.
