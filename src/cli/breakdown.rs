@@ -57,7 +57,8 @@ fn part(text: &str) -> Result<Part, String> {
         .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
 }
 
-/// Computes or merges the slices and writes what they show. Exit code 1 when part of the files of its own modes was bad.
+/// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when a file of the modes that are marked
+/// in the maps was partly bad.
 pub fn breakdown(
     args: &BreakdownArgs,
     reading: SceneReading,

@@ -20,7 +20,8 @@ fn the_mac_of_whole_sets_is_that_of_each_pair_by_itself() {
     test.modes[2] = mode(12.0, &[0.0; 6]);
     let of = |test: &ModalModel| {
         let map = DofMap::of_models(test, &theory);
-        let shapes = Shapes::new(test, &theory, &map, &PairOptions::default()).unwrap();
+        let shapes =
+            Shapes::new(test, &theory, &map, &PairOptions::default()).expect("finite shapes");
         let single = |i: usize, j: usize| shapes.compare(i, &[j]).1;
         for (i, row) in shapes.mac_matrix().iter().enumerate() {
             for (j, mac) in row.iter().enumerate() {
@@ -33,7 +34,7 @@ fn the_mac_of_whole_sets_is_that_of_each_pair_by_itself() {
     };
     assert_eq!(of(&test)[2], [None; 5]);
     assert!(
-        (of(&test)[0][1].unwrap() - 0.045 / 0.855).abs() < 1e-12,
+        (of(&test)[0][1].expect("shapes that move") - 0.045 / 0.855).abs() < 1e-12,
         "{:?}",
         of(&test)
     );
@@ -74,7 +75,10 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
     // The value compared with the limit.
     let told = findings.iter().find(|own| own.code == Code::MixedShape);
     let told = told.expect("a finding");
-    assert!((told.value.unwrap() - 0.49).abs() < 0.01, "{told}");
+    assert!(
+        (told.value.expect("a finding with a value") - 0.49).abs() < 0.01,
+        "{told}"
+    );
     assert!(told.value < told.limit, "{told}");
 }
 
@@ -92,7 +96,8 @@ fn mac_below_the_chance_level_is_ambiguous_with_mac_level_and_dofs() {
         .find(|own| own.code == Code::BelowChanceLevel);
     let told = told.expect("a finding");
     assert!(
-        (told.value.unwrap() - 0.64).abs() < 1e-12 && told.value < told.limit,
+        (told.value.expect("a finding with a value") - 0.64).abs() < 1e-12
+            && told.value < told.limit,
         "{told}"
     );
 }

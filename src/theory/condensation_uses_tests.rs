@@ -25,12 +25,15 @@ fn damping_proportional_to_mass_and_stiffness_leaves_the_condensation_exact() {
         for own in both(&proportional(masses, [alpha, beta]), 10) {
             for (mode, omega) in own.model.modes.iter().zip(&own.omega_rad_s) {
                 let ratio = 0.5 * (alpha / omega + beta * omega);
-                assert!((mode.damping_ratio.unwrap() / ratio - 1.0).abs() < 1e-9);
+                assert!(
+                    (mode.damping_ratio.expect("the model has damping") / ratio - 1.0).abs() < 1e-9
+                );
             }
         }
     }
     let masses = 4;
-    let damped = damped_modes(&proportional(masses, [alpha, beta])).unwrap();
+    let damped =
+        damped_modes(&proportional(masses, [alpha, beta])).expect("damping is proportional");
     let undamped = solve(&alternating(masses, false));
     assert_eq!((damped.vectors.nrows(), damped.poles_rad_s.len()), (9, 4));
     for (pole, omega) in damped.poles_rad_s.iter().zip(&undamped.omega_rad_s) {
@@ -68,8 +71,10 @@ fn modes_and_static_compliance_together_are_the_frf_straight_from_the_matrices()
         (5, 5) => 90.0,
         _ => 0.0,
     }));
-    let damped = damped_modes(&matrices).unwrap();
-    let condensation = solve(&matrices).condensation.unwrap();
+    let damped = damped_modes(&matrices).expect("no damping acts on massless motions");
+    let condensation = solve(&matrices)
+        .condensation
+        .expect("there are massless motions");
     assert_eq!(condensation.massless(), 6);
     let unit = |i: usize| {
         (0..n)
@@ -78,9 +83,11 @@ fn modes_and_static_compliance_together_are_the_frf_straight_from_the_matrices()
     };
     let rows: Vec<Vec<f64>> = (0..n).map(unit).collect();
     let s = Complex64::new(0.0, 190.0);
-    let direct = direct_receptance(&matrices, s, &rows, &rows).unwrap();
+    let direct = direct_receptance(&matrices, s, &rows, &rows).expect("s is no pole");
     let identity = real_matrix(n, n, |i, j| f64::from(u8::from(i == j)));
-    let compliance = condensation.relax(&identity).unwrap();
+    let compliance = condensation
+        .relax(&identity)
+        .expect("stiffness holds massless motions");
     let largest = (0..n).map(|i| direct[(i, i)].norm()).fold(0.0, f64::max);
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
         let modal: Complex64 = (0..damped.poles_rad_s.len())
@@ -101,8 +108,8 @@ fn reduction_to_the_coordinates_with_mass_keeps_every_frequency() {
     let whole = solve(&matrices);
     let massive: Vec<usize> = (0..6).map(|i| 2 * i + 1).collect();
     for own in [
-        guyan(&matrices, &massive).unwrap(),
-        serep(&matrices, &whole.vectors, &massive).unwrap(),
+        guyan(&matrices, &massive).expect("the rest is held"),
+        serep(&matrices, &whole.vectors, &massive).expect("as many modes as coordinates"),
     ] {
         let reduced = solve(&own.matrices);
         for (a, b) in reduced.omega_rad_s.iter().zip(&whole.omega_rad_s) {
@@ -115,7 +122,7 @@ fn reduction_to_the_coordinates_with_mass_keeps_every_frequency() {
     }
     // Guyan to massless coordinates as well gives their mass to nobody.
     let kept: Vec<usize> = (0..13).collect();
-    let same = solve(&guyan(&matrices, &kept).unwrap().matrices);
+    let same = solve(&guyan(&matrices, &kept).expect("the rest is held").matrices);
     assert_eq!(same.omega_rad_s.len(), 6);
 }
 
@@ -151,7 +158,7 @@ fn parameterised(masses: usize) -> ExternalModel {
     ExternalModel::new(ExternalMatrices {
         title: "chain".to_owned(),
         dofs: (1..=size)
-            .map(|i| format!("{i}:+X").parse().unwrap())
+            .map(|i| format!("{i}:+X").parse().expect("a point and a direction"))
             .collect(),
         fixed: group(None, springs(1)),
         parameters: vec![
@@ -179,11 +186,11 @@ fn sensitivities_and_shape_derivatives_are_those_of_differences() {
     let at = |j: usize, value: f64| {
         let mut values = values.clone();
         values[j] = value;
-        solve(&model.assemble(&values).unwrap())
+        solve(&model.assemble(&values).expect("valid values"))
     };
     let base = at(0, values[0]);
     let roots = model_roots(&model, &base);
-    let found = model_sensitivities(&model, &values, &base, &roots).unwrap();
+    let found = model_sensitivities(&model, &values, &base, &roots).expect("simple roots");
     for j in 0..3 {
         // `added` stands at its bound of 0: differences to one side, to the same order.
         let steps: &[(f64, f64)] = match j {
@@ -206,17 +213,17 @@ fn sensitivities_and_shape_derivatives_are_those_of_differences() {
             .iter()
             .map(|(step, weight)| (at(j, values[j] + step * h), weight / h))
             .collect();
-        let by = model.derivative(&values, j).unwrap();
+        let by = model.derivative(&values, j).expect("j is a parameter");
         let each: Vec<Vec<usize>> = (0..6).map(|r| vec![r]).collect();
         let each: Vec<&[usize]> = each.iter().map(Vec::as_slice).collect();
-        let derivatives = mode_derivatives(&base, &each, &by).unwrap();
+        let derivatives = mode_derivatives(&base, &each, &by).expect("simple roots");
         for r in 0..6 {
             let sum = |of: &dyn Fn(&TheoryModes) -> f64| -> f64 {
                 moved.iter().map(|(own, weight)| weight * of(own)).sum()
             };
             let lambda = base.omega_rad_s[r].powi(2);
             let slope = sum(&|own| own.omega_rad_s[r].powi(2));
-            let own = found[r].mean(j).unwrap();
+            let own = found[r].mean(j).expect("j is a parameter");
             assert!(
                 (own - slope).abs() < 1e-8 * lambda,
                 "{j} {r}: {own} {slope}"
@@ -250,13 +257,13 @@ fn a_sweep_of_a_chain_with_massless_nodes_follows_its_closed_form() {
         count: 4,
     };
     let values = nominal_values(model.parameters());
-    let found = sweep(&model, &values, "into", range, None).unwrap();
+    let found = sweep(&model, &values, "into", range, None).expect("a valid range");
     assert_eq!(found.loci.len(), 4);
     for (k, value) in found.values.iter().enumerate() {
         let springs = SPRINGS[0] * value * SPRINGS[1] / (SPRINGS[0] * value + SPRINGS[1]);
         let angle = 0.5 * std::f64::consts::PI / 5.0;
         let exact = 2.0 * (springs / (0.8 * MASS)).sqrt() * angle.sin();
-        let own = found.loci[0].omega_rad_s[k].unwrap();
+        let own = found.loci[0].omega_rad_s[k].expect("the root is followed");
         assert!((own / exact - 1.0).abs() < 1e-12, "{own} {exact}");
     }
 }
