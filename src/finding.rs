@@ -310,6 +310,9 @@ codes! {
     /// A stated window that the data contradict.
     WindowContradicted: "The file states a window for steady excitation. Poles without its line shape fit the data much better. The window was not used.",
         "Under steady random force a window smooths the FRFs, and poles have another line shape. An impact, or an excitation that is periodic in the record, has no such smoothing. Correct the window that the file states (dataset 1858 of universal files).";
+    /// Close poles that leakage makes of one mode.
+    LeakageSplit: "Close poles were merged: one pole each under a Hann window describes the data as well. The file states no window.",
+        "The value is the number of poles removed. Under steady random force leakage gives a resonance of few frequency lines a line shape that two poles imitate. The damping remains that of the FRFs as they are, with its bias in `damping-biased-high`. If the test had a Hann window, state it (`--window hann-narrow`, or dataset 1858 of universal files): damping is then corrected. Record longer.";
     /// A mode above the valid band.
     AboveValidBand: "the mode lies above the valid band: beyond 0.4 of the sampling rate, where the anti-alias filter falls off and aliases cannot be excluded, or where the force excites little",
         "Analog filters are flat up to about 0.4 of the sampling rate; above it they fall, and what lies above half the sampling rate folds back. The frequency may be an alias, damping and shape may be wrong. Sample faster, or hit with a harder tip.";

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Code;
+use crate::frf::Window;
 use crate::report::Language;
 use crate::theory::SweepRange;
 
@@ -250,6 +251,9 @@ pub struct IdentifyArgs {
     /// Number of averages of FRFs whose file does not say it; their variance follows from it and the coherence.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub averages: Option<u32>,
+    /// Window of the records of FRFs whose file does not say it: hann, flat-top, exponential, force or force-and-exponential. Under hann and flat-top, ml corrects the damping for leakage.
+    #[arg(long, value_name = "NAME", value_parser = window)]
+    pub window: Option<Window>,
     /// Go on with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
@@ -450,6 +454,11 @@ pub(super) fn band(text: &str) -> Result<Band, String> {
     let (lo, hi) = text.split_once(':').ok_or_else(expected)?;
     let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());
     Band::new(number(lo)?, number(hi)?).map_err(|error| error.to_string())
+}
+
+fn window(name: &str) -> Result<Window, String> {
+    let unknown = || format!("got window `{name}`, expected {}", Window::names());
+    Window::from_name(name).ok_or_else(unknown)
 }
 
 fn sweep(text: &str) -> Result<(String, SweepRange), String> {

@@ -102,6 +102,7 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
             frfs_first: false,
             format,
             averages: None,
+            window: None,
             scene: &scene.path,
         },
     )?)

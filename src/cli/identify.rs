@@ -51,6 +51,7 @@ pub fn identify(
             frfs_first: true,
             format,
             averages: args.averages,
+            window: args.window,
             ..IngestOptions::default()
         },
     )?;

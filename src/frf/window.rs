@@ -33,9 +33,18 @@ impl Window {
         WINDOWS[self as usize].1
     }
 
-    /// The window of this name.
+    /// The window of this name; `hann` is that for broad bands, which differs from the other by its scaling alone.
     pub fn from_name(name: &str) -> Option<Self> {
+        if name == "hann" {
+            return Some(Self::HannBroad);
+        }
         WINDOWS.iter().find(|row| row.1 == name).map(|row| row.0)
+    }
+
+    /// The names that [`Self::from_name`] takes, for messages.
+    pub fn names() -> String {
+        let names: Vec<&str> = WINDOWS.iter().map(|row| row.1).collect();
+        format!("hann, {}", names.join(", "))
     }
 
     /// The number in dataset 1858.
@@ -60,8 +69,10 @@ mod tests {
             assert_eq!(Window::from_code(code), Some(window));
             assert_eq!(window.code(), code);
             assert_eq!(Window::from_name(name), Some(window));
+            assert!(Window::names().contains(name));
             assert_eq!(window.name(), name);
         }
+        assert_eq!(Window::from_name("hann"), Some(Window::HannBroad));
         for code in [i64::MIN, -1, 0, 7] {
             assert_eq!(Window::from_code(code), None);
         }

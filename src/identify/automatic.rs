@@ -19,7 +19,8 @@
 //!    counts as noise in its deviations.
 //!
 //! Where the file states a window for steady excitation, poles have the line shape that it makes of them
-//! ([`receptance`](super::receptance)).
+//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that such a line shape explains
+//! ([`leakage`](super::leakage)).
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
@@ -78,7 +79,8 @@ impl PoleEstimator for Automatic {
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let shape = LineShape::of(set);
-        let (fit, found) = self.fitted(set, band, shape)?;
+        let (mut fit, found) = self.fitted(set, band, shape)?;
+        let split = self.merge_split_modes((set, band), &mut fit)?;
         let plain = match shape.is_smoothed() {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
@@ -99,6 +101,7 @@ impl PoleEstimator for Automatic {
             }
             None => fit.table((set, band), &found),
         };
+        table.findings.extend(split);
         state_orders(&mut table);
         Ok(table)
     }
@@ -106,7 +109,7 @@ impl PoleEstimator for Automatic {
 
 impl Automatic {
     /// The fit of poles with a line shape.
-    fn fitted(
+    pub(super) fn fitted(
         &self,
         set: &FrfSet,
         band: Band,
@@ -114,10 +117,7 @@ impl Automatic {
     ) -> Result<(Fit, Found), IdentifyError> {
         let (mut fit, found) = self.merged(set, band, shape)?;
         fit.look_outside();
-        fit.doubt();
-        fit.settle(Stop::Fine);
-        fit.reckon_with_outside();
-        fit.reckon_with_noise();
+        fit.complete();
         Ok((fit, found))
     }
 
@@ -265,6 +265,14 @@ impl Fit {
         }
     }
 
+    /// Removes what is no mode, and fits the others to the end, with their deviations.
+    pub fn complete(&mut self) {
+        self.doubt();
+        self.settle(Stop::Fine);
+        self.reckon_with_outside();
+        self.reckon_with_noise();
+    }
+
     pub fn judge_by_noise(&mut self) -> bool {
         let changed = self.measure_noise();
         self.settle(Stop::Judging);
@@ -406,7 +414,7 @@ impl Fit {
     }
 
     /// Mean over the functions of their residual over their values, each summed in squares over the lines.
-    fn relative_residual(&self) -> f64 {
+    pub fn relative_residual(&self) -> f64 {
         let rest = self.rest();
         let of = |f: usize| {
             let residual = |k: usize| rest.at(f, k).norm_sqr() * self.data.variance[f][k];

@@ -51,6 +51,7 @@ mod hump_tests;
 mod indicator;
 mod indicators;
 mod influence;
+mod leakage;
 mod left_over;
 mod line;
 mod linearised;

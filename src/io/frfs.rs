@@ -383,7 +383,8 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         return Err(not_stated("the imaginary part", "complex values"));
     };
     let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
-    let note = entry.note.clone();
+    let mut note = entry.note.clone();
+    note.window = note.window.or(file.window);
     let coherence = of_axis(beside.coherence, &axis);
     let finding = coherence.as_ref().and_then(|own| own.finding.clone());
     let place = Place::Function {

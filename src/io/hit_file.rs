@@ -1,6 +1,7 @@
 //! An opened file with what a scene says of it, and how hits are told apart.
 
 use crate::dof::Dof;
+use crate::frf::Window;
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::Role;
 
@@ -59,6 +60,8 @@ pub struct HitFile {
     pub frf_unit: Option<FrfUnit>,
     /// The scene's word for the number of averages of FRFs that do not state it.
     pub averages: Option<u32>,
+    /// The scene's word for the window of FRFs that do not state it.
+    pub window: Option<Window>,
     /// Whether hits of which records are missing may be left out.
     pub partial: bool,
 }
@@ -72,6 +75,7 @@ impl HitFile {
             reference: None,
             frf_unit: None,
             averages: None,
+            window: None,
             partial: false,
         }
     }

@@ -226,6 +226,7 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 frfs_first: false,
                 format: scene.format.as_deref(),
                 averages: None,
+                window: None,
                 scene: &scene.path,
             };
             let ingested = ingest_files(files, &options)?;

@@ -1,5 +1,6 @@
 //! `[[test.channel]]` as meant: the columns of a table.
 
+use crate::frf::Window;
 use crate::io::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
 
@@ -70,6 +71,21 @@ fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneE
             expected: "comma, semicolon, tab or blank".to_owned(),
         }),
     }
+}
+
+/// The window that a scene states.
+///
+/// # Errors
+/// [`SceneError::Value`] for a name that is none.
+pub(super) fn window(name: Option<&str>, path: &str) -> Result<Option<Window>, SceneError> {
+    let Some(name) = name else { return Ok(None) };
+    let unknown = || SceneError::Value {
+        path: path.to_owned(),
+        key: "[[test]] window".to_owned(),
+        got: format!("{name:?}"),
+        expected: Window::names(),
+    };
+    Window::from_name(name).map(Some).ok_or_else(unknown)
 }
 
 /// What the dimensions of an array are: each at most once, samples among them.

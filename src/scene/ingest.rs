@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
-use crate::frf::{FrfSet, check_functions};
+use crate::frf::{FrfSet, Window, check_functions};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
@@ -16,7 +16,7 @@ use crate::record::{Recording, Role};
 use crate::signal::TriggerOptions;
 
 use super::SceneError;
-use super::columns::table_spec;
+use super::columns::{table_spec, window};
 use super::file_dofs::dofs_of_files;
 use super::model::value_error;
 use super::plan::FilePlan;
@@ -78,6 +78,8 @@ pub struct IngestOptions<'a> {
     pub format: Option<&'a str>,
     /// Number of averages of FRFs that do not state it, before the scene's word.
     pub averages: Option<u32>,
+    /// Window of FRFs that do not state it, before the scene's word.
+    pub window: Option<Window>,
     /// Path of the scene, for messages.
     pub scene: &'a str,
 }
@@ -124,6 +126,10 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         averages: options
             .averages
             .or(options.typed.and_then(|test| test.averages)),
+        window: match (options.window, options.typed) {
+            (None, Some(test)) => window(test.window.as_deref(), options.scene)?,
+            (window, _) => window,
+        },
         partial: options.partial,
     })
 }

@@ -291,7 +291,8 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
             if synth.is_some() != modes.is_some()
                 && (describes_files(test) || (test.partial && synth.is_some())) =>
         {
-            let got = "hits, partial, sampling_rate_hz, delimiter, skip_lines, channel or file";
+            let got =
+                "hits, partial, sampling_rate_hz, delimiter, skip_lines, window, channel or file";
             return Err(value_error(path, &key(""), got, "these with `files` alone"));
         }
         (true, Some(spec), None) => TestSource::Synth(folder.join(spec)),
@@ -318,7 +319,11 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
 /// Whether a test states what only files need.
 fn describes_files(test: &TestTable) -> bool {
     let table = test.sampling_rate_hz.is_some() || test.delimiter.is_some() || test.skip_lines > 0;
-    table || test.hits.is_some() || !test.channel.is_empty() || !test.file.is_empty()
+    table
+        || test.window.is_some()
+        || test.hits.is_some()
+        || !test.channel.is_empty()
+        || !test.file.is_empty()
 }
 
 fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSource, SceneError> {

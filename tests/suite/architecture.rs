@@ -199,7 +199,7 @@ fn every_stage_is_in_the_table_and_the_table_has_no_cycle() {
 }
 
 #[test]
-fn files_stay_under_500_lines() {
+fn files_stay_under_800_lines() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = |folder: &str| fs::read_dir(root.join(folder)).unwrap();
     // The script and the style of the HTML report are written by hand, too.
@@ -216,7 +216,7 @@ fn files_stay_under_500_lines() {
     let tests = suite.map(|path| (path.clone(), fs::read_to_string(path).unwrap()));
     for (path, text) in sources().into_iter().chain(tests) {
         let lines = text.lines().count();
-        assert!(lines <= 500, "{} has {lines} lines", path.display());
+        assert!(lines <= 800, "{} has {lines} lines", path.display());
     }
 }
 

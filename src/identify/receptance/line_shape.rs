@@ -67,6 +67,13 @@ impl LineShape {
         Self(cosines.map(|cosines| Smoothing::new(record_s, cosines)))
     }
 
+    /// Under a Hann window, of a set that may come from steady excitation and states no window; `None` for any other.
+    pub fn unstated(set: &FrfSet) -> Option<Self> {
+        let is_unknown = set.record_duration_s.is_none() && set.added_damping_rad_s <= 0.0;
+        let smoothing = || Self(Some(Smoothing::new(set.axis().step_hz.recip(), HANN)));
+        (is_unknown && set.window.is_none()).then(smoothing)
+    }
+
     /// Correlation of the noise of H1 between lines: that of the spectra under the window, squared, as those of force and response noise
     /// are independent; `None` for the exact line shape.
     pub fn noise_correlation(&self) -> Option<Correlation> {
@@ -112,12 +119,11 @@ impl LineShape {
 /// The least squares fit `A e^(−σ't)` of `ρ(t) e^(−σt)` has `F(p) + 2σ'F'(p) = 0` at `p = σ + σ'`, F the transform of ρ. To first order
 /// it is `4/3b²`, b the half-power bandwidth in lines.
 pub(in crate::identify) fn leakage_bias(set: &FrfSet, decay: f64) -> Option<f64> {
-    let unknown = set.record_duration_s.is_none() && set.added_damping_rad_s <= 0.0;
-    let cosines = match set.window {
-        Some(window) => cosines(window)?,
-        None => unknown.then_some(HANN)?,
+    let shape = match set.window {
+        Some(_) => LineShape::of(set),
+        None => LineShape::unstated(set)?,
     };
-    let smoothing = Smoothing::new(set.axis().step_hz.recip(), cosines);
+    let smoothing = shape.0?;
     let found = |p: f64| {
         let power = |n| smoothing.power(p.into(), n).re;
         power(1) / (2.0 * power(2))

@@ -138,27 +138,76 @@ fn band_and_order_change_damping_by_less_than_its_deviation() {
     }
 }
 
+fn has(findings: &[Finding], code: Code) -> bool {
+    findings.iter().any(|own| own.code == code)
+}
+
 #[test]
-fn where_no_window_is_stated_the_bias_of_damping_is_reported() {
-    let (mut reported, mut made) = (0.0, 0.0);
+fn random_force_under_an_unstated_window_makes_no_second_poles() {
+    let mut split = 0;
+    for seed in 1..=6 {
+        for given in [true, false] {
+            let set = measured(seed, given);
+            // Six modes and no other.
+            dampings(&set, &in_band(2.0, 5.0, None));
+            let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
+            split += usize::from(has(&model.findings, Code::LeakageSplit));
+        }
+    }
+    // Without the fit under a Hann window three of these draws have more than six modes.
+    assert!(split >= 3, "{split}");
+}
+
+#[test]
+fn close_modes_in_noise_stay_two() {
+    let axis = FrequencyAxis {
+        start_hz: 1.0,
+        step_hz: 1.0 / 32.0,
+        len: 224,
+    };
+    // 1.5 lines apart, half-power bandwidths of 1.3 and 1.7 lines.
+    let sine = |half_waves: f64| -> Vec<f64> {
+        let point = |p: usize| (half_waves * 0.3 * (p + 1) as f64).sin();
+        (0..POINTS).map(point).collect()
+    };
+    let structure = Structure {
+        modes: vec![(3.0, 0.0068, sine(1.0)), (3.047, 0.0087, sine(1.6))],
+    };
+    for seed in 1..=10 {
+        let how = Measurement {
+            snr_db: Some(20.0),
+            seed,
+            ..Measurement::of_sensors(POINTS, axis)
+        };
+        let model = identify(&structure.measured(&how), &in_band(2.0, 5.0, None)).unwrap();
+        let found: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
+        assert_eq!(found.len(), 2, "{seed}: {found:?}");
+        assert!(!has(&model.findings, Code::LeakageSplit));
+    }
+}
+
+#[test]
+fn the_bias_reported_under_an_unstated_window_is_that_of_the_damping() {
     for seed in 1..=4 {
         let set = measured(seed, false);
         let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
-        let distance = |mode: &&Mode| (mode.frequency_hz - MODES[5].0).abs();
-        let mode = model
-            .modes
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap();
-        let place = Place::Mode(mode.frequency_hz);
-        let told = |own: &&Finding| own.code == Code::DampingBiasedHigh && own.place == place;
-        reported += model.findings.iter().find(told).unwrap().value.unwrap();
-        made += 100.0 * (mode.damping_ratio.unwrap() / MODES[5].1 - 1.0);
+        let (mut reported, mut made) = (0.0, 0.0);
+        for (hz, damping) in MODES {
+            let distance = |mode: &&Mode| (mode.frequency_hz - hz).abs();
+            let modes = model.modes.iter();
+            let mode = modes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let mode = mode.unwrap();
+            let place = Place::Mode(mode.frequency_hz);
+            let biased = |own: &&Finding| own.code == Code::DampingBiasedHigh && own.place == place;
+            let finding = model.findings.iter().find(biased);
+            reported += finding.map_or(0.0, |own| own.value.unwrap());
+            made += 100.0 * (mode.damping_ratio.unwrap() / damping - 1.0);
+        }
+        assert!(
+            made > 0.5 * reported && made < 2.0 * reported,
+            "{seed}: {made} {reported}"
+        );
     }
-    assert!(
-        made > 0.5 * reported && made < 2.0 * reported,
-        "{made} {reported}"
-    );
 }
 
 #[test]
@@ -180,16 +229,11 @@ fn a_window_that_the_data_contradict_is_not_used() {
         assert!(damping.error.abs() < 4.0 * damping.std, "{}", damping.error);
     }
     let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
-    let has = |code: Code| model.findings.iter().any(|own| own.code == code);
-    assert!(has(Code::WindowContradicted));
-    assert!(!has(Code::WindowLineShape) && !has(Code::DampingBiasedHigh));
+    assert!(has(&model.findings, Code::WindowContradicted));
+    assert!(!has(&model.findings, Code::WindowLineShape));
+    assert!(!has(&model.findings, Code::DampingBiasedHigh));
     let steady = identify(&stated(1, true), &in_band(2.0, 5.0, None)).unwrap();
-    assert!(
-        steady
-            .findings
-            .iter()
-            .all(|own| own.code != Code::WindowContradicted)
-    );
+    assert!(!has(&steady.findings, Code::WindowContradicted));
 }
 
 #[test]
@@ -197,8 +241,7 @@ fn hits_have_no_bias_by_a_window() {
     let mut set = measured(1, true);
     let told = |set: &FrfSet| {
         let model = identify(set, &in_band(2.0, 5.0, None)).unwrap();
-        let own = |own: &Finding| own.code == Code::DampingBiasedHigh;
-        model.findings.iter().any(own)
+        has(&model.findings, Code::DampingBiasedHigh)
     };
     assert!(told(&set));
     set.window = Some(Window::Exponential);
