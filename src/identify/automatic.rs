@@ -19,8 +19,8 @@
 //!    counts as noise in its deviations.
 //!
 //! Where the file states a window for steady excitation, poles have the line shape that it makes of them
-//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that such a line shape explains
-//! ([`leakage`](super::leakage)).
+//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that the line shape of a Hann window
+//! explains ([`leakage`](super::leakage)).
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
@@ -33,6 +33,7 @@ use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 
+use super::companions::{companions, strongest_companions};
 use super::far::Rest;
 use super::indicator::Indicator;
 use super::moving::Moved;
@@ -80,7 +81,7 @@ impl PoleEstimator for Automatic {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let shape = LineShape::of(set);
         let (mut fit, found) = self.fitted(set, band, shape)?;
-        let split = self.merge_split_modes((set, band), &mut fit)?;
+        let split = self.check_leakage((set, band), &mut fit)?;
         let plain = match shape.is_smoothed() {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
@@ -268,6 +269,7 @@ impl Fit {
     /// Removes what is no mode, and fits the others to the end, with their deviations.
     pub fn complete(&mut self) {
         self.doubt();
+        self.add_companions();
         self.settle(Stop::Fine);
         self.reckon_with_outside();
         self.reckon_with_noise();
@@ -447,7 +449,11 @@ impl Fit {
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let standings = self.standings();
-        let mut kept: Vec<(&Root, &Standing)> = self.roots.iter().zip(&standings).collect();
+        let companions = companions(&self.roots);
+        let is_mode = |j: usize| companions.iter().all(|pair| pair.0 != j);
+        let modes = self.roots.iter().zip(&standings).enumerate();
+        let modes = modes.filter(|(j, _)| is_mode(*j));
+        let mut kept: Vec<(&Root, &Standing)> = modes.map(|(_, mode)| mode).collect();
         kept.retain(|(root, _)| {
             let hz = root.lambda.norm() / TAU;
             hz >= band.lo_hz && hz <= band.hi_hz
@@ -468,6 +474,7 @@ impl Fit {
             dropped: &self.dropped,
             scattered: self.scattered,
             moved: &self.moved,
+            companions: &strongest_companions(&self.roots, &companions),
         };
         PoleTable {
             candidates: kept

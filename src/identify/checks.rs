@@ -22,7 +22,7 @@ const FEWEST_LINES: f64 = 5.0;
 const FEWEST_TIME_CONSTANTS: f64 = 6.0;
 /// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines under a Hann window. At 5 % resonances of
 /// the 5 lines that peak-picking needs would be reported; at 30 % the bias of a bridge of 2 lines would not.
-const MAX_LEAKAGE_BIAS: f64 = 0.1;
+pub(super) const MAX_LEAKAGE_BIAS: f64 = 0.1;
 /// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).
 const MOST_SPREAD: f64 = 0.05;
 /// Half-power widths between two visible peaks below which both are contaminated.
@@ -220,9 +220,11 @@ pub(super) fn reach(
     findings
 }
 
-/// The finding of a resonance so narrow that leakage would raise its damping, where that was not corrected.
+/// The finding of a resonance so narrow that leakage would raise its damping, where that was not corrected and the data do not
+/// contradict it.
 fn leakage(set: &FrfSet, data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
-    let bias = leakage_bias(set, -lambda.re).filter(|_| !data.line_shape.is_smoothed())?;
+    let is_possible = !data.line_shape.is_smoothed() && !data.contradicts_leakage;
+    let bias = leakage_bias(set, -lambda.re).filter(|_| is_possible)?;
     let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, place.clone());
     let value = |finding: Finding| {
         finding

@@ -1,10 +1,11 @@
-//! Modes that leakage under an unstated window splits into close poles.
+//! Leakage under a window that no file states.
 //!
 //! Under steady random force with a Hann window the FRF of one mode has the line shape of a smoothed pole
-//! ([`LineShape`]), which two poles within the main lobe imitate better than one. Where no file states the window and
-//! poles lie that close, all poles are fitted under a Hann window as well. If these describe the lines near the modes
-//! about as well, each group of close poles is replaced by theirs where they are fewer. Poles without line shape are
-//! then fitted from there: damping remains that of the FRFs as they are, and its bias is reported.
+//! ([`LineShape`]), which raises the damping of a fit of poles, and which two poles within the main lobe imitate better
+//! than one. Where resonances are so narrow, poles are fitted under a Hann window as well. If the lines near the modes
+//! contradict it, there is no such leakage. If not, the bias of damping is reported, and each group of close poles is
+//! replaced by the poles under the window where they are fewer. Poles without line shape are then fitted from there:
+//! damping remains that of the FRFs as they are.
 
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
@@ -12,7 +13,8 @@ use crate::frf::FrfSet;
 
 use super::IdentifyError;
 use super::automatic::{Automatic, Fit};
-use super::receptance::LineShape;
+use super::checks::MAX_LEAKAGE_BIAS;
+use super::receptance::{LineShape, leakage_bias};
 use super::refine::{Stop, unsettle};
 use super::roots::Root;
 
@@ -24,31 +26,40 @@ const MAX_SPLIT_LINES: f64 = 3.0;
 /// simulated bridges with a Hann window and resonances of 1.7 lines or more it is 0.65 to 1.03 (up to 1.5 with 0.8 lines); of 400
 /// hammer tests with close modes of 0.4 to 4 lines, and noise up to 40 % of the response, 1.8 or more. Larger: close modes in
 /// noise become one; smaller: second poles remain. Tests: `random_force_under_an_unstated_window_makes_no_second_poles`,
-/// `close_modes_in_noise_stay_two`.
+/// `close_modes_in_noise_stay_two`, `narrow_resonances_of_a_hammer_test_have_no_bias`.
 const MAX_RESIDUAL_RATIO: f64 = 1.3;
 
 impl Automatic {
-    /// Replaces close poles of a fit that leakage under an unstated Hann window has made of one mode; `None` where the data
-    /// do not show that.
+    /// Whether data without a stated window contradict a Hann window, and one pole for each mode that leakage had split;
+    /// a finding where there was one.
     ///
     /// # Errors
     /// Those of the fit under a Hann window.
-    pub(super) fn merge_split_modes(
+    pub(super) fn check_leakage(
         &self,
         (set, band): (&FrfSet, Band),
         fit: &mut Fit,
     ) -> Result<Option<Finding>, IdentifyError> {
-        let Some(shape) = LineShape::unstated(set).filter(|_| has_close_poles(fit)) else {
+        let Some(shape) = LineShape::unstated(set) else {
             return Ok(None);
         };
+        let is_narrow = |root: &Root| leakage_bias(set, root.decay()) > Some(MAX_LEAKAGE_BIAS);
+        let may_be_split = has_close_poles(fit);
+        if !may_be_split && !fit.roots.iter().any(is_narrow) {
+            return Ok(None);
+        }
         let near_modes = NearModes::new(fit);
         let limit = MAX_RESIDUAL_RATIO * near_modes.residual(fit);
-        // In a hammer test the poles of the fit alone show that the line shape is another.
         if near_modes.residual_under(fit, shape) > limit {
+            fit.data.contradicts_leakage = true;
+            return Ok(None);
+        }
+        if !may_be_split {
             return Ok(None);
         }
         let (smoothed, _) = self.fitted(set, band, shape)?;
         if near_modes.residual(&smoothed) > limit {
+            fit.data.contradicts_leakage = true;
             return Ok(None);
         }
         let merged = merged(fit, &smoothed);

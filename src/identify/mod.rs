@@ -39,6 +39,7 @@ mod circle_detail;
 mod close;
 #[cfg(test)]
 mod close_tests;
+mod companions;
 mod correlation;
 mod doubled;
 mod doubts;

@@ -68,6 +68,8 @@ pub(super) struct Evidence<'a> {
     pub scattered: Option<usize>,
     /// Modes that move from run to run.
     pub moved: &'a Moved,
+    /// Poles of modes that have companions, and how large these are.
+    pub companions: &'a [(Complex64, f64)],
 }
 
 impl Evidence<'_> {
@@ -156,6 +158,14 @@ impl Evidence<'_> {
         if root.multiplicity() > 1 {
             let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
             findings.push(finding.value(root.multiplicity() as f64, ""));
+        }
+        let companion = self
+            .companions
+            .iter()
+            .find(|(pole, _)| *pole == root.lambda);
+        if let Some((_, size)) = companion {
+            let finding = Finding::new(Severity::Warning, Code::AmplitudeDependent, place.clone());
+            findings.push(finding.value(*size, ""));
         }
         let lines = root.width() / self.data.step;
         if lines < FEWEST_LINES {

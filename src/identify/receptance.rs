@@ -68,6 +68,8 @@ pub(super) struct Receptances {
     pub step: f64,
     /// What the records make of a pole.
     pub line_shape: LineShape,
+    /// Whether the values contradict leakage under a Hann window.
+    pub contradicts_leakage: bool,
     /// Values, m/N.
     pub values: Values,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
@@ -151,6 +153,7 @@ impl Receptances {
         let mut data = Self {
             step,
             line_shape: LineShape::EXACT,
+            contradicts_leakage: false,
             values: Values(values),
             variance,
             by_force,

@@ -25,6 +25,11 @@ use super::{
 /// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
 /// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
 const REPEATED_SPACING: f64 = 1e-6;
+/// Part of a frequency within which repeated roots are equal: the accuracy that natural frequencies have. Larger: the closest
+/// pair of Wilkinson's matrix of 201 coordinates is off by 1e-8. Smaller: roots of a symmetric machine differ by rounding.
+const EQUAL_SPACING: f64 = 1e-9;
+/// The same in bounds of what rounding of K does to them, where that is more: what natural frequencies are held to.
+const EQUAL_ROUNDINGS: f64 = 4.0;
 /// Rounding bounds of K within which an omega² counts as 0: this many over the number of coordinates, within the range of
 /// [`ZERO_RANGE`]. Entries that sum many springs are rounded many times, up to 4 bounds with the 37 coordinates of the cycloid ball
 /// drive; those of a mesh are rounded a few times each, and many cancel.
@@ -128,7 +133,8 @@ fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &m
 /// bending mode is at 148 Hz) is not distinguished from none. Where the bound exceeds a millionth of a natural frequency, a
 /// finding states it.
 ///
-/// Neighbours within a millionth of their frequency share a group number and their mean `omega^2`. Damping from a damping
+/// Neighbours within a millionth of their frequency share a group number and one canonical basis. Those that differ by less than
+/// 1e-9 of it, or by what rounding of K may do, have their mean `omega^2`. Damping from a damping
 /// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
 ///
 /// Motions without mass are condensed statically, which keeps all finite modes as they are ([`Condensation`]); a finding says
@@ -190,8 +196,16 @@ impl Solution {
         let roots = repeated_roots(&omega_squared);
         let mut groups = vec![None; n];
         for (number, range) in (1..).zip(roots) {
-            let mean = omega_squared[range.clone()].iter().sum::<f64>() / range.len() as f64;
-            omega_squared[range.clone()].fill(mean);
+            let values = &mut omega_squared[range.clone()];
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let bounds = order[range.clone()]
+                .iter()
+                .map(|&j| eigenvalues[j].rounding);
+            let rounding = EQUAL_ROUNDINGS * bounds.fold(0.0, f64::max);
+            let spread = values[values.len() - 1] - values[0];
+            if spread <= rounding.max(2.0 * EQUAL_SPACING * mean) {
+                values.fill(mean);
+            }
             groups[range.clone()].fill(Some(number));
             canonicalise(&mut vectors, range.start, range.len(), total);
         }

@@ -8,6 +8,7 @@ use crate::geometry::Target;
 use crate::linalg::real_matrix;
 
 use super::beam_modes_tests::{bar, modes_of, sensors};
+use super::condensation_tests::system;
 use super::*;
 
 const LENGTH_M: f64 = 0.9;
@@ -268,4 +269,22 @@ fn residues_need_a_ratio_for_each_elastic_mode_and_a_known_sensor() {
     assert_eq!(ratio, TheoryError::DampingRatio { got: -0.1 });
     let unknown = residues(&result, &[0.01; 4], &[pair("9:+Z")]).unwrap_err();
     assert!(matches!(unknown, TheoryError::NotObserved { .. }));
+}
+
+#[test]
+fn close_roots_share_a_group_and_keep_their_frequencies() {
+    // 1e-8 of the frequency apart, and equal but for rounding.
+    let squared = [1e6, 1e6 * (1.0 + 2e-8), 4e6, 4e6 * (1.0 + 4e-16), 9e6];
+    let n = squared.len();
+    let (mass, stiffness): (Vec<_>, Vec<_>) =
+        (0..n).map(|i| ((i, i, 1.0), (i, i, squared[i]))).unzip();
+    let matrices = system(n, &mass, &stiffness);
+    let result = modes_of_matrices(&matrices, &ModeOptions::default()).unwrap();
+    let groups: Vec<Option<u32>> = result.model.modes.iter().map(|mode| mode.group).collect();
+    assert_eq!(groups, [Some(1), Some(1), Some(2), Some(2), None]);
+    for (omega, squared) in result.omega_rad_s.iter().zip(squared) {
+        assert!((omega / squared.sqrt() - 1.0).abs() < 1e-12, "{omega}");
+    }
+    let bits = |j: usize| result.omega_rad_s[j].to_bits();
+    assert_eq!(bits(2), bits(3));
 }

@@ -237,6 +237,24 @@ fn a_window_that_the_data_contradict_is_not_used() {
 }
 
 #[test]
+fn narrow_resonances_of_a_hammer_test_have_no_bias() {
+    let axis = FrequencyAxis {
+        start_hz: 1.0,
+        step_hz: 1.0 / 32.0,
+        len: 224,
+    };
+    for seed in 1..=5 {
+        let how = Measurement {
+            snr_db: Some(40.0),
+            seed,
+            ..Measurement::of_sensors(POINTS, axis)
+        };
+        let model = identify(&bridge().measured(&how), &in_band(2.0, 5.0, None)).unwrap();
+        assert!(!has(&model.findings, Code::DampingBiasedHigh), "{seed}");
+    }
+}
+
+#[test]
 fn hits_have_no_bias_by_a_window() {
     let mut set = measured(1, true);
     let told = |set: &FrfSet| {
