@@ -5,6 +5,7 @@
 mod chinese;
 mod numbers;
 mod place;
+mod severity;
 
 use std::fmt;
 
@@ -12,28 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use numbers::{short, with_spread};
 pub use place::Place;
-
-/// How much a finding matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// Worth knowing; nothing is wrong.
-    Info,
-    /// A number may be worse than it looks.
-    Warning,
-    /// Part of the input is bad or missing.
-    Error,
-}
-
-impl fmt::Display for Severity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Severity::Info => "info",
-            Severity::Warning => "warning",
-            Severity::Error => "error",
-        })
-    }
-}
+pub use severity::Severity;
 
 /// Declares the codes with their sentence and their longer explanation in one table.
 macro_rules! codes {
@@ -343,6 +323,9 @@ codes! {
     /// A test shape that several roots hold together.
     MixedShape: "the root's part of the test shape, less its standard deviation, is below the stated MAC: shapes are mixed, or these sensors do not tell roots apart",
         "All roots of the model explain the shape together; the value is the root's part less one standard deviation. Stiffnesses that are wrong mix neighbouring modes; with few sensors shapes of different modes look alike. Measure at more points, or update the model and pair again.";
+    /// A pair whose MAC reaches its gate with reversed sensors turned alone.
+    RestsOnReversal: "Sensors have the opposite sign of the theory, and the MAC as measured is below the gate. The pair was marked ambiguous.",
+        "Pairs are chosen with the reversed sensors turned; the MAC in the table is of the shapes as measured. The value is that MAC, the limit the gate (`min_mac`). Correct the signs of the sensors named in the findings, or use --turn-reversed, and the pair is judged by the corrected shapes.";
     /// A pairing with low MAC.
     LowMac: "the best partner by frequency has a low MAC and was not accepted",
         "The gate is stated in the scene (`min_mac`). A low MAC at equal frequency means another mode, a wrong direction or sign of a sensor, or a hit near a node.";

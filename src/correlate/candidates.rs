@@ -44,7 +44,10 @@ struct Candidate {
 /// A choice of pairs with what it was made from.
 struct Choice<'a> {
     root_of: &'a [Option<usize>],
+    /// As measured.
     shapes: &'a Shapes,
+    /// Whether some sensors are reversed in the shapes by which the pairs are chosen.
+    reversed: bool,
     options: &'a PairOptions,
     /// Whether each row reaches the chance level of its root, all rows being judged alike; `None` where no shapes can tell.
     correlated: Vec<Option<bool>>,
@@ -118,12 +121,13 @@ impl CandidateTable {
     pub fn pairs(
         &self,
         root_of: &[Option<usize>],
-        shapes: &Shapes,
+        (shapes, reversed): (&Shapes, bool),
         options: &PairOptions,
     ) -> Result<Vec<Pair>, CorrelateError> {
         let mut choice = Choice {
             root_of,
             shapes,
+            reversed,
             options,
             correlated: vec![None; root_of.len()],
         };
@@ -176,6 +180,12 @@ impl CandidateTable {
                     level,
                     reversed: chosen.mac.filter(|own| *own >= level.mac),
                 },
+                (Some(_), Some(mac)) if choice.reversed && mac < choice.options.min_mac => {
+                    Verdict::RestsOnReversal {
+                        mac,
+                        reversed: chosen.mac.filter(|own| *own >= choice.options.min_mac),
+                    }
+                }
                 _ => self.verdict((i, r), choice),
             },
         }
@@ -372,6 +382,9 @@ fn doubt(verdict: &Verdict, options: &PairOptions) -> Option<(Code, f64, f64)> {
     match verdict {
         Verdict::Paired => None,
         Verdict::Uncorrelated { mac, level, .. } => Some((Code::BelowChanceLevel, *mac, level.mac)),
+        Verdict::RestsOnReversal { mac, .. } => {
+            Some((Code::RestsOnReversal, *mac, options.min_mac))
+        }
         Verdict::Ambiguous {
             cost_difference, ..
         } => Some((Code::Ambiguous, *cost_difference, options.ambiguous_margin)),

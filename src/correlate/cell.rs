@@ -63,7 +63,10 @@ impl<'a> TestSight<'a> {
         let indices: Vec<usize> = pair.partners.iter().map(|partner| partner.test).collect();
         let macs = pair.partners.iter().filter_map(|partner| partner.mac);
         let cell = test.modes_cell(&indices, Status::Paired);
-        let doubt = pair.partners.iter().find_map(|p| self.doubt(&p.verdict));
+        let doubt = pair
+            .partners
+            .iter()
+            .find_map(|p| self.doubt(&p.verdict, options));
         let alike = pair.least_direction.map(|share| {
             let percent = 100.0 * share;
             format!(
@@ -120,7 +123,7 @@ impl<'a> TestSight<'a> {
         }
     }
 
-    fn doubt(&self, verdict: &Verdict) -> Option<String> {
+    fn doubt(&self, verdict: &Verdict, options: &PairOptions) -> Option<String> {
         let (rival, cost_difference) = match verdict {
             Verdict::Paired => return None,
             Verdict::Uncorrelated {
@@ -128,10 +131,12 @@ impl<'a> TestSight<'a> {
                 level,
                 reversed,
             } => {
-                let turned = reversed.map_or_else(String::new, |mac| {
-                    format!("; with the reversed sensors turned it is {mac:.3}")
-                });
-                return Some(below_chance(*mac, level) + &turned);
+                return Some(below_chance(*mac, level) + &with_reversed(*reversed));
+            }
+            Verdict::RestsOnReversal { mac, reversed } => {
+                let gate = options.min_mac;
+                let measured = format!("the MAC of {mac:.3} as measured is below the gate, {gate}");
+                return Some(measured + &with_reversed(*reversed));
             }
             Verdict::Mixed { share, std } => {
                 return Some(format!(
@@ -237,6 +242,13 @@ impl<'a> TestSight<'a> {
 
 fn uncorrelated(own: &Partner) -> bool {
     matches!(own.verdict, Verdict::Uncorrelated { .. })
+}
+
+/// Addition to the reason of a pair: its MAC with the reversed sensors turned.
+fn with_reversed(mac: Option<f64>) -> String {
+    mac.map_or_else(String::new, |mac| {
+        format!("; with the reversed sensors turned it is {mac:.3}")
+    })
 }
 
 /// The reason of a pair whose MAC is below the chance level.

@@ -46,6 +46,13 @@ pub enum Verdict {
         /// MAC with the reversed sensors turned, where that reaches the level.
         reversed: Option<f64>,
     },
+    /// Sensors are reversed, and the MAC of the shapes as measured is below the gate: only with these sensors reversed is this a pair.
+    RestsOnReversal {
+        /// MAC of the shapes as measured.
+        mac: f64,
+        /// MAC with the reversed sensors turned.
+        reversed: Option<f64>,
+    },
     /// A rival costs less than the margin more.
     Ambiguous {
         /// The cheapest rival.
@@ -173,7 +180,8 @@ pub struct Pairing {
 /// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below `min_mac`.
 ///
 /// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`]) are reversed while pairs are
-/// chosen; MAC and chance level are of the shapes as measured.
+/// chosen; MAC and chance level are of the shapes as measured. The shares then speak for the reversed shapes alone, so that the MAC
+/// as measured has to reach `min_mac` as well, else the pair is ambiguous.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
 /// modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes at 0 Hz, are left out: modes at 0 Hz and, of the lowest
@@ -209,7 +217,7 @@ pub fn pair(
     if has_shapes {
         findings.extend(map.findings(options.min_dofs));
     }
-    let pairs = table.pairs(&root_of, &shapes, options)?;
+    let pairs = table.pairs(&root_of, (&shapes, !reversed.is_empty()), options)?;
     findings.extend(reversed_findings(&reversed, false));
     findings.extend(table.findings(test, (&root_of, &pairs), options));
     findings.extend(pairs.iter().filter_map(|pair| alike(pair, test)));

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use num_complex::Complex64;
 
 use super::super::measures::models::{dof, model};
-use super::super::pair;
+use super::super::{PairedTest, Status, Verdict, compare, pair};
 use super::*;
 use crate::modal::InputFile;
 
@@ -273,4 +273,63 @@ fn sensors_of_one_file_are_named_together() {
             &Place::Sensors("file a.uff".to_owned())
         )
     );
+}
+
+#[test]
+fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
+    let theory = beam(40);
+    // MAC as measured is (1 − 2w)², w the share of the reversed sensors: nine of 40 hold a quarter of each shape, three about 0.07.
+    let nine: Vec<usize> = (4..37).step_by(4).collect();
+    for (reversed, mac, tolerance, status) in [
+        (nine, 0.25, 0.01, Status::Ambiguous),
+        (vec![4, 17, 29], 0.72, 0.06, Status::Paired),
+    ] {
+        let count = reversed.len();
+        let reversed: Vec<Dof> = reversed.into_iter().map(dof).collect();
+        let test = turned(&theory, &reversed);
+        let mut expected = reversed.clone();
+        expected.sort();
+        assert_eq!(found(&test, &theory), expected);
+        let options = PairOptions::default();
+        let pairing = pair(&test, &theory, &options).expect("shapes at 40 sensors");
+        let tests = [PairedTest {
+            name: "t",
+            model: &test,
+            pairing: &pairing,
+            frfs: &[],
+        }];
+        let table = compare(&theory, &tests, &options).expect("a pairing of these models");
+        assert_eq!(table.rows.len(), 4);
+        for row in &table.rows {
+            let cell = &row.tests[0];
+            let measured = cell.mac.expect("shapes at 40 sensors");
+            assert!((measured - mac).abs() < tolerance, "{count}: {measured}");
+            let level = cell.chance_level.expect("40 sensors").mac;
+            assert!(level < measured, "{level}");
+            assert_eq!(cell.status, status, "{count}: {:?}", cell.reasons);
+            let rests = "with the reversed sensors turned it is 1.000";
+            let reasons = cell.reasons.join("; ");
+            assert_eq!(
+                reasons.contains(rests),
+                status == Status::Ambiguous,
+                "{reasons}"
+            );
+            assert_eq!(
+                cell.status == Status::Paired,
+                measured >= options.min_mac,
+                "{measured}"
+            );
+        }
+        let findings = pairing.findings.iter();
+        let below: Vec<_> = findings
+            .filter(|own| own.code == Code::RestsOnReversal)
+            .collect();
+        assert_eq!(below.len(), if status == Status::Ambiguous { 4 } else { 0 });
+        assert!(below.iter().all(|own| own.value < own.limit), "{below:?}");
+        // With the signs corrected all are paired.
+        let corrected = turned(&test, &reversed);
+        let pairing = pair(&corrected, &theory, &options).expect("shapes at 40 sensors");
+        let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
+        assert!(partners.all(|own| own.verdict == Verdict::Paired));
+    }
 }
