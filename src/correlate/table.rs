@@ -138,7 +138,7 @@ pub enum Status {
 pub struct TestSummary {
     /// Name of the test.
     pub test: String,
-    /// Roots with a partner, ambiguous ones included.
+    /// Roots that are paired: the sum of those by shape and those by frequency. Ambiguous ones are not among them.
     pub paired: usize,
     /// Those of them that are paired by frequency and shape.
     #[serde(default)]
@@ -146,7 +146,7 @@ pub struct TestSummary {
     /// Those of them that are paired by frequency alone.
     #[serde(default)]
     pub paired_by_frequency: usize,
-    /// Those of them that are ambiguous.
+    /// Roots with a partner that is ambiguous, beside those that are paired.
     pub ambiguous: usize,
     /// Those of the ambiguous whose MAC is below the chance level for independent shapes.
     #[serde(default)]
@@ -163,19 +163,19 @@ pub struct TestSummary {
     pub outside_band: usize,
     /// Test modes without a partner.
     pub extra: usize,
-    /// Largest |frequency error| over the paired roots, Hz.
+    /// Largest |frequency error| over the paired and the ambiguous roots, Hz.
     #[serde(default)]
     pub max_error_hz: Option<f64>,
     /// Mean |frequency error|, Hz.
     #[serde(default)]
     pub mean_error_hz: Option<f64>,
-    /// Largest |frequency error| over the paired roots, percent.
+    /// Largest |frequency error| over the paired and the ambiguous roots, percent.
     pub max_error_percent: Option<f64>,
     /// Mean |frequency error|, percent.
     pub mean_error_percent: Option<f64>,
     /// Root mean square of the frequency error, percent.
     pub rms_error_percent: Option<f64>,
-    /// Smallest MAC of a pair.
+    /// Smallest MAC of a pair, ambiguous ones included.
     pub min_mac: Option<f64>,
     /// Degrees of freedom that the MAC rests on.
     pub dofs_used: usize,
@@ -301,7 +301,7 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
     let squares = errors.iter().map(|error| error * error).collect();
     TestSummary {
         test: test.name.to_owned(),
-        paired: count(Status::Paired) + count(Status::Ambiguous),
+        paired: count(Status::Paired),
         paired_by_shape: on(Basis::Shape),
         paired_by_frequency: on(Basis::Frequency),
         ambiguous: count(Status::Ambiguous),

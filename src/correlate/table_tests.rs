@@ -209,6 +209,30 @@ fn the_summary_counts_and_averages_what_the_rows_show() {
 }
 
 #[test]
+fn ambiguous_pairs_are_counted_beside_the_paired_ones() {
+    let theory = model(vec![
+        mode(100.0, &shape(1)),
+        mode(300.0, &shape(2)),
+        mode(900.0, &shape(4)[..2]),
+    ]);
+    // The first has two test modes that fit as well, the second one, the third two degrees of freedom.
+    let test = model(vec![
+        mode(100.2, &shape(1)),
+        mode(100.4, &shape(1)),
+        mode(301.0, &shape(2)),
+        mode(903.0, &shape(4)[..2]),
+    ]);
+    let summary = table_of(&theory, &test).summary.remove(0);
+    let counts = (
+        summary.paired,
+        summary.paired_by_shape,
+        summary.paired_by_frequency,
+        summary.ambiguous,
+    );
+    assert_eq!(counts, (2, 1, 1, 1));
+}
+
+#[test]
 fn root_mean_square_and_mean_differ_where_the_errors_do() {
     let theory = model(vec![mode(100.0, &[]), mode(200.0, &[])]);
     let test = model(vec![mode(101.0, &[]), mode(186.0, &[])]);
@@ -231,9 +255,10 @@ fn doubts_and_refusals_have_their_reason() {
     let test = model([twins.to_vec(), vec![mode(301.0, &shape(3))]].concat());
     let table = table_of(&theory, &test);
     let cell = &table.rows[0].tests[0];
+    let summary = &table.summary[0];
     assert_eq!(
-        (cell.status, table.summary[0].ambiguous),
-        (Status::Ambiguous, 1)
+        (cell.status, summary.ambiguous, summary.uncorrelated),
+        (Status::Ambiguous, 1, 0)
     );
     assert_eq!(
         cell.reasons,

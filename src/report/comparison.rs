@@ -1,7 +1,7 @@
 //! The comparison table as blocks.
 
 use crate::correlate::{
-    ComparisonTable, ErrorReference, Footnote, Row, Status, TestCell, TestSummary,
+    Basis, ComparisonTable, ErrorReference, Footnote, Row, Status, TestCell, TestSummary,
 };
 use crate::scene::{LimitCheck, Theory};
 use crate::theory::{ParameterSpec, ParameterStatus};
@@ -131,14 +131,15 @@ impl Part<'_> {
             if self.normalised() {
                 columns.push(Column::number("(test−theory)/std"));
             }
-            columns.extend(["damping (%)", "MAC"].map(Column::number));
-            columns.push(Column::text("verdict"));
+            columns.extend(["damping (%)", "MAC", "chance level"].map(Column::number));
+            columns.extend(["basis", "verdict"].map(Column::text));
             return columns;
         }
         for test in &self.tests {
             columns.push(Column::number(format!("{test}\n(Hz)")));
             columns.push(Column::number(format!("{test}\nerror (Hz)")));
             columns.push(Column::number(format!("{test}\nerror (%)")));
+            columns.push(Column::text(format!("{test}\nbasis")));
             columns.push(Column::text(format!("{test}\nverdict")));
         }
         columns
@@ -158,9 +159,9 @@ impl Part<'_> {
         ];
         let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) =
             match (self.single(), self.normalised()) {
-                (true, true) => (normalised_cells, 7),
-                (true, false) => (full_cells, 6),
-                (false, _) => (short_cells, 4),
+                (true, true) => (normalised_cells, 9),
+                (true, false) => (full_cells, 8),
+                (false, _) => (short_cells, 5),
             };
         for test in &self.tests {
             let own = row.tests.iter().find(|cell| cell.test == *test);
@@ -180,6 +181,7 @@ impl Part<'_> {
                     Cell::Missing,
                     Cell::number(hz, 2),
                     Cell::number(percent, 3),
+                    Cell::Missing,
                     Cell::Missing,
                 ]);
             }
@@ -261,6 +263,8 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
         Cell::number(cell.mac, 4),
+        Cell::number(cell.chance_level.map(|level| level.mac), 3),
+        basis_cell(cell),
         Cell::text(status_text(cell)),
     ]
 }
@@ -276,8 +280,19 @@ fn short_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::number(cell.hz, 2),
         Cell::signed(cell.error_hz, 2),
         Cell::signed(cell.error_percent, 3),
+        basis_cell(cell),
         Cell::text(status_text(cell)),
     ]
+}
+
+/// The evidence on which a pair rests, in the words of `comparison.json`; missing without a partner.
+fn basis_cell(cell: &TestCell) -> Cell {
+    cell.basis.map_or(Cell::Missing, |basis| {
+        Cell::text(match basis {
+            Basis::Shape => "shape",
+            Basis::Frequency => "frequency",
+        })
+    })
 }
 
 /// The verdict as printed; the words of `comparison.json`, but for a missed mode that could not be judged, which has a key of its own there.
@@ -329,7 +344,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
     let row = |summary: &TestSummary| {
         vec![
             Cell::text(&summary.test),
-            count(summary.paired_by_shape + summary.paired_by_frequency),
+            count(summary.paired),
             count(summary.paired_by_shape),
             count(summary.paired_by_frequency),
             count(summary.missed),

@@ -96,6 +96,9 @@ const PHRASES: &[(&str, &str)] = &[
     ("{}\nerror (Hz)", "{}\n误差 (Hz)"),
     ("{}\nerror (%)", "{}\n误差 (%)"),
     ("{}\nverdict", "{}\n结论"),
+    ("chance level", "随机水平"),
+    ("basis", "依据"),
+    ("{}\nbasis", "{}\n依据"),
     ("test", "试验"),
     ("paired", "已配对"),
     ("by shape", "按振型"),
@@ -283,6 +286,7 @@ const LABELS: &[(&str, &[(&str, &str)])] = &[
             ("not supported by the data; held", "数据不支持；保持不变"),
         ],
     ),
+    ("basis", &[("shape", "振型"), ("frequency", "频率")]),
     (
         "status",
         &[

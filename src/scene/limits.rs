@@ -93,7 +93,7 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
             ("smallest MAC", test.min_mac, limits.min_mac, false),
             (
                 paired.as_str(),
-                count(test.paired.saturating_sub(test.uncorrelated)),
+                count(test.paired + supported(test)),
                 limits.min_paired.map(|n| n as f64),
                 false,
             ),
@@ -134,13 +134,17 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
     checks
 }
 
+/// Ambiguous pairs whose MAC reaches the chance level.
+fn supported(test: &TestSummary) -> usize {
+    test.ambiguous.saturating_sub(test.uncorrelated)
+}
+
 /// The pairs that count for `min_paired`, by their evidence where it is not the shape of all: ambiguous ones count, but not
 /// those whose MAC is below the chance level.
 fn paired_label(test: &TestSummary) -> String {
-    let ambiguous = test.ambiguous.saturating_sub(test.uncorrelated);
     let parts = [
         (test.paired_by_frequency, "by frequency alone"),
-        (ambiguous, "ambiguous"),
+        (supported(test), "ambiguous"),
     ];
     let parts = parts.iter().filter(|(count, _)| *count > 0);
     let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
@@ -244,6 +248,29 @@ mod tests {
         assert_eq!(met(&limits(2.0, 0.96, 1)), [true, true, true]);
         assert_eq!(met(&limits(1.999, 0.961, 0)), [false, false, false]);
         assert!(met(&Limits::default()).is_empty());
+    }
+
+    #[test]
+    fn ambiguous_pairs_count_as_paired_unless_their_mac_is_below_the_chance_level() {
+        let limits = Limits {
+            min_paired: Some(6),
+            ..Limits::default()
+        };
+        let check = |ambiguous, uncorrelated| {
+            let test = TestSummary {
+                ambiguous,
+                uncorrelated,
+                ..figures()
+            };
+            judge_comparison(&limits, &[test])[0].clone()
+        };
+        assert_eq!((check(2, 0).value, check(2, 0).met()), (Some(6.0), true));
+        assert_eq!((check(2, 1).value, check(2, 1).met()), (Some(5.0), false));
+        assert_eq!(
+            check(2, 1).what,
+            "hammer: paired modes (1 ambiguous of them)"
+        );
+        assert_eq!(check(2, 2).value, Some(4.0));
     }
 
     #[test]

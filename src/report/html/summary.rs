@@ -83,11 +83,12 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
     let w = |text| escape(word(language, text));
     let percent =
         |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |v| format!("{:.2} %", v.abs()));
-    let whole = test.paired + test.missed + test.not_observable;
+    let partners = test.paired_by_shape + test.paired_by_frequency + test.ambiguous;
+    let whole = partners + test.missed + test.not_observable;
     let pairs = sentence(
         language,
         "{} of {} modes of the model in the band have a partner",
-        &[test.paired.to_string(), whole.to_string()],
+        &[partners.to_string(), whole.to_string()],
     );
     let evidence = language.translated_text(headline(test, false));
     let mac = test

@@ -130,7 +130,8 @@ pub struct TestFile {
     pub reason: Option<String>,
 }
 
-/// Figures over all rows.
+/// Figures over all rows: of each test how many roots are `paired` (`paired_by_shape` and `paired_by_frequency` of them), `ambiguous`
+/// (`uncorrelated` of them: their MAC is below the chance level), `missed`, and the errors of those with a partner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SummaryFile {
     /// One entry per test.
@@ -182,14 +183,24 @@ pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String 
 /// # Errors
 /// [`JsonError`] with line and column, or the schema that was found.
 pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
-    let file: ComparisonFile = parsed(text)?;
+    let mut file: ComparisonFile = parsed(text)?;
     if file.schema == COMPARISON_SCHEMA {
+        count_pairs(&mut file);
         return Ok(file);
     }
     Err(JsonError::Schema {
         got: file.schema,
         expected: COMPARISON_SCHEMA,
     })
+}
+
+/// Counts the pairs of each test by its rows: in files of earlier versions `paired` holds the ambiguous ones, too.
+fn count_pairs(file: &mut ComparisonFile) {
+    for test in &mut file.summary.tests {
+        let cells = file.rows.iter().flat_map(|row| &row.tests);
+        let paired = cells.filter(|cell| cell.test == test.test && cell.status == Status::Paired);
+        test.paired = paired.count();
+    }
 }
 
 /// A file of any schema.
@@ -231,5 +242,27 @@ fn test_file(cell: &TestCell) -> TestFile {
         status: cell.status,
         judged: (!cell.judged()).then_some(false),
         reason: (!cell.reasons.is_empty()).then(|| cell.reasons.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_a_file_are_counted_by_its_rows() {
+        let cell = |status: &str| {
+            serde_json::json!({"test": "t", "modes": [1], "hz": 1.0, "hz_std": null, "error_percent": 0.0,
+                "damping_ratio": null, "mac": null, "angles_deg": null, "status": status, "reason": null})
+        };
+        let row = |status: &str| serde_json::json!({"label": "f1", "theory": null, "tests": [cell(status)]});
+        // Files of earlier versions count the ambiguous pair, too.
+        let summary = serde_json::json!({"test": "t", "paired": 3, "ambiguous": 1, "missed": 0, "outside_band": 0, "extra": 0,
+            "max_error_percent": null, "mean_error_percent": null, "rms_error_percent": null, "min_mac": null, "dofs_used": 0});
+        let file = serde_json::json!({"schema": COMPARISON_SCHEMA, "error_reference": "theory",
+            "rows": [row("paired"), row("ambiguous"), row("paired")], "summary": {"tests": [summary]}});
+        let file = comparison_from_json(&file.to_string()).expect("a file of this schema");
+        let summary = &file.summary.tests[0];
+        assert_eq!((summary.paired, summary.ambiguous), (2, 1));
     }
 }
