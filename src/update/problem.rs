@@ -13,7 +13,7 @@ use crate::theory::{
 };
 
 use super::frfs::FrfTarget;
-use super::links::{PairedModes, follow, with_whole_roots, without_unseen};
+use super::links::{BelowChance, Links, PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ShapeRows, targets_of};
@@ -24,6 +24,17 @@ use super::{
 
 /// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within twice the frequency.
 const START_GATE: f64 = 1.0;
+
+/// A measured root that is no observation: it has no partner in the model at the start, or one that its shape does not support.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Its label.
+    pub label: String,
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// MAC with the partner, and the chance level below which it is; `None` without a partner.
+    pub below_chance: Option<(f64, f64)>,
+}
 
 /// A model to be brought to measured modes.
 #[derive(Clone, Debug)]
@@ -36,8 +47,8 @@ pub struct UpdateProblem<'a> {
     pub free: Vec<FreeParameter>,
     /// What was measured, as far as it has a partner in the model at the start.
     pub targets: Vec<Target>,
-    /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
-    pub left_out: Vec<(String, f64)>,
+    /// What was measured and plays no part.
+    pub left_out: Vec<LeftOut>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -99,7 +110,7 @@ impl<'a> UpdateProblem<'a> {
 
     /// Frequencies and shapes with their deviations, the model's floor shared by the tests that measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
-        let links = self.links(&self.initial, &self.options.pair)?;
+        let links = self.links(&self.initial, &self.options.pair)?.all;
         let place = (self.model, self.initial.as_slice());
         let rows = measured.iter().map(|own| {
             let rows = |floor| ShapeRows::new(place, self.sensors, own.modes, &self.options, floor);
@@ -124,23 +135,38 @@ impl<'a> UpdateProblem<'a> {
         Ok(())
     }
 
-    /// Leaves out what has no partner at the start.
+    /// Leaves out what has no partner at the start, or one whose MAC is below the chance level: its shape does not say that this root
+    /// of the model is the one that was measured.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
         let links = self.links(&self.initial, &self.options.pair)?;
-        let linked = |t: usize| links.iter().any(|link| link.targets.contains(&t));
-        let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
+        let linked = |t: usize| links.all.iter().any(|link| link.targets.contains(&t));
+        let below = |t: usize| {
+            let mut below = links.below_chance.iter().copied();
+            let own = below.find(|own| own.target == t);
+            own.filter(|_| linked(t) && !self.options.below_chance_level)
+        };
+        let below: Vec<Option<BelowChance>> = (0..self.targets.len()).map(below).collect();
+        let kept: Vec<bool> = (0..self.targets.len())
+            .map(|t| linked(t) && below[t].is_none())
+            .collect();
         if !kept.contains(&true) {
-            return Err(UpdateError::NothingPaired {
-                modes: self.targets.len(),
+            let modes = self.targets.len();
+            return Err(match below.iter().flatten().count() {
+                0 => UpdateError::NothingPaired { modes },
+                pairs => UpdateError::NothingCorrelated { modes, pairs },
             });
         }
         let all = std::mem::take(&mut self.targets);
-        for (target, kept) in all.into_iter().zip(kept) {
+        for ((target, kept), below) in all.into_iter().zip(kept).zip(below) {
             if kept {
                 self.targets.push(target);
             } else {
-                self.left_out.push((target.label, target.hz));
+                self.left_out.push(LeftOut {
+                    label: target.label,
+                    hz: target.hz,
+                    below_chance: below.map(|own| (own.mac, own.level)),
+                });
             }
         }
         self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
@@ -204,22 +230,20 @@ impl<'a> UpdateProblem<'a> {
         values
     }
 
-    pub(super) fn links(
-        &self,
-        values: &[f64],
-        pair: &PairOptions,
-    ) -> Result<Vec<Link>, UpdateError> {
+    pub(super) fn links(&self, values: &[f64], pair: &PairOptions) -> Result<Links, UpdateError> {
         let options = ModeOptions {
             band: self.reach(),
             ..ModeOptions::default()
         };
         let theory = modes(self.model, values, self.sensors, &options)?;
-        let mut links = Vec::new();
+        let mut links = Links::default();
         for test in &self.tests {
-            links.extend(test.links(&theory.model, &self.targets, pair)?);
+            let own = test.links(&theory.model, &self.targets, pair)?;
+            links.all.extend(own.all);
+            links.below_chance.extend(own.below_chance);
         }
         let gate = self.start_gate().ln_1p();
-        for link in &mut links {
+        for link in &mut links.all {
             let hz = link
                 .modes
                 .iter()
@@ -229,7 +253,7 @@ impl<'a> UpdateProblem<'a> {
             let near = |t: &usize| (hz / self.targets[*t].hz).ln().abs() <= gate;
             link.targets.retain(near);
         }
-        links.retain(|link| !link.targets.is_empty());
+        links.all.retain(|link| !link.targets.is_empty());
         Ok(links)
     }
 
@@ -255,9 +279,9 @@ impl<'a> UpdateProblem<'a> {
             max_frequency_error: self.start_gate(),
             ..self.options.pair.clone()
         };
-        let mut links = self.links(&values, &self.options.pair)?;
+        let mut links = self.links(&values, &self.options.pair)?.all;
         if self.unpaired(&links).next().is_some() {
-            links = self.links(&values, &wide)?;
+            links = self.links(&values, &wide)?.all;
         }
         self.evaluate(z, |_| links)
     }
