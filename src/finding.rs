@@ -53,6 +53,9 @@ codes! {
     /// A part of a file could not be read.
     BadDataset: "a dataset is damaged and was left out; the good part of the file was read",
         "Place, got and expected are given. `inspect` and `convert` deliver the good part and exit 1. Other verbs stop with exit 2 where their answer needs the damaged part, unless --partial is given; else they go on and exit 1. Modes and FRFs need neither geometry nor trace lines, titles, coherence or spectra.";
+    /// A window that only some functions state.
+    WindowNotCommon: "Only some functions state a window, or they state different ones; none was used.",
+        "Dataset 1858 states the window of a function. Where all functions of a set state one, poles are fitted with the line shape that it gives to leakage. Here it was not used for any, so that damping may be too high where the force was steady random noise. The value is the number of functions that state a window, the limit the number of functions. State the window of all, or identify the functions of each window from a file of their own.";
     /// A function with a value that is no number.
     ValueNotFinite: "a function has a value or a variance in the band that is no finite number; it was left out",
         "The value is the frequency of the first such line. Without --partial the command stops there. A mode that was seen only at this response or from this hit point is missed, and without the driving point modes have no modal mass. Export the function anew.";
@@ -113,6 +116,9 @@ codes! {
     /// A coordinate system that is named but not described.
     UnknownSystem: "a node's coordinate system is not described in the file; its values were taken as global",
         "A node names the coordinate system of its position or displacements by number. Datasets 18 and 2420 describe them; the value is a number that none describes.";
+    /// Directions of shape values that are lost with damaged parts.
+    DirectionsLost: "Nodes or coordinate systems of this file are damaged, and with them the directions of shape values. The values were taken as global.",
+        "A node names the coordinate system of its displacements, and another dataset describes it. Where the nodes are damaged and the file describes a system that is not aligned with the global axes, or both are damaged, values in local directions cannot be told from global ones, and MAC is wrong where they are local. The value is the number of nodes of the shapes without a readable description. Only --partial uses such shapes. Repair the file.";
     /// Analysis results that are no modes.
     NotModes: "data at nodes or elements that are no mode shapes were passed over",
         "Universal datasets 55 and 2414 hold results of many analyses. Shapes of normal modes and of complex eigenvalues are read; anything else is passed over. The value is the number of the analysis: 1 static, 2 normal mode (of another quantity than motion), 4 transient, 5 frequency response, 6 buckling.";

@@ -84,26 +84,36 @@ pub enum Need {
 }
 
 impl Need {
-    /// Whether an answer needs a part of the file of this catalogue.
-    fn includes(self, part: Part, catalog: &Catalog) -> bool {
+    /// Whether an answer needs a part of the file of this catalogue; `lost` are all parts that are damaged.
+    fn includes(self, part: Part, lost: &[Part], catalog: &Catalog) -> bool {
         match (self, part) {
             (_, Part::Any)
             | (Need::Records, Part::Function | Part::Record)
             | (Need::Frfs, Part::Function | Part::Frf)
             | (Need::Modes, Part::Mode)
             | (Need::Positions, Part::Nodes | Part::Systems | Part::Units) => true,
-            // The directions of shape values at a node with a displacement system.
-            (Need::Modes, Part::Nodes) => {
-                let mut systems = catalog.geometry.systems.iter();
-                systems.any(|system: &CoordinateSystem| !system.is_aligned())
-            }
-            (Need::Modes, Part::Systems) => {
-                let geometry = &catalog.geometry;
-                let mut named = (geometry.nodes.iter()).filter_map(|node| node.displacement_system);
-                named.any(|label| geometry.system(label).is_none())
-            }
+            (Need::Modes, Part::Nodes | Part::Systems) => directions_lost(lost, catalog),
             _ => false,
         }
+    }
+}
+
+/// Whether the directions of shape values at some node are lost with these parts. Nodes name their displacement systems, and systems
+/// describe them: where both are damaged, neither shows that no value was local.
+pub(super) fn directions_lost(lost: &[Part], catalog: &Catalog) -> bool {
+    let geometry = &catalog.geometry;
+    let is_lost = |part: Part| lost.contains(&part);
+    let is_local = |system: &CoordinateSystem| !system.is_aligned();
+    let of_nodes = || geometry.systems.iter().any(is_local);
+    let of_systems = || {
+        let mut named = (geometry.nodes.iter()).filter_map(|node| node.displacement_system);
+        named.any(|label| geometry.system(label).is_none())
+    };
+    match (is_lost(Part::Nodes), is_lost(Part::Systems)) {
+        (true, true) => true,
+        (true, false) => of_nodes(),
+        (false, true) => of_systems(),
+        (false, false) => false,
     }
 }
 
@@ -119,7 +129,11 @@ pub fn check_damage(
     let damage = source.take_damage();
     let is_damaged = !damage.is_empty();
     let catalog = source.catalog();
-    let is_needed = |own: &Damage| needs.iter().any(|need| need.includes(own.part, catalog));
+    let lost: Vec<Part> = damage.iter().map(|own| own.part).collect();
+    let is_needed = |own: &Damage| {
+        let mut needs = needs.iter();
+        needs.any(|need| need.includes(own.part, &lost, catalog))
+    };
     let needed = damage.into_iter().find(|own| !partial && is_needed(own));
     needed.map_or(Ok(is_damaged), |own| Err(own.error))
 }

@@ -11,6 +11,8 @@ use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
 use crate::quantity::{FrfKind, Quantity};
 
 use super::coherence::{ValidCoherence, valid_coherence};
+use super::other_quantity::names_other_quantity;
+use super::stated_window::StatedWindows;
 use super::{
     Block, Domain, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source,
 };
@@ -88,6 +90,7 @@ struct Collecting {
     /// Numbers of repeated measurements that each pair has.
     repeats: BTreeMap<(Dof, Dof), BTreeSet<u32>>,
     valid_bands: Vec<Band>,
+    windows: StatedWindows,
     averages_assumed: bool,
 }
 
@@ -104,11 +107,11 @@ impl Collected {
         let place = self.sets.iter().position(fits).unwrap_or_else(|| {
             let mut set = FrfSet::new(axis);
             (set.added_damping_rad_s, set.record_duration_s) = (decay, note.record_s);
-            set.window = note.window;
             self.sets.push(Collecting {
                 set,
                 repeats: BTreeMap::new(),
                 valid_bands: Vec::new(),
+                windows: StatedWindows::default(),
                 averages_assumed: false,
             });
             self.sets.len() - 1
@@ -146,11 +149,13 @@ impl Collected {
     }
 }
 
-/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa than frequency.
+/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa than frequency. A unit label that
+/// cannot be read states nothing: the FRF may be needed.
 fn is_other_quantity(entry: &Entry) -> bool {
     let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
     let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
-    let is_stated = !entry.unit_label.is_empty() && kind(entry).is_none();
+    let is_read = entry.to_si.is_some() || entry.quantity.is_some() && entry.denominator.is_some();
+    let is_stated = kind(entry).is_none() && (is_read || names_other_quantity(&entry.unit_label));
     let other_abscissa = matches!(entry.axis.domain(), Domain::Other(code) if code != 0);
     is_stated || (rotates && entry.to_si.is_none()) || other_abscissa
 }
@@ -163,7 +168,8 @@ impl Collecting {
         self.averages_assumed |= read.averages_assumed;
         self.set.findings.extend(read.finding);
         // Window and record length are what is true of all functions.
-        self.set.window = self.set.window.filter(|own| note.window == Some(*own));
+        self.windows
+            .add(&function.response, &function.reference, note.window);
         let common = self.set.record_duration_s;
         self.set.record_duration_s = common.filter(|own| note.record_s == Some(*own));
         let pair = (function.response.with_repeat(1), function.reference.clone());
@@ -187,6 +193,8 @@ impl Collecting {
         let first = bands.next();
         self.set.valid_band = first
             .and_then(|first| bands.try_fold(first, |common, band| common.intersection(&band)));
+        self.set.window = self.windows.common();
+        self.set.findings.extend(self.windows.finding());
         if self.averages_assumed {
             let finding = Finding::new(Severity::Warning, Code::AveragesAssumed, Place::Whole);
             let averages = f64::from(ASSUMED_AVERAGES);

@@ -170,11 +170,30 @@ fn a_set_has_the_window_that_all_its_functions_state() {
         }
         let sets = sets(vec![source], None);
         assert_eq!(sets.len(), 1);
-        sets[0].window
+        let findings = sets[0].findings.iter();
+        let findings: Vec<_> = findings
+            .map(|own| (own.code, own.value, own.limit, own.detail.clone()))
+            .collect();
+        (sets[0].window, findings)
+    };
+    let dropped = |stating: f64, detail: &str| {
+        let code = Code::WindowNotCommon;
+        let finding = (code, Some(stating), Some(2.0), Some(detail.to_owned()));
+        (None, vec![finding])
     };
     let hann = Some(Window::HannNarrow);
-    assert_eq!(window_of([hann, hann]), hann);
-    assert_eq!(window_of([hann, None]), None);
-    assert_eq!(window_of([None, hann]), None);
-    assert_eq!(window_of([hann, Some(Window::FlatTop)]), None);
+    assert_eq!(window_of([hann, hann]), (hann, Vec::new()));
+    assert_eq!(window_of([None, None]), (None, Vec::new()));
+    assert_eq!(
+        window_of([hann, None]),
+        dropped(1.0, "hann-narrow: 2:+Z|1:+Z; no window: 3:+Z|1:+Z")
+    );
+    assert_eq!(
+        window_of([None, hann]),
+        dropped(1.0, "no window: 2:+Z|1:+Z; hann-narrow: 3:+Z|1:+Z")
+    );
+    assert_eq!(
+        window_of([hann, Some(Window::FlatTop)]),
+        dropped(2.0, "hann-narrow: 2:+Z|1:+Z; flat-top: 3:+Z|1:+Z")
+    );
 }

@@ -27,8 +27,10 @@ mod not_carried;
 mod note;
 mod number;
 mod numpy;
+mod other_quantity;
 mod selection_json;
 mod sources;
+mod stated_window;
 mod table_spec;
 mod text;
 mod uff;
@@ -47,6 +49,7 @@ pub use catalog::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
     ModeEntry, SampleFormat,
 };
+use damage::directions_lost;
 pub use damage::{Damage, Need, Part, check_damage};
 pub use error::IoError;
 pub use files::{

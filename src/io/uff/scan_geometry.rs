@@ -15,7 +15,7 @@ use super::{
 };
 use crate::finding::{Code, Finding, Severity};
 use crate::geometry::Node;
-use crate::io::Part;
+use crate::io::{Part, directions_lost};
 
 /// Labels of systems that nobody describes of which a finding is made; a file may hold any number.
 const MOST_TOLD: usize = 20;
@@ -112,9 +112,32 @@ impl Scanner {
         }
         self.tell_unknown(&systems, &described.nodes);
         let nodes = self.place_nodes(&systems, described.nodes);
-        self.place_modes(&frames(&systems, &nodes), described.modes);
+        self.place_modes(&frames(&systems, &nodes), &described.modes);
         self.catalog.geometry.nodes = nodes.into_values().map(|(_, node)| node).collect();
         self.catalog.geometry.systems = systems.placed;
+        self.tell_lost_directions(&described.modes);
+    }
+
+    /// Reports at the first mode how many nodes of the shapes have directions that are lost with damaged parts.
+    fn tell_lost_directions(&mut self, modes: &[RawMode]) {
+        let lost: Vec<Part> = self.catalog.damage.iter().map(|own| own.part).collect();
+        let Some(first) = modes.first() else { return };
+        if !directions_lost(&lost, &self.catalog) {
+            return;
+        }
+        let geometry = &self.catalog.geometry;
+        let is_described = |node: &i64| {
+            let found = geometry.node(&node.to_string());
+            let system = |label| geometry.system(label).is_some();
+            found.is_some_and(|own| own.displacement_system.is_none_or(system))
+        };
+        let nodes: BTreeSet<&i64> = modes.iter().flat_map(|mode| &mode.nodes).collect();
+        let count = nodes.into_iter().filter(|node| !is_described(node)).count();
+        let place = self.place(first.at);
+        let finding = Finding::new(Severity::Error, Code::DirectionsLost, place);
+        self.catalog
+            .findings
+            .push(finding.value(count as f64, "nodes"));
     }
 
     fn tell_unknown(&mut self, systems: &Systems, nodes: &[RawNode]) {
@@ -172,7 +195,7 @@ impl Scanner {
         }
     }
 
-    fn place_modes(&mut self, frames: &Frames, modes: Vec<RawMode>) {
+    fn place_modes(&mut self, frames: &Frames, modes: &[RawMode]) {
         let title = &self.catalog.title;
         let by_title = title.iter().any(|line| names_measurement_system(line));
         let (filled, others): (Vec<&RawMode>, Vec<&RawMode>) =
@@ -191,7 +214,7 @@ impl Scanner {
             turned,
         );
         let (mut unscaled, mut first_unscaled) = (0, None);
-        for mode in &modes {
+        for mode in modes {
             let units = units_at(&self.units, mode.at.byte);
             if mode.loses_scale(units) {
                 unscaled += 1;

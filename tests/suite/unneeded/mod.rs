@@ -238,15 +238,29 @@ fn functions_of_other_quantities_are_left_out() {
         let (code, _, said) = identified(&other, &[]);
         assert_eq!(code, Some(2), "{said}");
     }
-    // An accelerance of unknown unit is needed.
-    let unit = "        12    0    0    0 Acceleration         furlong             ";
-    let text = frfs() + &function(&points(4), unit, FORCE);
-    let (code, _, said) = identified(&text, &[]);
-    assert_eq!(code, Some(2), "{said}");
-    assert!(said.contains("furlong"), "{said}");
-    let (code, modes, said) = identified(&text, &["--partial"]);
-    assert_eq!(code, Some(1), "{said}");
-    assert_right(&modes, "partial");
+    // An accelerance of unknown unit is needed, and so is an FRF whose unit cannot be read.
+    for (unit, got) in [
+        (
+            "        12    0    0    0 Acceleration         furlong             ",
+            "furlong",
+        ),
+        (
+            "         0    0    0    0 Response             m.s-2               ",
+            "m.s-2",
+        ),
+    ] {
+        let text = frfs() + &function(&points(4), unit, FORCE);
+        let (code, _, said) = identified(&text, &[]);
+        assert_eq!(code, Some(2), "{said}");
+        assert!(said.contains(got), "{said}");
+        let (code, modes, said) = identified(&text, &["--partial"]);
+        assert_eq!(code, Some(1), "{said}");
+        assert!(
+            said.contains("error: ") && said.contains("[function-left-out]"),
+            "{said}"
+        );
+        assert_right(&modes, "partial");
+    }
 }
 
 #[test]

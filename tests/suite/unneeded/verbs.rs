@@ -160,6 +160,39 @@ fn nodes_are_needed_for_positions_and_local_directions_alone() {
 }
 
 #[test]
+fn shapes_whose_nodes_and_systems_are_both_damaged_are_used_only_with_partial() {
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = dataset(&["    15", "         1  no node"]);
+    let systems = dataset(&["    18", "  nothing"]);
+    write(
+        folder.path(),
+        &[
+            ("good.uff", &(dataset(&NODES) + &modes(false))),
+            ("both.uff", &(nodes + &systems + &modes(false))),
+            ("systems.uff", &(dataset(&NODES) + &systems + &modes(false))),
+        ],
+    );
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (good, both) = (path("good.uff"), path("both.uff"));
+    for arguments in [
+        ["correlate", "--test", &both, "--theory", &good],
+        ["correlate", "--test", &good, "--theory", &both],
+    ] {
+        let (without, with, said) = codes(&arguments);
+        assert_eq!((without, with), (Some(2), Some(1)), "{arguments:?}: {said}");
+        assert!(said.contains("both.uff:"), "{said}");
+        let output = modalign(arguments.iter().chain(&["--partial"]));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(said.contains("[directions-lost]"), "{said}");
+    }
+    // Nodes that name no system need none.
+    let (systems, good) = (path("systems.uff"), path("good.uff"));
+    let (without, _, said) = codes(&["correlate", "--test", &systems, "--theory", &good]);
+    assert_eq!(without, Some(1), "{said}");
+    assert!(!said.contains("[directions-lost]"), "{said}");
+}
+
+#[test]
 fn lost_units_are_not_those_of_another_dataset() {
     // Headers without units take them from dataset 164: the damaged one governs the functions behind it.
     let silent = frfs().replace("m/s2", "    ").replace(" N  ", "    ");

@@ -1,0 +1,61 @@
+//! Windows that the functions of one set state, of which the set takes one that all state.
+
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+
+use super::Window;
+
+/// Maximum number of functions that the finding names of each window: a line of text.
+const MAX_NAMED: usize = 6;
+
+/// The window that each function states, in their order.
+#[derive(Default)]
+pub(super) struct StatedWindows {
+    functions: Vec<(Dof, Dof, Option<Window>)>,
+}
+
+impl StatedWindows {
+    /// Adds a function by its response and reference.
+    pub fn add(&mut self, response: &Dof, reference: &Dof, window: Option<Window>) {
+        self.functions
+            .push((response.clone(), reference.clone(), window));
+    }
+
+    /// The window that all functions state; `None` where some state none or another.
+    pub fn common(&self) -> Option<Window> {
+        let first = self.functions.first()?.2;
+        let mut others = self.functions.iter();
+        first.filter(|_| others.all(|(.., window)| *window == first))
+    }
+
+    /// The finding of windows that only some functions state.
+    pub fn finding(&self) -> Option<Finding> {
+        let stating = self.functions.iter().filter(|own| own.2.is_some()).count();
+        if stating == 0 || self.common().is_some() {
+            return None;
+        }
+        let mut windows: Vec<Option<Window>> = Vec::new();
+        for (.., window) in &self.functions {
+            if !windows.contains(window) {
+                windows.push(*window);
+            }
+        }
+        let named: Vec<String> = windows.iter().map(|own| self.named(*own)).collect();
+        let finding = Finding::new(Severity::Warning, Code::WindowNotCommon, Place::Whole);
+        let finding = finding.value(stating as f64, "functions");
+        let finding = finding.limit(self.functions.len() as f64);
+        Some(finding.detail(named.join("; ")))
+    }
+
+    /// The functions that state a window, `hann-narrow: 2:+Z|1:+Z, 3:+Z|1:+Z`.
+    fn named(&self, window: Option<Window>) -> String {
+        let own = self.functions.iter().filter(|own| own.2 == window);
+        let all: Vec<String> = own.map(|(a, b, _)| format!("{a}|{b}")).collect();
+        let mut named = all.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>();
+        if all.len() > MAX_NAMED {
+            named.push(format!("{} more", all.len() - MAX_NAMED));
+        }
+        let window = window.map_or("no window", Window::name);
+        format!("{window}: {}", named.join(", "))
+    }
+}
