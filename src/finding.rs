@@ -371,9 +371,9 @@ codes! {
     /// Letters that the font of PNG figures does not have.
     LettersLacking: "the font of PNG figures lacks letters of this figure, and boxes stand in their place; its SVG has them",
         "The program carries one font, with Latin, Greek, Cyrillic and Hebrew letters; fonts with Chinese, Japanese or Korean ones are too large for it. Use the SVG, which is drawn with the fonts of the machine that shows it, save the figure as PNG from report.html, or name tests and parts in letters of the font.";
-    /// A built-in model whose name a folder has.
-    BuiltInTaken: "a built-in model and a folder with a scene have this name; the built-in model was used",
-        "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the built-in model where there is one. Put ./ before the name to use the scene.";
+    /// A built-in model whose name a file or a folder has.
+    BuiltInTaken: "a built-in model and a file, or a folder with a scene, have this name; the built-in model was used",
+        "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the built-in model where there is one. Put ./ before the name to use the file or the scene.";
     /// An assumption of a model.
     Assumption: "a value was assumed, not measured or published",
         "The parameter's status in the model says so: printed, inferred or assumed.";

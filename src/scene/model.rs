@@ -136,11 +136,10 @@ pub enum ModelKind {
     File,
 }
 
-/// What a path names: a built-in name is the built-in model, unless it is a file; `NAME/SET` also unless it is a folder with
-/// a scene.
+/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file or a folder with a scene.
 pub fn model_kind(path: &Path) -> ModelKind {
     let is_plain = path.components().count() == 1;
-    if is_built_in(path) && !path.is_file() && (is_plain || !holds_scene(path)) {
+    if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
         ModelKind::BuiltIn
     } else if Scene::is_path(path) {
         ModelKind::Scene
@@ -151,9 +150,14 @@ pub fn model_kind(path: &Path) -> ModelKind {
     }
 }
 
-/// The finding that a built-in model was taken where a folder with a scene has its name.
+/// The finding that a built-in model was taken where a file, or a folder with a scene, has its name.
 pub fn built_in_taken(path: &Path) -> Option<Finding> {
-    if model_kind(path) != ModelKind::BuiltIn || !holds_scene(path) {
+    let other = match (path.is_file(), holds_scene(path)) {
+        (true, _) => "file",
+        (_, true) => "folder",
+        (false, false) => return None,
+    };
+    if model_kind(path) != ModelKind::BuiltIn {
         return None;
     }
     let place = Place::File {
@@ -162,7 +166,7 @@ pub fn built_in_taken(path: &Path) -> Option<Finding> {
         byte: None,
     };
     let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, place);
-    Some(finding.detail(format!("./{} names the folder", path.display())))
+    Some(finding.detail(format!("./{} names the {other}", path.display())))
 }
 
 fn holds_scene(path: &Path) -> bool {

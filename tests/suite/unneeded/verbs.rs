@@ -207,7 +207,7 @@ fn lost_units_are_not_those_of_another_dataset() {
 }
 
 #[test]
-fn a_built_in_name_is_the_built_in_model_beside_a_folder_of_that_name() {
+fn a_built_in_name_is_the_built_in_model_beside_a_folder_or_a_file_of_that_name() {
     let folder = tempfile::tempdir().unwrap();
     let expected = succeed(["theory", "cycloid-ball", "--json"]);
     let theory = |arguments: &[&str]| {
@@ -266,13 +266,21 @@ fn a_built_in_name_is_the_built_in_model_beside_a_folder_of_that_name() {
     assert_eq!(output.status.code(), Some(0), "{said}");
     let text = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
     assert!(text.contains("name = \"cycloid-ball\""), "{text}");
-    // A file of that name is the file.
+    // So is a file of that name, here one of finished modes without an extension.
+    let own = succeed(["theory", "spider-reducer", "--json"]);
     let file = folder.path().join("spider-reducer");
     let saved = folder.path().join("modes.json");
     succeed(["theory", "cycloid-ball", "-o", saved.to_str().unwrap()]);
     std::fs::rename(&saved, &file).unwrap();
     let (code, text, said) = theory(&["spider-reducer"]);
+    assert_eq!((code, &text), (Some(0), &own), "{said}");
+    assert!(
+        said.contains("./spider-reducer names the file [built-in-taken]"),
+        "{said}"
+    );
+    let (code, text, said) = theory(&["./spider-reducer"]);
     assert_eq!(code, Some(0), "{said}");
+    assert!(!said.contains("built-in-taken"), "{said}");
     let frequencies = |text: &str| {
         let all: Value = serde_json::from_str(text).unwrap();
         let modes = all["modes"].as_array().unwrap().clone();
