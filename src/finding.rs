@@ -136,7 +136,7 @@ codes! {
         "Of a model of many coordinates the modes are computed up to the end of the band, or as many as are asked for (30 where nothing is), by block Lanczos on the shifted and inverted matrices. The eigenvalues below the value are counted by the inertia of the shifted stiffness, and the modes are as many, repeated roots included. Ask for a band to see more.";
     /// Natural frequencies that the stiffness matrix does not determine.
     StiffnessRounding: "Rounding of the stiffness matrix alone may change a natural frequency by this part of it.",
-        "The entries of a stiffness matrix are rounded to 16 digits. In a finely divided, slender or softly suspended structure the lowest modes are small differences of large entries, so that this rounding moves them: by up to eps |phi|^T |K| |phi| / omega^2 in omega^2. The value is the largest such part of a frequency among the modes kept. Use fewer or higher-order elements.";
+        "The entries of a stiffness matrix are rounded to 16 digits. In a finely divided, slender or softly suspended structure the lowest modes are small differences of large entries, so that this rounding moves them: by up to eps |phi|^T |K| |phi| / omega^2 in omega^2. The value is the largest such part, and the finding is at the mode with it; further modes above the limit are listed. Use fewer or higher-order elements.";
     /// The sampling rate was restored from a rounded spacing.
     SpacingRounded: "the sampling rate was restored from a spacing printed with few digits",
         "Universal files print the spacing with six digits. Where exactly one whole number of samples per second lies within the rounding, that rate is taken.";

@@ -39,6 +39,8 @@ const ZERO_ROUNDINGS: f64 = 150.0;
 const ZERO_RANGE: [f64; 2] = [0.25, 4.0];
 /// Part of a natural frequency above which the bound of its change by rounding of K is a finding.
 const ROUNDING_REPORTED: f64 = 1e-6;
+/// Maximum number of further modes that the finding of rounding lists: a line of text.
+const MODES_LISTED: usize = 6;
 
 /// Which modes to keep, and their damping.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -219,14 +221,32 @@ impl Solution {
         }
     }
 
-    /// The largest part of the natural frequency of one of these modes that rounding of K may move it by, where it is one to
-    /// report: `d omega / omega = d omega^2 / (2 omega^2)`.
+    /// The part of the natural frequency that rounding of K may move, `d omega / omega = d omega^2 / (2 omega^2)`, of the modes
+    /// where it is one to report: the finding is at the mode of the largest part and lists the others.
     fn rounding_finding(&self, kept: &[usize]) -> Option<Finding> {
         let elastic = kept.iter().filter(|&&j| j >= self.rigid);
-        let part = |&j: &usize| 0.5 * self.rounding[j] / self.omega_rad_s[j].powi(2);
-        let largest = elastic.map(part).fold(0.0, f64::max);
-        let finding = Finding::new(Severity::Warning, Code::StiffnessRounding, Place::Whole);
-        (largest > ROUNDING_REPORTED).then(|| finding.value(largest, "").limit(ROUNDING_REPORTED))
+        let part = |&j: &usize| {
+            let omega = self.omega_rad_s[j];
+            (omega / TAU, 0.5 * self.rounding[j] / omega.powi(2))
+        };
+        let mut moved: Vec<(f64, f64)> = elastic.map(part).collect();
+        moved.retain(|(_, part)| *part > ROUNDING_REPORTED);
+        moved.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let (&(hz, largest), others) = moved.split_first()?;
+        let finding = Finding::new(Severity::Warning, Code::StiffnessRounding, Place::Mode(hz));
+        let finding = finding.value(largest, "").limit(ROUNDING_REPORTED);
+        let listed = others.iter().take(MODES_LISTED);
+        let mut listed: Vec<String> = listed
+            .map(|(hz, part)| format!("{part:.1e} at {hz:.4} Hz"))
+            .collect();
+        if others.len() > MODES_LISTED {
+            listed.push(format!("{} more", others.len() - MODES_LISTED));
+        }
+        Some(if listed.is_empty() {
+            finding
+        } else {
+            finding.detail(format!("also {}", listed.join(", ")))
+        })
     }
 
     /// The modes that the options keep. `damping` gives the ratio of an elastic mode from the matrices, `moved` is `M Phi`.
