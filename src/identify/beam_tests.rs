@@ -32,7 +32,7 @@ fn data_folder() -> Option<PathBuf> {
 }
 
 fn values(path: &std::path::Path) -> Vec<Complex64> {
-    let bytes = std::fs::read(path).unwrap();
+    let bytes = std::fs::read(path).expect("a recording of the beam");
     let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
     let row = |line: &str| {
         let numbers: Vec<f64> = line
@@ -54,8 +54,8 @@ fn beam(folder: &std::path::Path) -> FrfSet {
     for point in 1..=9 {
         let file = folder.join(format!("modelab-beam/Hxysv{point:05}.txt"));
         let function = Function {
-            response: Dof::new("10", Axis::X, true).unwrap(),
-            reference: Dof::new(&point.to_string(), Axis::X, false).unwrap(),
+            response: Dof::new("10", Axis::X, true).expect("a degree of freedom"),
+            reference: Dof::new(&point.to_string(), Axis::X, false).expect("a degree of freedom"),
             kind: FrfKind::Accelerance,
             averages: None,
             estimator: None,
@@ -65,7 +65,8 @@ fn beam(folder: &std::path::Path) -> FrfSet {
             values: values(&file),
             ..FunctionData::default()
         };
-        set.push(function, data).unwrap();
+        set.push(function, data)
+            .expect("functions of one axis, each once");
     }
     set
 }
@@ -76,14 +77,17 @@ fn beam(folder: &std::path::Path) -> FrfSet {
 const FEWEST_MAC: [f64; 4] = [0.998, 0.997, 0.995, 0.98];
 
 fn expected_shapes(folder: &std::path::Path) -> Vec<Vec<Complex64>> {
-    let text = std::fs::read_to_string(folder.join("expected.json")).unwrap();
-    let expected: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let text =
+        std::fs::read_to_string(folder.join("expected.json")).expect("the file of expected values");
+    let expected: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let shapes = &expected["modelab-beam"]["shapes_imag_at_peak"];
     let shape = |(hz, _): &(f64, f64)| {
-        let values = shapes[format!("{hz:.2}")].as_array().unwrap();
+        let values = shapes[format!("{hz:.2}")]
+            .as_array()
+            .expect("a shape for each frequency");
         values
             .iter()
-            .map(|v| Complex64::from(v.as_f64().unwrap()))
+            .map(|v| Complex64::from(v.as_f64().expect("numbers")))
             .collect()
     };
     EXPECTED.iter().map(shape).collect()
@@ -101,7 +105,7 @@ fn a_beam_hit_at_nine_points_has_its_four_published_modes() {
             band: Band::new(65.0, 1000.0).ok(),
             ..IdentifyOptions::default()
         };
-        let model = identify(&set, &options).unwrap();
+        let model = identify(&set, &options).expect("modes of the beam");
         assert_eq!(model.modes.len(), 4, "{method}");
         for (i, mode) in model.modes.iter().enumerate() {
             let (hz, damping) = EXPECTED[i];
@@ -110,15 +114,15 @@ fn a_beam_hit_at_nine_points_has_its_four_published_modes() {
                 "{}",
                 mode.frequency_hz
             );
-            let found = mode.damping_ratio.unwrap();
+            let found = mode.damping_ratio.expect("a damping ratio of each mode");
             assert!(
                 (found / damping - 1.0).abs() < damping_limit,
                 "{method} {hz} {found:e}"
             );
             let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
-            let mac = mac(&shape, &shapes[i]).unwrap();
+            let mac = mac(&shape, &shapes[i]).expect("shapes at the same points");
             assert!(mac > FEWEST_MAC[i], "{method} {hz} {mac}");
-            assert!(mode.mpc.unwrap() > 0.99);
+            assert!(mode.mpc.expect("a shape of each mode") > 0.99);
         }
         let count = |code: Code| model.findings.iter().filter(|f| f.code == code).count();
         assert_eq!(count(Code::FewLines), 2);

@@ -284,8 +284,8 @@ mod tests {
         let mut set = FrfSet::new(axis);
         for (response, values) in functions {
             let function = Function {
-                response: response.parse().unwrap(),
-                reference: "9:+Z".parse().unwrap(),
+                response: response.parse().expect("a degree of freedom"),
+                reference: "9:+Z".parse().expect("a degree of freedom"),
                 kind,
                 averages: None,
                 estimator: None,
@@ -295,7 +295,8 @@ mod tests {
                 values: values.clone(),
                 ..FunctionData::default()
             };
-            set.push(function, data).unwrap();
+            set.push(function, data)
+                .expect("functions of one axis, each once");
         }
         set
     }
@@ -314,18 +315,34 @@ mod tests {
         let first = set(axis(10.0, 1.0, 30), kind, &[("1:+Z", a), ("2:+Z", b)]);
         let other = [("2:-Z", turned), ("1:+Z", larger), ("3:+Z", curve(30, 3.0))];
         let second = set(axis(10.0, 1.0, 30), kind, &other);
-        let own = frf_correlation(&first, &second, None).unwrap();
+        let own = frf_correlation(&first, &second, None).expect("functions in common");
         assert_eq!((own.first_alone, own.second_alone), (0, 1));
         for function in &own.functions {
-            assert!((function.frac.unwrap() - 1.0).abs() < 1e-12);
-            assert!((function.level_db.unwrap() - 20.0 * 3f64.log10()).abs() < 1e-12);
+            assert!(
+                (function.frac.expect("a FRAC of functions that are not 0") - 1.0).abs() < 1e-12
+            );
+            assert!(
+                (function
+                    .level_db
+                    .expect("a level of functions that are not 0")
+                    - 20.0 * 3f64.log10())
+                .abs()
+                    < 1e-12
+            );
         }
         for line in &own.lines {
-            assert!((line.shape.unwrap() - 1.0).abs() < 1e-12);
-            assert!((line.amplitude.unwrap() - 0.6).abs() < 1e-12);
+            assert!((line.shape.expect("a value at lines that are not 0") - 1.0).abs() < 1e-12);
+            assert!((line.amplitude.expect("a value at lines that are not 0") - 0.6).abs() < 1e-12);
         }
         assert_eq!(own.bands.iter().map(|band| band.lines).sum::<usize>(), 30);
-        assert!((own.bands[0].least_amplitude.unwrap() - 0.6).abs() < 1e-12);
+        assert!(
+            (own.bands[0]
+                .least_amplitude
+                .expect("a value at lines that are not 0")
+                - 0.6)
+                .abs()
+                < 1e-12
+        );
     }
 
     #[test]
@@ -342,14 +359,24 @@ mod tests {
             ("1:+Z", vec![c(1.0, 0.0), c(1.0, 0.0)]),
             ("2:+Z", vec![c(0.0, 0.0); 2]),
         ]);
-        let own = frf_correlation(&first, &second, None).unwrap();
+        let own = frf_correlation(&first, &second, None).expect("functions in common");
         // |1 - i|² / (2 · 2).
-        assert!((own.functions[0].frac.unwrap() - 0.5).abs() < 1e-15);
+        assert!(
+            (own.functions[0]
+                .frac
+                .expect("a FRAC of functions that are not 0")
+                - 0.5)
+                .abs()
+                < 1e-15
+        );
         assert_eq!(own.functions[1].frac, None);
         // Vectors (1, 1) and (1, 0); (i, 1) and (1, 0).
         for line in &own.lines {
-            assert!((line.shape.unwrap() - 0.5).abs() < 1e-15);
-            assert!((line.amplitude.unwrap() - 2.0 / 3.0).abs() < 1e-15);
+            assert!((line.shape.expect("a value at lines that are not 0") - 0.5).abs() < 1e-15);
+            assert!(
+                (line.amplitude.expect("a value at lines that are not 0") - 2.0 / 3.0).abs()
+                    < 1e-15
+            );
         }
     }
 
@@ -365,12 +392,25 @@ mod tests {
         // Every second line, from 6 Hz on.
         let thinned = (2..20).step_by(2).map(|k| whole.values(0)[k]).collect();
         let second = set(axis(6.0, 1.0, 9), FrfKind::Receptance, &[("1:+Z", thinned)]);
-        let own = frf_correlation(&first, &second, None).unwrap();
+        let own = frf_correlation(&first, &second, None).expect("functions in common");
         assert_eq!((own.lines.len(), own.unit), (9, "(m/s2)/N"));
-        assert!((own.functions[0].frac.unwrap() - 1.0).abs() < 1e-12);
-        assert!(own.functions[0].level_db.unwrap().abs() < 1e-9);
-        let narrow = Band::new(7.0, 9.0).unwrap();
-        let own = frf_correlation(&first, &second, Some(narrow)).unwrap();
+        assert!(
+            (own.functions[0]
+                .frac
+                .expect("a FRAC of functions that are not 0")
+                - 1.0)
+                .abs()
+                < 1e-12
+        );
+        assert!(
+            own.functions[0]
+                .level_db
+                .expect("a level of functions that are not 0")
+                .abs()
+                < 1e-9
+        );
+        let narrow = Band::new(7.0, 9.0).expect("a band");
+        let own = frf_correlation(&first, &second, Some(narrow)).expect("functions in common");
         assert_eq!(own.lines.len(), 3);
         let apart = set(
             axis(6.2, 1.0, 9),
@@ -408,17 +448,17 @@ mod tests {
                 set(axis(0.0, 1.0, 12), FrfKind::Receptance, &functions)
             };
             let (one, two) = (of(&a, 1.0), of(&b, size));
-            let own = frf_correlation(&one, &two, None).unwrap();
-            let other = frf_correlation(&two, &one, None).unwrap();
+            let own = frf_correlation(&one, &two, None).expect("functions in common");
+            let other = frf_correlation(&two, &one, None).expect("functions in common");
             for (own, other) in own.functions.iter().zip(&other.functions) {
-                let frac = own.frac.unwrap();
+                let frac = own.frac.expect("a FRAC of functions that are not 0");
                 prop_assert!((0.0..=1.0).contains(&frac));
-                prop_assert!((frac - other.frac.unwrap()).abs() < 1e-12);
+                prop_assert!((frac - other.frac.expect("a FRAC of functions that are not 0")).abs() < 1e-12);
             }
             for (own, other) in own.lines.iter().zip(&other.lines) {
-                let (shape, amplitude) = (own.shape.unwrap(), own.amplitude.unwrap());
+                let (shape, amplitude) = (own.shape.expect("a value at lines that are not 0"), own.amplitude.expect("a value at lines that are not 0"));
                 prop_assert!((0.0..=1.0).contains(&shape) && (0.0..=1.0).contains(&amplitude));
-                prop_assert!((amplitude - other.amplitude.unwrap()).abs() < 1e-12);
+                prop_assert!((amplitude - other.amplitude.expect("a value at lines that are not 0")).abs() < 1e-12);
                 // Means of numbers: geometric below arithmetic.
                 prop_assert!(amplitude * amplitude <= shape + 1e-12);
             }

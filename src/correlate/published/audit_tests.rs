@@ -107,8 +107,13 @@ fn a_largest_error_needs_its_value_and_its_row() {
     // 7.5 % at f2 is right, and is not the largest.
     let at_f2 = &judge(largest(Percent, "a", "f2", 7.5), 1)[0];
     assert_eq!(at_f2.confirmed, Some(false));
-    let found = at_f2.recomputed.clone().unwrap();
-    assert!((found.value.unwrap() - 10.0).abs() < 1e-12 && found.rows == ["f1"]);
+    let found = at_f2
+        .recomputed
+        .clone()
+        .expect("a claim that can be recomputed");
+    assert!(
+        (found.value.expect("a value of the claim") - 10.0).abs() < 1e-12 && found.rows == ["f1"]
+    );
     assert_eq!(confirmed(error_at(Percent, "a", "f2", 7.5), 1), Some(true));
 }
 
@@ -177,14 +182,27 @@ fn the_theory_column_is_confirmed_where_it_rounds_and_told_where_not() {
     let verdicts = judge(Statement::TheoryColumn, 0);
     let told: Vec<_> = verdicts
         .iter()
-        .map(|v| (v.confirmed, v.recomputed.clone().unwrap().rows))
+        .map(|v| {
+            (
+                v.confirmed,
+                v.recomputed
+                    .clone()
+                    .expect("a claim that can be recomputed")
+                    .rows,
+            )
+        })
         .collect();
     let label = |name: &str| vec![name.to_owned()];
     assert_eq!(
         told,
         [(Some(true), label("f1")), (Some(false), label("f2"))]
     );
-    let recomputed = verdicts[1].recomputed.as_ref().unwrap().value.unwrap();
+    let recomputed = verdicts[1]
+        .recomputed
+        .as_ref()
+        .expect("a claim that can be recomputed")
+        .value
+        .expect("a value of the claim");
     assert!((recomputed - 200.6).abs() < 1e-9);
     assert_eq!(
         judge(Statement::TheoryColumn, 1).len(),
@@ -223,11 +241,13 @@ fn errors_relative_to_the_test_have_its_sign_and_denominator() {
         ..table()
     };
     let recomputed = recompute(&table, &[]);
-    let cell = recomputed.rows[1].tests[1].unwrap();
+    let cell = recomputed.rows[1].tests[1].expect("an error of the second test");
     assert!((cell.error_hz - 8.0).abs() < 1e-12);
     assert!((cell.error_percent - 100.0 * 8.0 / 192.0).abs() < 1e-12);
     assert_eq!(recomputed.tests[1].missed, ["f1", "f3"]);
-    let mean = recomputed.tests[0].mean_percent.unwrap();
+    let mean = recomputed.tests[0]
+        .mean_percent
+        .expect("errors of the first test");
     assert!((mean - 50.0 * (10.0 / 90.0 + 15.0 / 215.0)).abs() < 1e-12);
 }
 
@@ -243,8 +263,11 @@ fn a_frequency_is_held_against_the_models_root_that_matches_it() {
     assert_eq!(confirmed(claim("w3", 100.4), 0), None, "no such root");
     let verdict = &judge(claim("w2", 200.6), 1)[0];
     assert_eq!(verdict.unit, "Hz");
-    let found = verdict.recomputed.as_ref().unwrap();
-    assert!((found.value.unwrap() - 200.0).abs() < 1e-9);
+    let found = verdict
+        .recomputed
+        .as_ref()
+        .expect("a claim that can be recomputed");
+    assert!((found.value.expect("a value of the claim") - 200.0).abs() < 1e-9);
 }
 
 #[test]
@@ -300,7 +323,13 @@ fn quantities_are_found_by_model_and_name_and_held_against_value_or_bound() {
     );
     let untold = judged(None, "place", Relation::Untold);
     assert_eq!((untold.confirmed, untold.unit), (None, "N/m"));
-    assert_eq!(untold.recomputed.unwrap().value, Some(1.0));
+    assert_eq!(
+        untold
+            .recomputed
+            .expect("a claim that can be recomputed")
+            .value,
+        Some(1.0)
+    );
     let bound = judged(None, "place", Relation::Above(0.5));
     assert_eq!(
         (bound.relation, bound.remark.as_deref()),

@@ -9,7 +9,7 @@ fn unit<T: std::str::FromStr>(text: &str) -> T
 where
     T::Err: std::fmt::Debug,
 {
-    text.parse().unwrap()
+    text.parse().expect("a text of its type")
 }
 
 fn column(name: ColumnName, role: ColumnRole) -> TableColumn {
@@ -66,7 +66,7 @@ fn samples(source: &mut dyn Source, entry: usize) -> Vec<f64> {
     let mut block = Block::F64(Vec::new());
     source
         .read(entry, 0..source.catalog().entries[entry].len(), &mut block)
-        .unwrap();
+        .expect("the samples of the entry");
     match block {
         Block::F64(values) => values,
         other => panic!("{other:?}"),
@@ -79,7 +79,7 @@ fn a_table_without_time_column_takes_the_stated_rate() {
         "force,other,acceleration\r\n1,9,2\r\n3,9,\"4\"\r\n",
         hammer_spec(),
     )
-    .unwrap();
+    .expect("a table of this description");
     assert_eq!(samples(source.as_mut(), 0), [1.0, 3.0]);
     assert_eq!(samples(source.as_mut(), 1), [2.0, 4.0]);
     let entries = &source.catalog().entries;
@@ -94,7 +94,7 @@ fn a_table_without_time_column_takes_the_stated_rate() {
 fn the_unit_of_a_record_says_its_scale() {
     let mut spec = hammer_spec();
     spec.columns[0].scale = 0.5;
-    let source = open("force,acceleration\n1,2\n3,4\n", spec).unwrap();
+    let source = open("force,acceleration\n1,2\n3,4\n", spec).expect("a table");
     let of = |entry: &Entry| (entry.unit_label.clone(), entry.to_si);
     let found: Vec<_> = source.catalog().entries.iter().map(of).collect();
     let expected = [("0.5 x N", 0.5), ("m/s2", 1.0)];
@@ -110,7 +110,7 @@ fn a_rounded_time_column_gives_the_spacing_over_the_whole_record() {
     spec.sampling_rate_hz = None;
     spec.columns.push(column(heading("t"), ColumnRole::Time));
     let text = "t,force,acceleration\n0.0,1,1\n0.3,1,1\n0.7,1,1\n1.0,1,1\n";
-    let source = open(text, spec.clone()).unwrap();
+    let source = open(text, spec.clone()).expect("a table");
     let EntryAxis::Time(axis) = source.catalog().entries[0].axis else {
         panic!()
     };
@@ -181,13 +181,14 @@ fn an_frf_table_has_its_axis_unit_and_words() {
         path: "f.txt".to_owned(),
         table: Some(spec),
     };
-    let source = open_bytes(b"Hz (m/s\xb2)/N\n0.0 1 -2\n0.5\t3  4\n".to_vec(), &hints).unwrap();
+    let source =
+        open_bytes(b"Hz (m/s\xb2)/N\n0.0 1 -2\n0.5\t3  4\n".to_vec(), &hints).expect("a table");
     let mut files = [HitFile {
         response: Some(unit("10:-X")),
         reference: Some(unit("1:+X")),
         ..HitFile::new(source)
     }];
-    let sets = frf_sets(&mut files).unwrap();
+    let sets = frf_sets(&mut files).expect("FRFs of one axis");
     assert_eq!((sets.len(), sets[0].axis().step_hz), (1, 0.5));
     assert!((sets[0].values(0)[0] - Complex64::new(1e-3, -2e-3)).norm() < 1e-18);
     assert_eq!(sets[0].functions()[0].response.to_string(), "10:-X");
@@ -208,20 +209,23 @@ fn shared_data() -> Option<PathBuf> {
 #[test]
 fn five_single_hits_of_a_plate_are_read_and_grouped() {
     let Some(folder) = shared_data() else { return };
-    let expected: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.join("expected.json")).unwrap())
-            .unwrap();
-    let peaks: Vec<f64> =
-        serde_json::from_value(expected["tonewood-plate1"]["force_peak"].clone()).unwrap();
+    let expected: serde_json::Value = serde_json::from_str(
+        &std::fs::read_to_string(folder.join("expected.json"))
+            .expect("the file of expected values"),
+    )
+    .expect("JSON");
+    let peaks: Vec<f64> = serde_json::from_value(expected["tonewood-plate1"]["force_peak"].clone())
+        .expect("numbers of the plate");
     for (index, peak) in peaks.iter().enumerate() {
         let path = folder.join(format!("tonewood-plate1/plate_1_frf_{}.csv", index + 1));
         let hints = Hints {
             path: path.display().to_string(),
             table: Some(hammer_spec()),
         };
-        let source = open_path(&path, &hints, None).unwrap();
-        let mut set = group_hits(vec![HitFile::new(source)], HitGrouping::Files, &[]).unwrap();
-        let hits = crate::record::collect(&mut set.recording).unwrap();
+        let source = open_path(&path, &hints, None).expect("a table");
+        let mut set =
+            group_hits(vec![HitFile::new(source)], HitGrouping::Files, &[]).expect("one hit");
+        let hits = crate::record::collect(&mut set.recording).expect("samples of the hit");
         assert_eq!((hits.len(), hits[0].axis.len), (1, 96_000));
         let largest = hits[0].force.si().into_iter().fold(0.0, f64::max);
         assert!((largest - peak).abs() < 1e-6, "{largest} {peak}");

@@ -22,12 +22,16 @@ fn every_function_type_is_kept() {
     for code in (0..=27).chain([99, -7]) {
         let mut head = header(2, 1);
         head[5].replace_range(..5, &format!("{code:>5}"));
-        let mut source = open(text_58(&head, &["1.5"], "\n")).unwrap();
+        let mut source = open(text_58(&head, &["1.5"], "\n")).expect("a universal file");
         let entry = &source.catalog().entries[0];
         assert_eq!(entry.function_type, FunctionType::from_code(code));
-        assert_eq!(all(source.as_mut(), 0).unwrap(), Block::F64(vec![1.5]));
-        let (bytes, _) = written(source.as_mut(), Encoding::Binary, None).unwrap();
-        let again = open(bytes).unwrap();
+        assert_eq!(
+            all(source.as_mut(), 0).expect("the values of the first function"),
+            Block::F64(vec![1.5])
+        );
+        let (bytes, _) = written(source.as_mut(), Encoding::Binary, None)
+            .expect("functions that the format holds");
+        let again = open(bytes).expect("a universal file");
         assert_eq!(again.catalog().entries[0].function_type.code(), Some(code));
     }
 }
@@ -90,7 +94,7 @@ fn uneven_abscissae_are_read_in_every_form() {
         ]);
     }
     for (i, (bytes, expected)) in files.into_iter().enumerate() {
-        let mut source = open(bytes).unwrap();
+        let mut source = open(bytes).expect("a universal file");
         let catalog = source.catalog();
         assert!(catalog.damage.is_empty(), "{i}: {:?}", catalog.damage);
         assert_eq!(
@@ -103,10 +107,16 @@ fn uneven_abscissae_are_read_in_every_form() {
             catalog.findings.last().map(|f| f.code),
             Some(Code::UnevenAxis)
         );
-        assert_eq!(all(source.as_mut(), 0).unwrap(), expected, "{i}");
+        assert_eq!(
+            all(source.as_mut(), 0).expect("the values of the first function"),
+            expected,
+            "{i}"
+        );
         assert_eq!(abscissa(source.as_mut(), 0), x, "{i}");
         let mut part = Vec::new();
-        source.abscissa(0, 1..2, &mut part).unwrap();
+        source
+            .abscissa(0, 1..2, &mut part)
+            .expect("the second abscissa");
         assert_eq!(part, [100.5]);
     }
 }
@@ -123,7 +133,8 @@ fn an_uneven_abscissa_on_a_grid_is_an_even_axis() {
         })
         .collect();
     let text: Vec<&str> = rows.iter().map(String::as_str).collect();
-    let mut source = open(text_58(&uneven(2, 2_000, 17, "s"), &text, "\n")).unwrap();
+    let mut source =
+        open(text_58(&uneven(2, 2_000, 17, "s"), &text, "\n")).expect("a universal file");
     let expected = TimeAxis {
         start_s: -0.01,
         step_s: 1.0 / 51_200.0,
@@ -131,13 +142,15 @@ fn an_uneven_abscissa_on_a_grid_is_an_even_axis() {
     };
     assert_eq!(source.catalog().entries[0].axis, EntryAxis::Time(expected));
     assert_eq!(abscissa(source.as_mut(), 0)[..1], [-0.01]);
-    let Block::F64(values) = all(source.as_mut(), 0).unwrap() else {
+    let Block::F64(values) = all(source.as_mut(), 0).expect("the values of the first function")
+    else {
         panic!("text is read in double precision")
     };
     assert_eq!((values.len(), values[39]), (2_000, 39.0));
     rows[20] = format!("{:13.5E}{:13.5E}", -0.01 + 20.1 / 51_200.0, 20.0);
     let text: Vec<&str> = rows.iter().map(String::as_str).collect();
-    let mut source = open(text_58(&uneven(2, 2_000, 17, "ms"), &text, "\n")).unwrap();
+    let mut source =
+        open(text_58(&uneven(2, 2_000, 17, "ms"), &text, "\n")).expect("a universal file");
     assert_eq!(
         source.catalog().entries[0].axis,
         general(Domain::Time, 2_000)
@@ -150,7 +163,7 @@ fn axis_of(code: i32, unit: &str) -> (EntryAxis, String, Vec<Code>, Vec<f64>) {
     let mut lines = header(4, 3);
     lines[6] = "         4         3         1  0.00000E+00  2.00000E+00  0.00000E+00".to_owned();
     lines[7] = format!("{code:>10}    0    0    0 NONE                 {unit:<20}");
-    let mut source = open(text_58(&lines, &["1. 2. 3."], "\n")).unwrap();
+    let mut source = open(text_58(&lines, &["1. 2. 3."], "\n")).expect("a universal file");
     let (entry, x) = (
         source.catalog().entries[0].clone(),
         abscissa(source.as_mut(), 0),
@@ -238,7 +251,7 @@ fn qualifiers_belong_to_the_function_beside_them() {
         (vec![&function, &window(0)], vec![0]),
     ] {
         let bytes: Vec<u8> = parts.into_iter().flatten().copied().collect();
-        let source = open(bytes).unwrap();
+        let source = open(bytes).expect("a universal file");
         let got: Vec<Option<Window>> = source
             .catalog()
             .entries
@@ -249,7 +262,7 @@ fn qualifiers_belong_to_the_function_beside_them() {
         assert_eq!(got, expected);
     }
     let broken = dataset(&["  1858", "1", "x y"], "\n");
-    let source = open([function, broken].concat()).unwrap();
+    let source = open([function, broken].concat()).expect("a universal file");
     let error = source.catalog().damage[0].to_string();
     assert!(
         error.starts_with("built.uff:19: qualifiers of dataset 1858"),

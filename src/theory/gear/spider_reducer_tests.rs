@@ -12,8 +12,9 @@ use crate::theory::{
 
 fn solved(model: &SpiderReducer, changes: &[(&str, f64)]) -> TheoryModes {
     let changes = changes.iter().map(|(name, v)| ((*name).to_owned(), *v));
-    let values = override_values("reducer", model.parameters(), &changes.collect()).unwrap();
-    modes(model, &values, &[], &ModeOptions::default()).unwrap()
+    let values = override_values("reducer", model.parameters(), &changes.collect())
+        .expect("changes of parameters that the model has");
+    modes(model, &values, &[], &ModeOptions::default()).expect("a model with positive masses")
 }
 
 fn frequencies(modes: &TheoryModes) -> Vec<f64> {
@@ -70,7 +71,7 @@ const FREQUENCIES: [&str; 35] = [
 
 #[test]
 fn all_frequencies_and_multiplicities_are_the_reference() {
-    let model = SpiderReducer::new("paper").unwrap();
+    let model = SpiderReducer::new("paper").expect("the set of the paper");
     let solved = solved(&model, &[]);
     assert_eq!((solved.omega_rad_s.len(), solved.rigid), (35, 0));
     for (hz, text) in frequencies(&solved).into_iter().zip(FREQUENCIES) {
@@ -89,8 +90,10 @@ fn all_frequencies_and_multiplicities_are_the_reference() {
 
 #[test]
 fn the_matrices_are_those_of_the_reference() {
-    let model = SpiderReducer::new("paper").unwrap();
-    let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let model = SpiderReducer::new("paper").expect("the set of the paper");
+    let matrices = model
+        .assemble(&nominal_values(model.parameters()))
+        .expect("nominal values");
     let k = &matrices.stiffness;
     let trace: f64 = (0..35).map(|i| k[(i, i)]).sum();
     let squares: f64 = (0..35)
@@ -105,7 +108,7 @@ fn the_matrices_are_those_of_the_reference() {
 
 #[test]
 fn kinetic_shares_of_the_subsystems_are_the_reference() {
-    let roots = roots(&SpiderReducer::new("paper").unwrap());
+    let roots = roots(&SpiderReducer::new("paper").expect("the set of the paper"));
     // output, input, shafts 1 to 4, gears 1 and 2, percent; the pair 8-9 is its mean.
     let expected = [
         [
@@ -161,7 +164,7 @@ fn kinetic_shares_of_the_subsystems_are_the_reference() {
 
 #[test]
 fn strain_shares_of_the_springs_are_the_reference() {
-    let roots = roots(&SpiderReducer::new("paper").unwrap());
+    let roots = roots(&SpiderReducer::new("paper").expect("the set of the paper"));
     let expected = [
         [
             "45.266", "31.437", "4.193", "8.138", "7.311", "1.729", "1.923", "0.003",
@@ -244,7 +247,7 @@ fn a_turn_of_the_crank_moves_no_frequency_with_three_or_more_equal_shafts() {
 
 #[test]
 fn changed_stiffnesses_move_the_frequencies_as_in_the_reference() {
-    let model = SpiderReducer::new("paper").unwrap();
+    let model = SpiderReducer::new("paper").expect("the set of the paper");
     for (name, value, expected) in [
         (
             "k_m",
@@ -302,16 +305,16 @@ fn changed_stiffnesses_move_the_frequencies_as_in_the_reference() {
 
 #[test]
 fn quantities_are_the_reference() {
-    let model = SpiderReducer::new("paper").unwrap();
+    let model = SpiderReducer::new("paper").expect("the set of the paper");
     let all = model
         .quantities(&nominal_values(model.parameters()))
-        .unwrap();
+        .expect("quantities at nominal values");
     let value = |name: &str| {
         all.iter()
             .find(|own| own.name == name)
-            .unwrap()
+            .expect("a quantity of this name")
             .value
-            .unwrap()
+            .expect("a quantity that exists at these values")
     };
     for (name, text) in [
         ("frequency_1", "66.198557"),
@@ -340,12 +343,14 @@ fn quantities_are_the_reference() {
 
 #[test]
 fn the_bearings_of_gears_on_shafts_carry_the_load_as_in_the_reference() {
-    let model = SpiderReducer::new("paper").unwrap();
-    let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
+    let model = SpiderReducer::new("paper").expect("the set of the paper");
+    let matrices = model
+        .assemble(&nominal_values(model.parameters()))
+        .expect("nominal values");
     let output = matrices.coordinates.iter().position(|c| c.name == "boz");
     let mut load = vec![0.0; matrices.coordinates.len()];
-    load[output.unwrap()] = -1000.0;
-    let moved = least_squares_real(&matrices.stiffness, &load).unwrap();
+    load[output.expect("the output is a coordinate")] = -1000.0;
+    let moved = least_squares_real(&matrices.stiffness, &load).expect("a stiffness of full rank");
     // Squared forces by gear and shaft, x and y together.
     let mut squares: BTreeMap<[&str; 2], f64> = BTreeMap::new();
     for spring in &matrices.springs {
