@@ -103,6 +103,29 @@ fn mac_below_the_chance_level_is_ambiguous_with_mac_level_and_dofs() {
 }
 
 #[test]
+fn sensors_that_hardly_move_raise_the_chance_level() {
+    // Twelve of 24 sensors move a thousandth of the others.
+    let weighted = |number: usize, small: f64| -> Vec<f64> {
+        let weight = |p: usize| if p < 12 { 1.0 } else { small };
+        let points = wave(number).into_iter().enumerate();
+        points.map(|(p, value)| weight(p) * value).collect()
+    };
+    let level = |small: f64| {
+        let modes = (1..7).map(|n| mode(100.0 * f64::from(1 << n), &weighted(n, small)));
+        let modes = model(modes.collect());
+        let pairing = paired(&modes, &modes);
+        let level = pairing.pairs[2].partners[0].chance_level;
+        level.expect("24 degrees of freedom")
+    };
+    let (all, half) = (level(1.0), level(1e-3));
+    assert_eq!((all.dofs, half.dofs), (24, 24));
+    assert!(all.effective_dofs > 22.0, "{all:?}");
+    assert!((half.effective_dofs - 12.0).abs() < 1.5, "{half:?}");
+    // Of twice the degrees of freedom a level is about half.
+    assert!(half.mac > 1.7 * all.mac, "{half:?} {all:?}");
+}
+
+#[test]
 fn two_degrees_of_freedom_pair_by_frequency_alone_and_three_by_shape() {
     for (points, basis) in [
         (1, Basis::Frequency),

@@ -333,3 +333,78 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
         assert!(partners.all(|own| own.verdict == Verdict::Paired));
     }
 }
+
+/// Three modes at 10, 40 and 90 Hz of which the last of six sensors holds these shares with these signs.
+fn with_last_sensor(shares: [f64; 3], factors: [f64; 3]) -> ModalModel {
+    let others = [
+        [0.2f64.sqrt(); 5],
+        [0.5, -0.5, 0.5, -0.5, 0.0],
+        [0.5, 0.5, -0.5, -0.5, 0.0],
+    ];
+    let shape = |n: usize| -> Vec<f64> {
+        let length = (1.0 - shares[n]).sqrt();
+        let kept = others[n].iter().map(|value| length * value);
+        kept.chain([factors[n] * shares[n].sqrt()]).collect()
+    };
+    let shapes: Vec<Vec<f64>> = (0..3).map(shape).collect();
+    let modes = [10.0, 40.0, 90.0].into_iter().zip(&shapes);
+    let modes: Vec<(f64, &[f64])> = modes.map(|(hz, own)| (hz, own.as_slice())).collect();
+    model(&modes)
+}
+
+#[test]
+fn one_of_two_sensors_is_never_named() {
+    // Which of the two is reversed cannot be observed.
+    let theory = model(&[(10.0, &[1.0, 0.9]), (40.0, &[1.0, -0.8])]);
+    for reversed in [1, 2] {
+        assert_eq!(found(&turned(&theory, &[dof(reversed)]), &theory), []);
+    }
+}
+
+#[test]
+fn sensor_that_agrees_in_one_of_three_modes_is_left() {
+    // Correlation with the theory over the pairs: −(0.2 + 0.2 − 0.1)/0.5 = −0.6. The gain of MAC is 0.56 of a reversed sensor's.
+    let shares = [0.2, 0.2, 0.1];
+    let theory = with_last_sensor(shares, [1.0; 3]);
+    assert_eq!(
+        found(&with_last_sensor(shares, [-1.0, -1.0, 1.0]), &theory),
+        []
+    );
+    assert_eq!(
+        found(&with_last_sensor(shares, [-1.0; 3]), &theory),
+        [dof(6)]
+    );
+}
+
+#[test]
+fn sensor_that_hardly_measures_is_not_reversed() {
+    // A tenth of its motion with the opposite sign: the MAC gains about a quarter of what a reversed sensor gains.
+    let shares = [0.2; 3];
+    let theory = with_last_sensor(shares, [1.0; 3]);
+    assert_eq!(found(&with_last_sensor(shares, [-0.1; 3]), &theory), []);
+}
+
+#[test]
+fn two_poor_pairs_of_six_sensors_name_none() {
+    // In each pair the five other sensors agree in sign, and their shape is turned by 27 degrees: MAC is 0.83 with the last sensor
+    // reversed. None of five that disagree is not never.
+    let (share, turn) = (0.08f64, 0.471f64);
+    let (flat, alternating) = ([0.2f64.sqrt(); 5], [0.5, -0.5, 0.5, -0.5, 0.0]);
+    let pairs = [
+        (flat, alternating),
+        (alternating, [0.5, 0.5, -0.5, -0.5, 0.0]),
+    ];
+    let of = |angle: f64, last: f64| {
+        let shapes = pairs.map(|(own, other)| -> Vec<f64> {
+            let length = (1.0 - share).sqrt();
+            let value = |(a, b): (f64, f64)| length * (angle.cos() * a + angle.sin() * b);
+            let others = own.into_iter().zip(other).map(value);
+            others.chain([last * share.sqrt()]).collect()
+        });
+        model(&[(10.0, &shapes[0]), (40.0, &shapes[1])])
+    };
+    let theory = of(0.0, 1.0);
+    assert_eq!(found(&of(turn, -1.0), &theory), []);
+    // Exact pairs do.
+    assert_eq!(found(&of(0.0, -1.0), &theory), [dof(6)]);
+}

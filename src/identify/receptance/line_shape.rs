@@ -245,6 +245,7 @@ mod steady_tests;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis::FrequencyAxis;
 
     const STEPS: usize = 2000;
 
@@ -305,6 +306,67 @@ mod tests {
             // ρ″(0)/(sT)² = 13.2/1500² for the pole, with its second derivative six times that.
             assert!(error < 5e-5, "{n}: {error}");
         }
+    }
+
+    /// A set without functions whose lines are half a hertz apart: records of 2 s.
+    fn set_under(window: Option<Window>) -> FrfSet {
+        let axis = FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.5,
+            len: 3,
+        };
+        let mut set = FrfSet::new(axis);
+        set.window = window;
+        set
+    }
+
+    #[test]
+    fn record_length_is_one_over_the_line_spacing_and_scale_counts_once_for_each_power() {
+        let shape = LineShape::of(&set_under(Some(Window::HannNarrow)));
+        let correlation = correlation(HANN);
+        let (omega, lambda) = (40.0, Complex64::new(-0.8, 41.0));
+        let s = Complex64::new(0.0, omega) - lambda;
+        for n in 1..=POWERS {
+            let expected = by_definition(&correlation, (2.0 * s, n)) * 6f64.powi(n as i32);
+            let error = (shape.power(3.0, (omega, lambda), n) - expected).norm();
+            assert!(error < 2e-5 * 6f64.powi(n as i32), "{n}: {error}");
+        }
+        assert_eq!(LineShape::of(&set_under(None)), LineShape::EXACT);
+        assert_eq!(
+            LineShape::of(&set_under(Some(Window::Exponential))),
+            LineShape::EXACT
+        );
+    }
+
+    #[test]
+    fn noise_of_lines_under_a_hann_window_is_correlated_by_4_9_and_1_36() {
+        let shape = LineShape::of(&set_under(Some(Window::HannBroad)));
+        let noise = shape.noise_correlation().expect("a window");
+        // Lines of the spectrum 1/2 and -1/4: their products sum up to 3/8, -1/4 and 1/16.
+        for (lag, expected) in [(1, 4.0 / 9.0), (2, 1.0 / 36.0), (3, 0.0)] {
+            let error = (noise.lag(lag) - expected).norm();
+            assert!(error < 1e-12, "{lag}: {error}");
+        }
+        assert!(LineShape::EXACT.noise_correlation().is_none());
+    }
+
+    #[test]
+    fn leakage_bias_falls_with_the_square_of_the_bandwidth_in_lines() {
+        for lines in [10.0, 20.0, 40.0] {
+            // Half-power bandwidth of decay/pi hertz, in lines of half a hertz.
+            let decay = std::f64::consts::PI * 0.5 * lines;
+            let first_order = 4.0 / (3.0 * lines * lines);
+            for window in [Some(Window::HannNarrow), None] {
+                let bias = leakage_bias(&set_under(window), decay).expect("a steady signal");
+                let error = bias / first_order - 1.0;
+                // The next order is smaller by a few squares of the bandwidth.
+                assert!(
+                    error.abs() < 20.0 / (lines * lines),
+                    "{lines}: {bias} {error}"
+                );
+            }
+        }
+        assert_eq!(leakage_bias(&set_under(Some(Window::Force)), 1.0), None);
     }
 
     #[test]

@@ -126,6 +126,12 @@ fn an_update_and_a_study_of_a_scene_take_the_good_part() {
         let (without, with, said) = codes(&arguments);
         assert_eq!((without, with), (Some(2), Some(1)), "{arguments:?}: {said}");
         assert!(said.contains(".uff:"), "{said}");
+        // With the option the part that is left out is listed with its place.
+        let output = modalign(arguments.iter().chain(&["--partial"]));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let mut lines = said.lines();
+        let is_listed = |line: &str| line.contains(".uff:") && line.contains("[bad-dataset]");
+        assert!(lines.any(is_listed), "{arguments:?}: {said}");
     }
 }
 
