@@ -83,6 +83,7 @@ fn the_table_has_what_a_validation_section_prints() {
         "(test−theory)/theory (%)",
         "damping (%)",
         "MAC",
+        "chance level  basis  verdict",
         "Synthetic",
         "assumed",
     ] {

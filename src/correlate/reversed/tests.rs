@@ -408,3 +408,24 @@ fn two_poor_pairs_of_six_sensors_name_none() {
     // Exact pairs do.
     assert_eq!(found(&of(0.0, -1.0), &theory), [dof(6)]);
 }
+
+#[test]
+fn sensor_that_alone_disagrees_in_two_pairs_of_forty_sensors_is_named() {
+    // Amplitudes are wrong by 60 % at 39 sensors, so that MAC is 0.73, and their signs are right: one of 40 disagrees in each pair. The
+    // squared differences by themselves would let good sensors do so in 30 of 100 cases.
+    let shape = |alternates: bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let sign = |q: usize| if alternates && q % 2 == 1 { -1.0 } else { 1.0 };
+        (0..40).map(|q| sign(q) * value(q)).collect()
+    };
+    let of = |value: &dyn Fn(usize) -> f64| {
+        let shapes = [false, true].map(|alternates| shape(alternates, value));
+        model(&[(10.0, &shapes[0]), (40.0, &shapes[1])])
+    };
+    let theory = of(&|_| 1.0);
+    let measured = |q: usize| match (q, q / 2 % 2) {
+        (16, _) => -1.0,
+        (_, 0) => 1.6,
+        _ => 0.4,
+    };
+    assert_eq!(found(&of(&measured), &theory), [dof(17)]);
+}
