@@ -180,10 +180,14 @@ impl CandidateTable {
                     level,
                     reversed: chosen.mac.filter(|own| *own >= level.mac),
                 },
-                (Some(_), Some(mac)) if choice.reversed && mac < choice.options.min_mac => {
+                (Some(_), Some(mac))
+                    if choice.reversed
+                        && mac < choice.options.min_mac
+                        && chosen.mac >= Some(choice.options.min_mac) =>
+                {
                     Verdict::RestsOnReversal {
                         mac,
-                        reversed: chosen.mac.filter(|own| *own >= choice.options.min_mac),
+                        reversed: chosen.mac,
                     }
                 }
                 _ => self.verdict((i, r), choice),

@@ -33,7 +33,7 @@ use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 
-use super::companions::{companions, strongest_companions};
+use super::companions::strongest_companions;
 use super::far::Rest;
 use super::indicator::Indicator;
 use super::moving::Moved;
@@ -81,7 +81,11 @@ impl PoleEstimator for Automatic {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let shape = LineShape::of(set);
         let (mut fit, found) = self.fitted(set, band, shape)?;
-        let split = self.check_leakage((set, band), &mut fit)?;
+        let (split, may_leak) = self.check_leakage((set, band), &mut fit)?;
+        // Poles of leakage are no companions.
+        if !shape.is_smoothed() && !may_leak {
+            fit.add_companions();
+        }
         let plain = match shape.is_smoothed() {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
@@ -269,7 +273,6 @@ impl Fit {
     /// Removes what is no mode, and fits the others to the end, with their deviations.
     pub fn complete(&mut self) {
         self.doubt();
-        self.add_companions();
         self.settle(Stop::Fine);
         self.reckon_with_outside();
         self.reckon_with_noise();
@@ -434,7 +437,8 @@ impl Fit {
     /// An error of the pole moves all residues of a mode that stands alone by one factor, but mixes modes that overlap: `None` for
     /// those, and for several modes of one root.
     fn residue_stds(&self, root: &Root, standing: &Standing) -> Option<Vec<f64>> {
-        let near = self.roots.iter().filter(|other| apart(root, other) < ALONE);
+        let modes = self.roots.iter().filter(|other| !other.is_companion);
+        let near = modes.filter(|other| apart(root, other) < ALONE);
         if root.multiplicity() > 1 || near.count() > 1 {
             return None;
         }
@@ -449,11 +453,9 @@ impl Fit {
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let standings = self.standings();
-        let companions = companions(&self.roots);
-        let is_mode = |j: usize| companions.iter().all(|pair| pair.0 != j);
-        let modes = self.roots.iter().zip(&standings).enumerate();
-        let modes = modes.filter(|(j, _)| is_mode(*j));
-        let mut kept: Vec<(&Root, &Standing)> = modes.map(|(_, mode)| mode).collect();
+        let modes = self.roots.iter().zip(&standings);
+        let mut kept: Vec<(&Root, &Standing)> =
+            modes.filter(|(root, _)| !root.is_companion).collect();
         kept.retain(|(root, _)| {
             let hz = root.lambda.norm() / TAU;
             hz >= band.lo_hz && hz <= band.hi_hz
@@ -474,7 +476,7 @@ impl Fit {
             dropped: &self.dropped,
             scattered: self.scattered,
             moved: &self.moved,
-            companions: &strongest_companions(&self.roots, &companions),
+            companions: &strongest_companions(&self.roots),
         };
         PoleTable {
             candidates: kept

@@ -32,6 +32,8 @@ pub(super) struct Root {
     pub progress: Progress,
     /// Whether something speaks against its being a mode.
     pub suspect: bool,
+    /// Whether it describes the amplitude dependence of another ([`companions`](super::companions)) and is no mode.
+    pub is_companion: bool,
     /// Number that it shares with the root beside it from which it was told by what one alone leaves over.
     pub pair: Option<u32>,
 }
@@ -137,6 +139,7 @@ impl Root {
             quality: Quality::UNKNOWN,
             progress: Progress::Fresh(FRESH),
             suspect: false,
+            is_companion: false,
             pair: None,
         }
     }

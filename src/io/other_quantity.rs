@@ -13,12 +13,25 @@ const OTHER_UNITS: [&str; 77] = [
     "N.m", "N·m", "kNm", "kg", "gram", "rpm", "1/min", "Hz", "kHz", "s", "ms", "dB", "%", "Ohm",
 ];
 
+/// Units of length.
+const LENGTHS: [&str; 8] = ["m", "cm", "mm", "um", "µm", "in", "ft", "inch"];
+
 /// Whether a unit label names another quantity than force and motion, as the whole, the numerator or the denominator.
 pub(super) fn names_other_quantity(label: &str) -> bool {
     let label = label.trim();
-    let slashes = label.match_indices('/').map(|(at, _)| at);
-    let mut sides = slashes.flat_map(|at| [&label[..at], &label[at + 1..]]);
+    if is_velocity(label) {
+        return false;
+    }
+    let slashes = label.match_indices('/').map(|(place, _)| place);
+    let mut sides = slashes.flat_map(|place| [&label[..place], &label[place + 1..]]);
     is_other(label) || sides.any(is_other)
+}
+
+/// Whether a label is a length over seconds, whose denominator alone is a unit of another quantity.
+fn is_velocity(label: &str) -> bool {
+    let label = label.trim_matches(['(', ')', '[', ']']).trim();
+    let length = label.strip_suffix("/s").map(str::trim);
+    length.is_some_and(|unit| LENGTHS.contains(&unit))
 }
 
 /// Whether a text is one of these units, brackets around it apart.
@@ -54,6 +67,9 @@ mod tests {
     #[test]
     fn labels_of_motion_and_force_and_unreadable_ones_name_no_other_quantity() {
         for label in [
+            "m/s",
+            "(mm/s)",
+            "in/s",
             "m/s2",
             "(m/s2)/N",
             "mm/N",

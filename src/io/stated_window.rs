@@ -21,11 +21,16 @@ impl StatedWindows {
             .push((response.clone(), reference.clone(), window));
     }
 
-    /// The window that all functions state; `None` where some state none or another.
+    /// The window that all functions state, Hann windows for narrow and broad bands being one; `None` where some state none or another.
     pub fn common(&self) -> Option<Window> {
         let first = self.functions.first()?.2;
+        let line_shape = |window: Option<Window>| match window {
+            Some(Window::HannNarrow) => Some(Window::HannBroad),
+            other => other,
+        };
         let mut others = self.functions.iter();
-        first.filter(|_| others.all(|(.., window)| *window == first))
+        let same = |window: Option<Window>| line_shape(window) == line_shape(first);
+        first.filter(|_| others.all(|(.., window)| same(*window)))
     }
 
     /// The finding of windows that only some functions state.

@@ -28,7 +28,7 @@ const REPEATED_SPACING: f64 = 1e-6;
 /// Part of a frequency within which repeated roots are equal: the accuracy that natural frequencies have. Larger: the closest
 /// pair of Wilkinson's matrix of 201 coordinates is off by 1e-8. Smaller: roots of a symmetric machine differ by rounding.
 const EQUAL_SPACING: f64 = 1e-9;
-/// The same in bounds of what rounding of K does to them, where that is more: what natural frequencies are held to.
+/// The same as a multiple of the rounding bound of `omega^2`, where that is larger.
 const EQUAL_ROUNDINGS: f64 = 4.0;
 /// Rounding bounds of K within which an omega² counts as 0: this many over the number of coordinates, within the range of
 /// [`ZERO_RANGE`]. Entries that sum many springs are rounded many times, up to 4 bounds with the 37 coordinates of the cycloid ball
@@ -199,14 +199,14 @@ impl Solution {
         let mut groups = vec![None; n];
         for (number, range) in (1..).zip(roots) {
             let values = &mut omega_squared[range.clone()];
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
             let bounds = order[range.clone()]
                 .iter()
                 .map(|&j| eigenvalues[j].rounding);
             let rounding = EQUAL_ROUNDINGS * bounds.fold(0.0, f64::max);
-            let spread = values[values.len() - 1] - values[0];
-            if spread <= rounding.max(2.0 * EQUAL_SPACING * mean) {
-                values.fill(mean);
+            let equal = |a: &f64, b: &f64| b - a <= rounding.max(2.0 * EQUAL_SPACING * b);
+            for equals in values.chunk_by_mut(equal) {
+                let mean = equals.iter().sum::<f64>() / equals.len() as f64;
+                equals.fill(mean);
             }
             groups[range.clone()].fill(Some(number));
             canonicalise(&mut vectors, range.start, range.len(), total);

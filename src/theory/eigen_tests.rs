@@ -273,15 +273,15 @@ fn residues_need_a_ratio_for_each_elastic_mode_and_a_known_sensor() {
 
 #[test]
 fn close_roots_share_a_group_and_keep_their_frequencies() {
-    // 1e-8 of the frequency apart, and equal but for rounding.
-    let squared = [1e6, 1e6 * (1.0 + 2e-8), 4e6, 4e6 * (1.0 + 4e-16), 9e6];
+    // Two 1e-8 of the frequency apart; two equal but for rounding, and a third 1e-8 away.
+    let squared = [1.0, 1.0 + 2e-8, 4.0, 4.0 * (1.0 + 4e-16), 4.0 + 8e-8, 9.0].map(|x| 1e6 * x);
     let n = squared.len();
     let (mass, stiffness): (Vec<_>, Vec<_>) =
         (0..n).map(|i| ((i, i, 1.0), (i, i, squared[i]))).unzip();
     let matrices = system(n, &mass, &stiffness);
     let result = modes_of_matrices(&matrices, &ModeOptions::default()).unwrap();
     let groups: Vec<Option<u32>> = result.model.modes.iter().map(|mode| mode.group).collect();
-    assert_eq!(groups, [Some(1), Some(1), Some(2), Some(2), None]);
+    assert_eq!(groups, [Some(1), Some(1), Some(2), Some(2), Some(2), None]);
     for (omega, squared) in result.omega_rad_s.iter().zip(squared) {
         assert!((omega / squared.sqrt() - 1.0).abs() < 1e-12, "{omega}");
     }
