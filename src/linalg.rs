@@ -26,7 +26,8 @@ pub use general::{GeneralModes, complex_eigenvalues, general_modes};
 pub use lanczos::{SparseModes, Wanted, sparse_modes};
 pub use products::{add_square, adjoint_product, by_column, less_product};
 pub use semidefinite::{
-    null_dimension, null_limit, null_vector, principal_block, solve_sparse_definite,
+    negative_dimension, null_dimension, null_limit, null_vector, principal_block,
+    solve_sparse_definite,
 };
 pub use sparse::SparseMatrix;
 pub use svd::{SingularVectors, right_singular_vectors, singular_values, singular_vectors};

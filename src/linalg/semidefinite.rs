@@ -16,6 +16,9 @@ const NULL_OVER_ROUNDING: f64 = 16.0;
 const APPLICATIONS: usize = 3;
 /// Steps of a hundredfold shift until the shifted matrix is definite; an indefinite one needs more than rounding.
 const SHIFT_TRIES: usize = 9;
+/// Bisections of the shift of an indefinite matrix, from a factor of 100 to one of 1.005. Fewer: the vector holds others than that of
+/// the lowest eigenvalue, and coordinates at rest are named; test `negative_springs_on_massless_coordinates_are_named`.
+const BISECTIONS: usize = 10;
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// The rows and columns `kept` of a matrix, in their order.
@@ -36,7 +39,7 @@ pub fn principal_block(a: &SparseMatrix, kept: &[usize]) -> Result<SparseMatrix,
 /// Number of eigenvalues of `D^-1/2 A D^-1/2` that are 0 to working precision, or negative.
 ///
 /// # Errors
-/// [`LinalgError::NotConverged`].
+/// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 ///
 /// # Reference
 /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
@@ -44,7 +47,29 @@ pub fn null_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
     if a.size() == 0 {
         return Ok(0);
     }
-    Pencil::new(a, &scale(a)?)?.count_below(null_limit(a.size()))
+    let pencil = Pencil::new(a, &scale(a)?)?;
+    let limit = null_limit(a.size());
+    // A Cholesky factor of the matrix less the limit, whose pivots do not grow, proves that there is none.
+    if pencil.cholesky(1.0, limit).is_ok() {
+        return Ok(0);
+    }
+    pencil.count_below(limit)
+}
+
+/// Number of eigenvalues of `D^-1/2 A D^-1/2` that are negative beyond working precision.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
+pub fn negative_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
+    if a.size() == 0 {
+        return Ok(0);
+    }
+    let pencil = Pencil::new(a, &scale(a)?)?;
+    let limit = null_limit(a.size());
+    if pencil.cholesky(1.0, -limit).is_ok() {
+        return Ok(0);
+    }
+    pencil.count_below(-limit)
 }
 
 /// A vector of the null space of a matrix (of its lowest eigenvalue, where that is negative) with a part of every direction
@@ -56,16 +81,7 @@ pub fn null_vector(a: &SparseMatrix) -> Result<Vec<f64>, LinalgError> {
     let n = a.size();
     let diagonal = scale(a)?;
     let pencil = Pencil::new(a, &diagonal)?;
-    let mut shift = null_limit(n);
-    let mut factor = pencil.cholesky(1.0, -shift);
-    for _ in 1..SHIFT_TRIES {
-        if factor.is_ok() {
-            break;
-        }
-        shift *= 100.0;
-        factor = pencil.cholesky(1.0, -shift);
-    }
-    let factor = factor?;
+    let factor = pencil.cholesky(1.0, -definite_shift(&pencil, null_limit(n)))?;
     // Components without a pattern, the same in every run.
     let mut vector = real_matrix(n, 1, |i, _| (i as f64 * GOLDEN_RATIO).fract() - 0.5);
     for _ in 0..APPLICATIONS {
@@ -77,6 +93,28 @@ pub fn null_vector(a: &SparseMatrix) -> Result<Vec<f64>, LinalgError> {
     Ok((0..n)
         .map(|i| vector[(i, 0)] * diagonal.get(i, i).sqrt())
         .collect())
+}
+
+/// A shift that makes a matrix definite: the first where it does, else one little above the size of its lowest eigenvalue, so
+/// that the inverse holds hardly more than the vector of that.
+fn definite_shift(pencil: &Pencil, first: f64) -> f64 {
+    let is_definite = |shift: &f64| pencil.cholesky(1.0, -shift).is_ok();
+    if is_definite(&first) {
+        return first;
+    }
+    let mut shifts = (1..SHIFT_TRIES).map(|step| first * 100f64.powi(step as i32));
+    let Some(mut shift) = shifts.find(is_definite) else {
+        return first;
+    };
+    let mut indefinite = shift / 100.0;
+    for _ in 0..BISECTIONS {
+        let between = (shift * indefinite).sqrt();
+        match is_definite(&between) {
+            true => shift = between,
+            false => indefinite = between,
+        }
+    }
+    shift
 }
 
 /// `A^-1 B` of a sparse symmetric positive definite matrix.

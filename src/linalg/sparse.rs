@@ -128,6 +128,32 @@ impl SparseMatrix {
         }
     }
 
+    /// `A X`, each entry summed in twice the working precision.
+    pub fn multiply_compensated(&self, x: &RealMatrix) -> RealMatrix {
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut product = Mat::zeros(self.size, x.ncols());
+                let mut sums = vec![CompensatedSum::default(); self.size];
+                for column in 0..x.ncols() {
+                    sums.fill(CompensatedSum::default());
+                    for (ends, &factor) in self.starts.windows(2).zip(x.col_as_slice(column)) {
+                        let places = ends[0]..ends[1];
+                        for (&row, &entry) in
+                            self.rows[places.clone()].iter().zip(&self.values[places])
+                        {
+                            sums[row].add_product(entry, factor);
+                        }
+                    }
+                    for (row, sum) in sums.iter().enumerate() {
+                        product[(row, column)] = sum.value();
+                    }
+                }
+                product
+            },
+        )
+    }
+
     /// `x^T A x`.
     pub fn quadratic_form(&self, x: &[f64]) -> QuadraticForm {
         vectorised(
@@ -176,7 +202,7 @@ pub(super) struct Pencil {
 /// `L L^T` of a positive definite `K - sigma M`.
 pub(super) struct Cholesky<'a> {
     pencil: &'a Pencil,
-    values: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 impl Pencil {
@@ -289,8 +315,6 @@ impl Pencil {
 
     /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
     ///
-    /// `P (K - shift M) P^T = L B L^T` with blocks B of one or two rows, pivoted inside the supernodes.
-    ///
     /// A factor that fails its check is computed again beside the shift, by a billionth of it.
     ///
     /// # Errors
@@ -300,55 +324,99 @@ impl Pencil {
     /// # Reference
     /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
     pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
-        let beside = |_| self.inertia(shift * (1.0 + 1e-9));
-        self.inertia(shift).or_else(beside)
+        let factor = self.indefinite(shift);
+        let factor = factor.or_else(|_| self.indefinite(shift * (1.0 + 1e-9)))?;
+        Ok(factor.negative_eigenvalues())
     }
 
-    fn inertia(&self, shift: f64) -> Result<usize, LinalgError> {
+    /// Factor of `K - shift M`, checked.
+    ///
+    /// # Errors
+    /// As [`Pencil::count_below`].
+    pub fn indefinite(&self, shift: f64) -> Result<Indefinite<'_>, LinalgError> {
         let own = self.combined(1.0, shift);
-        let mut values = vec![0.0; self.symbolic.len_val()];
-        let mut subdiagonal = vec![0.0; self.size];
-        let (mut forward, mut inverse) = (vec![0; self.size], vec![0; self.size]);
+        let mut factor = Indefinite {
+            pencil: self,
+            values: vec![0.0; self.symbolic.len_val()],
+            subdiagonal: vec![0.0; self.size],
+            forward: vec![0; self.size],
+            inverse: vec![0; self.size],
+        };
         let scratch = self
             .symbolic
             .factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
         self.symbolic.factorize_numeric_intranode_lblt(
-            &mut values,
-            &mut subdiagonal,
-            &mut forward,
-            &mut inverse,
+            &mut factor.values,
+            &mut factor.subdiagonal,
+            &mut factor.forward,
+            &mut factor.inverse,
             self.matrix(&own),
             Side::Lower,
             Par::Seq,
             MemStack::new(&mut MemBuffer::new(scratch)),
             Default::default(),
         );
-        let diagonal = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(symbolic) => block_diagonal(symbolic, &values),
-            // A diagonal matrix: nothing to put into blocks.
-            SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                let starts = &symbolic.col_ptr()[..self.size];
-                starts.iter().map(|at| values[*at]).collect()
-            }
-        };
-        if diagonal.iter().chain(&subdiagonal).any(|v| !v.is_finite()) {
+        let diagonal = factor.diagonal();
+        let mut pivots = diagonal.iter().chain(&factor.subdiagonal);
+        if pivots.any(|pivot| !pivot.is_finite()) {
             return Err(LinalgError::NotConverged {
                 what: "count of eigenvalues",
                 rows: self.size,
                 columns: self.size,
             });
         }
-        let rows = PermRef::new_checked(&forward, &inverse, self.size);
-        let factor = IntranodeLbltRef::new(&self.symbolic, &values, &subdiagonal, rows);
-        verify::sparse_factor(verify::INERTIA, &self.symmetric(&own), |x| {
-            let scratch = self
-                .symbolic
-                .solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);
-            let mut memory = MemBuffer::new(scratch);
-            let stack = MemStack::new(&mut memory);
-            factor.solve_in_place_with_conj(Conj::No, x.as_mut(), Par::Seq, stack);
-        })?;
-        Ok(negative_eigenvalues(&diagonal, &subdiagonal))
+        verify::sparse_factor(verify::INERTIA, &self.symmetric(&own), |x| factor.solve(x))?;
+        Ok(factor)
+    }
+}
+
+/// `P (K - shift M) P^T = L B L^T` with blocks B of one or two rows, pivoted inside the supernodes.
+pub(super) struct Indefinite<'a> {
+    pencil: &'a Pencil,
+    /// L, with the diagonal of B.
+    pub values: Vec<f64>,
+    subdiagonal: Vec<f64>,
+    forward: Vec<usize>,
+    inverse: Vec<usize>,
+}
+
+impl Indefinite<'_> {
+    /// Places of the diagonal of B in the values, in the order of the factor.
+    pub fn pivots(&self) -> Vec<usize> {
+        match self.pencil.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => block_diagonal(symbolic),
+            // A diagonal matrix: nothing to put into blocks.
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                symbolic.col_ptr()[..self.pencil.size].to_vec()
+            }
+        }
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let places = self.pivots();
+        places.iter().map(|&place| self.values[place]).collect()
+    }
+
+    /// Replaces `x` by the solution of `(K - shift M) y = x`.
+    pub fn solve(&self, x: &mut RealMatrix) {
+        let Self {
+            pencil,
+            values,
+            subdiagonal,
+            ..
+        } = self;
+        let rows = PermRef::new_checked(&self.forward, &self.inverse, pencil.size);
+        let factor = IntranodeLbltRef::new(&pencil.symbolic, values, subdiagonal, rows);
+        let scratch = pencil
+            .symbolic
+            .solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut memory);
+        factor.solve_in_place_with_conj(Conj::No, x.as_mut(), Par::Seq, stack);
+    }
+
+    fn negative_eigenvalues(&self) -> usize {
+        negative_eigenvalues(&self.diagonal(), &self.subdiagonal)
     }
 }
 
@@ -358,19 +426,16 @@ fn lower_column(a: &SparseMatrix, column: usize) -> impl Iterator<Item = (usize,
     pairs.filter(move |(row, _)| *row >= column)
 }
 
-/// Diagonal of the blocks of a factor, in its own order.
-fn block_diagonal(
-    symbolic: &supernodal::SymbolicSupernodalCholesky<usize>,
-    values: &[f64],
-) -> Vec<f64> {
-    let mut diagonal = Vec::with_capacity(symbolic.nrows());
+/// Places of the diagonal of the blocks of a factor, in its order.
+fn block_diagonal(symbolic: &supernodal::SymbolicSupernodalCholesky<usize>) -> Vec<usize> {
+    let mut places = Vec::with_capacity(symbolic.nrows());
     for s in 0..symbolic.n_supernodes() {
         let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
-        let own = &values[symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1]];
-        let rows = own.len() / columns.max(1);
-        diagonal.extend((0..columns).map(|j| own[j * rows + j]));
+        let ends = &symbolic.col_ptr_for_val()[s..s + 2];
+        let rows = (ends[1] - ends[0]) / columns.max(1);
+        places.extend((0..columns).map(|j| ends[0] + j * rows + j));
     }
-    diagonal
+    places
 }
 
 /// Negative eigenvalues of a matrix of blocks of one row, or of two where the first has an entry below its diagonal.

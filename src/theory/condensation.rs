@@ -14,23 +14,25 @@ use crate::linalg::{
     self, RealMatrix, SparseMatrix, SparseModes, SymmetricModes, Wanted, real_matrix,
 };
 
+use super::few_masses;
 use super::massless::{Division, without_zeros};
 use super::{Coordinate, MassError, SystemMatrices, TheoryError};
 
 /// Coordinates whose share in a motion is above this part of the largest take part in it. Smaller: coordinates at rest are
 /// named (rounding leaves 1e-10). Larger: the soft end of a mechanism is not. Test: `massless_coordinates_that_nothing_holds_are_named`.
 const TAKES_PART: f64 = 1e-6;
-/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion, `1/(1 + tau lambda)`, not below 1e-5,
-/// of others. Test: `all_finite_modes_of_a_small_sparse_model_are_found`.
+/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion, `1/(1 + tau lambda)` of others, which
+/// is not below 1e-5 where the mass of a coordinate is its own. Where fewer modes are left than there must be, an error says so.
+/// Test: `all_finite_modes_of_a_small_sparse_model_are_found`.
 const CARRIES_MASS: f64 = 1e-9;
 
 /// The motions of a model that carry no mass, and the stiffness that holds them.
 #[derive(Clone, Debug)]
 pub struct Condensation {
-    division: Division,
+    pub(super) division: Division,
     /// `K_oo`.
     held: SparseMatrix,
-    size: usize,
+    pub(super) size: usize,
 }
 
 impl Condensation {
@@ -73,19 +75,27 @@ impl Condensation {
         self.division.massless.len()
     }
 
-    /// Stiffness must hold every massless motion where those with mass are at rest.
+    /// Stiffness must hold every massless motion where those with mass are at rest. A motion of negative stiffness could be
+    /// condensed as well, but has no stable equilibrium: a model that holds it is refused, as it is where the motion has mass.
     fn check_held(&self, coordinates: &[Coordinate]) -> Result<(), TheoryError> {
-        let motions = linalg::null_dimension(&self.held)?;
-        if motions == 0 {
+        if linalg::null_dimension(&self.held)? == 0 {
             return Ok(());
         }
+        let negative = linalg::negative_dimension(&self.held)?;
         let vector = linalg::null_vector(&self.held)?;
         let largest = vector.iter().fold(0.0, |m: f64, v| m.max(v * v));
         let moves = |k: &usize| vector[*k] * vector[*k] > TAKES_PART * largest;
         let moving: Vec<usize> = (0..vector.len()).filter(moves).collect();
-        Err(MassError::Free {
-            coordinates: self.division.names(&moving, coordinates),
-            motions,
+        let coordinates = self.division.names(&moving, coordinates);
+        Err(match negative {
+            0 => MassError::Free {
+                coordinates,
+                motions: linalg::null_dimension(&self.held)?,
+            },
+            motions => MassError::Unstable {
+                coordinates,
+                motions,
+            },
         }
         .into())
     }
@@ -165,13 +175,13 @@ impl Condensation {
     }
 
     /// `-K_oo^-1 K_oa`.
-    fn followed(&self, coupling: &RealMatrix) -> Result<RealMatrix, TheoryError> {
+    pub(super) fn followed(&self, coupling: &RealMatrix) -> Result<RealMatrix, TheoryError> {
         let solved = linalg::solve_sparse_definite(&self.held, coupling)?;
         Ok(-solved)
     }
 
     /// All coordinates from the parts with and without mass.
-    fn whole(&self, massive: &RealMatrix, massless: &RealMatrix) -> RealMatrix {
+    pub(super) fn whole(&self, massive: &RealMatrix, massless: &RealMatrix) -> RealMatrix {
         let division = &self.division;
         let parts = [
             (division.massive.as_slice(), massive),
@@ -218,8 +228,10 @@ impl Condensation {
     /// definite where `K_oo` is, and as sparse as `K`; `K_c`, which is full for a frame, is not made. `tau` is the least
     /// `M_ii/K_ii`, so that `1/tau` is about the highest eigenvalue. Massless motions then follow the others once more.
     ///
+    /// Where few motions carry mass, `K_c` is made and all its modes are computed ([`few_masses`]).
+    ///
     /// # Errors
-    /// [`TheoryError::Linalg`].
+    /// [`TheoryError::Linalg`]; [`MassError::Indistinct`].
     ///
     /// # Reference
     /// Ericsson and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of Computation 35, 1251.
@@ -230,6 +242,9 @@ impl Condensation {
         wanted: Wanted,
         most: usize,
     ) -> Result<SparseModes, TheoryError> {
+        if self.division.massive.len() <= few_masses::MOST {
+            return few_masses::lowest_modes(self, (stiffness, mass), wanted, most);
+        }
         let tau = least_ratio(mass, stiffness);
         let raised = SparseMatrix::weighted_sum(self.size, &[(1.0, mass), (tau, stiffness)])?;
         let wanted = match wanted {
@@ -247,6 +262,14 @@ impl Condensation {
         let kept: Vec<usize> = (0..squares.len())
             .filter(|&j| squares[j] > CARRIES_MASS)
             .collect();
+        let needed = match wanted {
+            Wanted::Lowest(count) => count,
+            Wanted::Below(_) => squares.len().min(self.division.massive.len()),
+        };
+        if kept.len() < needed {
+            let found = kept.len();
+            return Err(MassError::Indistinct { found, needed }.into());
+        }
         let root = |mu: f64| mu / (1.0 - tau * mu);
         let vectors = real_matrix(self.size, kept.len(), |i, j| {
             vectors[(i, kept[j])] / squares[kept[j]].sqrt()

@@ -170,7 +170,7 @@ fn a_free_chain_with_massless_nodes_has_a_rigid_body_mode_at_exactly_zero() {
 }
 
 /// A massless beam of `elements` with point masses at some places along it.
-fn massless_beam(elements: usize, ends: [End; 2], masses: &[(f64, f64)]) -> BeamModel {
+pub(super) fn massless_beam(elements: usize, ends: [End; 2], masses: &[(f64, f64)]) -> BeamModel {
     let mut file = bar(elements, ends[0], ends[1]);
     file.beams[0].density_kg_per_m3 = Value::Number(0.0);
     for (number, (x_m, kg)) in masses.iter().enumerate() {

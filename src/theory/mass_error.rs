@@ -62,6 +62,27 @@ pub enum MassError {
         /// How many independent motions.
         motions: usize,
     },
+    /// Massless motions with negative stiffness.
+    #[error(
+        "got {motions} motions without mass and with negative stiffness, of the coordinates {}, expected positive stiffness for every motion without mass while those with mass are at rest (it has no stable equilibrium: check the signs of the springs and stiffness entries there)",
+        listed(.coordinates)
+    )]
+    Unstable {
+        /// The coordinates that take part in the softest of them.
+        coordinates: Vec<String>,
+        /// How many independent motions.
+        motions: usize,
+    },
+    /// Modes whose mass is hidden by rounding.
+    #[error(
+        "got {found} modes that carry mass, expected {needed}: natural frequencies of the others are so far above the ratios of stiffness to mass on the diagonals that rounding hides their mass (ask for fewer modes or a narrower band)"
+    )]
+    Indistinct {
+        /// Modes that carry mass.
+        found: usize,
+        /// Modes that were asked for.
+        needed: usize,
+    },
     /// Damping forces on massless coordinates.
     #[error(
         "got damping on coordinates without mass ({}), expected none there, or a damping matrix proportional to stiffness (give them mass, or remove their damping: statics does not describe them)",

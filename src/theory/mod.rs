@@ -24,6 +24,9 @@ mod expected;
 mod external;
 #[cfg(test)]
 mod external_tests;
+mod few_masses;
+#[cfg(test)]
+mod few_masses_tests;
 mod gear;
 mod hermite;
 mod integrate;
