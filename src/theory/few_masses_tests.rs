@@ -136,3 +136,49 @@ fn negative_springs_on_massless_coordinates_are_named() {
         );
     }
 }
+
+/// `omega` of point masses on a clamped beam without mass, from the compliance `x^2 (3 y - x)/(6 EI)` at y of a force at
+/// `x < y`.
+fn exact_clamped(masses: &[(f64, f64)]) -> Vec<f64> {
+    let compliance = |i: usize, j: usize| {
+        let (x, y) = (masses[i].0.min(masses[j].0), masses[i].0.max(masses[j].0));
+        x * x * (3.0 * y - x) / (6.0 * BENDING_N_M2) * (masses[i].1 * masses[j].1).sqrt()
+    };
+    let n = masses.len();
+    let values = crate::linalg::symmetric_eigen(&crate::linalg::real_matrix(n, n, compliance));
+    let values = values.unwrap().values;
+    values.iter().rev().map(|value| value.powf(-0.5)).collect()
+}
+
+#[test]
+fn masses_off_their_nodes_by_rounding_have_the_modes_of_masses_there() {
+    // Twelve masses on a clamped beam of 120 elements, on the nodes and beside them: the own mass of a neighbouring coordinate
+    // is the sixth power of the offset.
+    for off_m in [
+        0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3,
+    ] {
+        let at = |i: usize| (LENGTH_M / 12.0 * i as f64 - off_m, 0.1 * i as f64);
+        let masses: Vec<(f64, f64)> = (1..=12).map(at).collect();
+        let exact = exact_clamped(&masses);
+        let model = massless_beam(120, [End::Clamped, End::Free], &masses);
+        let matrices = model.assemble(&[]).unwrap();
+        for own in [solve(&matrices), lowest(&sparse(&matrices), None).unwrap()] {
+            assert_eq!(own.omega_rad_s.len(), 12, "{off_m:e}");
+            for (a, b) in own.omega_rad_s.iter().zip(&exact).take(4) {
+                assert!((a / b - 1.0).abs() < 1e-6, "{off_m:e}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_mass_beside_a_large_one_within_one_element_is_kept() {
+    // 1 kg at the end and 1e-9 kg at the middle of the last of two elements: rows and columns of one block, of rank 2.
+    let masses = [(0.5 * LENGTH_M + 0.2, 1e-9), (LENGTH_M, 1.0)];
+    let model = massless_beam(2, [End::Clamped, End::Free], &masses);
+    let matrices = model.assemble(&[]).unwrap();
+    let heavy = exact_clamped(&masses)[0];
+    let own = solve(&matrices);
+    assert_eq!(own.omega_rad_s.len(), 2);
+    assert!((own.omega_rad_s[0] / heavy - 1.0).abs() < 1e-6);
+}

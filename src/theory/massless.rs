@@ -4,12 +4,16 @@
 //! space is no set of coordinates (a mass off its node without rotary inertia, a mass between the nodes of a massless beam) is
 //! turned, block by block, into the axes of its null space: `x = Q y`.
 
-use crate::linalg::{self, RealMatrix, SparseMatrix, real_matrix};
+use crate::linalg::{self, LinalgError, RealMatrix, SparseMatrix, real_matrix};
 
 use super::{Coordinate, MassError, TheoryError};
 
 /// Largest block of coordinates coupled by mass whose null space is looked for: a full eigenproblem of less than a second.
 const MOST_BLOCK: usize = 500;
+/// Most mass that a motion which counts as massless may keep, over that of its coordinate; what it keeps is left out. Larger: a
+/// small mass beside a large one is left out. Smaller: rounding, 1e-16 of the diagonal times the growth of the elimination.
+const LEFT_OVER: f64 = 1e-8;
+
 /// The motions `y` of a model that carry mass and those that do not; `Q` is the identity outside the blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Division {
@@ -91,7 +95,10 @@ impl Division {
         Ok(())
     }
 
-    /// `D^-1/2 M D^-1/2 = V diag(values) V^T` of a block with `D` its diagonal; `x = D^-1/2 V y`.
+    /// The rank is that of `D^-1/2 M D^-1/2` with `D` the diagonal. Of as many pivots p, the largest that are left on the
+    /// diagonal, `M_rr = M_rp M_pp^-1 M_pr`: a massless motion moves one other coordinate r, and p with it by
+    /// `-M_pp^-1 M_pr`. Null vectors of the scaled matrix would be `D^-1/2` times a basis without order, which for a mass
+    /// within rounding of its node is 1e16 of one coordinate in each of them.
     fn turn_block(
         &mut self,
         block: &SparseMatrix,
@@ -101,10 +108,9 @@ impl Division {
         let k = at.len();
         let roots: Vec<f64> = (0..k).map(|i| block.get(i, i).sqrt()).collect();
         let scaled = real_matrix(k, k, |i, j| block.get(i, j) / (roots[i] * roots[j]));
-        let identity = real_matrix(k, k, |i, j| f64::from(u8::from(i == j)));
-        let own = linalg::symmetric_modes(&scaled, &identity)?;
+        let values = linalg::symmetric_eigen(&scaled)?.values;
         let limit = linalg::null_limit(k);
-        let got = own.omega_squared[0];
+        let got = values[0];
         if got < -limit {
             return Err(MassError::Negative {
                 coordinates: names(),
@@ -113,12 +119,24 @@ impl Division {
             }
             .into());
         }
-        let null = own.omega_squared.partition_point(|value| *value <= limit);
-        self.massive.retain(|i| !at[..null].contains(i));
-        self.massless.extend(&at[..null]);
+        let null = values.partition_point(|value| *value <= limit);
+        let (pivots, others) = pivots(block, k - null)?;
+        let rank = pivots.len();
+        let loaded = real_matrix(rank, rank, |i, j| block.get(pivots[i], pivots[j]));
+        let coupling = real_matrix(rank, k - rank, |i, j| block.get(pivots[i], others[j]));
+        let followed = linalg::solve_definite(&loaded, &coupling)?;
+        let mut vectors = real_matrix(k, k, |i, j| f64::from(u8::from(i == j)));
+        for (i, &pivot) in pivots.iter().enumerate() {
+            for (j, &other) in others.iter().enumerate() {
+                vectors[(pivot, other)] = -followed[(i, j)];
+            }
+        }
+        let massless: Vec<usize> = others.iter().map(|&other| at[other]).collect();
+        self.massive.retain(|i| !massless.contains(i));
+        self.massless.extend(massless);
         self.blocks.push(Block {
             at: at.to_vec(),
-            vectors: real_matrix(k, k, |i, j| own.vectors[(i, j)] / roots[i]),
+            vectors,
         });
         Ok(())
     }
@@ -205,6 +223,45 @@ impl Division {
         let names = leading.iter().map(|&i| coordinates[i].name.clone());
         names.collect()
     }
+}
+
+/// As many pivots of a semidefinite matrix as its rank, each the largest that is left on the diagonal where more than rounding
+/// of its entry is left, and the other rows.
+///
+/// # Errors
+/// [`LinalgError::Inaccurate`] where more is left of the other rows than [`LEFT_OVER`].
+fn pivots(a: &SparseMatrix, rank: usize) -> Result<(Vec<usize>, Vec<usize>), TheoryError> {
+    let k = a.size();
+    let mut left = a.to_dense();
+    let (mut pivots, mut others) = (Vec::with_capacity(rank), (0..k).collect::<Vec<_>>());
+    let rounding = linalg::null_limit(k);
+    for _ in 0..rank {
+        let size = |of: usize| left[(of, of)];
+        let candidates = others.iter().copied().enumerate();
+        let candidates = candidates.filter(|&(_, of)| size(of) > rounding * a.get(of, of));
+        let Some((place, pivot)) = candidates.max_by(|x, y| size(x.1).total_cmp(&size(y.1))) else {
+            break;
+        };
+        others.remove(place);
+        let column: Vec<f64> = (0..k).map(|i| left[(i, pivot)]).collect();
+        for (i, j) in (0..k).flat_map(|j| (0..k).map(move |i| (i, j))) {
+            left[(i, j)] -= column[i] * (column[j] / column[pivot]);
+        }
+        pivots.push(pivot);
+    }
+    let kept = |&of: &usize| left[(of, of)].abs() / a.get(of, of);
+    let got = others.iter().map(kept).fold(0.0, f64::max);
+    if got > LEFT_OVER {
+        return Err(LinalgError::Inaccurate {
+            what: "elimination of the motions with mass",
+            rows: k,
+            columns: k,
+            got,
+            limit: LEFT_OVER,
+        }
+        .into());
+    }
+    Ok((pivots, others))
 }
 
 /// Coordinates that entries of a matrix couple, directly or through others; ascending.
