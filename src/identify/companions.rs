@@ -31,9 +31,9 @@ use super::roots::Root;
 const DECAY_RATIO: std::ops::Range<f64> = 2.4..3.8;
 /// The same of the second, 5.
 const SECOND_DECAY_RATIO: std::ops::Range<f64> = 3.8..6.5;
-/// Distance in frequency, in decay rates of the companion. Smaller: companions of κ = 0.6, which the omitted terms move, are modes.
-/// Larger: the second mode of a linear structure with a tuned absorber (0.3 to 0.7) is a companion.
-const MAX_DISTANCE: f64 = 0.3;
+/// Distance in frequency, in decay rates of the companion. Smaller: companions that the omitted terms move
+/// are modes. Larger: so is the second mode of a linear structure with a tuned absorber (0.3 to 0.7) but for its phase.
+const MAX_DISTANCE: f64 = 0.5;
 /// Part of a companion's residues in phase with its mode, over that in quadrature: 20 degrees. A tuned absorber has 0.4 to 1.
 const MAX_IN_PHASE: f64 = 0.36;
 /// Modal assurance criterion of the two shapes, minimum. A second mode of a smooth structure has less.
