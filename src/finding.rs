@@ -389,9 +389,6 @@ codes! {
     /// A model that does not fit after it was updated.
     MisfitRemains: "the updated model does not fit the test within the stated uncertainties",
         "The value is chi-square per degree of freedom, the limit what noise alone reaches. The deviations of the parameters take the model for right but for the stated floors; times the root of the value they say what the remaining misfit leaves of them. Look at the single changes, at what the model leaves out, and at the floors.";
-    /// A pair below the chance level is no observation of an update.
-    BelowChanceLeftOut: "This measured mode was left out of the update: its MAC is below the chance level for independent shapes.",
-        "The pair has its frequency alone for it (see `below-chance-level`), and a wrong pair moves parameters to a wrong value. The value is the MAC at the start, the limit the chance level. Measure at more points or correct the signs of the sensors; `below_chance_level = true` in [update] uses such pairs.";
     /// A measured mode without a partner after the update.
     PartnerLost: "this measured mode has no partner in the updated model",
         "It had one in the model as it stood. Its frequency and shape count as wholly unexplained, and the errors of the table leave it out. Look at its shape, at the gates of pairing, and at bounds that keep the model near.";

@@ -1,9 +1,7 @@
 //! An update as tables: parameters, what the data know, convergence, fit before and after, single changes.
 
 use crate::scene::SceneUpdate;
-use crate::update::{
-    Change, Explanation, Fit, FitRow, LeftOut, Residuals, ShapeWeights, UpdateResult,
-};
+use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};
 
 use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
@@ -256,18 +254,8 @@ fn convergence(own: &UpdateResult) -> String {
             format!(", against {:.4}.", step.objective)
         });
     }
-    for LeftOut {
-        label,
-        hz,
-        below_chance,
-    } in &own.left_out
-    {
-        text += &match below_chance {
-            Some((mac, level)) => format!(
-                " {label} ({hz:.2} Hz) has a MAC of {mac:.3}, below the chance level of {level:.3}, and did not count."
-            ),
-            None => format!(" {label} ({hz:.2} Hz) has no partner and did not count."),
-        };
+    for (label, hz) in &own.left_out {
+        text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");
     }
     text
 }

@@ -325,8 +325,6 @@ pub struct UpdateTable {
     pub frf_floor: Option<f64>,
     /// Most lines of an FRF that count.
     pub frf_lines: Option<usize>,
-    /// Whether pairs whose MAC is below the chance level for independent shapes count as observations.
-    pub below_chance_level: bool,
     /// Whether shapes count (they do when not stated); they pair and follow modes all the same.
     pub shapes: Option<bool>,
     /// Prior deviation of parameters that state none, as a part of their value.

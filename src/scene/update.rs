@@ -316,7 +316,6 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
         starts: stated.starts.unwrap_or(default.starts),
         seed: stated.seed.unwrap_or(default.seed),
         max_iterations: stated.max_iterations.unwrap_or(default.max_iterations),
-        below_chance_level: stated.below_chance_level,
         pair: scene.pair.clone(),
     })
 }

@@ -75,16 +75,6 @@ pub enum UpdateError {
         /// Test modes.
         modes: usize,
     },
-    /// Test modes have partners by frequency alone, and shapes that do not support them.
-    #[error(
-        "the MAC of each of {pairs} pairs ({modes} test modes) is below the chance level for independent shapes, expected at least one above it; [update] below_chance_level = true uses them all the same"
-    )]
-    NothingCorrelated {
-        /// Test modes.
-        modes: usize,
-        /// Pairs below the chance level.
-        pairs: usize,
-    },
     /// A frequency without any uncertainty.
     #[error(
         "{label}: neither the test nor frequency_floor states an uncertainty of its frequency, expected one above 0"

@@ -2,11 +2,11 @@
 
 use crate::finding::{Code, Finding, Place, Severity};
 
-use super::{KNOWN, LeftOut, UpdateResult, UpdatedParameter, Verdict};
+use super::{KNOWN, UpdateResult, UpdatedParameter, Verdict};
 
 impl UpdateResult {
-    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured roots that were left out for their shape,
-    /// that changed or lost their partner, an iteration that did not converge.
+    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured roots that changed or lost
+    /// their partner, an iteration that did not converge.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings: Vec<Finding> = self.parameters.iter().filter_map(of_parameter).collect();
         if !self.fits() {
@@ -16,7 +16,6 @@ impl UpdateResult {
                     .limit(self.largest_reduced_chi_square()),
             );
         }
-        findings.extend(self.left_out.iter().filter_map(of_left_out));
         let rows = self.after.rows.iter();
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Place::Mode(row.test_hz))));
@@ -40,14 +39,6 @@ impl UpdateResult {
             }
         })
     }
-}
-
-/// The finding of a pair below the chance level; a measured root without a partner is in the table.
-fn of_left_out(own: &LeftOut) -> Option<Finding> {
-    let (mac, level) = own.below_chance?;
-    let finding = warn(Code::BelowChanceLeftOut, Place::Mode(own.hz));
-    let finding = finding.value(mac, "").limit(level);
-    Some(finding.detail(own.label.clone()))
 }
 
 fn of_parameter(own: &UpdatedParameter) -> Option<Finding> {

@@ -1,6 +1,6 @@
 //! Which measured modes are which modes of the model: decided at a start, followed by shape from there.
 
-use crate::correlate::{PairOptions, Pairing, Verdict, assign, highest_rigid_hz, pair};
+use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
 use crate::linalg::RealMatrix;
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
@@ -21,26 +21,6 @@ pub struct Link {
     pub targets: Vec<usize>,
     /// Indices, ascending, of the modes of the model; several where they are one repeated root at the start.
     pub modes: Vec<usize>,
-}
-
-/// A measured root whose MAC with its root of the model is below the chance level for independent shapes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct BelowChance {
-    /// Index of the target.
-    pub target: usize,
-    /// Its MAC; the smallest of a repeated root.
-    pub mac: f64,
-    /// The chance level of that MAC.
-    pub level: f64,
-}
-
-/// The links of a pairing, and the targets among them that are below the chance level.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Links {
-    /// All links.
-    pub all: Vec<Link>,
-    /// Targets below the chance level; none where there are no shapes.
-    pub below_chance: Vec<BelowChance>,
 }
 
 /// A test as pairing sees it: the modes of its targets alone.
@@ -77,66 +57,47 @@ impl PairedModes {
         theory: &ModalModel,
         targets: &[Target],
         options: &PairOptions,
-    ) -> Result<Links, UpdateError> {
+    ) -> Result<Vec<Link>, UpdateError> {
         let shaped = self.modes.modes.iter().any(|mode| !mode.shape.is_empty());
         let mut links = if shaped {
-            self.by_shape(&pair(&self.modes, theory, options)?)
+            self.by_shape(theory, options)?
         } else {
-            Links {
-                all: self.by_frequency(theory, targets, options.max_frequency_error),
-                below_chance: Vec::new(),
-            }
+            self.by_frequency(theory, targets, options.max_frequency_error)
         };
-        for link in &mut links.all {
+        for link in &mut links {
             link.targets
                 .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
         }
-        links.all.sort();
+        links.sort();
         Ok(links)
     }
 
-    fn by_shape(&self, pairing: &Pairing) -> Links {
+    fn by_shape(
+        &self,
+        theory: &ModalModel,
+        options: &PairOptions,
+    ) -> Result<Vec<Link>, UpdateError> {
+        let pairing = pair(&self.modes, theory, options)?;
         let mut links: Vec<Link> = Vec::new();
-        for found in &pairing.pairs {
+        for found in pairing.pairs {
             let mut targets: Vec<usize> =
                 found.partners.iter().map(|p| self.target[p.test]).collect();
             targets.dedup();
             let shares = |link: &Link| link.targets.iter().any(|t| targets.contains(t));
             match links.iter_mut().find(|link| shares(link)) {
                 Some(link) => {
-                    link.modes.extend(&found.theory);
+                    link.modes.extend(found.theory);
                     link.modes.sort_unstable();
                     targets.retain(|t| !link.targets.contains(t));
                     link.targets.extend(targets);
                 }
                 None => links.push(Link {
                     targets,
-                    modes: found.theory.clone(),
+                    modes: found.theory,
                 }),
             }
         }
-        Links {
-            all: links,
-            below_chance: self.below_chance(pairing),
-        }
-    }
-
-    /// Targets of which a mode is below the chance level, each once, by its mode with the smallest MAC.
-    fn below_chance(&self, pairing: &Pairing) -> Vec<BelowChance> {
-        let mut below: Vec<BelowChance> = Vec::new();
-        for partner in pairing.pairs.iter().flat_map(|pair| &pair.partners) {
-            let Verdict::Uncorrelated { mac, level, .. } = &partner.verdict else {
-                continue;
-            };
-            below.push(BelowChance {
-                target: self.target[partner.test],
-                mac: *mac,
-                level: level.mac,
-            });
-        }
-        below.sort_by(|a, b| a.target.cmp(&b.target).then(a.mac.total_cmp(&b.mac)));
-        below.dedup_by_key(|own| own.target);
-        below
+        Ok(links)
     }
 
     /// Without shapes: the assignment with the smallest sum of `ln^2(f_model/f_test)` inside the gate, a root of stated

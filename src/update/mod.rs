@@ -26,8 +26,6 @@ mod solve;
 mod target;
 
 #[cfg(test)]
-mod below_chance_tests;
-#[cfg(test)]
 mod changes_tests;
 #[cfg(test)]
 mod cycloid_tests;
@@ -54,7 +52,7 @@ pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
 pub use links::Link;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
-pub use problem::{LeftOut, UpdateProblem};
+pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
 };

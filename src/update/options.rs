@@ -77,8 +77,6 @@ pub struct UpdateOptions {
     pub seed: u64,
     /// Largest number of iterations from one start.
     pub max_iterations: usize,
-    /// Whether pairs whose MAC is below the chance level for independent shapes are observations. Their frequency alone supports them.
-    pub below_chance_level: bool,
     /// How modes are paired at every start.
     pub pair: PairOptions,
 }
@@ -99,7 +97,6 @@ impl Default for UpdateOptions {
             starts: 20,
             seed: 1,
             max_iterations: 100,
-            below_chance_level: false,
             pair: PairOptions::default(),
         }
     }

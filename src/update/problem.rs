@@ -13,7 +13,7 @@ use crate::theory::{
 };
 
 use super::frfs::FrfTarget;
-use super::links::{BelowChance, Links, PairedModes, follow, with_whole_roots, without_unseen};
+use super::links::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ShapeRows, targets_of};
@@ -24,17 +24,6 @@ use super::{
 
 /// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within twice the frequency.
 const START_GATE: f64 = 1.0;
-
-/// A measured root that is no observation: it has no partner in the model at the start, or one that its shape does not support.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
-    /// Its label.
-    pub label: String,
-    /// Its frequency, Hz.
-    pub hz: f64,
-    /// MAC with the partner, and the chance level below which it is; `None` without a partner.
-    pub below_chance: Option<(f64, f64)>,
-}
 
 /// A model to be brought to measured modes.
 #[derive(Clone, Debug)]
@@ -47,8 +36,8 @@ pub struct UpdateProblem<'a> {
     pub free: Vec<FreeParameter>,
     /// What was measured, as far as it has a partner in the model at the start.
     pub targets: Vec<Target>,
-    /// What was measured and plays no part.
-    pub left_out: Vec<LeftOut>,
+    /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
+    pub left_out: Vec<(String, f64)>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -110,7 +99,7 @@ impl<'a> UpdateProblem<'a> {
 
     /// Frequencies and shapes with their deviations, the model's floor shared by the tests that measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
-        let links = self.links(&self.initial, &self.options.pair)?.all;
+        let links = self.links(&self.initial, &self.options.pair)?;
         let place = (self.model, self.initial.as_slice());
         let rows = measured.iter().map(|own| {
             let rows = |floor| ShapeRows::new(place, self.sensors, own.modes, &self.options, floor);
@@ -135,38 +124,23 @@ impl<'a> UpdateProblem<'a> {
         Ok(())
     }
 
-    /// Leaves out what has no partner at the start, or one whose MAC is below the chance level: its shape does not say that this root
-    /// of the model is the one that was measured.
+    /// Leaves out what has no partner at the start.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
         let links = self.links(&self.initial, &self.options.pair)?;
-        let linked = |t: usize| links.all.iter().any(|link| link.targets.contains(&t));
-        let below = |t: usize| {
-            let mut below = links.below_chance.iter().copied();
-            let own = below.find(|own| own.target == t);
-            own.filter(|_| linked(t) && !self.options.below_chance_level)
-        };
-        let below: Vec<Option<BelowChance>> = (0..self.targets.len()).map(below).collect();
-        let kept: Vec<bool> = (0..self.targets.len())
-            .map(|t| linked(t) && below[t].is_none())
-            .collect();
+        let linked = |t: usize| links.iter().any(|link| link.targets.contains(&t));
+        let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
         if !kept.contains(&true) {
-            let modes = self.targets.len();
-            return Err(match below.iter().flatten().count() {
-                0 => UpdateError::NothingPaired { modes },
-                pairs => UpdateError::NothingCorrelated { modes, pairs },
+            return Err(UpdateError::NothingPaired {
+                modes: self.targets.len(),
             });
         }
         let all = std::mem::take(&mut self.targets);
-        for ((target, kept), below) in all.into_iter().zip(kept).zip(below) {
+        for (target, kept) in all.into_iter().zip(kept) {
             if kept {
                 self.targets.push(target);
             } else {
-                self.left_out.push(LeftOut {
-                    label: target.label,
-                    hz: target.hz,
-                    below_chance: below.map(|own| (own.mac, own.level)),
-                });
+                self.left_out.push((target.label, target.hz));
             }
         }
         self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
@@ -230,20 +204,22 @@ impl<'a> UpdateProblem<'a> {
         values
     }
 
-    pub(super) fn links(&self, values: &[f64], pair: &PairOptions) -> Result<Links, UpdateError> {
+    pub(super) fn links(
+        &self,
+        values: &[f64],
+        pair: &PairOptions,
+    ) -> Result<Vec<Link>, UpdateError> {
         let options = ModeOptions {
             band: self.reach(),
             ..ModeOptions::default()
         };
         let theory = modes(self.model, values, self.sensors, &options)?;
-        let mut links = Links::default();
+        let mut links = Vec::new();
         for test in &self.tests {
-            let own = test.links(&theory.model, &self.targets, pair)?;
-            links.all.extend(own.all);
-            links.below_chance.extend(own.below_chance);
+            links.extend(test.links(&theory.model, &self.targets, pair)?);
         }
         let gate = self.start_gate().ln_1p();
-        for link in &mut links.all {
+        for link in &mut links {
             let hz = link
                 .modes
                 .iter()
@@ -253,7 +229,7 @@ impl<'a> UpdateProblem<'a> {
             let near = |t: &usize| (hz / self.targets[*t].hz).ln().abs() <= gate;
             link.targets.retain(near);
         }
-        links.all.retain(|link| !link.targets.is_empty());
+        links.retain(|link| !link.targets.is_empty());
         Ok(links)
     }
 
@@ -279,9 +255,9 @@ impl<'a> UpdateProblem<'a> {
             max_frequency_error: self.start_gate(),
             ..self.options.pair.clone()
         };
-        let mut links = self.links(&values, &self.options.pair)?.all;
+        let mut links = self.links(&values, &self.options.pair)?;
         if self.unpaired(&links).next().is_some() {
-            links = self.links(&values, &wide)?.all;
+            links = self.links(&values, &wide)?;
         }
         self.evaluate(z, |_| links)
     }

@@ -337,7 +337,7 @@ fn of_a_sparse_model_all_roots_that_the_test_can_have_are_seen() {
         .map(|own| own.label.as_str())
         .collect();
     assert_eq!(labels, ["t f1", "t f2", "t f3"]);
-    let links = problem.links(&[1.0], &problem.options.pair).unwrap().all;
+    let links = problem.links(&[1.0], &problem.options.pair).unwrap();
     let modes: Vec<&[usize]> = links.iter().map(|link| link.modes.as_slice()).collect();
     assert_eq!(modes, [[11], [44], [79]]);
 }

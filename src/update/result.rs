@@ -6,7 +6,7 @@ use crate::theory::ParameterStatus;
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
 use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
-use super::{Evaluation, LeftOut, ShapeWeights, UpdateError, UpdateProblem};
+use super::{Evaluation, ShapeWeights, UpdateError, UpdateProblem};
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
@@ -153,8 +153,8 @@ pub struct UpdateResult {
     pub before: Fit,
     /// The model after.
     pub after: Fit,
-    /// What was measured and is no observation.
-    pub left_out: Vec<LeftOut>,
+    /// What had no partner in the model at the start: label and frequency, Hz.
+    pub left_out: Vec<(String, f64)>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
 }

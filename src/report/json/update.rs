@@ -42,7 +42,7 @@ pub struct UpdateFile {
     pub reduced_chi_square: f64,
     /// Whether that is no more than noise explains.
     pub fits: bool,
-    /// Measured modes that are no observations: without a partner at the start, or with a MAC below the chance level.
+    /// Measured modes without a partner at the start.
     pub left_out: Vec<LeftOutFile>,
     /// Measured roots that met other modes on the way.
     pub pairing_changes: Vec<PairingChange>,
@@ -162,12 +162,6 @@ pub struct LeftOutFile {
     pub label: String,
     /// Frequency, Hz.
     pub hz: f64,
-    /// MAC with its partner at the start, below the chance level; absent without a partner.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mac: Option<f64>,
-    /// The chance level of that MAC.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub chance_level: Option<f64>,
 }
 
 /// A step, as [`Iteration`].
@@ -274,11 +268,9 @@ pub fn update_to_json(own: &SceneUpdate) -> String {
 pub fn update_file(own: &SceneUpdate) -> UpdateFile {
     let result = &own.result;
     let left_out = result.left_out.iter();
-    let left_out = left_out.map(|own| LeftOutFile {
-        label: own.label.clone(),
-        hz: own.hz,
-        mac: own.below_chance.map(|(mac, _)| mac),
-        chance_level: own.below_chance.map(|(_, level)| level),
+    let left_out = left_out.map(|(label, hz)| LeftOutFile {
+        label: label.clone(),
+        hz: *hz,
     });
     UpdateFile {
         schema: UPDATE_SCHEMA.to_owned(),
