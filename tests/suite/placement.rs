@@ -94,7 +94,8 @@ fn placement(result: &SceneResult) -> &Placement {
 
 /// Modes of the model in the test's band that found a partner.
 fn paired(result: &SceneResult) -> usize {
-    result.table.as_ref().unwrap().summary[0].paired
+    let summary = &result.table.as_ref().unwrap().summary[0];
+    summary.paired + summary.ambiguous
 }
 
 #[test]
