@@ -118,7 +118,7 @@ codes! {
         "A node names the coordinate system of its position or displacements by number. Datasets 18 and 2420 describe them; the value is a number that none describes.";
     /// Directions of shape values that are lost with damaged parts.
     DirectionsLost: "Nodes or coordinate systems of this file are damaged, and with them the directions of shape values. The values were taken as global.",
-        "A node names the coordinate system of its displacements, and another dataset describes it. Where the nodes are damaged and the file describes a system that is not aligned with the global axes, or both are damaged, values in local directions cannot be told from global ones, and MAC is wrong where they are local. The value is the number of nodes of the shapes without a readable description. Only --partial uses such shapes. Repair the file.";
+        "A node names the coordinate system of its displacements, and another dataset describes it. Where the nodes are damaged and the file describes a system that is not aligned with the global axes, or both are damaged, values in local directions cannot be distinguished from global ones, and MAC is wrong where they are local. The value is the number of nodes of the shapes without a readable description. Only --partial uses such shapes. Repair the file.";
     /// Analysis results that are no modes.
     NotModes: "data at nodes or elements that are no mode shapes were passed over",
         "Universal datasets 55 and 2414 hold results of many analyses. Shapes of normal modes and of complex eigenvalues are read; anything else is passed over. The value is the number of the analysis: 1 static, 2 normal mode (of another quantity than motion), 4 transient, 5 frequency response, 6 buckling.";

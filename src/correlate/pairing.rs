@@ -180,7 +180,7 @@ pub struct Pairing {
 /// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below `min_mac`.
 ///
 /// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`]) are reversed while pairs are
-/// chosen; MAC and chance level are of the shapes as measured. The shares then speak for the reversed shapes alone, so that the MAC
+/// chosen; MAC and chance level are of the shapes as measured. The shares are then those of the reversed shapes, so that the MAC
 /// as measured has to reach `min_mac` as well, else the pair is ambiguous.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has

@@ -73,13 +73,13 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
         "{verdict:?}"
     );
     // The value compared with the limit.
-    let told = findings.iter().find(|own| own.code == Code::MixedShape);
-    let told = told.expect("a finding");
+    let disagreement = findings.iter().find(|own| own.code == Code::MixedShape);
+    let disagreement = disagreement.expect("a finding");
     assert!(
-        (told.value.expect("a finding with a value") - 0.49).abs() < 0.01,
-        "{told}"
+        (disagreement.value.expect("a finding with a value") - 0.49).abs() < 0.01,
+        "{disagreement}"
     );
-    assert!(told.value < told.limit, "{told}");
+    assert!(disagreement.value < disagreement.limit, "{disagreement}");
 }
 
 #[test]

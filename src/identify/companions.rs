@@ -232,8 +232,8 @@ mod tests {
             let noise = white_noise(axis.len, 1e-6 * power, 7 + point as u64);
             let values = receptance.iter().zip(noise);
             let function = Function {
-                response: format!("{}:+Z", point + 1).parse().unwrap(),
-                reference: "1:+Z".parse().unwrap(),
+                response: format!("{}:+Z", point + 1).parse().expect("a DOF"),
+                reference: "1:+Z".parse().expect("a DOF"),
                 kind: FrfKind::Receptance,
                 averages: None,
                 estimator: None,
@@ -243,9 +243,10 @@ mod tests {
                 values: values.map(|(h, z)| h * factor + z).collect(),
                 ..FunctionData::default()
             };
-            set.push(function, data).unwrap();
+            set.push(function, data)
+                .expect("a function on the axis of the set");
         }
-        identify(&set, &IdentifyOptions::default()).unwrap()
+        identify(&set, &IdentifyOptions::default()).expect("modes of receptances")
     }
 
     #[test]
@@ -263,7 +264,7 @@ mod tests {
             assert!((modes[0].frequency_hz / HZ - 1.0).abs() < 0.05 * 0.375 * cubic);
             // What the poles beyond the second, (κ²/2 of the response, κ = 3 cubic/16ζ) do to damping.
             let kappa = 3.0 * cubic / (16.0 * DAMPING);
-            let error = (modes[0].damping_ratio.unwrap() / DAMPING - 1.0).abs();
+            let error = (modes[0].damping_ratio.expect("a damping ratio") / DAMPING - 1.0).abs();
             assert!(error < 0.005 + 0.25 * kappa * kappa, "{error}");
             let has = |code: Code| model.findings.iter().any(|finding| finding.code == code);
             assert!(has(Code::AmplitudeDependent), "{cubic} {points}");

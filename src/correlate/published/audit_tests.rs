@@ -321,10 +321,10 @@ fn quantities_are_found_by_model_and_name_and_held_against_value_or_bound() {
         judged(Some("none"), "place", Relation::Above(0.0)).confirmed,
         None
     );
-    let untold = judged(None, "place", Relation::Untold);
-    assert_eq!((untold.confirmed, untold.unit), (None, "N/m"));
+    let unstated = judged(None, "place", Relation::Untold);
+    assert_eq!((unstated.confirmed, unstated.unit), (None, "N/m"));
     assert_eq!(
-        untold
+        unstated
             .recomputed
             .expect("a claim that can be recomputed")
             .value,
