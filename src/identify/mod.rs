@@ -44,6 +44,8 @@ mod correlation;
 mod doubled;
 mod doubts;
 mod error;
+#[cfg(test)]
+mod failed_decomposition_tests;
 mod far;
 #[cfg(test)]
 mod high_snr_tests;

@@ -395,7 +395,7 @@ impl<'a> Run<'a> {
             .multiply(&found.vectors.subcols(0, near).to_owned());
         self.factor.solve(&mut smooth);
         let moved = self.mass.multiply(&smooth);
-        let smooth = orthonormal(smooth, &moved)?;
+        let [smooth, _] = orthonormal(smooth, moved)?;
         found.vectors.subcols_mut(0, near).copy_from(smooth);
         for (j, omega_squared) in found.omega_squared.iter_mut().enumerate() {
             let x: Vec<f64> = found.vectors.col(j).iter().copied().collect();

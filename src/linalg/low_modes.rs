@@ -12,7 +12,6 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
-use super::compensated::quadratic_forms;
 use super::symmetric::{ScaledPair, SymmetricModes, divide_and_conquer};
 use super::{LinalgError, RealMatrix};
 
@@ -73,62 +72,63 @@ impl<'a> LowModes<'a> {
     /// # Errors
     /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent.
     pub fn refine(&self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
-        let Some((image, shift)) = self.inverse_image(modes) else {
+        let Some(shift) = self.shift() else {
             return Ok(());
         };
-        let mass = &self.pair.mass;
-        let projected = (mass * modes.vectors.subcols(0, self.count)).transpose() * &image;
+        let moved = self.pair.momenta(modes.vectors.subcols(0, self.count));
+        let image = self.solve(&moved);
+        let projected = moved.transpose() * &image;
         let ritz = divide_and_conquer(&projected)?;
         // The largest eigenvalues of the inverse are the lowest omega^2.
         let last = self.count - 1;
         let scaled = |i: usize, j: usize| ritz.vectors[(i, last - j)] / ritz.values[last - j];
-        let vectors = image * Mat::from_fn(self.count, self.count, scaled);
-        let moved = mass * &vectors;
-        let mut vectors = orthonormal(vectors, &moved)?;
+        let mut vectors = image * Mat::from_fn(self.count, self.count, scaled);
         let is_near = |&j: &usize| NEAR_SHIFT * shift * ritz.values[last - j] >= 1.0;
         let near = (0..self.count).take_while(is_near).count();
-        if let Some(Shifted { factor, .. }) = &self.shifted {
-            let smooth = factor.solve(mass * vectors.subcols(0, near));
+        if near > 0 {
+            let smooth = self.solve(&self.pair.momenta(vectors.subcols(0, near)));
             let smooth = Mat::from_fn(smooth.nrows(), near, |i, j| {
                 smooth[(i, j)] / ritz.values[last - j]
             });
             vectors.subcols_mut(0, near).copy_from(smooth);
-            let moved = mass * &vectors;
-            vectors = orthonormal(vectors, &moved)?;
         }
-        self.take(modes, &vectors);
+        let moved = self.pair.momenta(vectors.as_ref());
+        self.take(modes, &orthonormal(vectors, moved)?);
         Ok(())
     }
 
-    /// `(K + s M)^-1 M Phi` of the lowest modes, with s.
-    pub fn inverse_image(&self, modes: &SymmetricModes) -> Option<(RealMatrix, f64)> {
-        let Shifted { shift, factor } = self.shifted.as_ref()?;
-        let moved = &self.pair.mass * modes.vectors.subcols(0, self.count);
-        Some((factor.solve(&moved), *shift))
+    /// The shift s; none where no mode is computed by shift and invert.
+    pub fn shift(&self) -> Option<f64> {
+        self.shifted.as_ref().map(|shifted| shifted.shift)
+    }
+
+    /// `(K + s M)^-1 B`; B itself without a shift.
+    pub fn solve(&self, right: &RealMatrix) -> RealMatrix {
+        match &self.shifted {
+            Some(Shifted { factor, .. }) => factor.solve(right),
+            None => right.clone(),
+        }
     }
 
     /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order, and takes their
     /// components out of the others.
-    fn take(&self, modes: &mut SymmetricModes, low: &RealMatrix) {
-        let (k, m) = (&self.pair.stiffness, &self.pair.mass);
-        let strain = quadratic_forms(k.as_ref(), low.as_ref());
+    fn take(&self, modes: &mut SymmetricModes, [low, moved]: &[RealMatrix; 2]) {
+        let n = low.nrows();
+        let strain = self.pair.strains(low);
         // M is definite: its forms are no small differences of large terms.
-        let moved = m * low;
         let kinetic = |j: usize| low.col(j).transpose() * moved.col(j);
         let kinetic: Vec<f64> = (0..self.count).map(kinetic).collect();
         let quotient = |j: usize| strain[j].value / kinetic[j];
         let mut order: Vec<usize> = (0..self.count).collect();
         order.sort_by(|&a, &b| quotient(a).total_cmp(&quotient(b)));
-        let along = moved.transpose() * modes.vectors.subcols(self.count, m.nrows() - self.count);
-        let mut others = modes
-            .vectors
-            .subcols_mut(self.count, m.nrows() - self.count);
+        let along = moved.transpose() * modes.vectors.subcols(self.count, n - self.count);
+        let mut others = modes.vectors.subcols_mut(self.count, n - self.count);
         others -= low * along;
         for (j, &from) in order.iter().enumerate() {
             let norm = kinetic[from].sqrt();
             modes.omega_squared[j] = quotient(from);
             modes.rounding[j] = f64::EPSILON * strain[from].magnitude / kinetic[from];
-            for i in 0..m.nrows() {
+            for i in 0..n {
                 modes.vectors[(i, j)] = low[(i, from)] / norm;
             }
         }
@@ -148,18 +148,20 @@ impl Shifted {
 }
 
 /// Vectors X made orthonormal with respect to the mass, `moved` being `M X`, each changed by those before it alone:
-/// `X^T M X = L L^T`, `X L^-T`.
+/// `X^T M X = L L^T`, `X L^-T` and `M X L^-T`.
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`] for vectors that do not stay independent.
 pub(super) fn orthonormal(
     vectors: RealMatrix,
-    moved: &RealMatrix,
-) -> Result<RealMatrix, LinalgError> {
-    let gram = vectors.transpose() * moved;
+    moved: RealMatrix,
+) -> Result<[RealMatrix; 2], LinalgError> {
+    let gram = vectors.transpose() * &moved;
     let factor = gram.llt(Side::Lower);
     let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: gram.nrows() })?;
-    let mut transposed = vectors.transpose().to_owned();
-    solve_lower_triangular_in_place(factor.L(), transposed.as_mut(), Par::Seq);
-    Ok(transposed.transpose().to_owned())
+    Ok([vectors, moved].map(|x| {
+        let mut transposed = x.transpose().to_owned();
+        solve_lower_triangular_in_place(factor.L(), transposed.as_mut(), Par::Seq);
+        transposed.transpose().to_owned()
+    }))
 }

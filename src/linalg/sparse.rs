@@ -189,6 +189,9 @@ impl SparseMatrix {
     }
 }
 
+/// Where a factor is tried again, as parts of the shift, which stands in a gap of 1e-5 of it.
+const BESIDE: [f64; 5] = [1e-9, -1e-9, 1e-8, -1e-7, 1e-6];
+
 /// A symmetric pair (K, M) prepared for factorisations of `K - sigma M`: the pattern of both and its ordering.
 pub(super) struct Pencil {
     size: usize,
@@ -315,7 +318,7 @@ impl Pencil {
 
     /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
     ///
-    /// A factor that fails its check is computed again beside the shift, by a billionth of it.
+    /// A factor that fails its check is computed again beside the shift, by parts of it of [`BESIDE`].
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision;
@@ -324,9 +327,11 @@ impl Pencil {
     /// # Reference
     /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
     pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
-        let factor = self.indefinite(shift);
-        let factor = factor.or_else(|_| self.indefinite(shift * (1.0 + 1e-9)))?;
-        Ok(factor.negative_eigenvalues())
+        let mut factor = self.indefinite(shift);
+        for part in BESIDE {
+            factor = factor.or_else(|_| self.indefinite(shift * (1.0 + part)));
+        }
+        Ok(factor?.negative_eigenvalues())
     }
 
     /// Factor of `K - shift M`, checked.

@@ -346,6 +346,59 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 
+/// The square of the second difference, of condition `0.16 n^4`, with a diagonal of 1 but at its ends.
+fn bending(n: usize) -> SparseMatrix {
+    let row = |i: usize| [(i, 2.0), (i.wrapping_sub(1), -1.0), (i + 1, -1.0)];
+    let entries = (0..n).flat_map(|k| {
+        let inside = move |&(i, _): &(usize, f64)| i < n;
+        let pairs = row(k).into_iter().filter(inside);
+        pairs.flat_map(move |(i, a)| {
+            let others = row(k).into_iter().filter(inside);
+            others.map(move |(j, b)| (i, j, a * b / 6.0))
+        })
+    });
+    SparseMatrix::from_entries(n, &entries.collect::<Vec<_>>()).unwrap()
+}
+
+#[test]
+fn factors_broken_on_purpose_are_caught() {
+    // Conditions 1e4 and 1e12.
+    for n in [16, 1600] {
+        let (k, m) = (bending(n), unit(n));
+        let pencil = Pencil::new(&k, &m).unwrap();
+        // Between the third and the fourth eigenvalue.
+        let sigma =
+            (2.0 - 2.0 * (3.5 * std::f64::consts::PI / (n as f64 + 1.0)).cos()).powi(2) / 6.0;
+        assert_eq!(pencil.count_below(sigma).unwrap(), 3);
+        let shifted =
+            |factor: f64| SparseMatrix::weighted_sum(n, &[(1.0, &k), (factor, &m)]).unwrap();
+        let off = |pivot: f64| (1e-6 * pivot.abs()).max(100.0 * n as f64 * f64::EPSILON);
+        let right = pencil.indefinite(sigma).unwrap();
+        let places = right.pivots();
+        for place in [0, n / 3, n - 1].map(|pivot| places[pivot]) {
+            let mut wrong = pencil.indefinite(sigma).unwrap();
+            wrong.values[place] += off(wrong.values[place]);
+            let check =
+                verify::sparse_factor(verify::INERTIA, &shifted(-sigma), |x| wrong.solve(x));
+            assert!(check.is_err(), "pivot at {place} of {n}");
+        }
+        let shift = 1e-12;
+        for place in [0, n / 3, n - 1].map(|pivot| places[pivot]) {
+            let mut wrong = pencil.cholesky(1.0, -shift).unwrap();
+            // The square of the entry is the pivot.
+            let root = wrong.values[place];
+            wrong.values[place] = (root * root + off(root * root)).sqrt();
+            let check =
+                verify::sparse_factor(verify::CHOLESKY, &shifted(shift), |x| wrong.solve(x));
+            assert!(check.is_err(), "root at {place} of {n}");
+        }
+    }
+}
+
+fn unit(n: usize) -> SparseMatrix {
+    SparseMatrix::from_entries(n, &(0..n).map(|i| (i, i, 1.0)).collect::<Vec<_>>()).unwrap()
+}
+
 #[test]
 fn many_modes_of_a_chain_are_exact_at_any_scale() {
     // Between two walls: omega^2 = 4 k/m sin^2(j pi / 2(n + 1)).

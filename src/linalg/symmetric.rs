@@ -13,11 +13,16 @@ use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Auto, Mat, Par, Side};
+use faer::{Auto, Mat, MatRef, Par, Side};
 
+use super::compensated::{QuadraticForm, plain_forms, quadratic_forms};
 use super::low_modes::LowModes;
 use super::scale::{power_of_four, power_of_two};
-use super::{LinalgError, RealMatrix, verify};
+use super::{LinalgError, RealMatrix, SparseMatrix, verify};
+
+/// Largest bound of the relative rounding of a quadratic form that is summed in the working precision. Larger: the error of a mode
+/// comes near the 1e-9 that it may have. Smaller: time without use; graded matrices have no terms that cancel.
+const PLAIN: f64 = 1e-10;
 
 /// Eigenvalues and vectors of `K phi = omega^2 M phi`.
 #[derive(Clone, Debug)]
@@ -84,10 +89,10 @@ impl SymmetricModes {
     /// Puts the Rayleigh quotients of the modes from `first` on in the place of their eigenvalues, in ascending order: the
     /// error of a quotient is the square of that of its vector, where reduction by a mass matrix of condition 100 leaves
     /// 1e-11 in the eigenvalue of a mode at a thousandth of the largest.
-    fn take_quotients(&mut self, stiffness: &RealMatrix, first: usize) {
+    fn take_quotients(&mut self, pair: &ScaledPair, first: usize) {
         let n = self.vectors.nrows();
         let upper = self.vectors.subcols(first, n - first);
-        let forces = stiffness * upper;
+        let forces = pair.forces(upper);
         let quotient = |j: usize| upper.col(j).transpose() * forces.col(j);
         let values: Vec<f64> = (0..n - first).map(quotient).collect();
         let mut order: Vec<usize> = (0..n - first).collect();
@@ -118,7 +123,7 @@ pub(super) fn modes_by(
         });
     }
     let pair = ScaledPair::new(stiffness, mass);
-    let reduced = Reduced::new(&pair.stiffness, &pair.mass)?;
+    let reduced = Reduced::new(&pair)?;
     let mut failure = None;
     for solver in solvers {
         match checked_modes(&pair, &reduced, *solver) {
@@ -137,10 +142,14 @@ fn checked_modes(
     let mut modes = reduced.modes(solver(&reduced.matrix)?);
     let low = LowModes::new(pair, &modes.omega_squared);
     low.refine(&mut modes)?;
-    modes.take_quotients(&pair.stiffness, low.count);
+    modes.take_quotients(pair, low.count);
     verify::scaled_modes(pair, &modes, &low)?;
     Ok(modes)
 }
+
+/// Most entries that are not zero, as a part of all, of a matrix whose products skip its zeros. Larger: a product with a full
+/// matrix is faster. Smaller: time without use.
+const SPARSE: f64 = 0.05;
 
 /// A pair brought to entries of order one by powers of two.
 pub(super) struct ScaledPair {
@@ -148,18 +157,60 @@ pub(super) struct ScaledPair {
     pub mass: RealMatrix,
     stiffness_factor: f64,
     mass_factor: f64,
+    /// Where most entries are zero.
+    sparse_stiffness: Option<SparseMatrix>,
+    sparse_mass: Option<SparseMatrix>,
 }
 
 impl ScaledPair {
     pub fn new(stiffness: &RealMatrix, mass: &RealMatrix) -> Self {
         let stiffness_factor = power_of_two(stiffness.as_ref());
         let mass_factor = power_of_four(mass.as_ref());
+        let (stiffness, mass) = (
+            scaled(stiffness, stiffness_factor),
+            scaled(mass, mass_factor),
+        );
         Self {
-            stiffness: scaled(stiffness, stiffness_factor),
-            mass: scaled(mass, mass_factor),
+            sparse_stiffness: without_zeros(&stiffness),
+            sparse_mass: without_zeros(&mass),
+            stiffness,
+            mass,
             stiffness_factor,
             mass_factor,
         }
+    }
+
+    /// `K X`.
+    pub fn forces(&self, x: MatRef<'_, f64>) -> RealMatrix {
+        match &self.sparse_stiffness {
+            Some(sparse) => sparse.multiply(&x.to_owned()),
+            None => &self.stiffness * x,
+        }
+    }
+
+    /// `M X`.
+    pub fn momenta(&self, x: MatRef<'_, f64>) -> RealMatrix {
+        match &self.sparse_mass {
+            Some(sparse) => sparse.multiply(&x.to_owned()),
+            None => &self.mass * x,
+        }
+    }
+
+    /// `x^T K x` of every column, with a rounding that is small beside that of the entries of K, or beside 1e-10 of the form.
+    pub fn strains(&self, x: &RealMatrix) -> Vec<QuadraticForm> {
+        if let Some(sparse) = &self.sparse_stiffness {
+            let column = |j: usize| sparse.quadratic_form(x.col_as_slice(j));
+            return (0..x.ncols()).map(column).collect();
+        }
+        let (mut forms, bound) = plain_forms(&self.stiffness, x);
+        let cancels = |&j: &usize| bound * forms[j].magnitude > PLAIN * forms[j].value;
+        let cancelling: Vec<usize> = (0..x.ncols()).filter(cancels).collect();
+        let chosen = Mat::from_fn(x.nrows(), cancelling.len(), |i, j| x[(i, cancelling[j])]);
+        let exact = quadratic_forms(self.stiffness.as_ref(), chosen.as_ref());
+        for (j, form) in cancelling.into_iter().zip(exact) {
+            forms[j] = form;
+        }
+        forms
     }
 
     /// Modes of the scaled pair as those of the pair.
@@ -247,28 +298,61 @@ fn not_converged(n: usize) -> LinalgError {
 
 /// The pair in standard form: `M = L L^T`, `A = L^-1 K L^-T`.
 struct Reduced {
-    mass: Llt<f64>,
+    mass: MassFactor,
     matrix: RealMatrix,
 }
 
+/// L.
+enum MassFactor {
+    /// Roots of a diagonal mass matrix.
+    Diagonal(Vec<f64>),
+    Full(Llt<f64>),
+}
+
 impl Reduced {
-    fn new(k: &RealMatrix, m: &RealMatrix) -> Result<Self, LinalgError> {
+    fn new(pair: &ScaledPair) -> Result<Self, LinalgError> {
+        let (k, m) = (&pair.stiffness, &pair.mass);
         let n = m.nrows();
-        let not_definite = |_| LinalgError::MassNotPositiveDefinite { size: n };
-        let mass = m.llt(Side::Lower).map_err(not_definite)?;
+        let not_definite = LinalgError::MassNotPositiveDefinite { size: n };
+        if pair.sparse_mass.as_ref().is_some_and(is_diagonal) {
+            let roots: Vec<f64> = (0..n).map(|i| m[(i, i)].sqrt()).collect();
+            if !roots.iter().all(|root| *root > 0.0) {
+                return Err(not_definite);
+            }
+            let scaled = |i: usize, j: usize| 0.5 * (k[(i, j)] + k[(j, i)]) / (roots[i] * roots[j]);
+            return Ok(Self {
+                matrix: Mat::from_fn(n, n, scaled),
+                mass: MassFactor::Diagonal(roots),
+            });
+        }
+        let mass = m.llt(Side::Lower).map_err(|_| not_definite)?;
         let mut half = k.clone();
         solve_lower_triangular_in_place(mass.L(), half.as_mut(), Par::Seq);
         let mut matrix = half.transpose().to_owned();
         solve_lower_triangular_in_place(mass.L(), matrix.as_mut(), Par::Seq);
         let mean = |i: usize, j: usize| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
         let matrix = Mat::from_fn(n, n, mean);
-        Ok(Self { mass, matrix })
+        Ok(Self {
+            mass: MassFactor::Full(mass),
+            matrix,
+        })
     }
 
     /// `phi = L^-T q`.
     fn modes(&self, eigen: SymmetricEigen) -> SymmetricModes {
         let mut vectors = eigen.vectors;
-        solve_upper_triangular_in_place(self.mass.L().transpose(), vectors.as_mut(), Par::Seq);
+        match &self.mass {
+            MassFactor::Diagonal(roots) => {
+                for column in vectors.col_iter_mut() {
+                    let entries = column.iter_mut().zip(roots);
+                    entries.for_each(|(entry, root)| *entry /= root);
+                }
+            }
+            MassFactor::Full(factor) => {
+                let upper = factor.L().transpose();
+                solve_upper_triangular_in_place(upper, vectors.as_mut(), Par::Seq);
+            }
+        }
         let largest = eigen.values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let rounding = vec![f64::EPSILON * largest; eigen.values.len()];
         SymmetricModes {
@@ -277,6 +361,25 @@ impl Reduced {
             rounding,
         }
     }
+}
+
+fn is_diagonal(a: &SparseMatrix) -> bool {
+    a.entries().all(|(i, j, _)| i == j)
+}
+
+/// A matrix without its zeros, where these are nearly all of it.
+fn without_zeros(a: &RealMatrix) -> Option<SparseMatrix> {
+    let n = a.nrows();
+    let column = |j: usize| a.col_as_slice(j).iter().enumerate();
+    let count: usize = (0..n)
+        .map(|j| column(j).filter(|(_, value)| value.abs() > 0.0).count())
+        .sum();
+    if count as f64 > SPARSE * (n * n) as f64 {
+        return None;
+    }
+    let entries = (0..n).flat_map(|j| column(j).map(move |(i, &value)| (i, j, value)));
+    let entries = entries.filter(|(_, _, value)| value.abs() > 0.0);
+    SparseMatrix::from_entries(n, &entries.collect::<Vec<_>>()).ok()
 }
 
 fn scaled(a: &RealMatrix, factor: f64) -> RealMatrix {

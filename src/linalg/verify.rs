@@ -71,25 +71,6 @@ pub fn thin_qr<T: ComplexField<Real = f64>>(
     orthonormal(&check, q)
 }
 
-/// Checks the triangle of `A = Q R` where Q is not formed: `|R z| = |A z|` and `R^H (R z) = A^H (A z)`, relative to
-/// each column of A.
-///
-/// # Errors
-/// [`LinalgError::Inaccurate`].
-pub fn triangle<T: ComplexField<Real = f64>>(
-    a: MatRef<'_, T>,
-    r: MatRef<'_, T>,
-) -> Result<(), LinalgError> {
-    let check = Check::new("triangle of a QR decomposition", a);
-    let n = a.ncols();
-    let norms: Vec<f64> = (0..n).map(|j| a.col(j).norm_l2()).collect();
-    let z = weighted_signs::<T>(n, |j| norms[j]);
-    let difference = a.adjoint() * (a * &z) - r.adjoint() * (r * &z);
-    let rows = (0..n).filter(|&j| norms[j] > 0.0);
-    let rows = rows.map(|j| norm_of_row(&difference, j) / norms[j]);
-    check.below(rows.fold(0.0, larger), backward(a.nrows() * n))
-}
-
 /// Checks least squares: the residual is orthogonal to the columns of A, relative to the terms of `A X` and B.
 ///
 /// # Errors

@@ -9,8 +9,8 @@ mod matrix_zoo;
 use modalign::linalg::{
     ComplexMatrix, LinalgError, RealMatrix, SymmetricModes, cholesky, complex_eigenvalues,
     complex_matrix, general_modes, least_squares, real_matrix, right_singular_vectors,
-    singular_vectors, solve_definite, symmetric_eigen, symmetric_modes, thin_qr, upper_triangle,
-    verify,
+    singular_vectors, solve_definite, solve_square, symmetric_eigen, symmetric_modes, thin_qr,
+    upper_triangle, verify,
 };
 use num_complex::Complex64;
 
@@ -269,7 +269,8 @@ fn general_decompositions_broken_on_purpose_are_caught() {
         );
 
         let qr = thin_qr(&a).unwrap();
-        for (i, j) in [(0, 0), (2, n - 1), (n / 2, n / 2)] {
+        // The last pivot of R is 1e-12 of the norm in the second: the triangle alone does not show it.
+        for (i, j) in [(0, 0), (2, n - 1), (n / 2, n / 2), (n - 1, n - 1)] {
             let mut r = qr.r.clone();
             let rounding = hundred_roundings(n * size[0], qr.r[(i, j)].norm() / norms[j]);
             r[(i, j)] += rounding * norms[j];
@@ -308,6 +309,88 @@ fn general_decompositions_broken_on_purpose_are_caught() {
                 condition > 1e8,
                 "the square of the condition is beyond the precision"
             );
+        }
+    }
+}
+
+#[test]
+fn solutions_of_square_systems_broken_on_purpose_are_caught() {
+    for (condition, n) in [(1e4, 40), (1e12, 40), (1e4, 150), (1e12, 150)] {
+        let a = conditioned([n, n], condition);
+        let b = complex_matrix(n, 3, |i, j| {
+            Complex64::from_polar(1.0, (i * i + 2 * j) as f64)
+        });
+        let right = solve_square(&a, &b).unwrap();
+        let check = |x: &ComplexMatrix| verify::square_solution(&a, &b, x);
+        check(&right).unwrap();
+        for (i, j) in [(0, 0), (n / 2, 1), (n - 1, 2)] {
+            let rounding = n as f64 * f64::EPSILON * condition * right.norm_max();
+            let mut wrong = right.clone();
+            wrong[(i, j)] += (1e-6 * right[(i, j)].norm()).max(100.0 * rounding);
+            assert!(check(&wrong).is_err(), "({i}, {j}), {condition:e}");
+            // The right solution of another matrix.
+            let mut other = a.clone();
+            let column = (i + 7 * j) % n;
+            let entry = a[(i, column)].norm();
+            other[(i, column)] += (1e-6 * entry).max(100.0 * n as f64 * f64::EPSILON * entry);
+            let wrong = solve_square(&other, &b).unwrap();
+            assert!(check(&wrong).is_err(), "A({i}, {column}), {condition:e}");
+        }
+        let mut wrong = right.clone();
+        wrong[(n / 2, 0)] = Complex64::new(f64::NAN, 0.0);
+        assert!(check(&wrong).is_err());
+    }
+}
+
+#[test]
+fn solutions_by_cholesky_broken_on_purpose_are_caught() {
+    for (condition, n) in [(1e4f64, 40), (1e12, 40), (1e4, 150), (1e12, 150)] {
+        let value = |i: usize| condition.powf(-(i as f64) / (n as f64 - 1.0));
+        let turned = matrix_zoo::turned(&(0..n).map(value).collect::<Vec<_>>(), 5);
+        // As it is, and with coordinates in units over six decades.
+        for decades in [0.0, 6.0] {
+            let unit = |i: usize| 10f64.powf(decades * i as f64 / n as f64);
+            let a = real_matrix(n, n, |i, j| turned[(i, j)] * unit(i) * unit(j));
+            let b = real_matrix(n, 2, |i, j| ((i * i + j) as f64).sin() * unit(i));
+            let right = solve_definite(&a, &b).unwrap();
+            let check = |x: &RealMatrix| verify::definite_solution(&a, &b, x);
+            check(&right).unwrap();
+            let root = |i: usize| a[(i, i)].sqrt();
+            for (i, j) in [(0, 0), (n / 2, 1), (n - 1, 0)] {
+                // In units in which the diagonal is 1.
+                let size = (0..n).fold(0.0, |m: f64, k| m.max(root(k) * right[(k, j)].abs()));
+                let rounding = n as f64 * f64::EPSILON * condition * size / root(i);
+                let mut wrong = right.clone();
+                wrong[(i, j)] += (1e-6 * right[(i, j)].abs()).max(100.0 * rounding);
+                assert!(check(&wrong).is_err(), "({i}, {j}), {condition:e}");
+                let mut other = a.clone();
+                let entry = a[(i, i)];
+                other[(i, i)] += (1e-6 * entry).max(100.0 * n as f64 * f64::EPSILON * entry);
+                let wrong = solve_definite(&other, &b).unwrap();
+                assert!(check(&wrong).is_err(), "A({i}, {i}), {condition:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn least_squares_broken_on_purpose_are_caught_beside_many_right_hand_sides() {
+    for (condition, [m, n], count) in [
+        (1e4, [200, 20], 1),
+        (1e4, [200, 20], 400),
+        (1e12, [200, 20], 400),
+    ] {
+        let a = conditioned([m, n], condition);
+        let b = complex_matrix(m, count, |i, k| {
+            Complex64::from_polar(1.0, ((i + 1) * (k + 3)) as f64)
+        });
+        let right = least_squares(&a, &b).unwrap();
+        for (i, k) in [(0, 0), (n / 2, count / 2), (n - 1, count - 1)] {
+            let rounding = (m * n) as f64 * f64::EPSILON * condition * right.norm_max();
+            let mut wrong = right.clone();
+            wrong[(i, k)] += (1e-6 * right[(i, k)].norm()).max(100.0 * rounding);
+            let check = verify::least_squares(a.as_ref(), b.as_ref(), wrong.as_ref());
+            assert!(check.is_err(), "({i}, {k}) of {count}, {condition:e}");
         }
     }
 }
