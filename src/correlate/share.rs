@@ -92,7 +92,7 @@ pub(super) fn shares(
             std: 0.0,
         };
         let explanation = prepared[known].1.as_ref();
-        Some(explanation.map_or(still, |explanation| explanation.share(shape)))
+        explanation.map_or(Some(still), |explanation| explanation.share(shape))
     };
     modes.iter().map(share).collect()
 }
@@ -162,11 +162,14 @@ impl Explanation {
         }
     }
 
-    /// The share of the root in a shape that is not zero.
-    fn share(&self, mut shape: Vec<Complex64>) -> Share {
+    /// The share of the root in a shape that is not zero; none where the equations have no accurate solution.
+    fn share(&self, mut shape: Vec<Complex64>) -> Option<Share> {
         to_unit_length(&mut shape);
         let coordinates = self.coordinates(&shape);
         let whole = squared(&coordinates);
+        if !whole.is_finite() {
+            return None;
+        }
         let part = if whole > 0.0 {
             squared(&coordinates[..self.own]) / whole
         } else {
@@ -178,10 +181,10 @@ impl Explanation {
         });
         let std = 2.0 * self.deviation_along(&gradient.collect::<Vec<_>>());
         let held = held(&shape, &self.columns, &coordinates);
-        Share {
+        Some(Share {
             part: part * held,
             std: std * held,
-        }
+        })
     }
 
     /// q of a shape.

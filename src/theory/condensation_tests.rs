@@ -416,4 +416,16 @@ fn a_mass_matrix_that_is_not_semidefinite_is_named() {
     for error in named(Vec::new()) {
         assert_eq!(error, TheoryError::Mass(MassError::AllMassless { size: 3 }));
     }
+    // The smallest number above 0, and masses on either side of the limit beside 4 kg, 6e-154 kg.
+    for tiny in [5e-324, 5e-154] {
+        for error in named(vec![(0, 0, 4.0), (1, 1, tiny), (2, 2, 1.0)]) {
+            assert!(
+                matches!(&error, TheoryError::Mass(MassError::Vanishing { coordinate, .. })
+                    if coordinate == "2:+X"),
+                "{error}"
+            );
+        }
+    }
+    let light = vec![(0, 0, 4.0), (1, 1, 7e-154), (2, 2, 1.0)];
+    assert_eq!(solve(&system(3, &light, &stiffness)).omega_rad_s.len(), 3);
 }

@@ -25,6 +25,18 @@ pub enum MassError {
         /// Diagonal entry of the row.
         diagonal: f64,
     },
+    /// A mass that vanishes beside the largest.
+    #[error(
+        "mass matrix: got {got} on the diagonal of `{coordinate}`, expected 0 (it then follows by statics) or at least {limit:.1e} (the natural frequency of a smaller mass is no number in double precision)"
+    )]
+    Vanishing {
+        /// Coordinate of the mass.
+        coordinate: String,
+        /// The diagonal entry.
+        got: f64,
+        /// Smallest entry.
+        limit: f64,
+    },
     /// A block of the mass matrix with a negative eigenvalue.
     #[error(
         "mass matrix: got the eigenvalue {got:.6e} of the block of {}, scaled to a unit diagonal, expected none below -{limit:.1e}",
