@@ -353,6 +353,9 @@ codes! {
     /// A group of sensors that points the other way.
     ReversedGroup: "These sensors have the opposite sign of the theory relative to all others. Reversed together, they raise the mean MAC.",
         "The value is what the mean MAC gains. Only the sign relative to the other sensors is observable: reversing this group is the same as reversing all others, and the smaller side is named. Pairs are chosen with the group reversed; MAC is of the shapes as measured. Look at how the sensors of this direction, component or file were mounted, or at the sign of their channels. Values are left as they are unless --turn-reversed is given.";
+    /// Sensors of the opposite sign whose values an update does not use.
+    ReversedLeftOut: "Values of sensors with the opposite sign of the model were left out of the update.",
+        "With the wrong sign they move stiffnesses away from the test. The number of sensors is the value; frequencies and all other sensors are used. Check the mounting and the sign of the channels, correct the test file, and update again.";
     /// A test shape that the modes of a reduction cannot hold.
     OutsideReduction: "part of this test shape lies outside the modes that the SEREP reduction keeps, and its orthogonality does not see it",
         "SEREP takes a test shape for the nearest sum of the modes that it keeps: as many of the model's lowest as the sensors tell apart. What is left, as a part of the squared length, is the value. Where it is large, the orthogonality looks better than the shape is. Look at the MAC, use --orthogonality guyan, or measure at more points.";

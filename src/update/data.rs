@@ -170,9 +170,13 @@ impl UpdateProblem<'_> {
         let mut all = Vec::new();
         for (test, own) in measured.iter().enumerate() {
             let choice = choice(&self.options, own);
+            let reversed: Vec<Dof> = (self.reversed[test].iter())
+                .map(|sensor| sensor.dof.positive())
+                .collect();
             for set in own.frfs {
                 self.frfs_given += set.len();
-                all.extend(FrfTarget::new(test, set, &sensors, &choice)?);
+                let sensors = (sensors.as_slice(), reversed.as_slice());
+                all.extend(FrfTarget::new(test, set, sensors, &choice)?);
             }
         }
         if all.is_empty() {

@@ -20,6 +20,10 @@ impl UpdateResult {
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Place::Mode(row.test_hz))));
         findings.extend(self.changed_pairings());
+        if !self.reversed.is_empty() {
+            let finding = warn(Code::ReversedLeftOut, Place::Whole);
+            findings.push(finding.value(self.reversed.len() as f64, ""));
+        }
         if !self.stop_reason.converged() {
             let finding = warn(Code::NotConverged, Place::Whole);
             findings.push(finding.value(self.history.len() as f64, ""));

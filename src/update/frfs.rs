@@ -68,20 +68,23 @@ pub(super) struct Choice {
 }
 
 impl FrfTarget {
-    /// `None` where no function has both ends at sensors of the model, or no line counts.
+    /// `None` where no function has both ends at sensors of the model, its response at none that is reversed, or no line counts.
     ///
     /// # Errors
     /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of noise.
     pub fn new(
         test: usize,
         set: &FrfSet,
-        sensors: &[(Dof, Vec<f64>)],
+        (sensors, reversed): (&[(Dof, Vec<f64>)], &[Dof]),
         choice: &Choice,
     ) -> Result<Option<Self>, UpdateError> {
         let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
         let lines = chosen_lines(set, choice);
         let at_sensors = |i: usize| {
             let function = &set.functions()[i];
+            if reversed.contains(&function.response.positive()) {
+                return None;
+            }
             let places = place(&function.response).zip(place(&function.reference))?;
             Some((i, function, places))
         };

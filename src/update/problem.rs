@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use crate::axis::Band;
 use crate::correlate::PairOptions;
+use crate::correlate::measures::{ReversedSensor, reversed_sensors};
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode};
 use crate::theory::{
-    ModeDerivatives, ModeOptions, TheoreticalModel, TheoryError, check_values, mode_derivatives,
-    modes, modes_of_matrices,
+    ModeDerivatives, ModeOptions, TheoreticalModel, TheoryError, TheoryModes, check_values,
+    mode_derivatives, modes, modes_of_matrices,
 };
 
 use super::frfs::FrfTarget;
@@ -38,6 +39,8 @@ pub struct UpdateProblem<'a> {
     pub targets: Vec<Target>,
     /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
     pub left_out: Vec<(String, f64)>,
+    /// Sensors of each test with the opposite sign of the model at the start; their values take no part.
+    pub reversed: Vec<Vec<ReversedSensor>>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -78,6 +81,7 @@ impl<'a> UpdateProblem<'a> {
             free,
             targets,
             left_out: Vec::new(),
+            reversed: Vec::new(),
             options,
             tests: Vec::new(),
             prior_weight: 1.0,
@@ -86,6 +90,7 @@ impl<'a> UpdateProblem<'a> {
             compares_frfs: false,
         };
         problem.keep_paired(measured)?;
+        problem.reversed = problem.reversed_sensors()?;
         problem.weigh(measured)?;
         if problem.options.residuals == Residuals::ModalDynamic {
             let start = problem.start(&vec![0.0; problem.free.len()])?;
@@ -101,8 +106,9 @@ impl<'a> UpdateProblem<'a> {
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         let links = self.links(&self.initial, &self.options.pair)?;
         let place = (self.model, self.initial.as_slice());
-        let rows = measured.iter().map(|own| {
-            let rows = |floor| ShapeRows::new(place, self.sensors, own.modes, &self.options, floor);
+        let rows = measured.iter().zip(&self.reversed).map(|(own, reversed)| {
+            let test = (own.modes, reversed.as_slice());
+            let rows = |floor| ShapeRows::new(place, self.sensors, test, &self.options, floor);
             self.options.shape_floor.map(rows).transpose()
         });
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
@@ -122,6 +128,18 @@ impl<'a> UpdateProblem<'a> {
             (target.shapes, target.shape_weights) = shapes.unzip();
         }
         Ok(())
+    }
+
+    /// Sensors of each test with the opposite sign of the model at the start, where values of sensors take part.
+    fn reversed_sensors(&self) -> Result<Vec<Vec<ReversedSensor>>, UpdateError> {
+        if self.options.shape_floor.is_none() && !self.options.residuals.of_frfs() {
+            return Ok(vec![Vec::new(); self.tests.len()]);
+        }
+        let theory = self.theory(&self.initial)?.model;
+        let of_test = |test: &PairedModes| {
+            reversed_sensors(&test.modes, &theory, &self.options.pair).map_err(UpdateError::from)
+        };
+        self.tests.iter().map(of_test).collect()
     }
 
     /// Leaves out what has no partner at the start.
@@ -209,11 +227,7 @@ impl<'a> UpdateProblem<'a> {
         values: &[f64],
         pair: &PairOptions,
     ) -> Result<Vec<Link>, UpdateError> {
-        let options = ModeOptions {
-            band: self.reach(),
-            ..ModeOptions::default()
-        };
-        let theory = modes(self.model, values, self.sensors, &options)?;
+        let theory = self.theory(values)?;
         let mut links = Vec::new();
         for test in &self.tests {
             links.extend(test.links(&theory.model, &self.targets, pair)?);
@@ -231,6 +245,15 @@ impl<'a> UpdateProblem<'a> {
         }
         links.retain(|link| !link.targets.is_empty());
         Ok(links)
+    }
+
+    /// Modes of the model that a target may be.
+    fn theory(&self, values: &[f64]) -> Result<TheoryModes, UpdateError> {
+        let options = ModeOptions {
+            band: self.reach(),
+            ..ModeOptions::default()
+        };
+        Ok(modes(self.model, values, self.sensors, &options)?)
     }
 
     /// From 0 to the highest frequency that a partner can have: of a sparse model so many modes are computed. `None` without

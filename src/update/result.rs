@@ -1,5 +1,6 @@
 //! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
 
+use crate::correlate::measures::ReversedSensor;
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
 
@@ -155,6 +156,8 @@ pub struct UpdateResult {
     pub after: Fit,
     /// What had no partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
+    /// Sensors with the opposite sign of the model as it stood, of all tests; their values took no part.
+    pub reversed: Vec<ReversedSensor>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
 }
@@ -264,6 +267,7 @@ fn from_best(
         before: fit(problem, &before, None)?,
         after: fit(problem, &at, Some(&known))?,
         left_out: problem.left_out.clone(),
+        reversed: problem.reversed.concat(),
         frfs: problem.frf_count(),
     })
 }

@@ -1,7 +1,9 @@
 //! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
 
 use crate::correlate::ErrorReference;
-use crate::finding::{Code, Place, Severity};
+use crate::correlate::measures::turned;
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::real_matrix;
 
 use super::test_models::{chain, free, measured, sensors};
@@ -202,6 +204,38 @@ fn a_measured_mode_without_a_partner_is_named_in_the_findings() {
     found.after.rows[1].model_hz = None;
     let expected = vec![Place::Mode(test.modes[1].frequency_hz)];
     assert_eq!((found.after.paired(), lost(&found)), (1, expected));
+}
+
+#[test]
+fn values_of_reversed_sensors_take_no_part() {
+    let start = [100.0; 10];
+    let model = chain(&start);
+    let mut truth = start;
+    truth[3] = 140.0;
+    truth[7] = 75.0;
+    let sensors = sensors(&model, &start);
+    let updated = |dofs: &[&str]| {
+        let dofs: Vec<Dof> = dofs.iter().map(|dof| dof.parse().unwrap()).collect();
+        let test = turned(&measured(&model, &truth, 1e-2, true), &dofs);
+        let own = [MeasuredModes::new("t", &test)];
+        let chosen = free(&["k4", "k8"]);
+        let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options());
+        update(&new.unwrap()).unwrap()
+    };
+    let as_measured = updated(&[]);
+    let is_left_out = |finding: &Finding| finding.code == Code::ReversedLeftOut;
+    assert!(!as_measured.findings().iter().any(is_left_out));
+    let reversed = updated(&["m3:+X", "m6:+X"]);
+    let findings = reversed.findings();
+    let left_out = findings.iter().find(|own| is_left_out(own)).unwrap();
+    assert_eq!(left_out.value, Some(2.0));
+    assert!(reversed.after.data_count < as_measured.after.data_count);
+    for (parameter, truth) in reversed.parameters.iter().zip([140.0, 75.0]) {
+        assert!(
+            (parameter.updated / truth - 1.0).abs() < 0.01,
+            "{parameter:?}"
+        );
+    }
 }
 
 #[test]

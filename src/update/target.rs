@@ -4,6 +4,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::correlate::DofMap;
+use crate::correlate::measures::ReversedSensor;
 use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
@@ -142,16 +143,18 @@ struct ShapeRow {
 }
 
 impl ShapeRows {
-    /// The common degrees of freedom of a test and the sensors, each with its sign and weight and its observation row.
+    /// The common degrees of freedom of a test and the sensors, each with its sign and weight and its observation row; without
+    /// the test's reversed sensors.
     pub fn new(
         (model, values): (&dyn TheoreticalModel, &[f64]),
         sensors: &[Sensor],
-        test: &ModalModel,
+        (test, reversed): (&ModalModel, &[ReversedSensor]),
         options: &UpdateOptions,
         floor: f64,
     ) -> Result<Self, UpdateError> {
         let shapes = test.modes.iter().map(|mode| &mode.shape);
         let dofs = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof));
+        let dofs = dofs.filter(|dof| reversed.iter().all(|own| own.dof != **dof));
         let own: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.positive()).collect();
         let map = DofMap::new(dofs, own.iter());
         let mixed = map.pairs.iter().any(|p| !p.test.axis().is_rotation());
