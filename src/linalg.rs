@@ -7,6 +7,8 @@ pub mod faults;
 mod general;
 mod lanczos;
 mod low_modes;
+#[cfg(test)]
+mod low_modes_tests;
 mod products;
 mod ritz;
 mod scale;
@@ -139,6 +141,8 @@ pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatr
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
 pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgError> {
+    #[cfg(test)]
+    faults::call("least squares")?;
     let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
     let x = a.qr().solve_lstsq(&rhs);
     verify::least_squares(a.as_ref(), rhs.as_ref(), x.as_ref())?;
@@ -168,6 +172,8 @@ pub fn solve_square(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatri
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, LinalgError> {
+    #[cfg(test)]
+    faults::call("solution by Cholesky")?;
     let factor = a.llt(Side::Lower);
     let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
     let x = factor.solve(b);
@@ -180,6 +186,8 @@ pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, Lina
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn cholesky(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
+    #[cfg(test)]
+    faults::call("Cholesky factor")?;
     let n = a.nrows();
     let real_diagonal = complex_matrix(n, n, |i, j| match i == j {
         true => a[(i, i)].re.into(),

@@ -28,6 +28,8 @@ pub struct GeneralModes {
 /// # Errors
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgError> {
+    #[cfg(test)]
+    super::faults::call("eigenvalues of a general matrix")?;
     let factor = power_of_two(a.as_ref());
     let scaled = Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor);
     Ok(complex_modes(&scaled)?.divided(factor).values)
@@ -43,6 +45,8 @@ pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgEr
 /// # Reference
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 7.5.2 (QR iteration with two implicit shifts).
 pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
+    #[cfg(test)]
+    super::faults::call("eigenvalues of a general matrix")?;
     let factor = power_of_two(a.as_ref());
     let scaled = Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor);
     let modes = real_modes(&scaled).or_else(|_| {

@@ -13,7 +13,9 @@
 use faer::Mat;
 
 use super::compensated::sparse_rayleigh_quotient;
-use super::low_modes::{NEAR_SHIFT, orthonormal};
+use super::low_modes::{
+    MAX_NEXT_SHIFT, NEAR_SHIFT, SHIFT_ROUNDINGS, UNSEPARATED, ZERO_ROUNDINGS, orthonormal,
+};
 use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
 use super::{LinalgError, RealMatrix, SymmetricEigen, symmetric_eigen, verify};
@@ -92,13 +94,40 @@ pub fn sparse_modes(
     let (shift, factor) = first_factor(&pencil, stiffness, mass)?;
     let mut run = Run::new(&factor, mass, shift);
     let first = run.until(&pencil, &mut goal, true)?;
-    let Some(elastic) = first.better_shift else {
-        return run.checked(stiffness, first.found);
+    let (mut shift, mut modes) = match first.better_shift {
+        None => (shift, run.checked(stiffness, first.found)?),
+        Some(elastic) => (
+            elastic,
+            with_shift(elastic, &pencil, (stiffness, mass), &mut goal)?,
+        ),
     };
-    let factor = pencil.cholesky(1.0, -elastic)?;
-    let mut run = Run::new(&factor, mass, elastic);
-    let last = run.until(&pencil, &mut goal, false)?;
-    run.checked(stiffness, last.found)
+    while let Some(smaller) = smaller_shift(&modes, shift) {
+        shift = smaller;
+        modes = with_shift(shift, &pencil, (stiffness, mass), &mut goal)?;
+    }
+    Ok(modes)
+}
+
+/// The modes with one shift.
+fn with_shift(
+    shift: f64,
+    pencil: &Pencil,
+    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
+    goal: &mut Goal,
+) -> Result<SparseModes, LinalgError> {
+    let factor = pencil.cholesky(1.0, -shift)?;
+    let mut run = Run::new(&factor, mass, shift);
+    let ended = run.until(pencil, goal, false)?;
+    run.checked(stiffness, ended.found)
+}
+
+/// A smaller shift, as among the lowest modes of a dense pair.
+fn smaller_shift(modes: &SparseModes, shift: f64) -> Option<f64> {
+    let mut pairs = modes.omega_squared.iter().zip(&modes.rounding);
+    let is_elastic = |pair: &(&f64, &f64)| *pair.0 > ZERO_ROUNDINGS * *pair.1;
+    let (lowest, rounding) = pairs.find(is_elastic)?;
+    let smaller = lowest.max(SHIFT_ROUNDINGS * rounding);
+    (*lowest < UNSEPARATED * shift && smaller <= MAX_NEXT_SHIFT * shift).then_some(smaller)
 }
 
 /// The least shift with which the stiffness is positive definite to working precision, with its factor.

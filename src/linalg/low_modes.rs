@@ -3,7 +3,10 @@
 //! The eigenvalues of `(K + s M)^-1 M` are `1 / (omega^2 + s)`: the lowest modes are its largest eigenvalues, and their
 //! errors are relative to themselves. Divide and conquer of the whole matrix gives the subspace of these modes (its error
 //! there is `eps` over [`GRADED`]); one product with the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh
-//! quotients in compensated arithmetic give the modes.
+//! quotients, compensated where their terms cancel, give the modes.
+//!
+//! Modes far below s are not separated from each other. Where there are such, as with rigid springs or tiny masses, they are
+//! computed again with a smaller shift: each level of modes has a shift of its own.
 //!
 //! # Reference
 //! Parlett (1998), The Symmetric Eigenvalue Problem, chapters 11 and 15.
@@ -34,17 +37,33 @@ pub(super) const NEAR_SHIFT: f64 = 10.0;
 /// suffices is indefinite, and what is relative to its small eigenvalues has no meaning.
 const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
 
+/// Part of the shift below which modes are computed with a smaller one: the part of one in another is `n eps` over it. Larger: time
+/// without use, and smaller shifts nearer to the rounding of K. Smaller: the lowest modes of a structure on springs 1e20 times as stiff
+/// are mixed, without a word (`modes_beside_rigid_springs_are_those_of_fixed_coordinates`).
+pub(super) const UNSEPARATED: f64 = 1e-4;
+/// Rounding bounds of an omega² up to which it may be 0: no shift separates such modes. Smaller: rigid-body modes, up to 4 bounds,
+/// are computed with shifts of which none is definite. Larger: modes on a soft suspension are not separated.
+pub(super) const ZERO_ROUNDINGS: f64 = 10.0;
+/// Smallest shift over the rounding bounds of the modes that it is for. Smaller: rounding of K shows in the vectors, and bars on
+/// suspensions fail their check (`soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes`).
+pub(super) const SHIFT_ROUNDINGS: f64 = 1e3;
+/// Largest smaller shift over the one before. Larger: time without use.
+pub(super) const MAX_NEXT_SHIFT: f64 = 1e-2;
+
 /// Shift and invert for the lowest modes of a pair.
 pub(super) struct LowModes<'a> {
     pair: &'a ScaledPair,
-    /// Number of modes below [`GRADED`]; 0 where K is indefinite.
-    pub count: usize,
-    shifted: Option<Shifted>,
+    /// By descending shift, each for fewer of the lowest modes; none where K is indefinite.
+    pub levels: Vec<Level>,
 }
 
-/// Cholesky factor of `K + s M`.
-struct Shifted {
-    shift: f64,
+/// The lowest modes that are computed with one shift.
+pub(super) struct Level {
+    /// Their number.
+    pub count: usize,
+    /// The shift s.
+    pub shift: f64,
+    /// Cholesky factor of `K + s M`.
     factor: Llt<f64>,
 }
 
@@ -52,77 +71,115 @@ impl<'a> LowModes<'a> {
     /// Prepared for a pair whose omega² are these, ascending.
     pub fn new(pair: &'a ScaledPair, omega_squared: &[f64]) -> Self {
         let largest = omega_squared.last().copied().unwrap_or(0.0);
-        let mut count = omega_squared.partition_point(|value| *value <= GRADED * largest);
-        let is_near = |j: usize| omega_squared[j] - omega_squared[j - 1] <= GAP * omega_squared[j];
-        while count > 0 && count < omega_squared.len() && is_near(count) {
-            count += 1;
-        }
-        let shifted = (count > 0 && largest > 0.0)
-            .then(|| Shifted::new(pair, largest))
+        let count = count_below(omega_squared, GRADED * largest);
+        let level = (count > 0 && largest > 0.0)
+            .then(|| Level::new(pair, count, SHIFT * largest))
             .flatten();
         Self {
             pair,
-            count: if shifted.is_some() { count } else { 0 },
-            shifted,
+            levels: level.into_iter().collect(),
         }
     }
 
-    /// Replaces the lowest modes by those of one step of shift and invert.
+    /// Number of modes below [`GRADED`]; 0 where K is indefinite.
+    pub fn count(&self) -> usize {
+        self.levels.first().map_or(0, |level| level.count)
+    }
+
+    /// Replaces the lowest modes by those of one step of shift and invert, and those far below the shift again by those of a
+    /// smaller one.
     ///
     /// # Errors
-    /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent.
-    pub fn refine(&self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
-        let Some(shift) = self.shift() else {
-            return Ok(());
+    /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent, and for modes that no shift
+    /// separates.
+    pub fn refine(&mut self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
+        if let Some(level) = self.levels.first() {
+            self.refine_level(level, modes)?;
+        }
+        while let Some(level) = self.next_level(modes)? {
+            self.refine_level(&level, modes)?;
+            self.levels.push(level);
+        }
+        Ok(())
+    }
+
+    /// The same levels for modes that were refined.
+    ///
+    /// # Errors
+    /// [`LinalgError::Inaccurate`] for modes that no shift separates.
+    pub fn prepare(&mut self, modes: &SymmetricModes) -> Result<(), LinalgError> {
+        while let Some(level) = self.next_level(modes)? {
+            self.levels.push(level);
+        }
+        Ok(())
+    }
+
+    /// A smaller shift, where modes that are not 0 lie far below the last, and far enough above the rounding of K.
+    fn next_level(&self, modes: &SymmetricModes) -> Result<Option<Level>, LinalgError> {
+        let Some(last) = self.levels.last() else {
+            return Ok(None);
         };
-        let moved = self.pair.momenta(modes.vectors.subcols(0, self.count));
-        let image = self.solve(&moved);
+        let omega_squared = &modes.omega_squared[..last.count];
+        let count = count_below(omega_squared, UNSEPARATED * last.shift);
+        let is_zero = |j: usize| omega_squared[j] <= ZERO_ROUNDINGS * modes.rounding[j];
+        let Some(lowest) = (0..count).find(|j| !is_zero(*j)) else {
+            return Ok(None);
+        };
+        let rounding = modes.rounding[..count]
+            .iter()
+            .fold(0.0, |a: f64, b| a.max(*b));
+        let shift = (SHIFT * omega_squared[count - 1]).max(SHIFT_ROUNDINGS * rounding);
+        if shift > MAX_NEXT_SHIFT * last.shift {
+            return Ok(None);
+        }
+        let level = Level::new(self.pair, count, shift);
+        let level = level.filter(|level| level.shift <= MAX_NEXT_SHIFT * last.shift);
+        let n = self.pair.mass.nrows();
+        level.map(Some).ok_or(LinalgError::Inaccurate {
+            what: "natural frequencies",
+            rows: n,
+            columns: n,
+            got: last.shift / omega_squared[lowest],
+            limit: UNSEPARATED.recip(),
+        })
+    }
+
+    fn refine_level(&self, level: &Level, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
+        let moved = self.pair.mass_times(modes.vectors.subcols(0, level.count));
+        let image = level.solve(&moved);
         let projected = moved.transpose() * &image;
         let ritz = divide_and_conquer(&projected)?;
         // The largest eigenvalues of the inverse are the lowest omega^2.
-        let last = self.count - 1;
+        let last = level.count - 1;
         let scaled = |i: usize, j: usize| ritz.vectors[(i, last - j)] / ritz.values[last - j];
-        let mut vectors = image * Mat::from_fn(self.count, self.count, scaled);
-        let is_near = |&j: &usize| NEAR_SHIFT * shift * ritz.values[last - j] >= 1.0;
-        let near = (0..self.count).take_while(is_near).count();
+        let mut vectors = image * Mat::from_fn(level.count, level.count, scaled);
+        let is_near = |&j: &usize| NEAR_SHIFT * level.shift * ritz.values[last - j] >= 1.0;
+        let near = (0..level.count).take_while(is_near).count();
         if near > 0 {
-            let smooth = self.solve(&self.pair.momenta(vectors.subcols(0, near)));
+            let smooth = level.solve(&self.pair.mass_times(vectors.subcols(0, near)));
             let smooth = Mat::from_fn(smooth.nrows(), near, |i, j| {
                 smooth[(i, j)] / ritz.values[last - j]
             });
             vectors.subcols_mut(0, near).copy_from(smooth);
         }
-        let moved = self.pair.momenta(vectors.as_ref());
-        self.take(modes, &orthonormal(vectors, moved)?);
+        let moved = self.pair.mass_times(vectors.as_ref());
+        self.take(modes, level.count, &orthonormal(vectors, moved)?);
         Ok(())
-    }
-
-    /// The shift s; none where no mode is computed by shift and invert.
-    pub fn shift(&self) -> Option<f64> {
-        self.shifted.as_ref().map(|shifted| shifted.shift)
-    }
-
-    /// `(K + s M)^-1 B`; B itself without a shift.
-    pub fn solve(&self, right: &RealMatrix) -> RealMatrix {
-        match &self.shifted {
-            Some(Shifted { factor, .. }) => factor.solve(right),
-            None => right.clone(),
-        }
     }
 
     /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order, and takes their
     /// components out of the others.
-    fn take(&self, modes: &mut SymmetricModes, [low, moved]: &[RealMatrix; 2]) {
+    fn take(&self, modes: &mut SymmetricModes, count: usize, [low, moved]: &[RealMatrix; 2]) {
         let n = low.nrows();
-        let strain = self.pair.strains(low);
+        let strain = self.pair.stiffness_forms(low);
         // M is definite: its forms are no small differences of large terms.
         let kinetic = |j: usize| low.col(j).transpose() * moved.col(j);
-        let kinetic: Vec<f64> = (0..self.count).map(kinetic).collect();
+        let kinetic: Vec<f64> = (0..count).map(kinetic).collect();
         let quotient = |j: usize| strain[j].value / kinetic[j];
-        let mut order: Vec<usize> = (0..self.count).collect();
+        let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&a, &b| quotient(a).total_cmp(&quotient(b)));
-        let along = moved.transpose() * modes.vectors.subcols(self.count, n - self.count);
-        let mut others = modes.vectors.subcols_mut(self.count, n - self.count);
+        let along = moved.transpose() * modes.vectors.subcols(count, n - count);
+        let mut others = modes.vectors.subcols_mut(count, n - count);
         others -= low * along;
         for (j, &from) in order.iter().enumerate() {
             let norm = kinetic[from].sqrt();
@@ -135,16 +192,36 @@ impl<'a> LowModes<'a> {
     }
 }
 
-impl Shifted {
-    fn new(pair: &ScaledPair, largest: f64) -> Option<Self> {
+impl Level {
+    /// With this shift, or a larger one with which `K + s M` is positive definite.
+    fn new(pair: &ScaledPair, count: usize, shift: f64) -> Option<Self> {
         let n = pair.mass.nrows();
         SHIFT_FACTORS.into_iter().find_map(|factor| {
-            let shift = factor * SHIFT * largest;
+            let shift = factor * shift;
             let entry = |i: usize, j: usize| pair.stiffness[(i, j)] + shift * pair.mass[(i, j)];
             let factor = Mat::from_fn(n, n, entry).llt(Side::Lower).ok()?;
-            Some(Self { shift, factor })
+            Some(Self {
+                count,
+                shift,
+                factor,
+            })
         })
     }
+
+    /// `(K + s M)^-1 B`.
+    pub fn solve(&self, right: &RealMatrix) -> RealMatrix {
+        self.factor.solve(right)
+    }
+}
+
+/// Number of the lowest omega² up to a limit, with those that are one root with the last of them.
+fn count_below(omega_squared: &[f64], limit: f64) -> usize {
+    let mut count = omega_squared.partition_point(|value| *value <= limit);
+    let is_near = |j: usize| omega_squared[j] - omega_squared[j - 1] <= GAP * omega_squared[j];
+    while count > 0 && count < omega_squared.len() && is_near(count) {
+        count += 1;
+    }
+    count
 }
 
 /// Vectors X made orthonormal with respect to the mass, `moved` being `M X`, each changed by those before it alone:

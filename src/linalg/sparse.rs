@@ -189,9 +189,6 @@ impl SparseMatrix {
     }
 }
 
-/// Where a factor is tried again, as parts of the shift, which stands in a gap of 1e-5 of it.
-const BESIDE: [f64; 5] = [1e-9, -1e-9, 1e-8, -1e-7, 1e-6];
-
 /// A symmetric pair (K, M) prepared for factorisations of `K - sigma M`: the pattern of both and its ordering.
 pub(super) struct Pencil {
     size: usize,
@@ -263,6 +260,29 @@ impl Pencil {
         pairs.map(|(k, m)| factor * k - shift * m).collect()
     }
 
+    /// `|factor| |k_ii| + |shift| |m_ii|`.
+    fn diagonal_terms(&self, factor: f64, shift: f64) -> Vec<f64> {
+        let term = |column: usize| {
+            let place = self.starts[column];
+            let is_diagonal = self.rows[place..self.starts[column + 1]].first() == Some(&column);
+            let terms = [factor * self.stiffness[place], shift * self.mass[place]];
+            if is_diagonal {
+                terms[0].abs() + terms[1].abs()
+            } else {
+                0.0
+            }
+        };
+        (0..self.size)
+            .map(|column| {
+                if self.starts[column] < self.starts[column + 1] {
+                    term(column)
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+
     fn matrix<'a>(&'a self, values: &'a [f64]) -> SparseColMatRef<'a, usize, f64> {
         let (starts, rows) = (&self.starts, &self.rows);
         let pattern =
@@ -276,6 +296,7 @@ impl Pencil {
     /// [`LinalgError::NotPositiveDefinite`].
     pub fn cholesky(&self, factor: f64, shift: f64) -> Result<Cholesky<'_>, LinalgError> {
         let own = self.combined(factor, shift);
+        let diagonal = self.diagonal_terms(factor, shift);
         let mut values = vec![0.0; self.symbolic.len_val()];
         let scratch = self
             .symbolic
@@ -297,7 +318,8 @@ impl Pencil {
             pencil: self,
             values,
         };
-        verify::sparse_factor(verify::CHOLESKY, &self.symmetric(&own), |x| factor.solve(x))?;
+        let checked = (&self.symmetric(&own), diagonal.as_slice());
+        verify::sparse_factor(verify::CHOLESKY, checked, |x| factor.solve(x))?;
         Ok(factor)
     }
 
@@ -318,7 +340,7 @@ impl Pencil {
 
     /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
     ///
-    /// A factor that fails its check is computed again beside the shift, by parts of it of [`BESIDE`].
+    /// A factor that fails its check is computed again beside the shift, by a billionth of it; the error is that of the first.
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision;
@@ -327,11 +349,9 @@ impl Pencil {
     /// # Reference
     /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
     pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
-        let mut factor = self.indefinite(shift);
-        for part in BESIDE {
-            factor = factor.or_else(|_| self.indefinite(shift * (1.0 + part)));
-        }
-        Ok(factor?.negative_eigenvalues())
+        let beside = |error| self.indefinite(shift * (1.0 + 1e-9)).map_err(|_| error);
+        let factor = self.indefinite(shift).or_else(beside)?;
+        Ok(factor.negative_eigenvalues())
     }
 
     /// Factor of `K - shift M`, checked.
@@ -370,7 +390,9 @@ impl Pencil {
                 columns: self.size,
             });
         }
-        verify::sparse_factor(verify::INERTIA, &self.symmetric(&own), |x| factor.solve(x))?;
+        let diagonal = self.diagonal_terms(1.0, shift);
+        let checked = (&self.symmetric(&own), diagonal.as_slice());
+        verify::sparse_factor(verify::INERTIA, checked, |x| factor.solve(x))?;
         Ok(factor)
     }
 }

@@ -341,8 +341,10 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     // A factor of another matrix.
     let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
     let own = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
-    verify::sparse_factor(verify::CHOLESKY, &own, |x| factor.solve(x)).unwrap();
-    let wrong = verify::sparse_factor(verify::CHOLESKY, &own, |x| other.solve(x));
+    let diagonal: Vec<f64> = (0..m.size()).map(|i| own.get(i, i).abs()).collect();
+    let own = (&own, diagonal.as_slice());
+    verify::sparse_factor(verify::CHOLESKY, own, |x| factor.solve(x)).unwrap();
+    let wrong = verify::sparse_factor(verify::CHOLESKY, own, |x| other.solve(x));
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 
@@ -372,14 +374,16 @@ fn factors_broken_on_purpose_are_caught() {
         assert_eq!(pencil.count_below(sigma).unwrap(), 3);
         let shifted =
             |factor: f64| SparseMatrix::weighted_sum(n, &[(1.0, &k), (factor, &m)]).unwrap();
+        let diagonal =
+            |sigma: f64| -> Vec<f64> { (0..n).map(|i| k.get(i, i) + sigma.abs()).collect() };
         let off = |pivot: f64| (1e-6 * pivot.abs()).max(100.0 * n as f64 * f64::EPSILON);
         let right = pencil.indefinite(sigma).unwrap();
         let places = right.pivots();
         for place in [0, n / 3, n - 1].map(|pivot| places[pivot]) {
             let mut wrong = pencil.indefinite(sigma).unwrap();
             wrong.values[place] += off(wrong.values[place]);
-            let check =
-                verify::sparse_factor(verify::INERTIA, &shifted(-sigma), |x| wrong.solve(x));
+            let of = (&shifted(-sigma), diagonal(sigma));
+            let check = verify::sparse_factor(verify::INERTIA, (of.0, &of.1), |x| wrong.solve(x));
             assert!(check.is_err(), "pivot at {place} of {n}");
         }
         let shift = 1e-12;
@@ -388,10 +392,43 @@ fn factors_broken_on_purpose_are_caught() {
             // The square of the entry is the pivot.
             let root = wrong.values[place];
             wrong.values[place] = (root * root + off(root * root)).sqrt();
-            let check =
-                verify::sparse_factor(verify::CHOLESKY, &shifted(shift), |x| wrong.solve(x));
+            let of = (&shifted(shift), diagonal(shift));
+            let check = verify::sparse_factor(verify::CHOLESKY, (of.0, &of.1), |x| wrong.solve(x));
             assert!(check.is_err(), "root at {place} of {n}");
         }
+    }
+}
+
+#[test]
+fn eigenvalues_are_counted_where_diagonal_entries_vanish() {
+    // A chain between walls, and equal oscillators coupled in a row, with the shift at the mean of their eigenvalues.
+    let chain = 1200;
+    let angle = |j: f64| 0.5 * std::f64::consts::PI * j / (chain as f64 + 1.0);
+    let shift = (2.0 * angle(30.5).sin()).powi(2);
+    for oscillators in [2, 3, 6, 10] {
+        let n = chain + oscillators;
+        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+        for i in 0..n {
+            let (diagonal, coupling) = if i < chain {
+                (2.0, -1.0)
+            } else {
+                (shift, -1e-3 * shift)
+            };
+            entries.push((i, i, diagonal));
+            if i > 0 && i != chain {
+                entries.extend([(i, i - 1, coupling), (i - 1, i, coupling)]);
+            }
+        }
+        let k = SparseMatrix::from_entries(n, &entries).unwrap();
+        let m = unit(n);
+        let pencil = Pencil::new(&k, &m).unwrap();
+        // An odd number of oscillators has an eigenvalue at their mean.
+        let below = shift * (1.0 - 1e-5 * (oscillators % 2) as f64);
+        assert_eq!(
+            pencil.count_below(below).unwrap(),
+            30 + oscillators / 2,
+            "{oscillators}"
+        );
     }
 }
 

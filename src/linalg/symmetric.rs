@@ -22,7 +22,7 @@ use super::{LinalgError, RealMatrix, SparseMatrix, verify};
 
 /// Largest bound of the relative rounding of a quadratic form that is summed in the working precision. Larger: the error of a mode
 /// comes near the 1e-9 that it may have. Smaller: time without use; graded matrices have no terms that cancel.
-const PLAIN: f64 = 1e-10;
+const MAX_PLAIN_ERROR: f64 = 1e-10;
 
 /// Eigenvalues and vectors of `K phi = omega^2 M phi`.
 #[derive(Clone, Debug)]
@@ -57,6 +57,8 @@ pub struct SymmetricEigen {
 /// # Reference
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., section 8.4 (divide and conquer).
 pub fn symmetric_eigen(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
+    #[cfg(test)]
+    super::faults::call("symmetric eigenvalues")?;
     let checked = |eigen: SymmetricEigen| verify::symmetric_eigen(a, &eigen).map(|()| eigen);
     divide_and_conquer(a)
         .and_then(checked)
@@ -67,7 +69,7 @@ pub fn symmetric_eigen(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
 /// invert for the lowest.
 ///
 /// `M = L L^T`, `A = L^-1 K L^-T = Q Lambda Q^T`, `phi = L^-T Q`. Where K is positive semidefinite, each omega² below
-/// 1e-5 of the largest is the Rayleigh quotient, in compensated arithmetic, of a vector that was found with
+/// 1e-5 of the largest is the Rayleigh quotient, in compensated where its terms cancel, of a vector that was found with
 /// `(K + s M)^-1`. The result is checked as [`verify::symmetric_modes`] says; what fails is computed again
 /// with the QR iteration in place of divide and conquer.
 ///
@@ -92,7 +94,7 @@ impl SymmetricModes {
     fn take_quotients(&mut self, pair: &ScaledPair, first: usize) {
         let n = self.vectors.nrows();
         let upper = self.vectors.subcols(first, n - first);
-        let forces = pair.forces(upper);
+        let forces = pair.stiffness_times(upper);
         let quotient = |j: usize| upper.col(j).transpose() * forces.col(j);
         let values: Vec<f64> = (0..n - first).map(quotient).collect();
         let mut order: Vec<usize> = (0..n - first).collect();
@@ -140,16 +142,16 @@ fn checked_modes(
     solver: Solver,
 ) -> Result<SymmetricModes, LinalgError> {
     let mut modes = reduced.modes(solver(&reduced.matrix)?);
-    let low = LowModes::new(pair, &modes.omega_squared);
+    let mut low = LowModes::new(pair, &modes.omega_squared);
     low.refine(&mut modes)?;
-    modes.take_quotients(pair, low.count);
+    modes.take_quotients(pair, low.count());
     verify::scaled_modes(pair, &modes, &low)?;
     Ok(modes)
 }
 
 /// Most entries that are not zero, as a part of all, of a matrix whose products skip its zeros. Larger: a product with a full
 /// matrix is faster. Smaller: time without use.
-const SPARSE: f64 = 0.05;
+const MAX_FILL: f64 = 0.05;
 
 /// A pair brought to entries of order one by powers of two.
 pub(super) struct ScaledPair {
@@ -181,7 +183,7 @@ impl ScaledPair {
     }
 
     /// `K X`.
-    pub fn forces(&self, x: MatRef<'_, f64>) -> RealMatrix {
+    pub fn stiffness_times(&self, x: MatRef<'_, f64>) -> RealMatrix {
         match &self.sparse_stiffness {
             Some(sparse) => sparse.multiply(&x.to_owned()),
             None => &self.stiffness * x,
@@ -189,7 +191,7 @@ impl ScaledPair {
     }
 
     /// `M X`.
-    pub fn momenta(&self, x: MatRef<'_, f64>) -> RealMatrix {
+    pub fn mass_times(&self, x: MatRef<'_, f64>) -> RealMatrix {
         match &self.sparse_mass {
             Some(sparse) => sparse.multiply(&x.to_owned()),
             None => &self.mass * x,
@@ -197,13 +199,13 @@ impl ScaledPair {
     }
 
     /// `x^T K x` of every column, with a rounding that is small beside that of the entries of K, or beside 1e-10 of the form.
-    pub fn strains(&self, x: &RealMatrix) -> Vec<QuadraticForm> {
+    pub fn stiffness_forms(&self, x: &RealMatrix) -> Vec<QuadraticForm> {
         if let Some(sparse) = &self.sparse_stiffness {
             let column = |j: usize| sparse.quadratic_form(x.col_as_slice(j));
             return (0..x.ncols()).map(column).collect();
         }
         let (mut forms, bound) = plain_forms(&self.stiffness, x);
-        let cancels = |&j: &usize| bound * forms[j].magnitude > PLAIN * forms[j].value;
+        let cancels = |&j: &usize| bound * forms[j].magnitude > MAX_PLAIN_ERROR * forms[j].value;
         let cancelling: Vec<usize> = (0..x.ncols()).filter(cancels).collect();
         let chosen = Mat::from_fn(x.nrows(), cancelling.len(), |i, j| x[(i, cancelling[j])]);
         let exact = quadratic_forms(self.stiffness.as_ref(), chosen.as_ref());
@@ -370,15 +372,16 @@ fn is_diagonal(a: &SparseMatrix) -> bool {
 /// A matrix without its zeros, where these are nearly all of it.
 fn without_zeros(a: &RealMatrix) -> Option<SparseMatrix> {
     let n = a.nrows();
-    let column = |j: usize| a.col_as_slice(j).iter().enumerate();
-    let count: usize = (0..n)
-        .map(|j| column(j).filter(|(_, value)| value.abs() > 0.0).count())
-        .sum();
-    if count as f64 > SPARSE * (n * n) as f64 {
+    // What is not a number is no zero.
+    let column = |j: usize| {
+        let entries = a.col_as_slice(j).iter().enumerate();
+        entries.filter(|(_, value)| value.is_nan() || value.abs() > 0.0)
+    };
+    let count: usize = (0..n).map(|j| column(j).count()).sum();
+    if count as f64 > MAX_FILL * (n * n) as f64 {
         return None;
     }
     let entries = (0..n).flat_map(|j| column(j).map(move |(i, &value)| (i, j, value)));
-    let entries = entries.filter(|(_, _, value)| value.abs() > 0.0);
     SparseMatrix::from_entries(n, &entries.collect::<Vec<_>>()).ok()
 }
 

@@ -1,7 +1,7 @@
 //! Checks of decompositions, each independent of how the decomposition was computed.
 //!
 //! A product of factors is compared with its matrix by two vectors of random signs: `A z` and `Q (R z)` cost `O(n^2)`, and
-//! an error in any column shows in them. Every limit stands three times or more above the largest figure of right results
+//! an error in any column shows in them. Every limit stands above the largest figure of right results
 //! for the matrices of `tests/suite/linear_algebra.rs`, and below what the results broken on purpose there cause.
 //!
 //! # Reference

@@ -27,7 +27,7 @@ pub enum MassError {
     },
     /// A mass that vanishes beside the largest.
     #[error(
-        "mass matrix: got {got} on the diagonal of `{coordinate}`, expected 0 (it then follows by statics) or at least {limit:.1e} (the natural frequency of a smaller mass is no number in double precision)"
+        "mass matrix: got {got:e} on the diagonal of `{coordinate}`, expected 0 (it then follows by statics) or at least {limit:.1e} (products of smaller masses are no numbers in double precision)"
     )]
     Vanishing {
         /// Coordinate of the mass.

@@ -13,9 +13,9 @@ const MOST_BLOCK: usize = 500;
 /// Most mass that a motion which counts as massless may keep, over that of its coordinate; what it keeps is left out. Larger: a
 /// small mass beside a large one is left out. Smaller: rounding, 1e-16 of the diagonal times the growth of the elimination.
 const LEFT_OVER: f64 = 1e-8;
-/// Smallest mass over the largest: the root of the smallest normal number, so that squares of shapes of unit modal mass are
-/// numbers. Smaller: natural frequencies overflow (test `a_mass_matrix_that_is_not_semidefinite_is_named`). No machine has a
-/// ratio of 1e-100.
+/// Smallest mass over the largest: the root of the smallest normal number, so that the product of two masses is one. Smaller:
+/// natural frequencies overflow (test `a_mass_matrix_that_is_not_semidefinite_is_named`). Larger: time without use, as no machine
+/// has such masses.
 const MIN_MASS_RATIO: f64 = 1.5e-154;
 
 /// The motions `y` of a model that carry mass and those that do not; `Q` is the identity outside the blocks.
@@ -57,7 +57,7 @@ impl Division {
             coupled |= i != j;
         }
         let largest = (0..mass.size()).map(|i| mass.get(i, i));
-        let limit = MIN_MASS_RATIO * largest.fold(0.0, f64::max);
+        let limit = (MIN_MASS_RATIO * largest.fold(0.0, f64::max)).max(f64::MIN_POSITIVE);
         let vanishes = |&i: &usize| carries[i] && mass.get(i, i) < limit;
         if let Some(i) = (0..mass.size()).find(vanishes) {
             return Err(MassError::Vanishing {
