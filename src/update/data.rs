@@ -170,12 +170,14 @@ impl UpdateProblem<'_> {
         let mut all = Vec::new();
         for (test, own) in measured.iter().enumerate() {
             let choice = choice(&self.options, own);
-            let reversed: Vec<Dof> = (self.reversed[test].iter())
-                .map(|sensor| sensor.dof.positive())
-                .collect();
+            // Magnitudes have no sign.
+            let reversed = match choice.logarithms {
+                true => &[],
+                false => self.reversed[test].dofs.as_slice(),
+            };
             for set in own.frfs {
                 self.frfs_given += set.len();
-                let sensors = (sensors.as_slice(), reversed.as_slice());
+                let sensors = (sensors.as_slice(), reversed);
                 all.extend(FrfTarget::new(test, set, sensors, &choice)?);
             }
         }

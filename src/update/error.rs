@@ -85,7 +85,7 @@ pub enum UpdateError {
     },
     /// A mode without shapes, which has no modal dynamic residual.
     #[error(
-        "{label}: modal dynamic residuals need a shape at two or more sensors of the model, and shape_floor above 0; this mode has none"
+        "{label}: modal dynamic residuals need a shape at two or more sensors of the model, and shape_floor above 0; this mode has none (sensors with the opposite sign of the model are left out)"
     )]
     NoShapes {
         /// The mode.
@@ -93,7 +93,7 @@ pub enum UpdateError {
     },
     /// No FRF that can be compared.
     #[error(
-        "no FRF has both ends at sensors of the model, lines in the band and an uncertainty, expected at least one for residuals of FRFs"
+        "no FRF has both ends at sensors of the model, lines in the band and an uncertainty, expected at least one for residuals of FRFs (FRFs at sensors with the opposite sign of the model are left out)"
     )]
     NoFrfs,
     /// An FRF whose noise is not known.

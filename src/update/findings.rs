@@ -1,5 +1,6 @@
 //! What the result of an update says that is not a failure.
 
+use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 
 use super::{KNOWN, UpdateResult, UpdatedParameter, Verdict};
@@ -20,10 +21,11 @@ impl UpdateResult {
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Place::Mode(row.test_hz))));
         findings.extend(self.changed_pairings());
-        if !self.reversed.is_empty() {
-            let finding = warn(Code::ReversedLeftOut, Place::Whole);
-            findings.push(finding.value(self.reversed.len() as f64, ""));
-        }
+        findings.extend(self.reversed.iter().map(|own| {
+            let dofs: Vec<String> = own.dofs.iter().map(Dof::to_string).collect();
+            let finding = warn(Code::ReversedLeftOut, Place::Whole).value(dofs.len() as f64, "");
+            finding.detail(format!("{}: {}", own.test, dofs.join(", ")))
+        }));
         if !self.stop_reason.converged() {
             let finding = warn(Code::NotConverged, Place::Whole);
             findings.push(finding.value(self.history.len() as f64, ""));

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
+use crate::correlate::measures::turned;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::{ModalModel, Pole};
@@ -173,6 +174,55 @@ fn functions_at_no_sensor_are_counted() {
     };
     assert_eq!(result.frfs, Some(expected));
     assert_eq!(result.after.data_count, 2 * 2 * 311);
+}
+
+/// The functions with response and reference exchanged: a sensor at the first mass, hits at all.
+fn exchanged(set: &FrfSet) -> FrfSet {
+    let mut exchanged = FrfSet::new(*set.axis());
+    for (i, function) in set.functions().iter().enumerate() {
+        let function = Function {
+            response: function.reference.clone(),
+            reference: function.response.clone(),
+            ..function.clone()
+        };
+        let data = FunctionData {
+            values: set.values(i).to_vec(),
+            coherence: None,
+            variance: set.variance(i).map(<[f64]>::to_vec),
+        };
+        exchanged.push(function, data).unwrap();
+    }
+    exchanged
+}
+
+#[test]
+fn functions_at_reversed_sensors_are_left_out_where_their_sign_counts() {
+    let start = [100.0; 10];
+    let model = chain(&start);
+    let sensors = sensors(&model, &start);
+    let reversed: Vec<Dof> = ["m1:+X", "m7:+X"].map(|dof| dof.parse().unwrap()).to_vec();
+    let test = turned(&poor_modes(&model, &start), &reversed);
+    let roving_sensor = functions(&model, &start, FrfKind::Receptance, 1e-3);
+    for set in [exchanged(&roving_sensor), roving_sensor] {
+        let sets = [set];
+        let own = [MeasuredModes {
+            frfs: &sets,
+            ..MeasuredModes::new("t", &test)
+        }];
+        for (residuals, compared) in KINDS.into_iter().zip([8, 10]) {
+            let chosen = free(&["k4"]);
+            let options = options(residuals);
+            let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options);
+            let problem = new.unwrap();
+            assert_eq!(problem.reversed[0].dofs, reversed);
+            let count = problem.frf_count().unwrap();
+            assert_eq!(
+                (count.compared, count.given),
+                (compared, 10),
+                "{residuals:?}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -57,4 +57,4 @@ pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
 };
 pub use solve::{MultiStart, Solution, solve, solve_from_starts};
-pub use target::{MeasuredModes, ShapeWeights, Target};
+pub use target::{MeasuredModes, ReversedSensors, ShapeWeights, Target};

@@ -1,10 +1,11 @@
 //! The problem: model, free parameters, targets; residuals and their derivatives at any point.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::axis::Band;
 use crate::correlate::PairOptions;
-use crate::correlate::measures::{ReversedSensor, reversed_sensors};
+use crate::correlate::measures::reversed_sensors;
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode};
@@ -17,7 +18,7 @@ use super::frfs::FrfTarget;
 use super::links::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
-use super::target::{ShapeRows, targets_of};
+use super::target::{ReversedSensors, ShapeRows, targets_of};
 use super::{
     Evaluation, FreeParameter, Link, MeasuredModes, ParameterChoice, Residuals, Target,
     UpdateError, UpdateOptions,
@@ -40,7 +41,7 @@ pub struct UpdateProblem<'a> {
     /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
     pub left_out: Vec<(String, f64)>,
     /// Sensors of each test with the opposite sign of the model at the start; their values take no part.
-    pub reversed: Vec<Vec<ReversedSensor>>,
+    pub reversed: Vec<ReversedSensors>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -90,7 +91,7 @@ impl<'a> UpdateProblem<'a> {
             compares_frfs: false,
         };
         problem.keep_paired(measured)?;
-        problem.reversed = problem.reversed_sensors()?;
+        problem.reversed = problem.reversed_sensors(measured)?;
         problem.weigh(measured)?;
         if problem.options.residuals == Residuals::ModalDynamic {
             let start = problem.start(&vec![0.0; problem.free.len()])?;
@@ -107,7 +108,7 @@ impl<'a> UpdateProblem<'a> {
         let links = self.links(&self.initial, &self.options.pair)?;
         let place = (self.model, self.initial.as_slice());
         let rows = measured.iter().zip(&self.reversed).map(|(own, reversed)| {
-            let test = (own.modes, reversed.as_slice());
+            let test = (own.modes, reversed.dofs.as_slice());
             let rows = |floor| ShapeRows::new(place, self.sensors, test, &self.options, floor);
             self.options.shape_floor.map(rows).transpose()
         });
@@ -130,16 +131,29 @@ impl<'a> UpdateProblem<'a> {
         Ok(())
     }
 
-    /// Sensors of each test with the opposite sign of the model at the start, where values of sensors take part.
-    fn reversed_sensors(&self) -> Result<Vec<Vec<ReversedSensor>>, UpdateError> {
-        if self.options.shape_floor.is_none() && !self.options.residuals.of_frfs() {
-            return Ok(vec![Vec::new(); self.tests.len()]);
-        }
+    /// Sensors of each test with the opposite sign of the model at the start, where values of sensors take part. A sensor that is
+    /// reversed twice, by itself and with its group, is not.
+    fn reversed_sensors(
+        &self,
+        measured: &[MeasuredModes<'_>],
+    ) -> Result<Vec<ReversedSensors>, UpdateError> {
+        let takes_part = self.options.shape_floor.is_some() || self.options.residuals.of_frfs();
         let theory = self.theory(&self.initial)?.model;
-        let of_test = |test: &PairedModes| {
-            reversed_sensors(&test.modes, &theory, &self.options.pair).map_err(UpdateError::from)
+        let of_test = |(own, test): (&MeasuredModes<'_>, &PairedModes)| {
+            let mut dofs: BTreeSet<Dof> = BTreeSet::new();
+            if takes_part {
+                for sensor in reversed_sensors(&test.modes, &theory, &self.options.pair)? {
+                    if !dofs.remove(&sensor.dof) {
+                        dofs.insert(sensor.dof);
+                    }
+                }
+            }
+            Ok(ReversedSensors {
+                test: own.name.to_owned(),
+                dofs: dofs.into_iter().collect(),
+            })
         };
-        self.tests.iter().map(of_test).collect()
+        measured.iter().zip(&self.tests).map(of_test).collect()
     }
 
     /// Leaves out what has no partner at the start.

@@ -1,13 +1,12 @@
 //! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
 
-use crate::correlate::measures::ReversedSensor;
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
 
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
 use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
-use super::{Evaluation, ShapeWeights, UpdateError, UpdateProblem};
+use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProblem};
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
@@ -156,8 +155,8 @@ pub struct UpdateResult {
     pub after: Fit,
     /// What had no partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
-    /// Sensors with the opposite sign of the model as it stood, of all tests; their values took no part.
-    pub reversed: Vec<ReversedSensor>,
+    /// Sensors with the opposite sign of the model as it stood, of each test that has some; their values took no part.
+    pub reversed: Vec<ReversedSensors>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
 }
@@ -267,7 +266,10 @@ fn from_best(
         before: fit(problem, &before, None)?,
         after: fit(problem, &at, Some(&known))?,
         left_out: problem.left_out.clone(),
-        reversed: problem.reversed.concat(),
+        reversed: (problem.reversed.iter())
+            .filter(|own| !own.dofs.is_empty())
+            .cloned()
+            .collect(),
         frfs: problem.frf_count(),
     })
 }

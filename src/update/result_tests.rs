@@ -229,6 +229,7 @@ fn values_of_reversed_sensors_take_no_part() {
     let findings = reversed.findings();
     let left_out = findings.iter().find(|own| is_left_out(own)).unwrap();
     assert_eq!(left_out.value, Some(2.0));
+    assert_eq!(left_out.detail.as_deref(), Some("t: m3:+X, m6:+X"));
     assert!(reversed.after.data_count < as_measured.after.data_count);
     for (parameter, truth) in reversed.parameters.iter().zip([140.0, 75.0]) {
         assert!(

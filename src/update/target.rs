@@ -4,7 +4,6 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::correlate::DofMap;
-use crate::correlate::measures::ReversedSensor;
 use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
@@ -43,6 +42,15 @@ impl<'a> MeasuredModes<'a> {
     fn number(&self, mode: usize) -> usize {
         self.numbers.get(mode).copied().unwrap_or(mode + 1)
     }
+}
+
+/// Sensors of one test with the opposite sign of the model.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReversedSensors {
+    /// Name of the test.
+    pub test: String,
+    /// The sensors, as the test names them.
+    pub dofs: Vec<Dof>,
 }
 
 /// One measured root: a mode, or several modes of one group number, which have one frequency.
@@ -148,19 +156,18 @@ impl ShapeRows {
     pub fn new(
         (model, values): (&dyn TheoreticalModel, &[f64]),
         sensors: &[Sensor],
-        (test, reversed): (&ModalModel, &[ReversedSensor]),
+        (test, reversed): (&ModalModel, &[Dof]),
         options: &UpdateOptions,
         floor: f64,
     ) -> Result<Self, UpdateError> {
         let shapes = test.modes.iter().map(|mode| &mode.shape);
         let dofs = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof));
-        let dofs = dofs.filter(|dof| reversed.iter().all(|own| own.dof != **dof));
         let own: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.positive()).collect();
         let map = DofMap::new(dofs, own.iter());
         let mixed = map.pairs.iter().any(|p| !p.test.axis().is_rotation());
         let length = options.pair.rotation_length_m.filter(|_| mixed);
         let mut pairs = Vec::with_capacity(map.len());
-        for pair in &map.pairs {
+        for pair in map.pairs.iter().filter(|own| !reversed.contains(&own.test)) {
             let sensor = sensors.iter().find(|s| s.dof.positive() == pair.theory);
             let Some(sensor) = sensor else { continue };
             let turns = pair.test.axis().is_rotation();

@@ -6,7 +6,7 @@ use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
     Change, Combination, Explanation, Fit, Iteration, OtherOptimum, PairingChange, Residuals,
-    ShapeWeights, Starts, StopReason, UpdatedParameter, Verdict,
+    ReversedSensors, ShapeWeights, Starts, StopReason, UpdatedParameter, Verdict,
 };
 
 use super::comparison::{JsonError, parsed};
@@ -44,6 +44,9 @@ pub struct UpdateFile {
     pub fits: bool,
     /// Measured modes without a partner at the start.
     pub left_out: Vec<LeftOutFile>,
+    /// Sensors whose values took no part, as they have the opposite sign of the model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reversed_sensors: Vec<ReversedSensors>,
     /// Measured roots that met other modes on the way.
     pub pairing_changes: Vec<PairingChange>,
     /// Every step.
@@ -286,6 +289,7 @@ pub fn update_file(own: &SceneUpdate) -> UpdateFile {
         reduced_chi_square: result.reduced_chi_square(),
         fits: result.fits(),
         left_out: left_out.collect(),
+        reversed_sensors: result.reversed.clone(),
         pairing_changes: result.pairing_changes.clone(),
         history: result.history.iter().map(iteration).collect(),
         explanation: own.explanation.as_ref().map(explanation),
