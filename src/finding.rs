@@ -56,6 +56,9 @@ codes! {
     /// A window that only some functions state.
     WindowNotCommon: "Only some FRFs have a stated window, or the stated windows differ. None was used.",
         "Dataset 1858 states the window of a function. Where all functions of a set state one, poles are fitted with the line shape that it gives to leakage. Here it was not used for any, so that damping may be too high where the force was steady random noise. The value is the number of functions that state a window, the limit the number of functions. State it for the others with `--window` or `window` of `[[test]]`, or identify the FRFs of each window separately.";
+    /// An exponential window of unstated decay rate.
+    WindowDecayUnknown: "The records had an exponential window whose decay rate is not stated. The damping that it adds was not removed.",
+        "An exponential window adds its decay rate σ to that of every mode: damping ratios are too high by σ/ω, most at low frequencies. Dataset 1858 of universal files states the window without a rate in a stated unit. Compute 100σ/(2πf) % for each mode and subtract it: a window that falls to the fraction e after T seconds has σ = −ln(e)/T. Or make the FRFs from the recorded hits with `modalign frf --response-window`, which removes the damping that it adds.";
     /// A function with a value that is no number.
     ValueNotFinite: "a function has a value or a variance in the band that is no finite number; it was left out",
         "The value is the frequency of the first such line. Without --partial the command stops there. A mode that was seen only at this response or from this hit point is missed, and without the driving point modes have no modal mass. Export the function anew.";

@@ -109,8 +109,10 @@ pub struct FrfSet {
     variance: Vec<Option<Vec<f64>>>,
     /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
     pub added_damping_rad_s: f64,
-    /// Window of all records; `None` where there was none, none is stated, or functions differ.
+    /// Window of all records; `None` where none is stated, or functions differ.
     pub window: Option<Window>,
+    /// Windows that only some functions state, or in which they differ.
+    pub mixed_windows: Vec<Window>,
     /// Length of the records that the functions came from, s; `None` when the file does not say.
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
@@ -137,6 +139,7 @@ impl FrfSet {
             variance: Vec::new(),
             added_damping_rad_s: 0.0,
             window: None,
+            mixed_windows: Vec::new(),
             record_duration_s: None,
             valid_band: None,
             excited_band: None,
@@ -231,6 +234,7 @@ impl FrfSet {
         let mut part = Self::new(self.axis);
         part.added_damping_rad_s = self.added_damping_rad_s;
         part.window = self.window;
+        part.mixed_windows.clone_from(&self.mixed_windows);
         part.record_duration_s = self.record_duration_s;
         part.valid_band = self.valid_band;
         part.excited_band = self.excited_band;

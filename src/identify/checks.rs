@@ -237,6 +237,15 @@ fn leakage(set: &FrfSet, data: &Receptances, lambda: Complex64, place: &Place) -
     })
 }
 
+/// The finding of damping that a stated exponential window added at a rate that is not stated.
+pub(super) fn window_decay(set: &FrfSet) -> Option<Finding> {
+    let mut windows = set.window.iter().chain(&set.mixed_windows);
+    let is_unknown =
+        set.added_damping_rad_s <= 0.0 && windows.any(|window| window.is_exponential());
+    let code = Code::WindowDecayUnknown;
+    is_unknown.then(|| Finding::new(Severity::Warning, code, Place::Whole))
+}
+
 /// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the mode, when it is
 /// too small.
 fn nearest(

@@ -491,7 +491,10 @@ pub fn identification(
     if let Some(selection) = &options.selection {
         table = choice::chosen((set, band), table, selection)?;
     }
-    table.findings.splice(0..0, chosen.findings);
+    let findings = chosen.findings.into_iter();
+    table
+        .findings
+        .splice(0..0, findings.chain(checks::window_decay(set)));
     stabilization::mark_chosen(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {

@@ -194,6 +194,7 @@ impl Collecting {
         self.set.valid_band = first
             .and_then(|first| bands.try_fold(first, |common, band| common.intersection(&band)));
         self.set.window = self.windows.common();
+        self.set.mixed_windows = self.windows.mixed();
         self.set.findings.extend(self.windows.finding());
         if self.averages_assumed {
             let finding = Finding::new(Severity::Warning, Code::AveragesAssumed, Place::Whole);

@@ -170,6 +170,16 @@ fn a_set_has_the_window_that_all_its_functions_state() {
         }
         let sets = sets(vec![source], None);
         assert_eq!(sets.len(), 1);
+        let stated: Vec<Window> = windows.into_iter().flatten().collect();
+        let mixed = sets[0].mixed_windows.clone();
+        assert_eq!(
+            mixed,
+            if sets[0].window.is_some() {
+                Vec::new()
+            } else {
+                stated
+            }
+        );
         let findings = sets[0].findings.iter();
         let findings: Vec<_> = findings
             .map(|own| (own.code, own.value, own.limit, own.detail.clone()))
@@ -186,11 +196,11 @@ fn a_set_has_the_window_that_all_its_functions_state() {
     assert_eq!(window_of([None, None]), (None, Vec::new()));
     assert_eq!(
         window_of([hann, None]),
-        dropped(1.0, "hann-narrow: 2:+Z|1:+Z; no window: 3:+Z|1:+Z")
+        dropped(1.0, "hann-narrow: 2:+Z|1:+Z; not stated: 3:+Z|1:+Z")
     );
     assert_eq!(
         window_of([None, hann]),
-        dropped(1.0, "no window: 2:+Z|1:+Z; hann-narrow: 3:+Z|1:+Z")
+        dropped(1.0, "not stated: 2:+Z|1:+Z; hann-narrow: 3:+Z|1:+Z")
     );
     assert_eq!(
         window_of([hann, Some(Window::FlatTop)]),

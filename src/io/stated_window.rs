@@ -33,18 +33,31 @@ impl StatedWindows {
         first.filter(|_| others.all(|(.., window)| same(*window)))
     }
 
-    /// The finding of windows that only some functions state.
-    pub fn finding(&self) -> Option<Finding> {
-        let stating = self.functions.iter().filter(|own| own.2.is_some()).count();
-        if stating == 0 || self.common().is_some() {
-            return None;
+    /// The windows that functions state where they have none in common.
+    pub fn mixed(&self) -> Vec<Window> {
+        match self.common() {
+            Some(_) => Vec::new(),
+            None => self.different().into_iter().flatten().collect(),
         }
+    }
+
+    fn different(&self) -> Vec<Option<Window>> {
         let mut windows: Vec<Option<Window>> = Vec::new();
         for (.., window) in &self.functions {
             if !windows.contains(window) {
                 windows.push(*window);
             }
         }
+        windows
+    }
+
+    /// The finding of windows that only some functions state.
+    pub fn finding(&self) -> Option<Finding> {
+        let stating = self.functions.iter().filter(|own| own.2.is_some()).count();
+        if stating == 0 || self.common().is_some() {
+            return None;
+        }
+        let windows = self.different();
         let named: Vec<String> = windows.iter().map(|own| self.named(*own)).collect();
         let finding = Finding::new(Severity::Warning, Code::WindowNotCommon, Place::Whole);
         let finding = finding.value(stating as f64, "functions");
@@ -60,7 +73,7 @@ impl StatedWindows {
         if all.len() > MAX_NAMED {
             named.push(format!("{} more", all.len() - MAX_NAMED));
         }
-        let window = window.map_or("no window", Window::name);
+        let window = window.map_or("not stated", Window::name);
         format!("{window}: {}", named.join(", "))
     }
 }

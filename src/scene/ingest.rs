@@ -455,6 +455,7 @@ impl FilePlan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::{WriteOptions, frf_source, write_path};
 
     const EXPORT: &str = "Units: Ratio\r\nRef Chan:Resp Chan\t3+Z:4-Z\r\nChannel Name\t : \r\n\r\nFrequency\tReal\tImaginary\r\n\r\n\
                           Units:\r\nHz\t(m/s2)(N)\t\r\n0.0\t1.5\t0.5\r\n0.5\t2.5\t-0.5\r\n";
@@ -475,6 +476,34 @@ mod tests {
             reference: "1:+X".parse().ok(),
         };
         ingest_files(&[file], &options).unwrap().frfs.remove(0)
+    }
+
+    #[test]
+    fn the_window_of_the_file_precedes_the_option_and_this_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let read = |(file, option, scene): (Option<Window>, Option<Window>, Option<&str>)| {
+            let mut set = read("");
+            set.window = file;
+            let path = folder.path().join("h.h5");
+            let mut source = frf_source(&set, "FRFs");
+            write_path(&path, &mut source, WriteOptions::default()).unwrap();
+            let window = scene.map_or_else(String::new, |name| format!("window = {name:?}"));
+            let typed: TestTable = toml::from_str(&format!("name = \"t\"\n{window}")).unwrap();
+            let options = IngestOptions {
+                typed: Some(&typed),
+                window: option,
+                ..IngestOptions::default()
+            };
+            let sets = ingest_files(&[FilePlan::bare(&path)], &options).unwrap();
+            sets.frfs[0].window
+        };
+        let (hann, flat) = (Some(Window::HannNarrow), Some(Window::FlatTop));
+        let none = Some(Window::Rectangular);
+        assert_eq!(read((None, None, None)), None);
+        assert_eq!(read((None, None, Some("rectangular"))), none);
+        assert_eq!(read((None, flat, Some("none"))), flat);
+        assert_eq!(read((hann, flat, Some("none"))), hann);
+        assert_eq!(read((none, flat, None)), none);
     }
 
     #[test]

@@ -12,6 +12,7 @@ use crate::io::{HitGrouping, IoError};
 use crate::signal::{ForceWindow, Offset, TriggerOptions};
 
 use super::SceneError;
+use super::columns;
 use super::expected::{Expected, beside};
 use super::limits::Limits;
 use super::model::{check_schema, named_model, sensors, value_error};
@@ -285,6 +286,7 @@ fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, Sc
             &error.to_string(),
         )
     })?;
+    columns::window(test.window.as_deref(), path)?;
     let source = match (test.files.is_empty(), &test.synth, &test.modes) {
         (false, None, None) => files_source(test, folder, path)?,
         (true, synth, modes)

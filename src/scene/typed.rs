@@ -107,7 +107,7 @@ pub struct TestTable {
     pub dimensions: Option<Vec<String>>,
     /// Number of averages of FRFs whose file does not say it.
     pub averages: Option<u32>,
-    /// Window of the records of FRFs whose file does not say it, as [`Window::from_name`](crate::frf::Window::from_name) takes it.
+    /// Window of the records of FRFs whose file does not state it, as [`Window::from_name`](crate::frf::Window::from_name) takes it.
     pub window: Option<String>,
     /// Lines that are passed over before the heading is looked for, for tables.
     #[serde(default)]

@@ -137,3 +137,36 @@ fn what_a_method_does_not_have_cannot_be_asked_of_it() {
     let error = fail(circle.into_iter().chain(["--stabilization", &poles]));
     assert!(error.contains("--stabilization"), "{error}");
 }
+
+#[test]
+fn windows_are_stated_by_name_and_another_name_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    for name in ["none", "rectangular", "uniform", "hann", "flat-top"] {
+        succeed(["identify", &frfs, "--window", name]);
+    }
+    let accepted = |error: &str| {
+        let names = [
+            "none",
+            "rectangular",
+            "uniform",
+            "hann",
+            "flat-top",
+            "force",
+        ];
+        names.iter().all(|name| error.contains(name))
+    };
+    let error = fail(["identify", &frfs, "--window", "hamming"]);
+    assert!(error.contains("hamming") && accepted(&error), "{error}");
+    // A scene is refused before its files are looked for.
+    let scene = |window: &str| {
+        let toml = format!(
+            "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"a\"\nfiles = [\"absent.uff\"]\nwindow = {window:?}\n"
+        );
+        write(folder.path(), &[("scene.toml", &toml)]);
+        fail(["run", &text(folder.path())])
+    };
+    let error = scene("hamming");
+    assert!(error.contains("window") && accepted(&error), "{error}");
+    assert!(scene("none").contains("absent.uff"));
+}

@@ -67,9 +67,12 @@ impl LineShape {
         Self(cosines.map(|cosines| Smoothing::new(record_s, cosines)))
     }
 
-    /// Under a Hann window, of a set that may come from steady excitation and states no window; `None` for any other.
+    /// Under a Hann window, of a set that may come from steady excitation and states no window; `None` for any other. A function
+    /// with a window for hits makes the set a hammer test.
     pub fn unstated(set: &FrfSet) -> Option<Self> {
-        let is_unknown = set.record_duration_s.is_none() && set.added_damping_rad_s <= 0.0;
+        let is_hammer_test = set.mixed_windows.iter().any(|own| own.is_for_hits());
+        let is_unknown =
+            set.record_duration_s.is_none() && set.added_damping_rad_s <= 0.0 && !is_hammer_test;
         let smoothing = || Self(Some(Smoothing::new(set.axis().step_hz.recip(), HANN)));
         (is_unknown && set.window.is_none()).then(smoothing)
     }
@@ -145,12 +148,15 @@ pub(in crate::identify) fn leakage_bias(set: &FrfSet, decay: f64) -> Option<f64>
     })
 }
 
-/// Coefficients of a window for steady signals; `None` for those of a hammer test.
+/// Coefficients of a window for steady signals; `None` for those of a hammer test, and for records without window: whether their
+/// force was random is not stated.
 fn cosines(window: Window) -> Option<[f64; TERMS]> {
     match window {
         Window::HannNarrow | Window::HannBroad => Some(HANN),
         Window::FlatTop => Some(FLAT_TOP),
-        Window::Exponential | Window::Force | Window::ForceAndExponential => None,
+        Window::Rectangular | Window::Exponential | Window::Force | Window::ForceAndExponential => {
+            None
+        }
     }
 }
 

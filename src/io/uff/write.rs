@@ -19,7 +19,8 @@ use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::io::not_carried::NotCarried;
 use crate::io::{
-    Encoding, FunctionType, IoError, Precision, Source, WriteOptions, frf_source, hit_source,
+    Encoding, FunctionType, IoError, Precision, Source, Window, WriteOptions, frf_source,
+    hit_source,
 };
 use crate::record::{Channel, Hit};
 
@@ -77,9 +78,12 @@ pub(super) fn write_source(
     for (entry, target) in targets.into_iter().enumerate() {
         if let Some(target) = target {
             target.write(out, source, entry, &mut lost)?;
-            if let Some(window) = source.catalog().entries[entry].note.window {
-                dataset_1858::write(out, window)
-                    .map_err(|source| write_failed(&options.path, source))?;
+            match source.catalog().entries[entry].note.window {
+                // Dataset 1858 has one number for no window and an unknown one.
+                Some(Window::Rectangular) => lost.add("statements of no window", 1),
+                Some(window) => dataset_1858::write(out, window)
+                    .map_err(|source| write_failed(&options.path, source))?,
+                None => {}
             }
         }
     }

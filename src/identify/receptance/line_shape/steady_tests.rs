@@ -255,6 +255,47 @@ fn narrow_resonances_of_a_hammer_test_have_no_bias() {
 }
 
 #[test]
+fn records_stated_to_have_no_window_have_no_leakage_under_one() {
+    // Without the statement some of these draws are merged, and all have a bias.
+    for seed in 1..=3 {
+        let mut set = measured(seed, true);
+        set.window = Some(Window::Rectangular);
+        let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
+        for code in [Code::LeakageSplit, Code::DampingBiasedHigh] {
+            assert!(!has(&model.findings, code), "{seed} {code:?}");
+        }
+    }
+}
+
+#[test]
+fn an_exponential_window_of_unstated_decay_rate_is_reported_by_every_method() {
+    let mut set = measured(1, true);
+    for (window, mixed, reported) in [
+        (None, None, false),
+        (Some(Window::Force), None, false),
+        (Some(Window::Exponential), None, true),
+        (Some(Window::ForceAndExponential), None, true),
+        (None, Some(Window::Exponential), true),
+    ] {
+        set.window = window;
+        set.mixed_windows = mixed.into_iter().collect();
+        let options = IdentifyOptions {
+            method: "peak".to_owned(),
+            ..in_band(2.0, 5.0, None)
+        };
+        let model = identify(&set, &options).unwrap();
+        let code = Code::WindowDecayUnknown;
+        assert_eq!(has(&model.findings, code), reported, "{window:?} {mixed:?}");
+    }
+    // With the rate its damping is removed.
+    set.window = Some(Window::Exponential);
+    set.mixed_windows = Vec::new();
+    set.added_damping_rad_s = 0.01;
+    let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
+    assert!(!has(&model.findings, Code::WindowDecayUnknown));
+}
+
+#[test]
 fn hits_have_no_bias_by_a_window() {
     let mut set = measured(1, true);
     let told = |set: &FrfSet| {
@@ -265,6 +306,12 @@ fn hits_have_no_bias_by_a_window() {
     set.window = Some(Window::Exponential);
     assert!(!told(&set));
     set.window = None;
+    // Some functions state no window, others one for hits.
+    set.mixed_windows = vec![Window::HannBroad];
+    assert!(told(&set));
+    set.mixed_windows = vec![Window::Force];
+    assert!(!told(&set));
+    set.mixed_windows = Vec::new();
     set.record_duration_s = Some(32.0);
     assert!(!told(&set));
 }
