@@ -19,8 +19,8 @@
 //!    counts as noise in its deviations.
 //!
 //! Where the file states a window for steady excitation, poles have the line shape that it makes of them
-//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that the line shape of a Hann window
-//! explains ([`leakage`](super::leakage)).
+//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that the line shape of a Hann or flat top
+//! window explains ([`leakage`](super::leakage)).
 //!
 //! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
 //! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
@@ -81,11 +81,12 @@ impl PoleEstimator for Automatic {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let shape = LineShape::of(set);
         let (mut fit, found) = self.fitted(set, band, shape)?;
-        let (split, may_leak) = self.check_leakage((set, band), &mut fit)?;
+        let split = self.check_leakage((set, band), &mut fit)?;
         // Poles of leakage are no companions.
-        if !shape.is_smoothed() && !may_leak {
+        if !shape.is_smoothed() && !fit.may_have_leakage() {
             fit.add_companions();
         }
+        let splits = fit.split_findings(&split, band);
         let plain = match shape.is_smoothed() {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
@@ -94,11 +95,9 @@ impl PoleEstimator for Automatic {
             own.relative_residual() < CONTRADICTED * fit.relative_residual()
         };
         let mut table = match plain.filter(contradicts) {
-            Some((plain, found)) => {
+            Some((mut plain, found)) => {
+                plain.data.leakage = None;
                 let mut table = plain.table((set, band), &found);
-                // Leakage under the window is what the data contradict.
-                let is_leakage = |own: &Finding| own.code == Code::DampingBiasedHigh;
-                table.findings.retain(|own| !is_leakage(own));
                 let code = Code::WindowContradicted;
                 let finding = Finding::new(Severity::Warning, code, Place::Whole);
                 table.findings.push(finding);
@@ -106,7 +105,7 @@ impl PoleEstimator for Automatic {
             }
             None => fit.table((set, band), &found),
         };
-        table.findings.extend(split);
+        table.findings.extend(splits);
         state_orders(&mut table);
         Ok(table)
     }

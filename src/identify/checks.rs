@@ -10,7 +10,7 @@ use crate::frf::FrfSet;
 use crate::modal::Pole;
 
 use super::close::{self, Excess};
-use super::receptance::{Receptances, leakage_bias};
+use super::receptance::Receptances;
 use super::repeated::{self, Judgement, PairTable, Surroundings};
 use super::search::{self, Drop, Found, Peak};
 use super::single::Resonance;
@@ -210,7 +210,7 @@ pub(super) fn reach(
         let limit = FEWEST_TIME_CONSTANTS;
         findings.push(warning(Code::FewTimeConstants, constants, "", limit));
     }
-    findings.extend(leakage(set, data, lambda, place));
+    findings.extend(leakage(data, lambda, place));
     let last = data.omega[data.lines() - 1];
     let margin = (lambda.im - data.omega[0]).min(last - lambda.im);
     if margin < 2.0 * decay {
@@ -222,10 +222,11 @@ pub(super) fn reach(
 
 /// The finding of a resonance so narrow that leakage would raise its damping, where that was not corrected and the data do not
 /// contradict it.
-fn leakage(set: &FrfSet, data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
-    let is_possible = !data.line_shape.is_smoothed() && !data.contradicts_leakage;
-    let bias = leakage_bias(set, -lambda.re).filter(|_| is_possible)?;
+fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
+    let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
+    let bias = shape.leakage_bias(-lambda.re)?;
     let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, place.clone());
+    let finding = finding.detail(shape.window_name());
     let value = |finding: Finding| {
         finding
             .value(100.0 * bias, "%")

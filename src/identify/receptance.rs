@@ -27,7 +27,7 @@ use super::shared::Shared;
 mod line_shape;
 mod told;
 
-pub(super) use line_shape::{LineShape, leakage_bias};
+pub(super) use line_shape::LineShape;
 use told::ToldFrom;
 
 /// Lines beside a band that are used with it, as a share of its own.
@@ -68,8 +68,8 @@ pub(super) struct Receptances {
     pub step: f64,
     /// What the records make of a pole.
     pub line_shape: LineShape,
-    /// Whether the values contradict leakage under a Hann window.
-    pub contradicts_leakage: bool,
+    /// Line shape of leakage that poles without it may have biased: of the stated window, or of one that none states.
+    pub leakage: Option<LineShape>,
     /// Values, m/N.
     pub values: Values,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
@@ -153,7 +153,7 @@ impl Receptances {
         let mut data = Self {
             step,
             line_shape: LineShape::EXACT,
-            contradicts_leakage: false,
+            leakage: LineShape::suspected(set),
             values: Values(values),
             variance,
             by_force,

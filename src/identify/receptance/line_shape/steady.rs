@@ -1,7 +1,7 @@
 //! FRF sets of a test under steady random force, computed from its time series, for the tests of this stage.
 //!
 //! The force is white. Each mode answers by the recursion `y_n = e^(λΔt) y_(n−1) + f_n`, which is exact for the sampled force:
-//! nothing of what a record loses at its ends is left away. Records are cut one after the other, weighted with a Hann window,
+//! nothing of what a record loses at its ends is left away. Records are cut one after the other, weighted with a window,
 //! transformed and averaged to H1 and its coherence.
 
 use num_complex::Complex64;
@@ -11,10 +11,11 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::axis::{Band, FrequencyAxis};
 use crate::fourier::ForwardPlan;
-use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
+use crate::frf::{FrfSet, Function, FunctionData, Window, variance_from_coherence};
 use crate::modal::Pole;
 use crate::quantity::FrfKind;
 
+use super::cosines;
 use crate::identify::synthetic::Structure;
 
 /// How a structure is measured under steady random force.
@@ -26,18 +27,20 @@ pub(super) struct Steady {
     pub averages: usize,
     /// Response noise over the root mean square of each response.
     pub noise: f64,
-    pub hann: bool,
+    pub window: Window,
     pub coherence_given: bool,
     pub seed: u64,
 }
 
 impl Steady {
     fn weights(&self) -> Vec<f64> {
-        let len = self.record as f64;
-        let hann = |n: usize| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / len).cos();
-        (0..self.record)
-            .map(|n| if self.hann { hann(n) } else { 1.0 })
-            .collect()
+        let cosines = cosines(self.window).unwrap_or([1.0, 0.0, 0.0, 0.0, 0.0]);
+        let turn = |n: usize| std::f64::consts::TAU * n as f64 / self.record as f64;
+        let weight = |n: usize| {
+            let terms = cosines.iter().enumerate();
+            terms.map(|(k, a)| a * (k as f64 * turn(n)).cos()).sum()
+        };
+        (0..self.record).map(weight).collect()
     }
 
     /// Accelerances of points 1, 2, ... for a force at point 1, on the lines of a band.
