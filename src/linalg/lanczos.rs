@@ -14,7 +14,8 @@ use faer::Mat;
 
 use super::compensated::sparse_rayleigh_quotient;
 use super::low_modes::{
-    MAX_NEXT_SHIFT, NEAR_SHIFT, SHIFT_ROUNDINGS, UNSEPARATED, ZERO_ROUNDINGS, orthonormal,
+    MAX_MIXED_OVER_SHIFT, MAX_NEXT_SHIFT, MAX_UNSEPARATED_OVER_SHIFT, MIN_SHIFT_OVER_HIGHEST,
+    MIN_SHIFT_ROUNDINGS, NEAR_SHIFT, ZERO_ROUNDINGS, orthonormal,
 };
 use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
@@ -101,9 +102,12 @@ pub fn sparse_modes(
             with_shift(elastic, &pencil, (stiffness, mass), &mut goal)?,
         ),
     };
-    while let Some(smaller) = smaller_shift(&modes, shift) {
-        shift = smaller;
-        modes = with_shift(shift, &pencil, (stiffness, mass), &mut goal)?;
+    while let Some((smaller, lowest)) = smaller_shift(&modes, shift) {
+        match with_shift(smaller, &pencil, (stiffness, mass), &mut goal) {
+            Ok(separated) => (shift, modes) = (smaller, separated),
+            Err(error) if lowest < MAX_MIXED_OVER_SHIFT * shift => return Err(error),
+            Err(_) => break,
+        }
     }
     Ok(modes)
 }
@@ -121,13 +125,20 @@ fn with_shift(
     run.checked(stiffness, ended.found)
 }
 
-/// A smaller shift, as among the lowest modes of a dense pair.
-fn smaller_shift(modes: &SparseModes, shift: f64) -> Option<f64> {
-    let mut pairs = modes.omega_squared.iter().zip(&modes.rounding);
+/// A smaller shift for all modes, where modes that are not 0 lie far below this one, with the lowest of these.
+fn smaller_shift(modes: &SparseModes, shift: f64) -> Option<(f64, f64)> {
+    let pairs = || modes.omega_squared.iter().zip(&modes.rounding);
+    let is_low = |pair: &(&f64, &f64)| *pair.0 < MAX_UNSEPARATED_OVER_SHIFT * shift;
     let is_elastic = |pair: &(&f64, &f64)| *pair.0 > ZERO_ROUNDINGS * *pair.1;
-    let (lowest, rounding) = pairs.find(is_elastic)?;
-    let smaller = lowest.max(SHIFT_ROUNDINGS * rounding);
-    (*lowest < UNSEPARATED * shift && smaller <= MAX_NEXT_SHIFT * shift).then_some(smaller)
+    let lowest = *pairs().filter(is_low).find(is_elastic)?.0;
+    let rounding = pairs()
+        .filter(is_low)
+        .fold(0.0, |a: f64, pair| a.max(*pair.1));
+    let highest = modes.omega_squared.last().copied().unwrap_or(0.0);
+    let smaller = lowest
+        .max(MIN_SHIFT_ROUNDINGS * rounding)
+        .max(MIN_SHIFT_OVER_HIGHEST * highest);
+    (smaller <= MAX_NEXT_SHIFT * shift).then_some((smaller, lowest))
 }
 
 /// The least shift with which the stiffness is positive definite to working precision, with its factor.

@@ -40,14 +40,19 @@ const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
 /// Part of the shift below which modes are computed with a smaller one: the part of one in another is `n eps` over it. Larger: time
 /// without use, and smaller shifts nearer to the rounding of K. Smaller: the lowest modes of a structure on springs 1e20 times as stiff
 /// are mixed, without a word (`modes_beside_rigid_springs_are_those_of_fixed_coordinates`).
-pub(super) const UNSEPARATED: f64 = 1e-4;
+pub(super) const MAX_UNSEPARATED_OVER_SHIFT: f64 = 1e-4;
+/// The same below which modes that no smaller shift separates are an error: their parts in each other reach 1e-6.
+pub(super) const MAX_MIXED_OVER_SHIFT: f64 = 1e-8;
 /// Rounding bounds of an omega² up to which it may be 0: no shift separates such modes. Smaller: rigid-body modes, up to 4 bounds,
 /// are computed with shifts of which none is definite. Larger: modes on a soft suspension are not separated.
 pub(super) const ZERO_ROUNDINGS: f64 = 10.0;
 /// Smallest shift over the rounding bounds of the modes that it is for. Smaller: rounding of K shows in the vectors, and bars on
 /// suspensions fail their check (`soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes`).
-pub(super) const SHIFT_ROUNDINGS: f64 = 1e3;
-/// Largest smaller shift over the one before. Larger: time without use.
+pub(super) const MIN_SHIFT_ROUNDINGS: f64 = 1e6;
+/// Smallest shift over the largest omega² that it is for, as of the first shift. Smaller: one solution puts rounding of the lowest mode
+/// into the highest (`rigid_body_modes_beside_a_tiny_mass_pass_their_checks`).
+pub(super) const MIN_SHIFT_OVER_HIGHEST: f64 = SHIFT / GRADED;
+/// Largest smaller shift over the one before. Larger: time without use. Smaller: modes of soft suspensions are an error.
 pub(super) const MAX_NEXT_SHIFT: f64 = 1e-2;
 
 /// Shift and invert for the lowest modes of a pair.
@@ -114,33 +119,40 @@ impl<'a> LowModes<'a> {
         Ok(())
     }
 
-    /// A smaller shift, where modes that are not 0 lie far below the last, and far enough above the rounding of K.
+    /// A smaller shift, where modes that are not 0 lie far below the last, and far enough above the rounding of K. None for a
+    /// stiffness that is not semidefinite: no shift makes it definite.
     fn next_level(&self, modes: &SymmetricModes) -> Result<Option<Level>, LinalgError> {
         let Some(last) = self.levels.last() else {
             return Ok(None);
         };
         let omega_squared = &modes.omega_squared[..last.count];
-        let count = count_below(omega_squared, UNSEPARATED * last.shift);
-        let is_zero = |j: usize| omega_squared[j] <= ZERO_ROUNDINGS * modes.rounding[j];
-        let Some(lowest) = (0..count).find(|j| !is_zero(*j)) else {
+        let count = count_below(omega_squared, MAX_UNSEPARATED_OVER_SHIFT * last.shift);
+        let zero = |j: usize| ZERO_ROUNDINGS * modes.rounding[j];
+        let is_indefinite = (0..count).any(|j| omega_squared[j] < -zero(j));
+        let lowest = (0..count).find(|j| omega_squared[*j] > zero(*j));
+        let Some(lowest) = lowest.filter(|_| !is_indefinite) else {
             return Ok(None);
         };
         let rounding = modes.rounding[..count]
             .iter()
             .fold(0.0, |a: f64, b| a.max(*b));
-        let shift = (SHIFT * omega_squared[count - 1]).max(SHIFT_ROUNDINGS * rounding);
-        if shift > MAX_NEXT_SHIFT * last.shift {
-            return Ok(None);
+        let highest = omega_squared[count - 1];
+        let shift = (MIN_SHIFT_OVER_HIGHEST * highest).max(MIN_SHIFT_ROUNDINGS * rounding);
+        let level = (shift <= MAX_NEXT_SHIFT * last.shift)
+            .then(|| Level::new(self.pair, count, shift))
+            .flatten()
+            .filter(|level| level.shift <= MAX_NEXT_SHIFT * last.shift);
+        let over_lowest = last.shift / omega_squared[lowest];
+        if level.is_some() || over_lowest < MAX_MIXED_OVER_SHIFT.recip() {
+            return Ok(level);
         }
-        let level = Level::new(self.pair, count, shift);
-        let level = level.filter(|level| level.shift <= MAX_NEXT_SHIFT * last.shift);
         let n = self.pair.mass.nrows();
-        level.map(Some).ok_or(LinalgError::Inaccurate {
+        Err(LinalgError::Inaccurate {
             what: "natural frequencies",
             rows: n,
             columns: n,
-            got: last.shift / omega_squared[lowest],
-            limit: UNSEPARATED.recip(),
+            got: over_lowest,
+            limit: MAX_MIXED_OVER_SHIFT.recip(),
         })
     }
 
