@@ -1,8 +1,10 @@
 //! Which residuals of the data a problem has: those of modes, of the equations of motion, or of FRFs; and their derivatives.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::dof::Dof;
+use crate::frf::{FrfSet, Function};
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
 
@@ -170,14 +172,13 @@ impl UpdateProblem<'_> {
         let mut all = Vec::new();
         for (test, own) in measured.iter().enumerate() {
             let choice = choice(&self.options, own);
-            // Magnitudes have no sign.
-            let reversed = match choice.logarithms {
-                true => &[],
-                false => self.reversed[test].dofs.as_slice(),
-            };
+            let is_reversed = self.at_reversed_sensor(test, own.frfs);
             for set in own.frfs {
                 self.frfs_given += set.len();
-                let sensors = (sensors.as_slice(), reversed);
+                let sensors = (
+                    sensors.as_slice(),
+                    &is_reversed as &dyn Fn(&Function) -> bool,
+                );
                 all.extend(FrfTarget::new(test, set, sensors, &choice)?);
             }
         }
@@ -186,6 +187,30 @@ impl UpdateProblem<'_> {
         }
         self.frfs = Arc::new(all);
         Ok(())
+    }
+
+    /// Whether a function of a test is at a reversed sensor, where its sign counts. Sensors are the side with more DOFs, as in
+    /// identification.
+    fn at_reversed_sensor(
+        &self,
+        test: usize,
+        sets: &[FrfSet],
+    ) -> impl Fn(&Function) -> bool + use<> {
+        let functions = || sets.iter().flat_map(FrfSet::functions);
+        let responses: BTreeSet<&Dof> = functions().map(|own| &own.response).collect();
+        let references: BTreeSet<&Dof> = functions().map(|own| &own.reference).collect();
+        let hits_rove = responses.len() < references.len();
+        let counts = self.options.residuals == Residuals::FrfComplex;
+        let reversed = self.reversed[test].dofs.iter().map(Dof::positive);
+        let reversed: Vec<Dof> = reversed.filter(|_| counts).collect();
+        move |own: &Function| {
+            let sensor = if hits_rove {
+                &own.reference
+            } else {
+                &own.response
+            };
+            reversed.contains(&sensor.positive())
+        }
     }
 
     /// The same problem with FRFs for residuals, damped as the modes at a point say.

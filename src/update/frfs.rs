@@ -15,8 +15,6 @@
 //! Lin and Ewins (1990), Proc. IMAC 8, 141 (sensitivity of receptances); Friswell and Mottershead (1995), sections 5.2 and 8.2
 //! (FRF residuals, logarithms).
 
-use std::collections::BTreeSet;
-
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -70,31 +68,21 @@ pub(super) struct Choice {
 }
 
 impl FrfTarget {
-    /// `None` where no function has both ends at sensors of the model, or no line counts. FRFs at a reversed sensor are left out;
-    /// sensors are the side with more DOFs, as in identification.
+    /// `None` where no function has both ends at sensors of the model, or no line counts. FRFs at reversed sensors are left out.
     ///
     /// # Errors
     /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of noise.
     pub fn new(
         test: usize,
         set: &FrfSet,
-        (sensors, reversed): (&[(Dof, Vec<f64>)], &[Dof]),
+        (sensors, is_reversed): (&[(Dof, Vec<f64>)], &dyn Fn(&Function) -> bool),
         choice: &Choice,
     ) -> Result<Option<Self>, UpdateError> {
         let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
         let lines = chosen_lines(set, choice);
-        let responses: BTreeSet<&Dof> = set.functions().iter().map(|own| &own.response).collect();
-        let references: BTreeSet<&Dof> = set.functions().iter().map(|own| &own.reference).collect();
-        let has_sensor = |own: &Function, sensor: &Dof| {
-            let dof = match responses.len() < references.len() {
-                true => &own.reference,
-                false => &own.response,
-            };
-            dof.positive() == sensor.positive()
-        };
         let at_sensors = |i: usize| {
             let function = &set.functions()[i];
-            if reversed.iter().any(|sensor| has_sensor(function, sensor)) {
+            if is_reversed(function) {
                 return None;
             }
             let places = place(&function.response).zip(place(&function.reference))?;

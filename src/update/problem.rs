@@ -137,23 +137,23 @@ impl<'a> UpdateProblem<'a> {
         &self,
         measured: &[MeasuredModes<'_>],
     ) -> Result<Vec<ReversedSensors>, UpdateError> {
-        let takes_part = self.options.shape_floor.is_some() || self.options.residuals.of_frfs();
+        let names = measured.iter().map(|own| own.name.to_owned());
+        let takes_part =
+            self.options.shape_floor.is_some() || self.options.residuals == Residuals::FrfComplex;
+        if !takes_part {
+            let none = |test| ReversedSensors {
+                test,
+                dofs: Vec::new(),
+            };
+            return Ok(names.map(none).collect());
+        }
         let theory = self.theory(&self.initial)?.model;
-        let of_test = |(own, test): (&MeasuredModes<'_>, &PairedModes)| {
-            let mut dofs: BTreeSet<Dof> = BTreeSet::new();
-            if takes_part {
-                for sensor in reversed_sensors(&test.modes, &theory, &self.options.pair)? {
-                    if !dofs.remove(&sensor.dof) {
-                        dofs.insert(sensor.dof);
-                    }
-                }
-            }
-            Ok(ReversedSensors {
-                test: own.name.to_owned(),
-                dofs: dofs.into_iter().collect(),
-            })
+        let of_test = |(test, own): (String, &PairedModes)| {
+            let found = reversed_sensors(&own.modes, &theory, &self.options.pair)?;
+            let dofs = named_odd_times(found.into_iter().map(|sensor| sensor.dof));
+            Ok(ReversedSensors { test, dofs })
         };
-        measured.iter().zip(&self.tests).map(of_test).collect()
+        names.zip(&self.tests).map(of_test).collect()
     }
 
     /// Leaves out what has no partner at the start.
@@ -412,4 +412,29 @@ fn others_of(target: usize, links: &[Link], targets: &[Target]) -> Vec<usize> {
     others.sort_unstable();
     others.dedup();
     others
+}
+
+/// The sensors that are named an odd number of times, in order.
+fn named_odd_times(dofs: impl Iterator<Item = Dof>) -> Vec<Dof> {
+    let mut odd: BTreeSet<Dof> = BTreeSet::new();
+    for dof in dofs {
+        if !odd.remove(&dof) {
+            odd.insert(dof);
+        }
+    }
+    odd.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sensor_that_is_reversed_by_itself_and_with_its_group_is_not() {
+        let dofs = |names: &[&str]| -> Vec<Dof> {
+            names.iter().map(|name| name.parse().unwrap()).collect()
+        };
+        let found = dofs(&["1:+Y", "2:+Y", "3:+Y", "2:+Y"]);
+        assert_eq!(named_odd_times(found.into_iter()), dofs(&["1:+Y", "3:+Y"]));
+    }
 }
