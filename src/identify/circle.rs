@@ -112,7 +112,8 @@ fn smallest_root(cubic: &[f64; 4]) -> f64 {
     x
 }
 
-/// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the window.
+/// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the window, or a step has no accurate
+/// solution.
 pub(super) fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> Option<Sweep> {
     let mut sweep = Sweep {
         phase: 0.0,
@@ -122,7 +123,7 @@ pub(super) fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> 
     let turned = |(w, arm): (&f64, &Complex64)| Complex64::cis(sweep.residual(*w, *arm));
     sweep.phase = omega.iter().zip(arms).map(turned).sum::<Complex64>().arg();
     for _ in 0..STEPS {
-        let step = gauss_newton_step(omega, arms, &sweep);
+        let step = gauss_newton_step(omega, arms, &sweep)?;
         let small = step[1].abs() + step[2].abs() < 1e-12 * sweep.omega;
         sweep.phase += step[0];
         sweep.omega += step[1].clamp(-sweep.decay, sweep.decay);
@@ -135,7 +136,7 @@ pub(super) fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> 
     (inside && sweep.decay.is_finite()).then_some(sweep)
 }
 
-fn gauss_newton_step(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Vec<f64> {
+fn gauss_newton_step(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Option<Vec<f64>> {
     let columns = linalg::real_matrix(omega.len(), 3, |i, j| {
         let t = sweep.tangent(omega[i]);
         let slope = 2.0 / (sweep.decay * (1.0 + t * t));
@@ -146,7 +147,7 @@ fn gauss_newton_step(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Vec<f6
         .zip(arms)
         .map(|(w, arm)| sweep.residual(*w, *arm))
         .collect();
-    linalg::least_squares_real(&columns, &residuals).unwrap_or_else(|_| vec![f64::NAN; 3])
+    linalg::least_squares_real(&columns, &residuals).ok()
 }
 
 /// Weighted mean and relative standard deviation of the damping surface; `None` without a pair.

@@ -2,6 +2,7 @@
 
 use super::synthetic::{Structure, separated_modes};
 use super::{IdentifyOptions, identify};
+use crate::finding::{Code, Place};
 use crate::linalg::faults::with_failing;
 use crate::modal::{ModalModel, Pole};
 
@@ -10,9 +11,19 @@ const POLE_ERROR: f64 = 2e-3;
 /// Number of calls, of all, that fail by themselves and with all that follow.
 const FAILING: usize = 24;
 
-/// Every number of every mode is one, and every pole that of a true mode.
+/// Every number of every mode is one, and every pole that of a true mode, but for modes that a finding calls initial estimates.
 fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
-    for mode in &model.modes {
+    let is_first_estimate = |hz: f64| {
+        let is_at =
+            |place: &Place| matches!(place, Place::Mode(own) if (own / hz - 1.0).abs() < 1e-6);
+        let mut findings = model.findings.iter();
+        findings.any(|finding| finding.code == Code::NotFitted && is_at(&finding.place))
+    };
+    for mode in model
+        .modes
+        .iter()
+        .filter(|mode| !is_first_estimate(mode.frequency_hz))
+    {
         let lambda = mode.pole().unwrap().lambda;
         let distance = |own: &(f64, f64, Vec<f64>)| {
             let exact = Pole::from_frequency(own.0, own.1).lambda;
