@@ -251,7 +251,7 @@ pub struct IdentifyArgs {
     /// Number of averages of FRFs whose file does not say it; their variance follows from it and the coherence.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub averages: Option<u32>,
-    /// Window of the records of FRFs whose file does not state it: none (also rectangular, uniform), hann, flat-top, exponential, force or force-and-exponential. Under hann and flat-top, ml corrects the damping for leakage. Under none, no leakage is suspected. Damping that an exponential window adds is not removed, as its decay rate is not stated. The window that a file states takes precedence.
+    /// Window of the records of FRFs whose file does not state it: none (also rectangular, uniform), hann, flat-top, exponential, force or force-and-exponential. Under hann and flat-top, ml corrects the damping for leakage. Under none, no leakage is suspected; that continuous random force without a window raises damping, too, is not reported. Damping that an exponential window adds is not removed, as its decay rate is not stated. The window that a file states takes precedence.
     #[arg(long, value_name = "NAME", value_parser = window)]
     pub window: Option<Window>,
     /// Go on with the good part of a partly bad file.

@@ -52,6 +52,13 @@ const IN_PHASE_DECAY_RATIO: std::ops::Range<f64> = 1.7..4.3;
 /// Distance in frequency of a companion in phase, in its decay rates. Smaller: companions of real tests, which are known to 0.1,
 /// are modes. Larger: close modes of a linear structure are one (`close_modes_of_a_linear_structure_are_no_companions`).
 const MAX_DISTANCE_IN_PHASE: f64 = 0.12;
+/// Largest residue of such a companion over that of its mode, of damping that grows with the amplitude (2 times the decay rate) and
+/// with its square (3 times), by the averages above `q/(1 + q)` and `q/2(1 + q)`. Larger: a weak mode hides a strong close one. Smaller:
+/// companions of damping that doubles over the decay are modes. Test: `companions_of_damping_are_at_the_frequency_of_their_mode`.
+const MAX_RESIDUE_IN_PHASE: [f64; 2] = [0.75, 0.5];
+/// Minimum MAC of such a companion and its mode: their phase does not tell them from close modes. Smaller: close modes of alike shapes at
+/// few sensors are one. Larger: noise of the residues separates a companion from its mode.
+const MIN_MAC_IN_PHASE: f64 = 0.98;
 /// Part of a companion's residues in phase with its mode, over that in quadrature: 20 degrees. A tuned absorber has 0.4 to 1. Half:
 /// companions that the omitted terms turn are taken as modes. Twice: no difference in 126 simulations. Tests:
 /// `a_mode_of_cubic_stiffness_stays_one_mode`, `close_modes_of_a_linear_structure_are_no_companions`.
@@ -149,7 +156,20 @@ fn is_companion(root: &Root, of: &Root) -> bool {
 
 fn is_first_companion(root: &Root, of: &Root) -> bool {
     let of_stiffness = is_first(root.lambda, of.lambda) && in_quadrature(root, of);
-    has_shape_of(root, of) && (of_stiffness || is_at_frequency(root.lambda, of.lambda))
+    has_shape_of(root, of) && (of_stiffness || is_companion_of_damping(root, of))
+}
+
+fn is_companion_of_damping(root: &Root, of: &Root) -> bool {
+    let ratio = root.decay() / of.decay();
+    let largest = MAX_RESIDUE_IN_PHASE[usize::from(ratio > 2.5)];
+    let has_shape = mac(&root.residues, &of.residues) > Some(MIN_MAC_IN_PHASE);
+    let is_weaker = residue_norm(root) < largest * residue_norm(of);
+    has_shape && is_weaker && is_at_frequency(root.lambda, of.lambda)
+}
+
+fn residue_norm(root: &Root) -> f64 {
+    let squares = root.residues.iter().map(Complex64::norm_sqr);
+    squares.sum::<f64>().sqrt()
 }
 
 /// Whether both are single and of one shape.
@@ -202,13 +222,12 @@ fn in_quadrature(root: &Root, of: &Root) -> bool {
 
 /// Pole of each mode that has companions, with the largest residue of one over that of the mode.
 pub(super) fn strongest_companions(roots: &[Root]) -> Vec<(Complex64, f64)> {
-    let size = |root: &Root| root.residues.iter().map(Complex64::norm_sqr).sum::<f64>();
     let pairs = companions(roots);
     let fitted = pairs.iter().filter(|pair| roots[pair.0].is_companion);
     let strongest = |(place, mode): (usize, &Root)| {
         let of_mode = fitted.clone().filter(|pair| pair.1 == place);
-        let largest = of_mode.map(|pair| size(&roots[pair.0])).reduce(f64::max)?;
-        Some((mode.lambda, (largest / size(mode)).sqrt()))
+        let residues = of_mode.map(|pair| residue_norm(&roots[pair.0]));
+        Some((mode.lambda, residues.reduce(f64::max)? / residue_norm(mode)))
     };
     roots.iter().enumerate().filter_map(strongest).collect()
 }
@@ -448,7 +467,17 @@ mod tests {
 
     #[test]
     fn companions_of_damping_are_at_the_frequency_of_their_mode() {
-        let is_one = |hz: f64, damping: f64| count(&[root(hz, damping, 0.0)]) == 1;
+        let is_one_of = |hz: f64, damping: f64, residue: f64, factor: f64| {
+            let mut other = root(hz, damping, 0.0);
+            other.residues.iter_mut().for_each(|a| *a *= residue);
+            other.residues[2] *= factor;
+            count(&[other]) == 1
+        };
+        let is_one = |hz: f64, damping: f64| is_one_of(hz, damping, 0.3, 1.0);
+        // Residues over those of the mode, and shapes of MAC 0.99 and 0.94.
+        assert!(is_one_of(100.0, 0.02, 0.7, 1.0) && !is_one_of(100.0, 0.02, 0.8, 1.0));
+        assert!(is_one_of(100.0, 0.03, 0.45, 1.0) && !is_one_of(100.0, 0.03, 0.55, 1.0));
+        assert!(is_one_of(100.0, 0.02, 0.3, 0.8) && !is_one_of(100.0, 0.02, 0.3, 0.6));
         // Distances of 0.1 and 0.15 decay rates.
         assert!(is_one(100.2, 0.02) && !is_one(100.3, 0.02));
         for (damping, expected) in [
