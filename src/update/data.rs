@@ -175,11 +175,7 @@ impl UpdateProblem<'_> {
             let is_reversed = self.at_reversed_sensor(test, own.frfs);
             for set in own.frfs {
                 self.frfs_given += set.len();
-                let sensors = (
-                    sensors.as_slice(),
-                    &is_reversed as &dyn Fn(&Function) -> bool,
-                );
-                all.extend(FrfTarget::new(test, set, sensors, &choice)?);
+                all.extend(FrfTarget::new(test, set, &sensors, &choice, &is_reversed)?);
             }
         }
         if all.is_empty() {

@@ -75,8 +75,9 @@ impl FrfTarget {
     pub fn new(
         test: usize,
         set: &FrfSet,
-        (sensors, is_reversed): (&[(Dof, Vec<f64>)], &dyn Fn(&Function) -> bool),
+        sensors: &[(Dof, Vec<f64>)],
         choice: &Choice,
+        is_reversed: impl Fn(&Function) -> bool,
     ) -> Result<Option<Self>, UpdateError> {
         let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
         let lines = chosen_lines(set, choice);
