@@ -28,6 +28,7 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
 
 /// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`. Where there is
 /// hardly any coherence ([`NONE`]), `|H|²` is at least its mean over the lines: a value that is 0 for want of a signal is not a sure one.
+/// A coherence that is 1 as it was stored is half a step of its [`resolution`] below 1: no line is free of noise beside others.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -39,8 +40,9 @@ pub(crate) fn variance_from_coherence(
     let finite = values.iter().map(Complex64::norm_sqr);
     let finite: Vec<f64> = finite.filter(|power| power.is_finite()).collect();
     let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
+    let highest = 1.0 - 0.5 * resolution(coherence);
     let variance = |(h, g): (&Complex64, &f64)| {
-        let gamma_squared = g.clamp(LEAST, 1.0);
+        let gamma_squared = g.clamp(LEAST, highest);
         let least = if *g <= NONE { mean } else { 0.0 };
         let power = h.norm_sqr().max(least);
         power * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
@@ -48,9 +50,56 @@ pub(crate) fn variance_from_coherence(
     values.iter().zip(coherence).map(variance).collect()
 }
 
+/// Decimals of a printed coherence: fewer count as 3, and more are finer than single precision.
+const DECIMALS: std::ops::RangeInclusive<i32> = 3..=7;
+/// Largest distance of a printed value from whole steps, in steps: what single precision leaves of 3 decimals is 6e-5.
+const MAX_FROM_STEP: f64 = 1e-3;
+
+/// Step in which a coherence is stored: that of its decimals, or of single precision; 0 in double precision, and where it is 1 at every
+/// line.
+fn resolution(coherence: &[f64]) -> f64 {
+    let below = || coherence.iter().filter(|g| **g < 1.0);
+    if below().next().is_none() {
+        return 0.0;
+    }
+    let is_printed = |decimals: &i32| {
+        let scale = 10f64.powi(*decimals);
+        below().all(|g| (g * scale - (g * scale).round()).abs() < MAX_FROM_STEP)
+    };
+    if let Some(decimals) = DECIMALS.into_iter().find(is_printed) {
+        return 10f64.powi(-decimals);
+    }
+    let is_single = |g: &f64| (*g - f64::from(*g as f32)).abs() <= 0.0;
+    match below().all(is_single) {
+        true => f64::from(f32::EPSILON),
+        false => 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn coherence_of_1_is_half_a_step_of_its_resolution_below_1() {
+        let exact = [0.123_456_789_012, 0.999_999_912_345_678, 0.5];
+        let printed = |decimals: i32| {
+            let scale = 10f64.powi(decimals);
+            exact.map(|g| (g * scale).round() / scale)
+        };
+        for (stored, step) in [
+            (exact, 0.0),
+            (printed(3), 1e-3),
+            (printed(6), 1e-6),
+            (exact.map(|g| f64::from(g as f32)), f64::from(f32::EPSILON)),
+            ([1.0; 3], 0.0),
+        ] {
+            assert!((resolution(&stored) - step).abs() < 1e-12, "{stored:?}");
+        }
+        let h = [Complex64::new(3.0, 4.0); 3];
+        let variance = variance_from_coherence(&h, &printed(6), 3);
+        assert!((variance[1] / (25.0 * 5e-7 / 2.0) - 1.0).abs() < 1e-5);
+    }
 
     #[test]
     fn hand_made_sums() {
@@ -69,7 +118,15 @@ mod tests {
         let told = variance_from_coherence(&h, &[0.8, 1.0, 0.0, 1.1], 3);
         assert!((told[0] - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
         assert!((told[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", told[2]);
-        assert!([told[1], told[3]].iter().all(|v| v.abs() < 1e-300));
+        // Half a thousandth below 1.
+        let expected = 25.0 * 5e-4 / (0.9995 * 2.0);
+        assert!(
+            [told[1], told[3]]
+                .iter()
+                .all(|v| (v / expected - 1.0).abs() < 1e-9)
+        );
+        let told = variance_from_coherence(&h, &[1.0; 4], 3);
+        assert!(told.iter().all(|v| v.abs() < 1e-300));
         // Nothing that hangs together with the force, and nothing measured: as unsure as the mean of the others would be.
         let infinite = Complex64::new(f64::INFINITY, 0.0);
         let told = variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);
