@@ -34,6 +34,9 @@ const FIRST_SHIFT: f64 = 1e-9;
 /// bound of rounding, beyond which the iteration is not to be trusted.
 const RITZ_ERROR: f64 = 1e-7;
 const RITZ_ROUNDINGS: f64 = 100.0;
+/// Part of a limit by which roots may exceed it. Smaller: of a repeated root at the limit a part is counted
+/// (`a_repeated_root_at_the_limit_is_counted_whole`). Larger: modes beyond a band are in it.
+const BESIDE_LIMIT: f64 = 1e-9;
 /// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
 const SHIFT_TRIES: usize = 6;
 
@@ -84,7 +87,8 @@ pub fn sparse_modes(
         .map_err(|_| LinalgError::MassNotPositiveDefinite { size })?;
     let mut goal = match wanted {
         Wanted::Lowest(count) => Goal::Lowest(count.min(size)),
-        Wanted::Below(limit) => Goal::counted(&pencil, limit)?,
+        // A root at the limit is in the band, whole: rounding would count part of a repeated one.
+        Wanted::Below(limit) => Goal::counted(&pencil, limit * (1.0 + BESIDE_LIMIT))?,
     };
     let got = match goal {
         Goal::Lowest(count) | Goal::Below { count, .. } => count,
@@ -108,6 +112,9 @@ pub fn sparse_modes(
             Err(error) if lowest < MAX_MIXED_OVER_SHIFT * shift => return Err(error),
             Err(_) => break,
         }
+    }
+    if let (Wanted::Below(limit), true) = (wanted, modes.counted_below.is_some()) {
+        modes.counted_below = Some(limit);
     }
     Ok(modes)
 }

@@ -400,6 +400,26 @@ fn factors_broken_on_purpose_are_caught() {
 }
 
 #[test]
+fn a_repeated_root_at_the_limit_is_counted_whole() {
+    // A square grid of equal oscillators: 4 - 2c (cos a_i + cos a_j), of which a row's number of values are 4.
+    for side in [6, 8, 9] {
+        let n = side * side;
+        let coupling = 1e-3;
+        let mut entries: Vec<(usize, usize, f64)> = (0..n).map(|i| (i, i, 4.0)).collect();
+        for i in 0..n {
+            let right = (i % side + 1 < side).then_some(i + 1);
+            let below = (i + side < n).then_some(i + side);
+            for j in [right, below].into_iter().flatten() {
+                entries.extend([(i, j, -coupling), (j, i, -coupling)]);
+            }
+        }
+        let k = SparseMatrix::from_entries(n, &entries).unwrap();
+        let modes = sparse_modes(&k, &unit(n), Wanted::Below(4.0), n).unwrap();
+        assert_eq!(modes.omega_squared.len(), (n + side) / 2, "{side}");
+    }
+}
+
+#[test]
 fn eigenvalues_are_counted_where_diagonal_entries_vanish() {
     // A chain between walls, and equal oscillators coupled in a row, with the shift at the mean of their eigenvalues.
     let chain = 1200;
@@ -422,13 +442,12 @@ fn eigenvalues_are_counted_where_diagonal_entries_vanish() {
         let k = SparseMatrix::from_entries(n, &entries).unwrap();
         let m = unit(n);
         let pencil = Pencil::new(&k, &m).unwrap();
-        // An odd number of oscillators has an eigenvalue at their mean.
-        let below = shift * (1.0 - 1e-5 * (oscillators % 2) as f64);
-        assert_eq!(
-            pencil.count_below(below).unwrap(),
-            30 + oscillators / 2,
-            "{oscillators}"
-        );
+        // An odd number of oscillators has an eigenvalue at their mean. Diagonal entries are 0, or rounding.
+        for part in [0.0, 4e-16, -4e-16, 1e-13] {
+            let below = shift * (1.0 + part - 1e-5 * (oscillators % 2) as f64);
+            let count = pencil.count_below(below).unwrap();
+            assert_eq!(count, 30 + oscillators / 2, "{oscillators}, {part:e}");
+        }
     }
 }
 
