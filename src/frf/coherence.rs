@@ -1,4 +1,4 @@
-//! Ordinary coherence of one line, and the variance that it tells.
+//! Ordinary coherence of one line, and the variance that follows from it.
 
 use num_complex::Complex64;
 
@@ -115,24 +115,25 @@ mod tests {
     #[test]
     fn coherence_gives_the_textbook_variance_and_never_an_infinite_one() {
         let h = [Complex64::new(3.0, 4.0); 4];
-        let told = variance_from_coherence(&h, &[0.8, 1.0, 0.0, 1.1], 3);
-        assert!((told[0] - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
-        assert!((told[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", told[2]);
+        let variance = variance_from_coherence(&h, &[0.8, 1.0, 0.0, 1.1], 3);
+        assert!((variance[0] - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
+        assert!((variance[2] / 12.5e6 - 1.0).abs() < 1e-5, "{}", variance[2]);
         // Half a thousandth below 1.
         let expected = 25.0 * 5e-4 / (0.9995 * 2.0);
         assert!(
-            [told[1], told[3]]
+            [variance[1], variance[3]]
                 .iter()
                 .all(|v| (v / expected - 1.0).abs() < 1e-9)
         );
-        let told = variance_from_coherence(&h, &[1.0; 4], 3);
-        assert!(told.iter().all(|v| v.abs() < 1e-300));
+        let variance = variance_from_coherence(&h, &[1.0; 4], 3);
+        assert!(variance.iter().all(|v| v.abs() < 1e-300));
         // Nothing that hangs together with the force, and nothing measured: as unsure as the mean of the others would be.
         let infinite = Complex64::new(f64::INFINITY, 0.0);
-        let told = variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);
-        assert!((told[1] / 6.25e6 - 1.0).abs() < 1e-5, "{}", told[1]);
-        let told = variance_from_coherence(&[h[0], Complex64::ZERO], &[1.0, 1e-4], 3);
-        assert!((told[1] / 6.25e4 - 1.0).abs() < 1e-3, "{}", told[1]);
+        let variance =
+            variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);
+        assert!((variance[1] / 6.25e6 - 1.0).abs() < 1e-5, "{}", variance[1]);
+        let variance = variance_from_coherence(&[h[0], Complex64::ZERO], &[1.0, 1e-4], 3);
+        assert!((variance[1] / 6.25e4 - 1.0).abs() < 1e-3, "{}", variance[1]);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! quotients, compensated where their terms cancel, give the modes.
 //!
 //! Modes far below s are not separated from each other. Where there are such, as with rigid springs or tiny masses, they are
-//! computed again with a smaller shift: each level of modes has a shift of its own.
+//! computed again with a smaller shift, level by level.
 //!
 //! # Reference
 //! Parlett (1998), The Symmetric Eigenvalue Problem, chapters 11 and 15.

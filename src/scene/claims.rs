@@ -194,7 +194,7 @@ fn statement(typed: &ClaimTable) -> Statement {
         "quantity" => quantity(Relation::Equal(value)),
         "quantity-above" => quantity(Relation::Above(value)),
         "quantity-below" => quantity(Relation::Below(value)),
-        "figure" => quantity(Relation::Untold),
+        "figure" => quantity(Relation::Unstated),
         "not-checkable" => Statement::NotCheckable,
         _ => Statement::TheoryColumn,
     }

@@ -31,8 +31,8 @@ pub enum Relation {
     Above(f64),
     /// It is less than this.
     Below(f64),
-    /// Nothing in figures: the model's own is told, and nothing judged.
-    Untold,
+    /// No figure: the value of the model is given, and nothing is judged.
+    Unstated,
 }
 
 /// A claim about a number that a model's theory gives beside its roots.
@@ -246,7 +246,7 @@ impl Relation {
             Relation::Equal(value) | Relation::Above(value) | Relation::Below(value) => {
                 value_alone(value)
             }
-            Relation::Untold => Stated::default(),
+            Relation::Unstated => Stated::default(),
         }
     }
 
@@ -254,7 +254,7 @@ impl Relation {
         match self {
             Relation::Above(_) => ">",
             Relation::Below(_) => "<",
-            Relation::Equal(_) | Relation::Untold => "",
+            Relation::Equal(_) | Relation::Unstated => "",
         }
     }
 
@@ -263,7 +263,7 @@ impl Relation {
             Relation::Equal(printed) => Some(digits.round_to(value, printed)),
             Relation::Above(bound) => Some(value > bound),
             Relation::Below(bound) => Some(value < bound),
-            Relation::Untold => None,
+            Relation::Unstated => None,
         }
     }
 }

@@ -321,7 +321,7 @@ fn quantities_are_found_by_model_and_name_and_held_against_value_or_bound() {
         judged(Some("none"), "place", Relation::Above(0.0)).confirmed,
         None
     );
-    let unstated = judged(None, "place", Relation::Untold);
+    let unstated = judged(None, "place", Relation::Unstated);
     assert_eq!((unstated.confirmed, unstated.unit), (None, "N/m"));
     assert_eq!(
         unstated

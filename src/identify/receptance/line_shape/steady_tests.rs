@@ -343,20 +343,20 @@ fn an_exponential_window_of_unstated_decay_rate_is_reported_by_every_method() {
 #[test]
 fn hits_have_no_bias_by_a_window() {
     let mut set = measured(1, true);
-    let told = |set: &FrfSet| {
+    let is_reported = |set: &FrfSet| {
         let model = identify(set, &in_band(2.0, 5.0, None)).unwrap();
         has(&model.findings, Code::DampingBiasedHigh)
     };
-    assert!(told(&set));
+    assert!(is_reported(&set));
     set.window = Some(Window::Exponential);
-    assert!(!told(&set));
+    assert!(!is_reported(&set));
     set.window = None;
     // Some functions state no window, others one for hits.
     set.mixed_windows = vec![Window::HannBroad];
-    assert!(told(&set));
+    assert!(is_reported(&set));
     set.mixed_windows = vec![Window::Force];
-    assert!(!told(&set));
+    assert!(!is_reported(&set));
     set.mixed_windows = Vec::new();
     set.record_duration_s = Some(32.0);
-    assert!(!told(&set));
+    assert!(!is_reported(&set));
 }
