@@ -37,6 +37,7 @@ use super::companions::strongest_companions;
 use super::far::Rest;
 use super::indicator::Indicator;
 use super::moving::Moved;
+use super::narrower_bands::band_deviation;
 use super::pruning::{Change, Judge};
 use super::reasons::{Dropped, Evidence};
 use super::receptance::{LineShape, Receptances};
@@ -451,7 +452,13 @@ impl Fit {
     }
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
-        let standings = self.standings();
+        let described = self.data.far().beside(&self.data, &self.roots);
+        let mut standings = self.standings();
+        let with_standing = self.roots.par_iter().zip(&mut standings);
+        with_standing.for_each(|(root, standing)| {
+            let model = (&self.data, &self.roots[..]);
+            standing.band_deviation = band_deviation(model, &described, root);
+        });
         let modes = self.roots.iter().zip(&standings);
         let mut kept: Vec<(&Root, &Standing)> =
             modes.filter(|(root, _)| !root.is_companion).collect();
@@ -468,7 +475,7 @@ impl Fit {
         let evidence = Evidence {
             set,
             data: &self.data,
-            described: self.data.far().beside(&self.data, &self.roots),
+            described,
             band,
             found,
             kept: &kept,

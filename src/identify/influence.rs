@@ -100,7 +100,8 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
 fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
     let profile = Profile::new(data, lines.clone());
-    let course = derivative(data, (roots, root), (&lines, &profile))?;
+    let background = Background::new(&data.omega, &lines, data.outside());
+    let course = orthogonal_derivative(data, (roots, root), (&lines, &profile, &background))?;
     let energy = course.iter().map(Complex64::norm_sqr).sum::<f64>();
     let over = |f: usize| profile.level[f] * profile.level[f];
     let weights = root.residues.iter().enumerate();
@@ -160,10 +161,10 @@ fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Op
 }
 
 /// What background and the poles around leave of a pole's derivative, over the course of the noise.
-fn derivative(
+pub(super) fn orthogonal_derivative(
     data: &Receptances,
     (roots, root): (&[Root], &Root),
-    (lines, profile): (&Range<usize>, &Profile),
+    (lines, profile, background): (&Range<usize>, &Profile, &Background),
 ) -> Option<Vec<Complex64>> {
     let omega = &data.omega[lines.clone()];
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
@@ -171,7 +172,6 @@ fn derivative(
         .filter(|other| other.lambda.im > lo - other.width())
         .filter(|other| other.lambda.im < hi + other.width())
         .collect();
-    let background = Background::new(&data.omega, lines, data.outside());
     let columns = background.columns();
     if lines.len() < columns + near.len() + 2 {
         return None;

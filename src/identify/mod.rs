@@ -68,6 +68,7 @@ mod misfit;
 mod ml_tests;
 mod moving;
 mod multi;
+mod narrower_bands;
 mod noise;
 mod noise_course;
 mod noise_profile;

@@ -20,6 +20,8 @@ use super::standing::{Doubt, LEAST_SHARE, MOST_PHASE, Standing};
 
 /// Lines across a half-power band below which damping rests on the model alone.
 const FEWEST_LINES: f64 = 1.0;
+/// Standard deviation of the damping by narrower bands, in percent of it, above which it is reported.
+const MAX_BAND_DEVIATION_PERCENT: f64 = 10.0;
 /// A peak belongs to a mode within so many half-power widths, or lines.
 const AT_PEAK: f64 = 1.0;
 const LINES_AT_PEAK: f64 = 3.0;
@@ -103,8 +105,8 @@ impl Evidence<'_> {
         }
         findings.extend(self.of_runs());
         findings.extend(self.of_misfit());
-        for (root, _) in self.kept {
-            findings.extend(self.of_mode(root));
+        for (root, standing) in self.kept {
+            findings.extend(self.of_mode(root, standing));
         }
         findings.extend(self.of_parts());
         findings.extend(self.of_doubts());
@@ -142,7 +144,7 @@ impl Evidence<'_> {
         told.map(finding).collect()
     }
 
-    fn of_mode(&self, root: &Root) -> Vec<Finding> {
+    fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
         let place = self.place(root.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, place.clone())
@@ -166,6 +168,12 @@ impl Evidence<'_> {
         if let Some((_, size)) = companion {
             let finding = Finding::new(Severity::Warning, Code::AmplitudeDependent, place.clone());
             findings.push(finding.value(*size, ""));
+        }
+        let decay = root.decay() - self.set.added_damping_rad_s;
+        let percent = 100.0 * standing.band_deviation / decay;
+        if percent.is_finite() && percent > MAX_BAND_DEVIATION_PERCENT {
+            let limit = MAX_BAND_DEVIATION_PERCENT;
+            findings.push(warning(Code::BandDependent, percent, "%", limit));
         }
         let lines = root.width() / self.data.step;
         if lines < FEWEST_LINES {

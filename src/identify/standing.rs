@@ -66,6 +66,9 @@ pub(super) struct Standing {
     pub share: f64,
     /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where it repeats no other's shape.
     pub echo: f64,
+    /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by more than noise
+    /// ([`band_deviation`](super::narrower_bands::band_deviation)); 0 before the fit is complete.
+    pub band_deviation: f64,
 }
 
 /// Of each root.
@@ -82,6 +85,7 @@ pub(super) fn standings((data, sides): (&Receptances, &Sides), roots: &[Root]) -
             misfit: missed(data, &described, root),
             share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
             echo: 0.0,
+            band_deviation: 0.0,
         }
     };
     let mut standings: Vec<Standing> = roots.par_iter().map(standing).collect();
@@ -203,6 +207,11 @@ impl Standing {
             1.0
         }
     }
+
+    /// Standard deviation of each part of the pole, rad/s, with what the model misses.
+    pub fn pole_std(&self, root: &Root) -> f64 {
+        (root.quality.pole_std * self.inflation()).hypot(self.band_deviation)
+    }
 }
 
 impl Doubt {
@@ -320,7 +329,7 @@ fn in_phase(root: &Root, phase: f64) -> f64 {
 /// Errors of real and imaginary part of λ have one deviation and are independent, so that those of frequency and damping are too:
 /// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
 pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
-    let std = root.quality.pole_std * standing.inflation();
+    let std = standing.pole_std(root);
     let (bias, along) = (root.quality.bias, root.lambda / root.lambda.norm());
     Candidate {
         order: None,
