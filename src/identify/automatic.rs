@@ -37,7 +37,7 @@ use super::companions::strongest_companions;
 use super::far::Rest;
 use super::indicator::Indicator;
 use super::moving::Moved;
-use super::narrower_bands::band_deviation;
+use super::narrower_bands::NarrowerBands;
 use super::pruning::{Change, Judge};
 use super::reasons::{Dropped, Evidence};
 use super::receptance::{LineShape, Receptances};
@@ -453,19 +453,17 @@ impl Fit {
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let described = self.data.far().beside(&self.data, &self.roots);
-        let mut standings = self.standings();
-        let with_standing = self.roots.par_iter().zip(&mut standings);
-        with_standing.for_each(|(root, standing)| {
-            let model = (&self.data, &self.roots[..]);
-            standing.band_deviation = band_deviation(model, &described, root);
-        });
-        let modes = self.roots.iter().zip(&standings);
-        let mut kept: Vec<(&Root, &Standing)> =
-            modes.filter(|(root, _)| !root.is_companion).collect();
-        kept.retain(|(root, _)| {
+        let is_mode = |root: &Root| {
             let hz = root.lambda.norm() / TAU;
-            hz >= band.lo_hz && hz <= band.hi_hz
-        });
+            !root.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
+        };
+        let mut standings = self.standings();
+        let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
+        let with_standing = self.roots.par_iter().zip(&mut standings);
+        let modes = with_standing.filter(|(root, _)| is_mode(root));
+        modes.for_each(|(root, own)| own.band_deviation = narrower_bands.deviation(root));
+        let modes = self.roots.iter().zip(&standings);
+        let mut kept: Vec<(&Root, &Standing)> = modes.filter(|(root, _)| is_mode(root)).collect();
         if let Some(most) = self.options.max_modes {
             let worth = |(root, _): &(&Root, &Standing)| root.quality.significance();
             kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));

@@ -100,8 +100,12 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
 fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
     let profile = Profile::new(data, lines.clone());
-    let background = Background::new(&data.omega, &lines, data.outside());
-    let course = orthogonal_derivative(data, (roots, root), (&lines, &profile, &background))?;
+    let fit = FitLines {
+        background: Background::new(&data.omega, &lines, data.outside()),
+        course: &profile.course,
+        lines: lines.clone(),
+    };
+    let course = orthogonal_derivative(data, (roots, root), &fit)?;
     let energy = course.iter().map(Complex64::norm_sqr).sum::<f64>();
     let over = |f: usize| profile.level[f] * profile.level[f];
     let weights = root.residues.iter().enumerate();
@@ -160,12 +164,27 @@ fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Op
     factor.is_finite().then_some(factor.max(1.0))
 }
 
-/// What background and the poles around leave of a pole's derivative, over the course of the noise.
+/// Lines on which a pole is fitted.
+pub(super) struct FitLines<'a> {
+    pub lines: Range<usize>,
+    /// Profile of the noise over these lines.
+    pub course: &'a [f64],
+    /// Out-of-band terms of these lines.
+    pub background: Background<'a>,
+}
+
+/// Part of a pole's derivative, over the profile of the noise, that out-of-band terms and the poles around do not explain; `None` where
+/// there are too few lines.
 pub(super) fn orthogonal_derivative(
     data: &Receptances,
     (roots, root): (&[Root], &Root),
-    (lines, profile, background): (&Range<usize>, &Profile, &Background),
+    fit: &FitLines,
 ) -> Option<Vec<Complex64>> {
+    let FitLines {
+        lines,
+        course,
+        background,
+    } = fit;
     let omega = &data.omega[lines.clone()];
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
     let near: Vec<&Root> = (roots.iter())
@@ -185,10 +204,9 @@ pub(super) fn orthogonal_derivative(
             Some(place) => power(k, near[place], 1),
             None => background.value(column, omega, k),
         };
-        value / profile.course[k]
+        value / course[k]
     });
-    let second =
-        linalg::complex_matrix(lines.len(), 1, |k, _| power(k, root, 2) / profile.course[k]);
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, root, 2) / course[k]);
     let basis: ComplexMatrix = linalg::thin_qr(&others).ok()?.q;
     let own = &second - &basis * (basis.adjoint() * &second);
     let enough = own.norm_l2() > OWN * second.norm_l2();

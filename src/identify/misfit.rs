@@ -46,7 +46,7 @@ impl Consequence<'_> {
 
     /// Residual, factor of the standard deviations, and those of frequency (over the half-power bandwidth), damping and shape.
     fn figures(&self) -> String {
-        let factor = self.standing.pole_std(self.root) / self.root.quality.pole_std;
+        let factor = self.standing.inflation();
         let (frequency, damping) = (0.5 * self.damping, 100.0 * self.damping);
         let mut text = format!(
             "|R|/|H| {:.1} %, σ × {factor:.1}, σ(f)/Δf₃dB {frequency:.3}, σ(ζ)/ζ {damping:.1} %",
@@ -93,7 +93,7 @@ impl Evidence<'_> {
             residual: ((standing.misfit - 1.0) / self.response_over_noise(root)).sqrt(),
             // Where the window's decay is all that there is, damping is not determined.
             damping: match decay > 0.0 {
-                true => standing.pole_std(root) / decay,
+                true => root.quality.pole_std * standing.inflation() / decay,
                 false => f64::INFINITY,
             },
             shape: (root.multiplicity() == 1).then_some(squared * variance / size),

@@ -20,7 +20,8 @@ use super::standing::{Doubt, LEAST_SHARE, MOST_PHASE, Standing};
 
 /// Lines across a half-power band below which damping rests on the model alone.
 const FEWEST_LINES: f64 = 1.0;
-/// Standard deviation of the damping by narrower bands, in percent of it, above which it is reported.
+/// Standard deviation of the damping by narrower bands, in percent of it, above which it is reported: the limit for
+/// misfit. Larger: hammer recordings whose damping changes by 14 % from band to band are not reported.
 const MAX_BAND_DEVIATION_PERCENT: f64 = 10.0;
 /// A peak belongs to a mode within so many half-power widths, or lines.
 const AT_PEAK: f64 = 1.0;
@@ -170,10 +171,17 @@ impl Evidence<'_> {
             findings.push(finding.value(*size, ""));
         }
         let decay = root.decay() - self.set.added_damping_rad_s;
+        let limit = MAX_BAND_DEVIATION_PERCENT;
         let percent = 100.0 * standing.band_deviation / decay;
-        if percent.is_finite() && percent > MAX_BAND_DEVIATION_PERCENT {
-            let limit = MAX_BAND_DEVIATION_PERCENT;
+        if percent > limit && decay > 0.0 {
             findings.push(warning(Code::BandDependent, percent, "%", limit));
+        } else if standing.band_deviation > 0.0 && decay <= 0.0 {
+            // The window's decay is all that there is: the damping is not determined.
+            findings.push(Finding::new(
+                Severity::Warning,
+                Code::BandDependent,
+                place.clone(),
+            ));
         }
         let lines = root.width() / self.data.step;
         if lines < FEWEST_LINES {

@@ -67,7 +67,7 @@ pub(super) struct Standing {
     /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where it repeats no other's shape.
     pub echo: f64,
     /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by more than noise
-    /// ([`band_deviation`](super::narrower_bands::band_deviation)); 0 before the fit is complete.
+    /// ([`NarrowerBands`](super::narrower_bands::NarrowerBands)); 0 before the fit is complete.
     pub band_deviation: f64,
 }
 
