@@ -103,7 +103,7 @@ pub struct RunArgs {
     /// Write tables, modes, FRFs, recordings and the HTML report into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch.
+    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
     /// Go on with the good part of a partly bad file.
@@ -117,7 +117,7 @@ pub struct RunArgs {
 pub struct ReportArgs {
     /// The folder that `run -o` wrote; what `update -o` and `study … -o` put into it is in the report.
     pub folder: PathBuf,
-    /// Write every figure as PNG, too, 300 dots to the inch.
+    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long)]
     pub png: bool,
 }
@@ -389,7 +389,7 @@ pub struct UpdateArgs {
     /// Write update.json, the updated model.toml and the tables into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch.
+    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
     /// Go on with the good part of a partly bad file.

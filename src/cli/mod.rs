@@ -32,7 +32,7 @@ mod update;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches};
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
 use crate::error::Error;
 
@@ -65,7 +65,8 @@ pub fn main() -> ExitCode {
     let matches = Cli::command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
-    let result = in_pool(&cli.global, || dispatch(&cli, &mut output));
+    let result = check_features(&matches)
+        .and_then(|()| in_pool(&cli.global, || dispatch(&cli, &mut output)));
     output.end_progress();
     match result.and_then(|outcome| output.finish().map(|()| outcome)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -80,6 +81,26 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// An error for an option whose feature this program was built without.
+fn check_features(matches: &ArgMatches) -> Result<(), Error> {
+    if cfg!(feature = "png") || !wants_png(matches) {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "--png",
+        got: "a program that was built without PNG".to_owned(),
+        expected: "one that was built with it: `cargo install --path . --features png`, or \
+                   `cargo run --release --features png -- ...`. SVG figures are written without"
+            .to_owned(),
+    })
+}
+
+fn wants_png(matches: &ArgMatches) -> bool {
+    let flag = matches.try_get_one::<bool>("png").ok().flatten();
+    let verb = matches.subcommand();
+    flag == Some(&true) || verb.is_some_and(|(_, arguments)| wants_png(arguments))
 }
 
 /// Runs `work` in a pool of the wanted number of threads.

@@ -24,7 +24,7 @@ pub struct OrderArgs {
     /// Write order.md, order.csv, order.json and a figure for each test into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch.
+    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     png: bool,
 }

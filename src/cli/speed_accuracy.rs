@@ -29,7 +29,7 @@ pub struct SpeedAccuracyArgs {
     /// report` shows them.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch.
+    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     png: bool,
     /// Draws of the noise at each level, instead of the spec's.

@@ -11,6 +11,7 @@ mod circle;
 mod mac;
 mod mark;
 mod order;
+#[cfg(feature = "png")]
 mod png;
 mod poles;
 mod shapes;
@@ -19,12 +20,11 @@ mod update;
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use crate::scene::{Figures, TestFigures};
 
 pub use breakdown::{breakdown_svg, stability_svg};
 pub use order::order_figures;
+#[cfg(feature = "png")]
 pub use png::png_lacks_letters;
 pub use speed_accuracy::speed_accuracy_figures;
 pub use update::update_figures_svg;
@@ -55,23 +55,37 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
 }
 
 /// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn from it at 300 dots to the
-/// inch in the pool of the caller.
+/// inch in the pool of the caller. Without the feature `png` no PNG is drawn.
 ///
-/// The PNG's font has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there ([`png_lacks_letters`]). The figures' own
-/// words are English.
+/// The font of the PNG has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there ([`png_lacks_letters`]).
+/// The words of the figures themselves are English.
 pub fn figure_files(mut figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
     number_the_same(&mut figures);
-    let drawn: Vec<(String, Vec<u8>)> = match png {
-        true => figures
-            .par_iter()
-            .map(|(name, svg)| (format!("{name}.png"), png::png(svg)))
-            .collect(),
-        false => Vec::new(),
-    };
+    let drawn = if png { pngs(&figures) } else { Vec::new() };
     let svgs = figures
         .into_iter()
         .map(|(name, svg)| (format!("{name}.svg"), svg.into_bytes()));
     svgs.chain(drawn).collect()
+}
+
+#[cfg(feature = "png")]
+fn pngs(figures: &[(String, String)]) -> Vec<(String, Vec<u8>)> {
+    use rayon::prelude::*;
+
+    let figures = figures.par_iter();
+    let drawn = figures.map(|(name, svg)| (format!("{name}.png"), png::png(svg)));
+    drawn.collect()
+}
+
+#[cfg(not(feature = "png"))]
+fn pngs(_figures: &[(String, String)]) -> Vec<(String, Vec<u8>)> {
+    Vec::new()
+}
+
+/// Whether a figure has letters that the font of its PNG lacks; none without the feature `png`, where no PNG is drawn.
+#[cfg(not(feature = "png"))]
+pub fn png_lacks_letters(_svg: &str) -> bool {
+    false
 }
 
 /// The second figure of a name is called name-2, and so on: two tests may differ in letters that files cannot have.
@@ -232,42 +246,6 @@ mod tests {
             ">no common degree of freedom</text>",
         ] {
             assert!(all[2].1.contains(part), "{part}");
-        }
-    }
-
-    #[test]
-    fn a_png_is_the_figure_for_print() {
-        let figures = Figures {
-            tests: vec![test_figures()],
-            ..Figures::default()
-        };
-        let all = figures_svg(&figures);
-        assert_eq!(figure_files(all.clone(), false).len(), all.len());
-        let files = figure_files(all.clone(), true);
-        assert_eq!(files.len(), 2 * all.len());
-        for (name, svg) in &all {
-            let file = |name: &str| {
-                &files
-                    .iter()
-                    .find(|(own, _)| own == name)
-                    .expect("each figure is written")
-                    .1
-            };
-            assert_eq!(file(&format!("{name}.svg")), svg.as_bytes());
-            let image = png::tests::decoded(file(&format!("{name}.png")));
-            let size = |side: &str| {
-                let text = svg
-                    .split(&format!("{side}=\""))
-                    .nth(1)
-                    .expect("the drawing states its size");
-                let value = text.split('"').next().expect("a split has a first part");
-                value.parse::<f64>().expect("sizes are numbers")
-            };
-            let dots =
-                [size(" width"), size(" height")].map(|px| (px * 300.0 / 96.0).round() as u32);
-            assert_eq!([image.width, image.height], dots, "{name}");
-            // 300 dots to 0.0254 m.
-            assert_eq!(image.dots_per_metre, 11811, "{name}");
         }
     }
 
