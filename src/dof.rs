@@ -1,7 +1,7 @@
 //! Degrees of freedom: a point, a direction and its sign, and their text form `POINT:±AXIS`.
 //!
-//! A [`Dof`] names where and in which direction something is measured, hit or predicted. It holds no
-//! coordinates and no unit. The sign belongs to the sensor: `3:-Z` reads the negative of `3:+Z`.
+//! A [`Dof`] names where and in which direction something is measured, hit or predicted. It holds
+//! no coordinates and no unit. The sign belongs to the sensor: `3:-Z` reads the negative of `3:+Z`.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -28,7 +28,8 @@ pub enum Axis {
     RZ,
 }
 
-/// The one table of axis names and universal-file direction codes (0 scalar, 1 to 3 translations, 4 to 6 rotations).
+/// The one table of axis names and universal-file direction codes (0 scalar, 1 to 3 translations, 4
+/// to 6 rotations).
 const AXES: [(Axis, &str, i32); 7] = [
     (Axis::S, "S", 0),
     (Axis::X, "X", 1),

@@ -1,4 +1,5 @@
-//! The crate's error: one variant per stage. Stages return their own; this one is for whoever runs several.
+//! The crate's error: one variant per stage. Stages return their own; this one is for whoever runs
+//! several.
 
 use crate::correlate::CorrelateError;
 use crate::frf::FrfError;

@@ -1,6 +1,8 @@
-//! What the data says that is not a failure: a code, where, the value that was found and the limit it met.
+//! What the data says that is not a failure: a code, where, the value that was found and the limit
+//! it met.
 //!
-//! A finding never stops the chain. Its sentence is made here from its parts, so that every report says the same.
+//! A finding never stops the chain. Its sentence is made here from its parts, so that every report
+//! says the same.
 
 mod chinese;
 mod numbers;
@@ -437,7 +439,8 @@ pub struct Finding {
     pub limit: Option<f64>,
     /// Unit of value and limit.
     pub unit: Option<String>,
-    /// Which parts are concerned, with their figures: got and expected of a damaged part, or the FRFs of a mode.
+    /// Which parts are concerned, with their figures: got and expected of a damaged part, or the
+    /// FRFs of a mode.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
 }

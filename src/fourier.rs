@@ -1,4 +1,5 @@
-//! The only place that names an FFT crate: one-sided transforms of real records and complex ones of lines, with shared plans.
+//! The only place that names an FFT crate: one-sided transforms of real records and complex ones of
+//! lines, with shared plans.
 
 use std::sync::Arc;
 
@@ -6,7 +7,8 @@ use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
-/// Forward transform of real records of one length, `X_k = sum_n x_n exp(-2 pi i k n / N)`, `k = 0 ..= N/2`, unscaled.
+/// Forward transform of real records of one length, `X_k = sum_n x_n exp(-2 pi i k n / N)`, `k = 0
+/// ..= N/2`, unscaled.
 ///
 /// Cheap to clone; each thread keeps its own [`Scratch`].
 #[derive(Clone)]
@@ -73,7 +75,8 @@ impl ForwardPlan {
     /// Transforms samples into `output`; the samples are lost.
     ///
     /// # Panics
-    /// When the number of samples or of output places is not that of the plan, or the scratch is of another plan.
+    /// When the number of samples or of output places is not that of the plan, or the scratch is of
+    /// another plan.
     pub fn run(&self, samples: &mut [f64], output: &mut [Complex64], scratch: &mut Scratch) {
         self.process(samples, output, &mut scratch.work);
     }

@@ -14,7 +14,8 @@ pub struct Node {
     pub point: String,
     /// Position in the global frame, m.
     pub at_m: Vector3,
-    /// Label of the coordinate system in which displacements at the node are given; `None` for the global frame.
+    /// Label of the coordinate system in which displacements at the node are given; `None` for the
+    /// global frame.
     pub displacement_system: Option<i64>,
 }
 
@@ -71,12 +72,13 @@ pub struct CoordinateSystem {
     pub axes: [Vector3; 3],
 }
 
-/// A point that is nearer to the axis of its system than this part of its coordinates is on the axis.
+/// A point that is nearer to the axis of its system than this part of its coordinates is on the
+/// axis.
 const ON_AXIS: f64 = 1e-12;
 
 impl CoordinateSystem {
-    /// Position in the global frame, m, of a point given in this system: x, y, z or r, θ, z or r, θ, φ with lengths in m
-    /// and angles in rad.
+    /// Position in the global frame, m, of a point given in this system: x, y, z or r, θ, z or r,
+    /// θ, φ with lengths in m and angles in rad.
     ///
     /// ```
     /// use modalign::geometry::{CoordinateSystem, SystemKind};
@@ -97,9 +99,9 @@ impl CoordinateSystem {
         self.origin_m + along_x * x + along_y * y + along_z * z
     }
 
-    /// Unit vectors, in the global frame, of the directions in which displacements at a point are counted: the axes of a
-    /// Cartesian system, e_r, e_θ, e_z of a cylindrical and e_r, e_θ, e_φ of a spherical one. On the axis, where θ (or φ)
-    /// is not defined, it is 0.
+    /// Unit vectors, in the global frame, of the directions in which displacements at a point are
+    /// counted: the axes of a Cartesian system, e_r, e_θ, e_z of a cylindrical and e_r, e_θ, e_φ of
+    /// a spherical one. On the axis, where θ (or φ) is not defined, it is 0.
     pub fn unit_vectors_at(&self, point_m: Vector3) -> [Vector3; 3] {
         let [along_x, along_y, along_z] = self.axes;
         let from_origin = point_m - self.origin_m;
@@ -127,7 +129,8 @@ impl CoordinateSystem {
         }
     }
 
-    /// Whether displacements in this system are displacements in the global frame: Cartesian along the global axes.
+    /// Whether displacements in this system are displacements in the global frame: Cartesian along
+    /// the global axes.
     pub fn is_aligned(&self) -> bool {
         let global = [Vector3::x(), Vector3::y(), Vector3::z()];
         self.kind == SystemKind::Cartesian && self.axes == global
@@ -139,7 +142,8 @@ impl CoordinateSystem {
 pub struct Element {
     /// Its number.
     pub label: i64,
-    /// Descriptor of universal file dataset 2412 (11 rod, 21 beam, 41 triangle, 44 quadrilateral, 111 tetrahedron, ...).
+    /// Descriptor of universal file dataset 2412 (11 rod, 21 beam, 41 triangle, 44 quadrilateral,
+    /// 111 tetrahedron, ...).
     pub descriptor: i64,
     /// Points.
     pub points: Vec<String>,
@@ -152,7 +156,8 @@ pub struct Group {
     pub label: i64,
     /// Its name.
     pub name: String,
-    /// Entity type of universal file dataset 2467 (7 node, 8 element, ...) and label of each member.
+    /// Entity type of universal file dataset 2467 (7 node, 8 element, ...) and label of each
+    /// member.
     pub members: Vec<(i64, i64)>,
 }
 
@@ -186,8 +191,8 @@ impl Geometry {
         self.nodes.iter().find(|node| node.point == point)
     }
 
-    /// Adds another geometry. A node, coordinate system, element or group that is there already (by its name or number), or
-    /// an equal trace line, is not repeated.
+    /// Adds another geometry. A node, coordinate system, element or group that is there already (by
+    /// its name or number), or an equal trace line, is not repeated.
     pub fn add(&mut self, other: &Geometry) {
         add_new(&mut self.nodes, &other.nodes, |node| node.point.clone());
         add_new(&mut self.systems, &other.systems, |system| system.label);

@@ -1,15 +1,18 @@
-//! modalign takes a hammer test and a theoretical model of the same machine and says, in numbers, how far apart they
-//! are and why, and which of its parameters would bring them together.
+//! modalign takes a hammer test and a theoretical model of the same machine and says, in numbers,
+//! how far apart they are and why, and which of its parameters would bring them together.
 //!
-//! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance (`signal`, `frf`);
-//! FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters become matrices and a
-//! [`modal::ModalModel`] of the theory (`theory`); the two are paired and compared (`correlate`); the model is brought to the
-//! test (`update`); results are written (`report`). Test and theory end in the same type, and nothing after it knows where a mode came from.
+//! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance
+//! (`signal`, `frf`); FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters
+//! become matrices and a [`modal::ModalModel`] of the theory (`theory`); the two are paired and
+//! compared (`correlate`); the model is brought to the test (`update`); results are written
+//! (`report`). Test and theory end in the same type, and nothing after it knows where a mode came
+//! from.
 //!
 //! # A whole job
 //!
-//! What `modalign run` does, stage by stage: a hammer test of a bar is recorded (here computed from a stated truth, so that the
-//! example needs no file), estimated, identified, and held against the bar's model.
+//! What `modalign run` does, stage by stage: a hammer test of a bar is recorded (here computed from
+//! a stated truth, so that the example needs no file), estimated, identified, and held against the
+//! bar's model.
 //!
 //! ```
 //! use std::collections::BTreeMap;
@@ -21,18 +24,22 @@
 //! use modalign::identify::{IdentifyOptions, identification};
 //! use modalign::io::{Hints, HitFile, HitGrouping, group_hits, open_bytes};
 //! use modalign::report::{Renderer, TableGroup, Terminal, comparison_blocks};
-//! use modalign::scene::{NamedTest, Scene, compare_tests, hammer_test, load_model, load_synth, record};
+//! use modalign::scene::{NamedTest, Scene, compare_tests, hammer_test};
+//! use modalign::scene::{load_model, load_synth, record};
 //! use modalign::theory::ModeOptions;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // Files to hits. `io::open_path` opens a file of a measurement system; its samples are read as they are needed.
+//! // Files to hits. `io::open_path` opens a file of a measurement system; its samples are read as
+//! // they are needed.
 //! let spec_path = Path::new("measurements/free-free-beam/synth.toml");
 //! let spec = load_synth(spec_path)?;
 //! let recorded = record(&spec, &hammer_test(&spec, spec_path)?, spec_path)?;
-//! let source = open_bytes(recorded.uff, &Hints { path: "hits.uff".to_owned(), ..Hints::default() })?;
+//! let hints = Hints { path: "hits.uff".to_owned(), ..Hints::default() };
+//! let source = open_bytes(recorded.uff, &hints)?;
 //! let mut hits = group_hits(vec![HitFile::new(source)], HitGrouping::Records, &[])?;
 //!
-//! // Hits to FRFs: each hit is judged, those that stand are averaged; variance and coherence come with them.
+//! // Hits to FRFs: each hit is judged, those that stand are averaged; variance and coherence come
+//! // with them.
 //! let estimated = hammer(&mut hits.recording, &HammerOptions::default())?;
 //! let frfs = estimated.estimated.set;
 //! assert_eq!(frfs.functions().len(), 11);
@@ -56,7 +63,8 @@
 //! let table = compare_tests(&theory.modes, &[named], &PairOptions::default())?.table;
 //! let first = &table.rows[0].tests[0];
 //! assert_eq!(first.status, Status::Paired);
-//! assert!(first.mac.is_some_and(|mac| mac > 0.99) && first.error_percent.is_some_and(|error| error < -2.0));
+//! assert!(first.mac.is_some_and(|mac| mac > 0.99));
+//! assert!(first.error_percent.is_some_and(|error| error < -2.0));
 //!
 //! // And to text; `report::json` writes the same for programs.
 //! let groups = [TableGroup { caption: "Bar", tests: &["hammer".to_owned()], notes: &[] }];
@@ -70,10 +78,11 @@
 //!
 //! # Where to begin
 //!
-//! To add a file format, implement [`io::Format`] and [`io::Source`] and put it into [`io::FORMATS`]; a method of identification,
-//! [`identify::PoleEstimator`] and [`identify::ESTIMATORS`]; a machine, [`theory::TheoreticalModel`] and [`theory::BUILT_IN`]; an
-//! output of tables, [`report::Renderer`] and [`report::RENDERERS`]; something that the data say, [`finding::Code`]. What is in such a
-//! list is tested with the others.
+//! To add a file format, implement [`io::Format`] and [`io::Source`] and put it into
+//! [`io::FORMATS`]; a method of identification, [`identify::PoleEstimator`] and
+//! [`identify::ESTIMATORS`]; a machine, [`theory::TheoreticalModel`] and [`theory::BUILT_IN`]; an
+//! output of tables, [`report::Renderer`] and [`report::RENDERERS`]; something that the data say,
+//! [`finding::Code`]. What is in such a list is tested with the others.
 //!
 //! # Where things are
 //!
@@ -122,8 +131,8 @@
 //! | [`report::json::RunReport`] | a run as its HTML page shows it, [`report::report_page`] | `report` |
 //! | [`error::Error`] | the error of whoever runs several stages; each stage has its own | `error` |
 //!
-//! Matrix decompositions and transforms are in `linalg` and `fourier`, the only places that name a crate for them; the command
-//! line is `cli`, behind the feature of that name.
+//! Matrix decompositions and transforms are in `linalg` and `fourier`, the only places that name a
+//! crate for them; the command line is `cli`, behind the feature of that name.
 //!
 //! # Who may use whom
 //!
@@ -160,10 +169,13 @@
 //!
 //! - Only `io`, `scene` and `cli` touch files; only `cli` prints, parses arguments or exits.
 //! - Nothing in the library reads the clock or the environment or draws an unseeded random number.
-//! - No global state; parallel work runs in the caller's rayon pool; the same input gives the same bytes for any
-//!   number of threads. Matrix kernels run on the calling thread, but for products that say otherwise.
-//! - SI units, `f64` and `Complex64`. Sampling rate, unit, FRF kind and calibration have no defaults.
-//! - e^{+iωt}; λ = −ζω_n + iω_n√(1−ζ²); H = Σ A/(iω−λ) + conj., residues of a receptance in m/(N s).
+//! - No global state; parallel work runs in the caller's rayon pool; the same input gives the same
+//!   bytes for any number of threads. Matrix kernels run on the calling thread, but for products
+//!   that say otherwise.
+//! - SI units, `f64` and `Complex64`. Sampling rate, unit, FRF kind and calibration have no
+//!   defaults.
+//! - e^{+iωt}; λ = −ζω_n + iω_n√(1−ζ²); H = Σ A/(iω−λ) + conj., residues of a receptance in m/(N
+//!   s).
 //! - Missing is `Option` to the end: an empty field or `null`, never 0.
 //! - Two arrays meet through a degree of freedom, never by index.
 //! - Bad input is an error with got and expected, never a panic.

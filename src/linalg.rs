@@ -1,5 +1,5 @@
-//! The only place that names a matrix crate. Everything runs on the calling thread, as callers parallelise over problems, but
-//! products that say otherwise.
+//! The only place that names a matrix crate. Everything runs on the calling thread, as callers
+//! parallelise over problems, but products that say otherwise.
 
 mod compensated;
 #[cfg(test)]
@@ -124,7 +124,8 @@ pub enum LinalgError {
     },
 }
 
-/// Complex least squares `min |A x - b|` by QR; `A` is tall with full column rank, `b` has one column per right-hand side.
+/// Complex least squares `min |A x - b|` by QR; `A` is tall with full column rank, `b` has one
+/// column per right-hand side.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
@@ -149,8 +150,8 @@ pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgE
     Ok(x.col(0).iter().copied().collect())
 }
 
-/// `A^-1 B` of a general square matrix by LU with partial pivoting and one step of iterative refinement, which makes the
-/// error of each row relative to the entries of that row.
+/// `A^-1 B` of a general square matrix by LU with partial pivoting and one step of iterative
+/// refinement, which makes the error of each row relative to the entries of that row.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for a matrix that is singular to working precision.
@@ -181,7 +182,8 @@ pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, Lina
     Ok(x)
 }
 
-/// Lower Cholesky factor `L` of a Hermitian positive definite matrix of which the lower triangle counts, `A = L Lᴴ`.
+/// Lower Cholesky factor `L` of a Hermitian positive definite matrix of which the lower triangle
+/// counts, `A = L Lᴴ`.
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
@@ -204,8 +206,9 @@ pub fn cholesky(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
     Ok(lower)
 }
 
-/// Column by column. The factor of faer 0.24.4 keeps rounding in the imaginary parts of its pivots, which grows with the
-/// condition of the matrix: an error of 1e-12 of the diagonal at a condition of 1e12.
+/// Column by column. The factor of faer 0.24.4 keeps rounding in the imaginary parts of its pivots,
+/// which grows with the condition of the matrix: an error of 1e-12 of the diagonal at a condition
+/// of 1e12.
 fn cholesky_with_real_pivots(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
     let n = a.nrows();
     let mut lower = complex_matrix(n, n, |i, j| match i >= j {
@@ -270,7 +273,8 @@ pub fn thin_qr(a: &ComplexMatrix) -> Result<ThinQr, LinalgError> {
 }
 
 impl ThinQr {
-    /// [`thin_qr`] where an error cannot be passed on: numbers that are not numbers where it fails, never wrong ones.
+    /// [`thin_qr`] where an error cannot be passed on: numbers that are not numbers where it fails,
+    /// never wrong ones.
     pub fn or_not_a_number(a: &ComplexMatrix) -> Self {
         thin_qr(a).unwrap_or_else(|_| Self {
             q: not_a_number(a.nrows(), a.ncols().min(a.nrows())),
@@ -311,14 +315,14 @@ pub fn inverse_upper(upper: &ComplexMatrix) -> ComplexMatrix {
     inverse
 }
 
-/// Inverse of a Hermitian positive definite matrix, scaled to a unit diagonal for the factorisation; `None` when it is not
-/// definite to working precision.
+/// Inverse of a Hermitian positive definite matrix, scaled to a unit diagonal for the
+/// factorisation; `None` when it is not definite to working precision.
 pub fn inverse_hermitian(a: &ComplexMatrix) -> Option<ComplexMatrix> {
     inverse_with_ridge(a, 0.0)
 }
 
-/// As [`inverse_hermitian`], with the least ridge on the unit diagonal, up to 1e-6, that makes it definite: what is not
-/// determined gets large numbers, and the rest stays what it is.
+/// As [`inverse_hermitian`], with the least ridge on the unit diagonal, up to 1e-6, that makes it
+/// definite: what is not determined gets large numbers, and the rest stays what it is.
 pub fn inverse_hermitian_raised(a: &ComplexMatrix) -> Option<ComplexMatrix> {
     let ridges = [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
     ridges

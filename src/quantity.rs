@@ -50,7 +50,8 @@ pub struct UnitError {
     pub got: String,
 }
 
-/// Text, quantity, factor to SI. 1 lbf = 4.4482216152605 N and g = 9.80665 m/s² are exact by definition.
+/// Text, quantity, factor to SI. 1 lbf = 4.4482216152605 N and g = 9.80665 m/s² are exact by
+/// definition.
 const UNITS: [(&str, Quantity, f64); 24] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),

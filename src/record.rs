@@ -1,5 +1,5 @@
-//! Time histories: channels that were sampled together, in memory ([`Hit`]) or read when they are asked for
-//! ([`Recording`]).
+//! Time histories: channels that were sampled together, in memory ([`Hit`]) or read when they are
+//! asked for ([`Recording`]).
 
 use std::ops::Range;
 use std::sync::Arc;

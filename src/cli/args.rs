@@ -46,11 +46,12 @@ pub struct Global {
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Read every input as this format instead of judging by content (uff, hdf5, matlab5, npz, npy, modes, pulse,
-    /// signalcalc, table).
+    /// Read every input as this format instead of judging by content (uff, hdf5, matlab5, npz, npy,
+    /// modes, pulse, signalcalc, table).
     #[arg(long, global = true, value_name = "NAME")]
     pub format: Option<String>,
-    /// Captions and headings of tables and findings in English or Chinese; definitions below the tables, CSV and JSON stay English.
+    /// Captions and headings of tables and findings in English or Chinese; definitions below the
+    /// tables, CSV and JSON stay English.
     #[arg(long, global = true, value_name = "en|zh", default_value = "en", value_parser = language)]
     pub lang: Language,
     /// Colours of words in messages and verdicts; auto: on a terminal, unless NO_COLOR is set.
@@ -78,7 +79,8 @@ pub enum Verb {
     Theory(TheoryArgs),
     /// Pair the modes of a test with those of a model.
     Correlate(CorrelateArgs),
-    /// Bring a scene's model to its test: parameters with deviations, and which of them the test can know.
+    /// Bring a scene's model to its test: parameters with deviations, and which of them the test
+    /// can know.
     Update(UpdateArgs),
     /// Make a synthetic hammer test with its truth.
     Synth(SynthArgs),
@@ -115,7 +117,8 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign report out --lang zh")]
 pub struct ReportArgs {
-    /// The folder that `run -o` wrote; what `update -o` and `study … -o` put into it is in the report.
+    /// The folder that `run -o` wrote; what `update -o` and `study … -o` put into it is in the
+    /// report.
     pub folder: PathBuf,
     /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long)]
@@ -129,7 +132,8 @@ pub struct InspectArgs {
     /// Files of any known format.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The good part of a partly bad file is sufficient. It is listed without this too; the exit code is 1 either way.
+    /// The good part of a partly bad file is sufficient. It is listed without this too; the exit
+    /// code is 1 either way.
     #[arg(long)]
     pub partial: bool,
 }
@@ -138,14 +142,15 @@ pub struct InspectArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign convert wing.unv -o wing.h5")]
 pub struct ConvertArgs {
-    /// Files of any known format, put together in this order; or one scene, whose first test's files are meant as it
-    /// describes them.
+    /// Files of any known format, put together in this order; or one scene, whose first test's
+    /// files are meant as it describes them.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
     /// Write here; the extension says the format (.uff .unv .h5 .mat .npz .csv .json).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Numbers as text, where the format has text and bytes (universal file dataset 58 instead of 58b).
+    /// Numbers as text, where the format has text and bytes (universal file dataset 58 instead of
+    /// 58b).
     #[arg(long)]
     pub text: bool,
     /// Numbers of 32 bits, whatever they were.
@@ -154,7 +159,8 @@ pub struct ConvertArgs {
     /// Numbers of 64 bits, whatever they were.
     #[arg(long)]
     pub double: bool,
-    /// The good part of a partly bad file will do. It is written without this too; the exit code is 1 either way.
+    /// The good part of a partly bad file will do. It is written without this too; the exit code is
+    /// 1 either way.
     #[arg(long)]
     pub partial: bool,
 }
@@ -168,7 +174,8 @@ pub struct FrfArgs {
     /// Recordings, or one scene whose tests describe them.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is complete.
+    /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is
+    /// complete.
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// h1, h2 or hv.
@@ -177,8 +184,8 @@ pub struct FrfArgs {
     /// Force window: seconds kept after the pulse, the rest is set to zero.
     #[arg(long, value_name = "SECONDS")]
     pub force_window: Option<f64>,
-    /// Exponential window on force and response: its value at the record's end, e.g. 0.01; auto: where the responses have
-    /// not decayed to 1 %.
+    /// Exponential window on force and response: its value at the record's end, e.g. 0.01; auto:
+    /// where the responses have not decayed to 1 %.
     #[arg(long, value_name = "auto|none|END")]
     pub response_window: Option<String>,
     /// Hits that are used whatever the rules say, by number: 2,5.
@@ -193,14 +200,16 @@ pub struct FrfArgs {
     /// Response over force noise variance for hv, in SI units.
     #[arg(long, value_name = "RATIO")]
     pub noise_ratio: Option<f64>,
-    /// Insist on removing the mean before the hit from every channel; without it that is done where it can be measured.
+    /// Insist on removing the mean before the hit from every channel; without it that is done where
+    /// it can be measured.
     #[arg(long)]
     pub remove_offset: bool,
-    /// records: a further force record opens the next hit; files: each file is one hit; trigger: each record is continuous
-    /// and holds several hits.
+    /// records: a further force record opens the next hit; files: each file is one hit; trigger:
+    /// each record is continuous and holds several hits.
     #[arg(long, value_name = "records|files|trigger")]
     pub hits: Option<String>,
-    /// With --hits trigger: distance of the force from its level that begins a hit, N; found from the record.
+    /// With --hits trigger: distance of the force from its level that begins a hit, N; found from
+    /// the record.
     #[arg(long, value_name = "N")]
     pub trigger_level: Option<f64>,
     /// With --hits trigger: time before the hit that belongs to it; 2 % of the length.
@@ -233,10 +242,12 @@ pub struct IdentifyArgs {
     /// Band in Hz, LO:HI; the whole axis when not given.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; chosen by the number of peaks when not given.
+    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; chosen by the number of peaks when
+    /// not given.
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
-    /// Modes of these poles of the method alone: a file of the schema modalign-selection/1 with a list of {frequency_hz, damping_ratio, order}.
+    /// Modes of these poles of the method alone: a file of the schema modalign-selection/1 with a
+    /// list of {frequency_hz, damping_ratio, order}.
     #[arg(long, value_name = "FILE")]
     pub selection: Option<PathBuf>,
     /// Write the poles of all model orders here (.csv).
@@ -248,10 +259,16 @@ pub struct IdentifyArgs {
     /// Use these references alone.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,
-    /// Number of averages of FRFs whose file does not say it; their variance follows from it and the coherence.
+    /// Number of averages of FRFs whose file does not say it; their variance follows from it and
+    /// the coherence.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub averages: Option<u32>,
-    /// Window of the records of FRFs whose file does not state it: none (also rectangular, uniform), hann, flat-top, exponential, force or force-and-exponential. Under hann and flat-top, ml corrects the damping for leakage. Under none, no leakage is suspected; that continuous random force without a window raises damping, too, is not reported. Damping that an exponential window adds is not removed, as its decay rate is not stated. The window that a file states takes precedence.
+    /// Window of the records of FRFs whose file does not state it: none (also rectangular,
+    /// uniform), hann, flat-top, exponential, force or force-and-exponential. Under hann and
+    /// flat-top, ml corrects the damping for leakage. Under none, no leakage is suspected; that
+    /// continuous random force without a window raises damping, too, is not reported. Damping that
+    /// an exponential window adds is not removed, as its decay rate is not stated. The window that
+    /// a file states takes precedence.
     #[arg(long, value_name = "NAME", value_parser = window)]
     pub window: Option<Window>,
     /// Go on with the good part of a partly bad file.
@@ -265,7 +282,9 @@ pub struct IdentifyArgs {
     after_help = "Example:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json"
 )]
 pub struct TheoryArgs {
-    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or a file of finished modes.
+    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with
+    /// a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or
+    /// a file of finished modes.
     pub model: PathBuf,
     /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
@@ -276,8 +295,8 @@ pub struct TheoryArgs {
     /// Modes in this band alone, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Solve with the damping matrix as it is: complex modes, in the table, the file and the JSON. Without it damping ratios are of
-    /// first order and shapes real.
+    /// Solve with the damping matrix as it is: complex modes, in the table, the file and the JSON.
+    /// Without it damping ratios are of first order and shapes real.
     #[arg(long, conflicts_with_all = ["sweep", "response", "compare"])]
     pub damped: bool,
     /// Print the share of every body and spring, or group of matrices, in the energy of each root.
@@ -289,13 +308,16 @@ pub struct TheoryArgs {
     /// Print the numbers that the model's theory gives beside its roots.
     #[arg(long)]
     pub quantities: bool,
-    /// Follow the roots over N values of a parameter, by their shapes, and name where they cross or veer; from LO to ten times LO on in equal ratios, else in equal steps. May be repeated.
+    /// Follow the roots over N values of a parameter, by their shapes, and name where they cross or
+    /// veer; from LO to ten times LO on in equal ratios, else in equal steps. May be repeated.
     #[arg(long, value_name = "NAME=LO:HI:N", value_parser = sweep)]
     pub sweep: Vec<(String, SweepRange)>,
-    /// Compute the steady response over time in growing detail of the model, with the cost of each detail and its distance from the last (helical-planetary).
+    /// Compute the steady response over time in growing detail of the model, with the cost of each
+    /// detail and its distance from the last (helical-planetary).
     #[arg(long, conflicts_with = "sweep")]
     pub response: bool,
-    /// Hold models of growing detail of the machine against each other and name the simplest within an error, percent (1 when none is given).
+    /// Hold models of growing detail of the machine against each other and name the simplest within
+    /// an error, percent (1 when none is given).
     #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
     pub compare: Option<f64>,
     /// Go on with the good part of a partly bad file of finished modes.
@@ -309,23 +331,27 @@ pub struct TheoryArgs {
     after_help = "Examples:\n  modalign correlate --test modes.json --theory model.toml -o table.md\n  modalign correlate --test wing.unv --theory wing-model.unv --nearest-node 0.005 --measures\n  modalign correlate --test wing.unv                         # autoMAC, duplicates named\n  modalign correlate --test hammer.h5 --theory model-frfs.uff --band 20:400 --lines lines.csv"
 )]
 pub struct CorrelateArgs {
-    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55; or FRFs. May be repeated.
+    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55;
+    /// or FRFs. May be repeated.
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
-    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose model is meant; FRFs where
-    /// the test is FRFs. Without it each test is held against itself (autoMAC).
+    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose
+    /// model is meant; FRFs where the test is FRFs. Without it each test is held against itself
+    /// (autoMAC).
     #[arg(long)]
     pub theory: Option<PathBuf>,
-    /// Print the measures beside the pairing, each with its definition: MAC and autoMAC matrices, FMAC, modal scale factors,
-    /// COMAC, close modes as subspaces.
+    /// Print the measures beside the pairing, each with its definition: MAC and autoMAC matrices,
+    /// FMAC, modal scale factors, COMAC, close modes as subspaces.
     #[arg(long, requires = "theory")]
     pub measures: bool,
-    /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by guyan or serep (through the
-    /// paired modes and the lowest others, as many as the sensors tell apart).
+    /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by
+    /// guyan or serep (through the paired modes and the lowest others, as many as the sensors tell
+    /// apart).
     #[arg(long, value_name = "guyan|serep", requires = "theory")]
     pub orthogonality: Option<String>,
-    /// Write the test's shapes at all coordinates of the model here (.json, or .uff for universal dataset 55), expanded as
-    /// --orthogonality says, else by serep; by serep as a sum of the paired modes.
+    /// Write the test's shapes at all coordinates of the model here (.json, or .uff for universal
+    /// dataset 55), expanded as --orthogonality says, else by serep; by serep as a sum of the
+    /// paired modes.
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub expand: Option<PathBuf>,
     /// FRFs: compare these lines alone, LO:HI in Hz.
@@ -345,8 +371,9 @@ pub struct CorrelateArgs {
     /// Tie degrees of freedom by the nearest node within this distance, m, instead of by name.
     #[arg(long, value_name = "METRES", value_parser = positive, requires = "theory")]
     pub nearest_node: Option<f64>,
-    /// With --nearest-node: turn, shift and scale the test's points onto the theory's first; with a list of lines TEST,THEORY
-    /// by these points, else by the nearest ones from several starts. Refused where a point stays farther off than METRES.
+    /// With --nearest-node: turn, shift and scale the test's points onto the theory's first; with a
+    /// list of lines TEST,THEORY by these points, else by the nearest ones from several starts.
+    /// Refused where a point stays farther off than METRES.
     #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "nearest_node")]
     pub align: Option<Option<PathBuf>>,
     /// Turn the sensors that read against the theory; without it they are a finding.
@@ -355,7 +382,8 @@ pub struct CorrelateArgs {
     /// Length by which rotations are multiplied where they meet translations in one MAC, m.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub rotation_length: Option<f64>,
-    /// Write the table here (.md, .csv, .tex, .txt, .html or .json); as CSV those of several tests without --theory, or of FRFs, go to a file each.
+    /// Write the table here (.md, .csv, .tex, .txt, .html or .json); as CSV those of several tests
+    /// without --theory, or of FRFs, go to a file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
     /// Gate on the frequency error, a fraction of the theory's frequency.
@@ -419,17 +447,20 @@ pub struct CheckArgs {
     /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
     #[arg(long, value_name = "BASELINE")]
     pub against: PathBuf,
-    /// Largest change of every frequency against a baseline result; without it by the uncertainties that both state, else 0.05.
+    /// Largest change of every frequency against a baseline result; without it by the uncertainties
+    /// that both state, else 0.05.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub frequency_percent: Option<f64>,
-    /// Largest change of every damping ratio against a baseline result; without it by the uncertainties, else 5.
+    /// Largest change of every damping ratio against a baseline result; without it by the
+    /// uncertainties, else 5.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub damping_percent: Option<f64>,
-    /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a baseline comparison; without it by
-    /// the uncertainties of the shapes, else 0.01.
+    /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a
+    /// baseline comparison; without it by the uncertainties of the shapes, else 0.01.
     #[arg(long, value_name = "MAC", value_parser = positive)]
     pub mac: Option<f64>,
-    /// How often a result that differs from the baseline by the stated uncertainties alone may be refused.
+    /// How often a result that differs from the baseline by the stated uncertainties alone may be
+    /// refused.
     #[arg(long, value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
     pub false_refusals: f64,
     /// Write the verdicts as JUnit XML for a CI server.

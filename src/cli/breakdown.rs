@@ -1,4 +1,5 @@
-//! `modalign study breakdown`: where methods fail, slice by slice; finished slices are kept and found again.
+//! `modalign study breakdown`: where methods fail, slice by slice; finished slices are kept and
+//! found again.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,10 +30,11 @@ use super::study::SceneReading;
 /// `study breakdown`.
 #[derive(Debug, Args)]
 pub struct BreakdownArgs {
-    /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The scene's own modes are shown in them.
+    /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The
+    /// scene's own modes are shown in them.
     pub input: PathBuf,
-    /// Write cells, tables and figures into this folder; slices that are finished there are not computed again. Into that of `run -o`, and
-    /// `modalign report` shows them.
+    /// Write cells, tables and figures into this folder; slices that are finished there are not
+    /// computed again. Into that of `run -o`, and `modalign report` shows them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Only these slices of a batch: part I of N, into a folder that --merge reads.
@@ -57,8 +59,8 @@ fn part(text: &str) -> Result<Part, String> {
         .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
 }
 
-/// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when a file of the modes that are marked
-/// in the maps was partly bad.
+/// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when
+/// a file of the modes that are marked in the maps was partly bad.
 pub fn breakdown(
     args: &BreakdownArgs,
     reading: SceneReading,
@@ -315,7 +317,8 @@ fn csv(block: Block) -> Vec<u8> {
     CsvText.render(&[block]).into_bytes()
 }
 
-/// Everything that goes into the folder beside the cells. What was measured on a clock stands in a file of its own.
+/// Everything that goes into the folder beside the cells. What was measured on a clock stands in a
+/// file of its own.
 fn files(own: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         (

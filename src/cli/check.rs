@@ -184,7 +184,8 @@ fn against_baseline(
     Ok(judge_changes(&changes, limits.false_refusals))
 }
 
-/// Every parameter of the baseline's update: its value by both posterior deviations, and its verdict.
+/// Every parameter of the baseline's update: its value by both posterior deviations, and its
+/// verdict.
 fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> Vec<Change> {
     let has = |all: &[UpdatedParameter], name: &str| all.iter().any(|own| own.name == name);
     let change = |name: &str, what: &str, measure| Change {
@@ -213,7 +214,8 @@ fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> V
     changes
 }
 
-/// Every field of the baseline's table against the same field now; a row or test that is gone is missed, one that has come too.
+/// Every field of the baseline's table against the same field now; a row or test that is gone is
+/// missed, one that has come too.
 fn comparison_changes(
     now: &ComparisonFile,
     before: &ComparisonFile,
@@ -291,8 +293,8 @@ fn field_changes(
     changes
 }
 
-/// The frequency with its whole uncertainty: that of the error counted in it, which knows of the modes outside the band, else
-/// the standard deviation.
+/// The frequency with its whole uncertainty: that of the error counted in it, which knows of the
+/// modes outside the band, else the standard deviation.
 fn frequency_of(field: &TestFile) -> Option<Uncertain> {
     let counted = field.error_hz.zip(field.normalised_error);
     let whole = counted

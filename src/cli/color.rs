@@ -17,8 +17,8 @@ pub enum ColorChoice {
 }
 
 impl ColorChoice {
-    /// Whether what is written to a stream is coloured. NO_COLOR counts when it is set and not empty (no-color.org); a terminal
-    /// that calls itself `dumb` has no colours.
+    /// Whether what is written to a stream is coloured. NO_COLOR counts when it is set and not
+    /// empty (no-color.org); a terminal that calls itself `dumb` has no colours.
     pub fn paints(self, stream: &impl IsTerminal) -> bool {
         let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         match self {

@@ -16,7 +16,8 @@ use super::args::ConvertArgs;
 use super::output::{Output, check_extension};
 use super::targets::{check_targets, files_of, targets};
 
-/// Writes what the inputs hold; says what could not be carried. Exit code 1 when part of an input was bad and left out.
+/// Writes what the inputs hold; says what could not be carried. Exit code 1 when part of an input
+/// was bad and left out.
 pub fn convert(
     args: &ConvertArgs,
     format: Option<&str>,
@@ -65,7 +66,8 @@ fn precision(args: &ConvertArgs) -> Option<Precision> {
     }
 }
 
-/// The inputs opened as one: the files of a scene's first test as it describes them, or files as they are.
+/// The inputs opened as one: the files of a scene's first test as it describes them, or files as
+/// they are.
 fn sources(args: &ConvertArgs, format: Option<&str>) -> Result<Merged, Error> {
     if let [only] = args.inputs.as_slice()
         && Scene::is_path(only)

@@ -32,8 +32,8 @@ use super::output::{MODES, Output, check_extension};
 use super::study::SceneReading;
 use super::targets::{check_correlate, numbered};
 
-/// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held against FRFs, a test without
-/// a theory against itself.
+/// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held
+/// against FRFs, a test without a theory against itself.
 pub fn correlate(
     args: &CorrelateArgs,
     format: Option<&str>,
@@ -160,7 +160,8 @@ fn compared(
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// The reversed sensors of a test, turned where that is wanted; those that are not are findings of the pairing.
+/// The reversed sensors of a test, turned where that is wanted; those that are not are findings of
+/// the pairing.
 fn turn(
     args: &CorrelateArgs,
     test: &mut ModalModel,
@@ -248,7 +249,8 @@ impl Printed {
     }
 }
 
-/// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each, `x-1.csv`, `x-2.csv`.
+/// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
+/// `x-1.csv`, `x-2.csv`.
 pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
     let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
     if let Some(path) = &args.output {
@@ -398,8 +400,8 @@ struct SolvedModel {
     sensors: Vec<Sensor>,
 }
 
-/// Modes from a file that holds them; or a model solved at the sensors that its own file names, else at its coordinates;
-/// or the model of a scene at the scene's sensors.
+/// Modes from a file that holds them; or a model solved at the sensors that its own file names,
+/// else at its coordinates; or the model of a scene at the scene's sensors.
 fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loaded, SceneError> {
     let partial = args.partial;
     let finished = |theory| Loaded {
@@ -436,7 +438,8 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
     })
 }
 
-/// What goes into which file: blocks in the language that was chosen but for CSV, which programs read.
+/// What goes into which file: blocks in the language that was chosen but for CSV, which programs
+/// read.
 fn files(
     path: &Path,
     ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),

@@ -1,4 +1,5 @@
-//! Which degree of freedom of a test is which of a theory, where the names do not say it: by a list, or by place.
+//! Which degree of freedom of a test is which of a theory, where the names do not say it: by a
+//! list, or by place.
 
 use std::path::Path;
 
@@ -22,7 +23,8 @@ pub struct Tied {
     pub alignment: Option<Alignment>,
 }
 
-/// The theory under the names of the test, where the names differ. With several tests all must have the first one's.
+/// The theory under the names of the test, where the names differ. With several tests all must have
+/// the first one's.
 pub fn tied(
     args: &CorrelateArgs,
     tests: &mut [(String, Theory)],
@@ -130,7 +132,8 @@ fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
     })
 }
 
-/// Shapes on both sides without one common degree of freedom have other names, or are of another machine.
+/// Shapes on both sides without one common degree of freedom have other names, or are of another
+/// machine.
 pub fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
     let example = |model: &ModalModel| {
         let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());

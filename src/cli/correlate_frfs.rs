@@ -15,7 +15,8 @@ use super::output::{Output, check_extension};
 use super::study::SceneReading;
 use super::targets::check_correlate;
 
-/// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of every line with `--lines`.
+/// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of
+/// every line with `--lines`.
 pub fn correlate_frfs(
     args: &CorrelateArgs,
     theory: &Path,

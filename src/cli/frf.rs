@@ -21,7 +21,8 @@ use super::args::FrfArgs;
 use super::output::{FUNCTIONS, Output, check_extension};
 use super::targets::{check_targets, files_of, targets};
 
-/// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad and left out.
+/// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad
+/// and left out.
 pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let grouping = match args.hits.as_deref() {
         None => HitGrouping::Records,
@@ -184,7 +185,8 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
     })
 }
 
-/// The numbers of a scene and those that are added to them, without those that now stand on the other side.
+/// The numbers of a scene and those that are added to them, without those that now stand on the
+/// other side.
 fn joined(scene: &BTreeSet<usize>, added: &[usize], other: &[usize]) -> BTreeSet<usize> {
     let kept = scene.iter().filter(|number| !other.contains(number));
     kept.chain(added).copied().collect()

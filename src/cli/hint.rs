@@ -8,7 +8,8 @@ use crate::io::IoError;
 use crate::scene::SceneError;
 use crate::theory::BUILT_IN;
 
-/// `; did you mean ...?` for a file that does not exist beside one of nearly that name, or a model of nearly that name.
+/// `; did you mean ...?` for a file that does not exist beside one of nearly that name, or a model
+/// of nearly that name.
 pub fn hint(error: &Error) -> String {
     let found = missing_path(error).and_then(nearest_path);
     found.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
@@ -64,7 +65,8 @@ fn nearest_path(path: &Path) -> Option<String> {
     )
 }
 
-/// The other name that is nearest by letters inserted, dropped, changed or swapped; none where a third of them or more differ.
+/// The other name that is nearest by letters inserted, dropped, changed or swapped; none where a
+/// third of them or more differ.
 pub fn nearest<'a>(got: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(got, name);
     let best = names

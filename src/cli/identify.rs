@@ -20,7 +20,8 @@ use super::args::IdentifyArgs;
 use super::output::{MODES, Output, check_extension};
 use super::targets::{check_targets, targets};
 
-/// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left out, or a chosen pole was not found.
+/// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left
+/// out, or a chosen pole was not found.
 pub fn identify(
     args: &IdentifyArgs,
     format: Option<&str>,

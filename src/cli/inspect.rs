@@ -16,8 +16,8 @@ use super::Outcome;
 use super::args::InspectArgs;
 use super::output::Output;
 
-/// Lists every file; exit code 1 when part of one is damaged or one of several cannot be read. Numbers written as text
-/// are not read, and so not judged.
+/// Lists every file; exit code 1 when part of one is damaged or one of several cannot be read.
+/// Numbers written as text are not read, and so not judged.
 pub fn inspect(
     args: &InspectArgs,
     format: Option<&str>,

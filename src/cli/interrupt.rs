@@ -10,7 +10,8 @@ use crate::io::TEMPORARY_PREFIX;
 
 use super::color::is_dumb;
 
-/// The longest time that an interrupt waits for files that are being written, in hundredths of a second.
+/// The longest time that an interrupt waits for files that are being written, in hundredths of a
+/// second.
 const PATIENCE: u32 = 500;
 
 /// Held while files are written.
@@ -28,15 +29,18 @@ struct Shared {
 type Begun = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 impl Writing {
-    /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a stretch of writing.
+    /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a
+    /// stretch of writing.
     pub fn guarded() -> Self {
         let shared: &'static Shared = Box::leak(Box::default());
-        // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends the program at once.
+        // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends
+        // the program at once.
         let _ = ctrlc::try_set_handler(move || end(shared));
         Self(shared)
     }
 
-    /// Until the guard is dropped no interrupt ends the program, but one that has waited too long for these files.
+    /// Until the guard is dropped no interrupt ends the program, but one that has waited too long
+    /// for these files.
     pub fn begin<'a>(self, targets: impl IntoIterator<Item = &'a Path>) -> MutexGuard<'static, ()> {
         let guard = self.0.lock.lock();
         let folders: BTreeSet<PathBuf> = targets.into_iter().map(folder_of).collect();

@@ -93,7 +93,8 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// `2026-01-31T12:00:00` of seconds since 1970, UTC, by the calendar's cycle of 400 years that begin in March.
+/// `2026-01-31T12:00:00` of seconds since 1970, UTC, by the calendar's cycle of 400 years that
+/// begin in March.
 fn timestamp(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     let shifted = days + 719_468;

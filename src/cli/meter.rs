@@ -5,7 +5,8 @@ use peak_alloc::PeakAlloc;
 
 use crate::study::{Cost, Meter};
 
-/// Measures by the processor's clock of the whole process and the counters of the allocator that the program runs on.
+/// Measures by the processor's clock of the whole process and the counters of the allocator that
+/// the program runs on.
 pub struct ProcessMeter;
 
 impl Meter for ProcessMeter {

@@ -60,7 +60,8 @@ impl Outcome {
     }
 }
 
-/// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input partly bad, 2 error.
+/// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
+/// partly bad, 2 error.
 pub fn main() -> ExitCode {
     let matches = Cli::command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());

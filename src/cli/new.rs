@@ -35,7 +35,8 @@ pub struct NewArgs {
     /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
     #[arg(long, value_name = "DOF")]
     pub response: Option<Dof>,
-    /// The hit point of files that do not name it: one for all, or one for each file in their order, 2:+Z,3:+Z.
+    /// The hit point of files that do not name it: one for all, or one for each file in their
+    /// order, 2:+Z,3:+Z.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub reference: Vec<Dof>,
     /// Where the points are: a list of lines POINT,X,Y,Z in metres.
@@ -70,7 +71,8 @@ const EXPECTED: &str =
 # omega_rad_s = 0.0
 ";
 
-/// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; says what is left to be filled in.
+/// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; says what is left to be
+/// filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     check_free(args)?;
     let opened = args
@@ -181,7 +183,8 @@ fn typed(path: &Path) -> String {
     }
 }
 
-/// Nothing that would be written may be there, and there is one hit point for all files or one for each.
+/// Nothing that would be written may be there, and there is one hit point for all files or one for
+/// each.
 fn check_free(args: &NewArgs) -> Result<(), Error> {
     let (points, files) = (args.reference.len(), args.files.len());
     if points > 1 && points != files {
@@ -243,7 +246,8 @@ fn raw(args: &NewArgs, path: &Path) -> PathBuf {
         .join(path.file_name().unwrap_or_default())
 }
 
-/// The path by which the scene names a file: that of its copy, else relative to the scene where they share a folder.
+/// The path by which the scene names a file: that of its copy, else relative to the scene where
+/// they share a folder.
 fn named(args: &NewArgs, path: &Path) -> String {
     if args.copy {
         return format!(
@@ -327,7 +331,8 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     })
 }
 
-/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and remarks (`#`) are passed over.
+/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and remarks
+/// (`#`) are passed over.
 fn points(path: &Path) -> Result<Geometry, Error> {
     let name = path.display().to_string();
     let text = read_text(path)?;

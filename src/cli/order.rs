@@ -18,7 +18,8 @@ use super::study::{SceneReading, load, report_damage};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign study order measurements/free-free-beam -o needs")]
 pub struct OrderArgs {
-    /// A scene's folder, whose study.toml says what counts as enough if there is one, or a study.toml.
+    /// A scene's folder, whose study.toml says what counts as enough if there is one, or a
+    /// study.toml.
     #[arg(value_name = "SCENE|SPEC")]
     path: PathBuf,
     /// Write order.md, order.csv, order.json and a figure for each test into this folder.
@@ -29,7 +30,8 @@ pub struct OrderArgs {
     png: bool,
 }
 
-/// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was bad.
+/// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was
+/// bad.
 pub fn needs(
     args: &OrderArgs,
     reading: SceneReading,

@@ -29,7 +29,8 @@ pub const MODES: &[&str] = &[
 /// Extensions of the formats that hold FRFs.
 pub const FUNCTIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];
 
-/// The file of modes in the format of the path's extension: `modes.json` as given, any other from the model.
+/// The file of modes in the format of the path's extension: `modes.json` as given, any other from
+/// the model.
 ///
 /// # Errors
 /// As [`bytes_for_path`].
@@ -67,7 +68,8 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
     })
 }
 
-/// Collects what a verb prints and writes, so that nothing is printed and no file comes before it has succeeded.
+/// Collects what a verb prints and writes, so that nothing is printed and no file comes before it
+/// has succeeded.
 pub struct Output {
     quiet: bool,
     json: bool,

@@ -13,7 +13,8 @@ use super::color::is_dumb;
 const SILENT: Duration = Duration::from_millis(500);
 const REDRAWN: Duration = Duration::from_millis(200);
 
-/// Shows steps on standard error while it lives; nothing where that is no terminal, or one that cannot draw in place.
+/// Shows steps on standard error while it lives; nothing where that is no terminal, or one that
+/// cannot draw in place.
 pub struct Progress {
     shown: Option<(Sender<String>, JoinHandle<()>)>,
 }

@@ -25,8 +25,8 @@ pub struct SpeedAccuracyArgs {
     /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
     #[arg(value_name = "SCENE|SPEC")]
     path: PathBuf,
-    /// Write speed-accuracy.csv, speed-accuracy-times.csv, speed-accuracy.json and the figures into this folder; into that of `run -o`, and `modalign
-    /// report` shows them.
+    /// Write speed-accuracy.csv, speed-accuracy-times.csv, speed-accuracy.json and the figures into
+    /// this folder; into that of `run -o`, and `modalign report` shows them.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
@@ -57,7 +57,8 @@ pub fn study(
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }
 
-/// Measured times stand in files of their own: `speed-accuracy.csv` has the same bytes on every run.
+/// Measured times stand in files of their own: `speed-accuracy.csv` has the same bytes on every
+/// run.
 fn files(own: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
     let texts = [
         (

@@ -55,13 +55,14 @@ impl SceneReading<'_> {
 /// The studies.
 #[derive(Debug, Subcommand)]
 pub enum Study {
-    /// Time and error of every method, order, FRF estimator and length of record, on a scene's data and on their synthetic twins.
+    /// Time and error of every method, order, FRF estimator and length of record, on a scene's data
+    /// and on their synthetic twins.
     SpeedAccuracy(SpeedAccuracyArgs),
-    /// Where every method fails: maps over noise, separation, damping, references and the like, with the contour of each method, what
-    /// is seen beyond it, and the scene's own modes.
+    /// Where every method fails: maps over noise, separation, damping, references and the like,
+    /// with the contour of each method, what is seen beyond it, and the scene's own modes.
     Breakdown(BreakdownArgs),
-    /// How little a scene needs: the modes that its data support, the lowest order of every method, where one mode at a time is enough, the
-    /// simplest theory, the fewest parameters.
+    /// How little a scene needs: the modes that its data support, the lowest order of every method,
+    /// where one mode at a time is enough, the simplest theory, the fewest parameters.
     Order(OrderArgs),
 }
 

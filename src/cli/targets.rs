@@ -19,7 +19,8 @@ pub fn targets<const N: usize>(given: [(&'static str, Option<&PathBuf>); N]) -> 
         .collect()
 }
 
-/// Refuses targets that are among what is read, whatever way both are written, and two targets of one name.
+/// Refuses targets that are among what is read, whatever way both are written, and two targets of
+/// one name.
 pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error> {
     let place = |path: &PathBuf| path.canonicalize().ok();
     let inputs: Vec<PathBuf> = inputs.iter().filter_map(place).collect();

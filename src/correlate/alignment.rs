@@ -13,16 +13,20 @@ use super::nearest::PointTree;
 /// Rounds of nearest points after which a fit that still changes is left.
 const ROUNDS: usize = 60;
 
-/// Fits whose residuals differ by less than this part of the extent of the points are as good as each other.
+/// Fits whose residuals differ by less than this part of the extent of the points are as good as
+/// each other.
 const AS_GOOD: f64 = 1e-3;
 
-/// Frames whose rotations differ by less than this (Frobenius norm), and points by less than this part of their extent, are one.
+/// Frames whose rotations differ by less than this (Frobenius norm), and points by less than this
+/// part of their extent, are one.
 const SAME_FRAME: f64 = 0.02;
 
-/// Points of the test from which the fits of all starts begin; where it has more, the best go on with all of them.
+/// Points of the test from which the fits of all starts begin; where it has more, the best go on
+/// with all of them.
 const SAMPLE: usize = 200;
 
-/// Fits that go on with all points: as many as the rotations of principal axes, so that none of the fits of a symmetric set is lost.
+/// Fits that go on with all points: as many as the rotations of principal axes, so that none of the
+/// fits of a symmetric set is lost.
 const REFINED: usize = 24;
 
 /// A fit of the sample that leaves more than this many times the least distance does not go on.
@@ -85,8 +89,9 @@ pub struct Alignment {
     pub points: usize,
     /// Whether the partner of each point was known, and not found as its nearest one.
     pub known: bool,
-    /// Fits with other frames that are as good, of which this one turns least: more than 0 for points that a rotation
-    /// brings onto one another, or that lie on one line, about which they tell no rotation (counted as one).
+    /// Fits with other frames that are as good, of which this one turns least: more than 0 for
+    /// points that a rotation brings onto one another, or that lie on one line, about which they
+    /// tell no rotation (counted as one).
     pub as_good: usize,
     #[serde(skip)]
     similarity: Similarity,
@@ -139,20 +144,23 @@ fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
     (rms, pairs.iter().map(apart).fold(0.0, f64::max))
 }
 
-/// The similarity that brings points `x` nearest to their partners `y` in the sense of least squares.
+/// The similarity that brings points `x` nearest to their partners `y` in the sense of least
+/// squares.
 ///
-/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x² = tr(R^T Σ)/σ_x²`, `t = ȳ − s R x̄`, where
-/// `S = diag(1, 1, det U det V)` keeps `R` from being a reflection. Of points on one line it is the rotation that turns
-/// least. `None` for fewer than two points, or points that are one.
+/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x² = tr(R^T
+/// Σ)/σ_x²`, `t = ȳ − s R x̄`, where `S = diag(1, 1, det U det V)` keeps `R` from being a
+/// reflection. Of points on one line it is the rotation that turns least. `None` for fewer than two
+/// points, or points that are one.
 ///
 /// # Reference
-/// Umeyama (1991), Least-squares estimation of transformation parameters between two point patterns, IEEE PAMI 13(4), eq. 39
-/// to 43; Kabsch (1976), Acta Crystallographica A32, 922.
+/// Umeyama (1991), Least-squares estimation of transformation parameters between two point
+/// patterns, IEEE PAMI 13(4), eq. 39 to 43; Kabsch (1976), Acta Crystallographica A32, 922.
 pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
     fit_of_line(pairs, ON_A_LINE)
 }
 
-/// The fit with the rotation that turns least where the second extent is at most this part of the first.
+/// The fit with the rotation that turns least where the second extent is at most this part of the
+/// first.
 fn fit_of_line(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarity> {
     let count = pairs.len() as f64;
     let mean = |of: fn(&(Vector3, Vector3)) -> Vector3| {
@@ -182,8 +190,9 @@ fn fit_of_line(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarit
     })
 }
 
-/// The smallest rotation that brings one unit vector onto another: by Rodrigues' formula with `c = a · b`, `w = a × b`,
-/// `R = I + [w] + [w]²/(1 + c)`; half a turn about a perpendicular axis where they point against each other.
+/// The smallest rotation that brings one unit vector onto another: by Rodrigues' formula with `c =
+/// a · b`, `w = a × b`, `R = I + [w] + [w]²/(1 + c)`; half a turn about a perpendicular axis where
+/// they point against each other.
 fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
     let (cosine, w) = (a.dot(&b), a.cross(&b));
     if cosine < -1.0 + 1e-12 {
@@ -199,11 +208,12 @@ fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
 
 /// The frame fitted to points whose partners are known.
 ///
-/// Points that lie on one line within the tolerance, on either side, tell no turn about it: the one that turns least is taken,
-/// where it fits, and [`Alignment::as_good`] is 1.
+/// Points that lie on one line within the tolerance, on either side, tell no turn about it: the one
+/// that turns least is taken, where it fits, and [`Alignment::as_good`] is 1.
 ///
 /// # Errors
-/// [`CorrelateError::FewPoints`] for fewer than three, [`CorrelateError::NotAligned`] beyond the tolerance.
+/// [`CorrelateError::FewPoints`] for fewer than three, [`CorrelateError::NotAligned`] beyond the
+/// tolerance.
 pub fn align_known(
     pairs: &[(Vector3, Vector3)],
     tolerance_m: f64,
@@ -227,7 +237,8 @@ pub fn align_known(
     })
 }
 
-/// Whether the points of one side lie as near to one line, in the theory's frame, as points may lie to their partners.
+/// Whether the points of one side lie as near to one line, in the theory's frame, as points may lie
+/// to their partners.
 fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64) -> bool {
     let test: Vec<Vector3> = pairs.iter().map(|(x, _)| fit.position(x)).collect();
     let theory: Vec<Vector3> = pairs.iter().map(|(_, y)| *y).collect();
@@ -239,18 +250,21 @@ fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64)
     })
 }
 
-/// The frame fitted to points whose partners are not known: each point's nearest one, fitted again until nothing changes,
-/// from several starts (the frames as they are, and the principal axes of both in every order and direction; at the scale as
-/// it is, and at that of both extents).
+/// The frame fitted to points whose partners are not known: each point's nearest one, fitted again
+/// until nothing changes, from several starts (the frames as they are, and the principal axes of
+/// both in every order and direction; at the scale as it is, and at that of both extents).
 ///
-/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that lie far apart, and of the
-/// best frames up to 24 go on with all points. A fit counts when every point has a partner of its own. The least root mean
-/// square distance wins; of fits that are as good the one that turns least, and their number is told. A start from which no
-/// fit reaches the right partners finds none: points that cover another part than the theory's may need a list of partners.
+/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that
+/// lie far apart, and of the best frames up to 24 go on with all points. A fit counts when every
+/// point has a partner of its own. The least root mean square distance wins; of fits that are as
+/// good the one that turns least, and their number is told. A start from which no fit reaches the
+/// right partners finds none: points that cover another part than the theory's may need a list of
+/// partners.
 ///
 /// # Errors
-/// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than points;
-/// [`CorrelateError::NoOwnPartners`] where no fit counts; [`CorrelateError::NotAligned`] where none is within the tolerance.
+/// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than
+/// points; [`CorrelateError::NoOwnPartners`] where no fit counts; [`CorrelateError::NotAligned`]
+/// where none is within the tolerance.
 ///
 /// # Reference
 /// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2).
@@ -316,10 +330,12 @@ fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
     from(frames.collect(), test)
 }
 
-/// Points of which each is the farthest from those before it, the first from the centre; all where they are no more than `count`.
+/// Points of which each is the farthest from those before it, the first from the centre; all where
+/// they are no more than `count`.
 ///
 /// # Reference
-/// Gonzalez (1985), Clustering to minimize the maximum intercluster distance, Theoretical Computer Science 38, 293.
+/// Gonzalez (1985), Clustering to minimize the maximum intercluster distance, Theoretical Computer
+/// Science 38, 293.
 fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
     if points.len() <= count {
         return points.to_vec();

@@ -123,7 +123,8 @@ fn points_at_one_place_count_once() {
 
 #[test]
 fn points_that_share_partners_from_every_start_are_told_so() {
-    // Four points in two pairs close together, a theory of four far apart: at no scale do the pairs part.
+    // Four points in two pairs close together, a theory of four far apart: at no scale do the pairs
+    // part.
     let at = |x: f64, y: f64| Vector3::new(x, y, 0.0);
     let test = [at(0.0, 0.0), at(0.01, 0.0), at(0.0, 1.0), at(0.01, 1.0)];
     let theory = [at(0.0, 0.0), at(3.0, 0.0), at(0.0, 3.5), at(40.0, 0.0)];

@@ -1,10 +1,10 @@
 //! The assignment problem with pairs that are not allowed and rows that may stay alone.
 
-/// For every row the column it is given, so that the sum over rows of the cost, or of `alone` for a row without a
-/// column, is smallest; no column twice.
+/// For every row the column it is given, so that the sum over rows of the cost, or of `alone` for a
+/// row without a column, is smallest; no column twice.
 ///
-/// `costs[row][column]` is `None` where the pair is not allowed; costs and `alone` are from 0 to about 1. Costs O(n³).
-/// Of equally good answers always the same one is returned.
+/// `costs[row][column]` is `None` where the pair is not allowed; costs and `alone` are from 0 to
+/// about 1. Costs O(n³). Of equally good answers always the same one is returned.
 ///
 /// ```
 /// let costs = [vec![Some(0.1), Some(0.2)], vec![Some(0.0), None]];
@@ -12,8 +12,8 @@
 /// ```
 ///
 /// # Reference
-/// Kuhn (1955), The Hungarian method for the assignment problem, Naval Research Logistics Quarterly 2; in the shortest
-/// augmenting path form of Jonker and Volgenant (1987), Computing 38.
+/// Kuhn (1955), The Hungarian method for the assignment problem, Naval Research Logistics Quarterly
+/// 2; in the shortest augmenting path form of Jonker and Volgenant (1987), Computing 38.
 pub fn assign(costs: &[Vec<Option<f64>>], alone: f64) -> Vec<Option<usize>> {
     let rows = costs.len();
     let real = costs.iter().map(Vec::len).max().unwrap_or(0);
@@ -38,8 +38,8 @@ pub fn assign(costs: &[Vec<Option<f64>>], alone: f64) -> Vec<Option<usize>> {
 
 /// The row that owns each column when every row has one, `rows <= columns`.
 ///
-/// `row_price + column_price <= cost` holds throughout, with equality for owned columns; each row is added along the
-/// shortest path of reduced costs to a column without an owner.
+/// `row_price + column_price <= cost` holds throughout, with equality for owned columns; each row
+/// is added along the shortest path of reduced costs to a column without an owner.
 fn shortest_augmenting_paths(
     rows: usize,
     columns: usize,
@@ -82,7 +82,8 @@ struct Path {
     reached: Vec<bool>,
 }
 
-/// Dijkstra's search over columns; a step leads from a column by its owner to any other, at the reduced cost.
+/// Dijkstra's search over columns; a step leads from a column by its owner to any other, at the
+/// reduced cost.
 fn shortest_path(
     new_row: usize,
     owner: &[Option<usize>],

@@ -1,4 +1,5 @@
-//! Every test mode against every root: what each pair would cost, which are chosen, and how sure that is.
+//! Every test mode against every root: what each pair would cost, which are chosen, and how sure
+//! that is.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,8 @@ use super::roots::{Root, elastic_modes, elastic_roots};
 use super::share::{Share, shares};
 use super::{CorrelateError, PairOptions, assign};
 
-/// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside its gates is never dearer.
+/// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside
+/// its gates is never dearer.
 const ALONE: f64 = 1.0;
 
 /// Least share of a test shape, over `min_mac`, that makes a root a partner at all.
@@ -49,7 +51,8 @@ struct Choice<'a> {
     /// Whether some sensors are reversed in the shapes by which the pairs are chosen.
     reversed: bool,
     options: &'a PairOptions,
-    /// Whether each row reaches the chance level of its root, all rows being judged alike; `None` where no shapes can tell.
+    /// Whether each row reaches the chance level of its root, all rows being judged alike; `None`
+    /// where no shapes can tell.
     correlated: Vec<Option<bool>>,
 }
 
@@ -195,7 +198,8 @@ impl CandidateTable {
         }
     }
 
-    /// Whether a row has a root whose chance level it reaches; `None` where no root within the gate has enough degrees of freedom in common.
+    /// Whether a row has a root whose chance level it reaches; `None` where no root within the gate
+    /// has enough degrees of freedom in common.
     fn correlated(&self, i: usize, choice: &Choice<'_>) -> Option<bool> {
         if let Some(r) = choice.root_of[i] {
             let level = self.chance_level((i, r), choice)?;
@@ -254,8 +258,8 @@ impl CandidateTable {
         }
     }
 
-    /// Whether row `i` and root `r` are partners without doubt: the root holds enough of the shape, and nothing else of either side could
-    /// hold half.
+    /// Whether row `i` and root `r` are partners without doubt: the root holds enough of the shape,
+    /// and nothing else of either side could hold half.
     fn by_share(
         &self,
         (i, r): (usize, usize),
@@ -330,7 +334,8 @@ impl CandidateTable {
             .collect()
     }
 
-    /// Pairs that are not sure, and unmatched test modes whose nearest root in frequency was rejected for its MAC.
+    /// Pairs that are not sure, and unmatched test modes whose nearest root in frequency was
+    /// rejected for its MAC.
     pub fn findings(
         &self,
         test: &ModalModel,

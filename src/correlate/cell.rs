@@ -13,7 +13,8 @@ use super::{
     observability,
 };
 
-/// Test modes nearer than this part of their frequency are one root: what comes from one pole is equal but for rounding.
+/// Test modes nearer than this part of their frequency are one root: what comes from one pole is
+/// equal but for rounding.
 const ONE_FREQUENCY: f64 = 1e-6;
 
 /// Findings that make a test mode a doubtful partner.

@@ -1,41 +1,46 @@
 //! Chance level of the MAC: how well independent shapes correlate at these sensors.
 //!
-//! A test shape that is independent of the theory has no direction among `n` degrees of freedom. Its MAC with the subspace of
-//! a root of multiplicity `m` is then distributed as `Beta(β m/2, β (n − m)/2)`: `β = 1` of real shapes, 2 of complex ones
-//! without a common phase, `β = 2/(1 + c²)` with `c = |ψᵀψ|/ψᴴψ` between them (equal mean and variance).
+//! A test shape that is independent of the theory has no direction among `n` degrees of freedom.
+//! Its MAC with the subspace of a root of multiplicity `m` is then distributed as `Beta(β m/2, β (n
+//! − m)/2)`: `β = 1` of real shapes, 2 of complex ones without a common phase, `β = 2/(1 + c²)`
+//! with `c = |ψᵀψ|/ψᴴψ` between them (equal mean and variance).
 //!
-//! Frequency and shape together: of `k` roots within the frequency gate the one of rank `r` in distance may be reached with a
-//! probability of `α (k + 1)/(k r (r + 1))`. The sum over all of them is `α`, whatever the frequencies are, and the nearest
-//! root needs the least correlation.
+//! Frequency and shape together: of `k` roots within the frequency gate the one of rank `r` in
+//! distance may be reached with a probability of `α (k + 1)/(k r (r + 1))`. The sum over all of
+//! them is `α`, whatever the frequencies are, and the nearest root needs the least correlation.
 
 use num_complex::Complex64;
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// Significance level of a pair by shape: the probability that an independent test shape reaches the chance level with any
-/// root within the frequency gate. Larger: at 0.03 more than 1 % of the random shapes on five sensors pair
-/// (`random_shapes_do_not_pair_by_shape`). Smaller: at 0.005 six sensors lose 27 instead of 22 % of the close modes of a frame with
-/// stiffnesses that are 20 % wrong (`correlated_shapes_pair_by_shape` draws the structures).
+/// Significance level of a pair by shape: the probability that an independent test shape reaches
+/// the chance level with any root within the frequency gate. Larger: at 0.03 more than 1 % of the
+/// random shapes on five sensors pair (`random_shapes_do_not_pair_by_shape`). Smaller: at 0.005 six
+/// sensors lose 27 instead of 22 % of the close modes of a frame with stiffnesses that are 20 %
+/// wrong (`correlated_shapes_pair_by_shape` draws the structures).
 const SIGNIFICANCE: f64 = 0.01;
 
-/// The same where most other modes of the test reach the level of [`SIGNIFICANCE`], so that test and theory are of one machine.
-/// Larger: a stray mode among them is paired more often than 1 in 20 (`stray_shape_among_correlated_ones_rarely_pairs`).
-/// Smaller: at 0.01 frames lose 6 of 231 right pairs (`correlated_shapes_pair_by_shape`), and of machines with unequal masses 8.3 % of
-/// the clear modes are ambiguous where the population `pairing` allows 8 %.
+/// The same where most other modes of the test reach the level of [`SIGNIFICANCE`], so that test
+/// and theory are of one machine. Larger: a stray mode among them is paired more often than 1 in 20
+/// (`stray_shape_among_correlated_ones_rarely_pairs`). Smaller: at 0.01 frames lose 6 of 231 right
+/// pairs (`correlated_shapes_pair_by_shape`), and of machines with unequal masses 8.3 % of the
+/// clear modes are ambiguous where the population `pairing` allows 8 %.
 const SIGNIFICANCE_AMONG_CORRELATED: f64 = 0.05;
 
-/// Minimum number of common degrees of freedom for a pair by shape. Larger: a pair of exact shapes at three sensors, 1 in 100
-/// by chance, counts as one by frequency. Smaller: at two the level is 0.9998, and no measured pair reaches it.
+/// Minimum number of common degrees of freedom for a pair by shape. Larger: a pair of exact shapes
+/// at three sensors, 1 in 100 by chance, counts as one by frequency. Smaller: at two the level is
+/// 0.9998, and no measured pair reaches it.
 pub(super) const MIN_DOFS_OF_SHAPE: usize = 3;
 
-/// The MAC that a pair has to reach: independent shapes do so with any root within the frequency gate in 1 of 100 cases, or in 5 where
-/// most other modes of the test are correlated.
+/// The MAC that a pair has to reach: independent shapes do so with any root within the frequency
+/// gate in 1 of 100 cases, or in 5 where most other modes of the test are correlated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChanceLevel {
     /// The level.
     pub mac: f64,
     /// Degrees of freedom in common.
     pub dofs: usize,
-    /// Equal degrees of freedom to which these are equivalent; fewer where some hardly move in any mode.
+    /// Equal degrees of freedom to which these are equivalent; fewer where some hardly move in any
+    /// mode.
     pub effective_dofs: f64,
     /// Roots of the theory within the frequency gate of the test mode.
     pub roots: usize,
@@ -65,7 +70,8 @@ impl ChanceLevel {
     /// The level of a pair.
     ///
     /// # Reference
-    /// Muirhead (1982), Aspects of Multivariate Statistical Theory, theorem 1.5.7 (squared cosine of a random direction).
+    /// Muirhead (1982), Aspects of Multivariate Statistical Theory, theorem 1.5.7 (squared cosine
+    /// of a random direction).
     pub(super) fn new(setting: &Setting<'_>) -> Self {
         let dofs = setting.test.len();
         let effective_dofs = setting.effective_part * dofs as f64;
@@ -98,7 +104,8 @@ impl ChanceLevel {
     }
 }
 
-/// Independent real components per degree of freedom, β: 1 of a shape of one phase, 2 of one whose phases are random.
+/// Independent real components per degree of freedom, β: 1 of a shape of one phase, 2 of one whose
+/// phases are random.
 fn components(shape: &[Complex64]) -> f64 {
     let squared: f64 = shape.iter().map(Complex64::norm_sqr).sum();
     let unconjugated: Complex64 = shape.iter().map(|v| v * v).sum();
@@ -106,11 +113,12 @@ fn components(shape: &[Complex64]) -> f64 {
     2.0 / (1.0 + collinearity.min(1.0).powi(2))
 }
 
-/// Effective degrees of freedom of shapes over their number, up to 1: `1/(n ⟨w_i · w_j⟩)`, the mean over all pairs of different
-/// modes, with `w_id = |φ_id|²/Σ_d |φ_id|²`.
+/// Effective degrees of freedom of shapes over their number, up to 1: `1/(n ⟨w_i · w_j⟩)`, the mean
+/// over all pairs of different modes, with `w_id = |φ_id|²/Σ_d |φ_id|²`.
 ///
-/// For independent shapes of random signs `w_i · w_j` is the mean of their MAC, `1/n` where all sensors move alike. Of one shape it
-/// is `(3/(w · w) − 2)/n`, since `w · w` of a normal one has the mean `3/(n + 2)`.
+/// For independent shapes of random signs `w_i · w_j` is the mean of their MAC, `1/n` where all
+/// sensors move alike. Of one shape it is `(3/(w · w) − 2)/n`, since `w · w` of a normal one has
+/// the mean `3/(n + 2)`.
 pub(super) fn effective_part(shapes: &[Vec<Option<Complex64>>]) -> f64 {
     let count = shapes.first().map_or(0, Vec::len);
     let mut sum = vec![0.0; count];
@@ -164,7 +172,8 @@ mod tests {
 
     #[test]
     fn chance_level_is_the_quantile_of_the_beta_distribution() {
-        // Beta(1/2, 5/2) at 0.99, from Student's t of 5 degrees of freedom at 0.995: 4.0321²/(4.0321² + 5).
+        // Beta(1/2, 5/2) at 0.99, from Student's t of 5 degrees of freedom at 0.995:
+        // 4.0321²/(4.0321² + 5).
         assert!((level(&real(6), 1, (1, 1)) - 0.764_8).abs() < 1e-4);
         // Of three degrees of freedom MAC is the square of a uniform variable.
         assert!((level(&real(3), 1, (1, 1)) - 0.99f64.powi(2)).abs() < 1e-9);

@@ -25,9 +25,10 @@ pub(super) struct Unlike<'a> {
 
 /// The factor as a finding, for a test of which no more than half of the modes are `paired`.
 ///
-/// Each test mode that is like one root alone, with a MAC of 0.8 or more and 0.3 above all others, gives a ratio of frequencies
-/// `r`. Where three of them or more, and six tenths of all test modes, lie within the gate about their median, and the mean itself is
-/// beyond it, all stiffnesses times `exp(2 mean ln r)` would bring them together. The spread is the standard deviation of that
+/// Each test mode that is like one root alone, with a MAC of 0.8 or more and 0.3 above all others,
+/// gives a ratio of frequencies `r`. Where three of them or more, and six tenths of all test modes,
+/// lie within the gate about their median, and the mean itself is beyond it, all stiffnesses times
+/// `exp(2 mean ln r)` would bring them together. The spread is the standard deviation of that
 /// factor from mode to mode.
 pub(super) fn common_factor(own: &Unlike<'_>, paired: usize) -> Option<Finding> {
     let count = own.test_hz.len();
@@ -80,7 +81,8 @@ mod tests {
     use super::*;
     use crate::modal::ModalModel;
 
-    /// Modes 1 to 5 with frequencies that a factor on stiffness and a deviation of each make of 100, 200, ... Hz.
+    /// Modes 1 to 5 with frequencies that a factor on stiffness and a deviation of each make of
+    /// 100, 200, ... Hz.
     fn modes(stiffness: f64, deviations: [f64; 5]) -> ModalModel {
         let all = (1u32..).zip(deviations);
         model(

@@ -26,8 +26,9 @@ pub struct DofPair {
 
 /// The degrees of freedom that test and theory have in common, in order.
 ///
-/// Two are the same when point (with its component) and axis are equal. Of several that name the same point and axis in one
-/// set (repeated measurements, a second sensor the other way round) the first in order is taken.
+/// Two are the same when point (with its component) and axis are equal. Of several that name the
+/// same point and axis in one set (repeated measurements, a second sensor the other way round) the
+/// first in order is taken.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofMap {
     /// The common ones.
@@ -91,8 +92,8 @@ impl DofMap {
         self.pairs.is_empty()
     }
 
-    /// What each common degree of freedom is multiplied by in a MAC: 1, or the stated length for a rotation that meets
-    /// translations.
+    /// What each common degree of freedom is multiplied by in a MAC: 1, or the stated length for a
+    /// rotation that meets translations.
     pub(super) fn weights(&self, options: &PairOptions) -> Result<Vec<f64>, CorrelateError> {
         let turns = |pair: &&DofPair| pair.test.axis().is_rotation();
         let rotations = self.pairs.iter().filter(turns).count();
@@ -128,8 +129,8 @@ impl DofMap {
         self.pairs.iter().zip(weights).map(value).collect()
     }
 
-    /// What is to be said of the map: degrees of freedom without a partner (each, or their number where they are many)
-    /// and a common number below the limit. Nothing for a test without shapes.
+    /// What is to be said of the map: degrees of freedom without a partner (each, or their number
+    /// where they are many) and a common number below the limit. Nothing for a test without shapes.
     pub fn findings(&self, min_dofs: usize) -> Vec<Finding> {
         let alone = &self.test_alone;
         if self.is_empty() && alone.is_empty() {

@@ -1,4 +1,5 @@
-//! What a test's degrees of freedom are called in the theory, where the names differ: by a list, or by nearest node.
+//! What a test's degrees of freedom are called in the theory, where the names differ: by a list, or
+//! by nearest node.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,19 +16,21 @@ use super::{CorrelateError, Similarity};
 /// Part of a unit direction below which the theory's axis is not needed.
 const AXIS_NEEDED: f64 = 1e-3;
 
-/// Degrees of freedom that read the same: the test's sensor, with its sign, and what of the theory gives its reading.
+/// Degrees of freedom that read the same: the test's sensor, with its sign, and what of the theory
+/// gives its reading.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofNames {
     pairs: BTreeMap<Dof, Reading>,
 }
 
-/// A sum of a theory's degrees of freedom along their positive axes: one of them, or several where the test's axis lies
-/// between the theory's.
+/// A sum of a theory's degrees of freedom along their positive axes: one of them, or several where
+/// the test's axis lies between the theory's.
 pub type Reading = Vec<(Dof, f64)>;
 
 impl DofNames {
-    /// Reads a list: a line for each pair, the test's degree of freedom and the theory's, separated by a comma. A heading
-    /// `test,theory`, blank lines and lines that begin with `#` are passed over.
+    /// Reads a list: a line for each pair, the test's degree of freedom and the theory's, separated
+    /// by a comma. A heading `test,theory`, blank lines and lines that begin with `#` are passed
+    /// over.
     ///
     /// ```
     /// use modalign::correlate::DofNames;
@@ -37,8 +40,8 @@ impl DofNames {
     /// ```
     ///
     /// # Errors
-    /// [`CorrelateError::DofList`] with the line: something else than two degrees of freedom, a test's one that stands
-    /// there twice, or no pair at all.
+    /// [`CorrelateError::DofList`] with the line: something else than two degrees of freedom, a
+    /// test's one that stands there twice, or no pair at all.
     pub fn parse(text: &str) -> Result<Self, CorrelateError> {
         let mut names = Self::default();
         let mut known = BTreeSet::new();
@@ -86,13 +89,13 @@ impl DofNames {
         named.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Ties each degree of freedom of the test to the theory's at the nearest node, as far as that lies within
-    /// `tolerance_m`: a test's point `x` at `s R x + t`, its axis along `R e`. Where that lies between the theory's axes,
-    /// the theory's reading is the sum of its components, all of which the node must have. Rotations go with rotations,
-    /// scalars with scalars.
+    /// Ties each degree of freedom of the test to the theory's at the nearest node, as far as that
+    /// lies within `tolerance_m`: a test's point `x` at `s R x + t`, its axis along `R e`. Where
+    /// that lies between the theory's axes, the theory's reading is the sum of its components, all
+    /// of which the node must have. Rotations go with rotations, scalars with scalars.
     ///
-    /// The finding tells the largest distance. Degrees of freedom without a position or a node near enough stay without a
-    /// partner.
+    /// The finding tells the largest distance. Degrees of freedom without a position or a node near
+    /// enough stay without a partner.
     pub fn nearest(
         test: (&ModalModel, &Geometry),
         theory: (&ModalModel, &Geometry),
@@ -151,8 +154,8 @@ impl DofNames {
         self.pairs.get(test)
     }
 
-    /// The theory under the names of the test: each shape at the test's degrees of freedom, as far as a pair names them
-    /// and the shape has a value there.
+    /// The theory under the names of the test: each shape at the test's degrees of freedom, as far
+    /// as a pair names them and the shape has a value there.
     pub fn rename(&self, theory: &ModalModel) -> ModalModel {
         let mut renamed = theory.clone();
         for mode in &mut renamed.modes {
@@ -289,7 +292,8 @@ mod tests {
 
     #[test]
     fn a_turned_axis_reads_the_sum_of_the_theorys_components() {
-        // The test's x and z turned by 30 degrees about the theory's y; a point at 2 mm of a scale of 1000.
+        // The test's x and z turned by 30 degrees about the theory's y; a point at 2 mm of a scale
+        // of 1000.
         let (sin, cos) = 30f64.to_radians().sin_cos();
         let frame = Similarity {
             scale: 1e-3,

@@ -8,18 +8,21 @@ use crate::modal::{ModalModel, ModeShape};
 use super::measures::ReducedMass;
 use super::{CorrelateError, DofMap};
 
-/// A test's shapes at all coordinates of a model: `x = T y`, with `y` the readings along the theory's directions and `T` the
-/// expansion of the reduction (statically, or as a sum of the modes that it keeps).
+/// A test's shapes at all coordinates of a model: `x = T y`, with `y` the readings along the
+/// theory's directions and `T` the expansion of the reduction (statically, or as a sum of the modes
+/// that it keeps).
 ///
-/// `coordinates` name the rows of `T`. Frequencies, damping and what else is known of the modes stay; modes without a value at
-/// one of the sensors are left out, as are deviations of shapes and residues, which belong to the sensors.
+/// `coordinates` name the rows of `T`. Frequencies, damping and what else is known of the modes
+/// stay; modes without a value at one of the sensors are left out, as are deviations of shapes and
+/// residues, which belong to the sensors.
 ///
 /// # Errors
-/// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have; [`CorrelateError::CoordinateNames`] for another
-/// number of names than rows.
+/// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have;
+/// [`CorrelateError::CoordinateNames`] for another number of names than rows.
 ///
 /// # Reference
-/// Guyan (1965); O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process (SEREP), IMAC 7, 29.
+/// Guyan (1965); O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion
+/// process (SEREP), IMAC 7, 29.
 pub fn expanded(
     test: &ModalModel,
     map: &DofMap,

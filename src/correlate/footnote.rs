@@ -39,7 +39,8 @@ pub enum Footnote {
         /// Smallest and largest probability that an independent shape reaches its level.
         significance: [f64; 2],
     },
-    /// Missed roots were not judged for being observable: their verdict says no more than that they are missed.
+    /// Missed roots were not judged for being observable: their verdict says no more than that they
+    /// are missed.
     ObservabilityNotJudged,
     /// A damping ratio of a test, by name, that stands for the one that the theory does not have.
     DampingOfTest {

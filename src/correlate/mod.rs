@@ -1,10 +1,10 @@
 //! Correlation: which test mode is which theory mode, and the comparison table.
 //!
-//! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes, [`observability`](fn@observability) says what a test
-//! could see, [`compare`] makes rows of one theory and several tests.
-//! [`measures`](mod@measures) holds what shapes and FRFs say beside the pairing.
-//! [`published`] holds what a paper printed against a model, and its claims against its own tables.
-//! This module must not compute modes, and must not print or write what it finds.
+//! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes,
+//! [`observability`](fn@observability) says what a test could see, [`compare`] makes rows of one
+//! theory and several tests. [`measures`](mod@measures) holds what shapes and FRFs say beside the
+//! pairing. [`published`] holds what a paper printed against a model, and its claims against its
+//! own tables. This module must not compute modes, and must not print or write what it finds.
 
 mod alignment;
 mod assignment;

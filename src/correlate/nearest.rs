@@ -41,7 +41,8 @@ impl PointTree {
         tree
     }
 
-    /// Index of the point that is nearest to a place; the first of several as near. 0 where there is none.
+    /// Index of the point that is nearest to a place; the first of several as near. 0 where there
+    /// is none.
     pub fn nearest(&self, at: [f64; 3]) -> usize {
         let mut best = Found {
             squared: f64::INFINITY,
@@ -79,7 +80,8 @@ impl PointTree {
         own
     }
 
-    /// Orders a range so that the points before its middle are not above those after it along an axis; the middle.
+    /// Orders a range so that the points before its middle are not above those after it along an
+    /// axis; the middle.
     fn halve(&mut self, range: &Range<usize>, axis: usize) -> usize {
         let points = &self.points;
         let by_place = |a: &usize, b: &usize| -> Ordering {
@@ -121,7 +123,8 @@ impl PointTree {
 }
 
 impl PointBox {
-    /// Squared distance of a place from the box, 0 inside it; not above that from any of its points.
+    /// Squared distance of a place from the box, 0 inside it; not above that from any of its
+    /// points.
     fn squared(&self, at: [f64; 3]) -> f64 {
         let nearest = [0, 1, 2].map(|i| at[i].max(self.lowest[i]).min(self.highest[i]));
         squared_distance(nearest, at)

@@ -1,7 +1,9 @@
-//! Whether a root of the theory could have been seen by a test: with these sensors and hits, over this noise.
+//! Whether a root of the theory could have been seen by a test: with these sensors and hits, over
+//! this noise.
 //!
-//! A judgement needs shapes of the theory at the points of the test. What the test does not say (noise, damping) or the
-//! theory does not (modal mass) is left open, and an open question never excuses a missed root.
+//! A judgement needs shapes of the theory at the points of the test. What the test does not say
+//! (noise, damping) or the theory does not (modal mass) is left open, and an open question never
+//! excuses a missed root.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
@@ -16,11 +18,12 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::roots::{Root, elastic_roots};
 
-/// Strength at a pair below which a root stands still, relative to the product of the largest values that any mode has at
-/// its response and at its reference.
+/// Strength at a pair below which a root stands still, relative to the product of the largest
+/// values that any mode has at its response and at its reference.
 ///
-/// An eigenvector is known to about 1e-14 of its largest component, five decades below. At equal damping the peaks of two
-/// accelerances are as far apart as their strengths, here 180 dB, while a converter of 24 bits spans 144 dB.
+/// An eigenvector is known to about 1e-14 of its largest component, five decades below. At equal
+/// damping the peaks of two accelerances are as far apart as their strengths, here 180 dB, while a
+/// converter of 24 bits spans 144 dB.
 pub(super) const STILL: f64 = 1e-9;
 
 /// Height of a peak over the noise from which on it can be seen, dB.
@@ -62,7 +65,8 @@ pub struct AgainstNoise {
     pub best_pair: (Dof, Dof),
     /// Peak over the root mean square of the noise there, dB; infinite without noise.
     pub peak_over_noise_db: f64,
-    /// Smallest standard deviation (Cramér-Rao) with which all pairs together can know the natural frequency, Hz.
+    /// Smallest standard deviation (Cramér-Rao) with which all pairs together can know the natural
+    /// frequency, Hz.
     pub frequency_std_hz: f64,
     /// Whether noise and strength were known at every pair, so that no other pair can see more.
     pub complete: bool,
@@ -90,8 +94,9 @@ impl fmt::Display for NotJudged {
 }
 
 impl Observability {
-    /// Whether the test could have seen the root: at one pair its peak stands 10 dB over the noise, and the Cramér-Rao
-    /// deviation of its frequency is under a quarter of the spacing to the nearest root. `None` when that is not known.
+    /// Whether the test could have seen the root: at one pair its peak stands 10 dB over the noise,
+    /// and the Cramér-Rao deviation of its frequency is under a quarter of the spacing to the
+    /// nearest root. `None` when that is not known.
     pub fn observable(&self) -> Option<bool> {
         if self.still {
             return Some(false);
@@ -135,28 +140,32 @@ impl Observability {
     }
 }
 
-/// What a test could see of every elastic root, in ascending frequency of the roots; `None` where nothing is known: the
-/// test has no (response, reference) pairs, or the theory no shape at any of them.
+/// What a test could see of every elastic root, in ascending frequency of the roots; `None` where
+/// nothing is known: the test has no (response, reference) pairs, or the theory no shape at any of
+/// them.
 ///
-/// Pairs are those of the test's FRFs when there are any, else those of the residues of its modes. The strength of a root
-/// at a pair is `g = sum phi_response phi_reference / m` over its modes, with modal masses `m`; for a repeated root it
-/// does not depend on the basis. Its receptance `g/(w^2 - omega^2 + 2 i zeta w omega)` has the peak `|g|/(2 zeta w^2)`,
-/// times `w` for a mobility and `w^2` for an accelerance. An exponential window that is still in the values adds its
-/// decay rate `a`: the peak is then `|g|/(2 w delta)` with `delta = zeta w + a`. The noise beside it is the root mean
-/// square of the variance on the lines within `w ± delta`, at least the nearest line.
+/// Pairs are those of the test's FRFs when there are any, else those of the residues of its modes.
+/// The strength of a root at a pair is `g = sum phi_response phi_reference / m` over its modes,
+/// with modal masses `m`; for a repeated root it does not depend on the basis. Its receptance
+/// `g/(w^2 - omega^2 + 2 i zeta w omega)` has the peak `|g|/(2 zeta w^2)`, times `w` for a mobility
+/// and `w^2` for an accelerance. An exponential window that is still in the values adds its decay
+/// rate `a`: the peak is then `|g|/(2 w delta)` with `delta = zeta w + a`. The noise beside it is
+/// the root mean square of the variance on the lines within `w ± delta`, at least the nearest line.
 ///
-/// The bound on the frequency: `A/(i omega - lambda)` with unknown complex `A` in complex noise of variance `sigma^2` per
-/// line, white over the peak, lines `dw` apart. The Fisher information of `Im lambda` is
-/// `(2/sigma^2) |A|^2 (b - |c|^2/a)` with `a = pi/delta`, `b = pi/(2 delta^3)`, `c = pi/(2 delta^2)` (all over `dw`) the
-/// integrals of the products of `1/(i omega - lambda)` and its square, so that
-/// `var(Im lambda) >= 2 sigma^2 dw delta^3/(pi |A|^2) = 2 dw delta/(pi rho^2)` with `rho = |A|/(delta sigma)` the peak
-/// over the noise. `Re lambda` has the same variance and is uncorrelated, so that `|lambda|`, the natural frequency, has it
-/// too. Pairs share `lambda` and add their information. Lines have to lie closer than about `2 delta`; those of a windowed
-/// record are taken for independent.
+/// The bound on the frequency: `A/(i omega - lambda)` with unknown complex `A` in complex noise of
+/// variance `sigma^2` per line, white over the peak, lines `dw` apart. The Fisher information of
+/// `Im lambda` is `(2/sigma^2) |A|^2 (b - |c|^2/a)` with `a = pi/delta`, `b = pi/(2 delta^3)`, `c =
+/// pi/(2 delta^2)` (all over `dw`) the integrals of the products of `1/(i omega - lambda)` and its
+/// square, so that `var(Im lambda) >= 2 sigma^2 dw delta^3/(pi |A|^2) = 2 dw delta/(pi rho^2)` with
+/// `rho = |A|/(delta sigma)` the peak over the noise. `Re lambda` has the same variance and is
+/// uncorrelated, so that `|lambda|`, the natural frequency, has it too. Pairs share `lambda` and
+/// add their information. Lines have to lie closer than about `2 delta`; those of a windowed record
+/// are taken for independent.
 ///
 /// # Reference
-/// Kay (1993), Fundamentals of Statistical Signal Processing: Estimation Theory, sections 3.7 and 15.7 (Fisher information
-/// of complex data); Ewins (2000), Modal Testing, 2nd ed., section 2.4 (receptance of a mode).
+/// Kay (1993), Fundamentals of Statistical Signal Processing: Estimation Theory, sections 3.7 and
+/// 15.7 (Fisher information of complex data); Ewins (2000), Modal Testing, 2nd ed., section 2.4
+/// (receptance of a mode).
 pub fn observability(
     theory: &ModalModel,
     test: &ModalModel,
@@ -316,7 +325,8 @@ impl Peak {
         }
     }
 
-    /// Square of the peak of a root of strength `g` over the noise of function `i`; `None` where that is not known.
+    /// Square of the peak of a root of strength `g` over the noise of function `i`; `None` where
+    /// that is not known.
     fn over_noise_squared(&self, set: &FrfSet, i: usize, g: f64) -> Option<f64> {
         let noise = self.noise_squared(set, i)?;
         let peak = self.height_squared(set, i, g);
@@ -324,7 +334,8 @@ impl Peak {
         Some(if peak > 0.0 { peak / noise } else { 0.0 })
     }
 
-    /// Square of the peak of a root of strength `g` in function `i`, in the unit of its kind squared.
+    /// Square of the peak of a root of strength `g` in function `i`, in the unit of its kind
+    /// squared.
     pub fn height_squared(&self, set: &FrfSet, i: usize, g: f64) -> f64 {
         let s = Complex64::new(set.added_damping_rad_s, self.omega);
         let order = set.functions()[i].kind.derivative_order();
@@ -363,8 +374,9 @@ fn pairs(test: &ModalModel, frfs: &[FrfSet]) -> Vec<(Dof, Dof)> {
     found.into_iter().collect()
 }
 
-/// `|sum phi_response phi_reference / m|` over some modes, 1/kg for translations; `None` where one has no value. A modal mass
-/// that is not known counts as 1: strengths are then only fit to be told from nothing.
+/// `|sum phi_response phi_reference / m|` over some modes, 1/kg for translations; `None` where one
+/// has no value. A modal mass that is not known counts as 1: strengths are then only fit to be told
+/// from nothing.
 fn strength(
     theory: &ModalModel,
     modes: &[usize],
@@ -379,16 +391,16 @@ fn strength(
     sum.filter(|_| !modes.is_empty()).map(Complex64::norm)
 }
 
-/// What a sensor (or hit) of the test has of a theory shape: met by point and axis, turned by both signs, repeated
-/// measurements like the first.
+/// What a sensor (or hit) of the test has of a theory shape: met by point and axis, turned by both
+/// signs, repeated measurements like the first.
 fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
     let same = |own: &Dof| own.point() == dof.point() && own.axis() == dof.axis();
     let found = shape.iter().find(|(own, _)| same(own));
     found.map(|(own, value)| value * own.sign() * dof.sign())
 }
 
-/// The most that any mode has at a point over the square root of its modal mass, 1/√kg for a translation; where a mass is not known,
-/// it counts as 1.
+/// The most that any mode has at a point over the square root of its modal mass, 1/√kg for a
+/// translation; where a mass is not known, it counts as 1.
 fn largest(theory: &ModalModel, dof: &Dof) -> f64 {
     let of = |mode: &Mode| {
         let mass = modal_mass_kg(mode).unwrap_or(1.0);
@@ -397,7 +409,8 @@ fn largest(theory: &ModalModel, dof: &Dof) -> f64 {
     theory.modes.iter().filter_map(of).fold(0.0, f64::max)
 }
 
-/// What a mode has at a point over the square root of its modal mass, 1/√kg for a translation; `None` without a shape there.
+/// What a mode has at a point over the square root of its modal mass, 1/√kg for a translation;
+/// `None` without a shape there.
 pub(super) fn over_root_mass(mode: &Mode, dof: &Dof) -> Result<Option<Complex64>, NotJudged> {
     let mass = modal_mass_kg(mode).ok_or(NotJudged::ModalMass)?;
     Ok(reading(&mode.shape, dof).map(|value| value / mass.sqrt()))

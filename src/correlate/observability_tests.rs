@@ -1,4 +1,5 @@
-//! What a test could see of a root: strength, noise, the Cramér-Rao bound, and what the table makes of it.
+//! What a test could see of a root: strength, noise, the Cramér-Rao bound, and what the table makes
+//! of it.
 
 use std::f64::consts::{PI, TAU};
 
@@ -173,7 +174,8 @@ fn a_peak_is_seen_from_ten_decibels_over_the_noise_in_every_kind() {
             let sets = frfs(&[("1:+Z", "1:+Z"), ("1:+Z", "2:+Z")], kind, variance, 0.5);
             compared(&three(), &two_found(), &sets)
         };
-        // 0.02 dB is 0.2 % of the amplitude: a kind converted with a power of w too many is 60 dB off.
+        // 0.02 dB is 0.2 % of the amplitude: a kind converted with a power of w too many is 60 dB
+        // off.
         let (below, above) = (at(9.99), at(10.01));
         assert_eq!(statuses(&below)[1], Status::NotObservable, "{kind:?}");
         assert_eq!(statuses(&above)[1], Status::MissedUnexpected, "{kind:?}");
@@ -199,7 +201,8 @@ fn noise_counts_where_the_peak_is() {
         known.noise.unwrap().peak_over_noise_db
     };
     assert!((judged(&sets) - 20.0).abs() < 1e-9);
-    // The half-power band is 198 to 202 Hz: 9 lines, the mean of which is 10 of 9 with one of them doubled.
+    // The half-power band is 198 to 202 Hz: 9 lines, the mean of which is 10 of 9 with one of them
+    // doubled.
     let with_line = |hz: f64, factor: f64| {
         let mut changed = FrfSet::new(*sets[0].axis());
         let mut data = FunctionData {
@@ -235,8 +238,9 @@ fn without_noise_everything_that_moves_is_seen() {
     assert!(noise.peak_over_noise_db.is_infinite() && noise.frequency_std_hz <= 0.0);
 }
 
-/// The variance of Im lambda in the inverse of the Fisher matrix of (Re A, Im A, Re lambda, Im lambda), summed over the
-/// lines of an axis; A in units of |A| and lambda in units of its real part, so that the matrix is well scaled.
+/// The variance of Im lambda in the inverse of the Fisher matrix of (Re A, Im A, Re lambda, Im
+/// lambda), summed over the lines of an axis; A in units of |A| and lambda in units of its real
+/// part, so that the matrix is well scaled.
 fn variance_of_im_lambda(
     a: Complex64,
     lambda: Complex64,
@@ -283,9 +287,10 @@ fn the_bound_on_the_frequency_is_that_of_the_fisher_matrix_over_the_lines() {
             _ => variance / w.max(1.0).powi(2 * order),
         };
         let exact = variance_of_im_lambda(a, pole.lambda, sets[0].axis(), as_receptance);
-        // Lines end at 0 and 2 w: the information on A, pi/(zeta w), lacks the two ends of 1/x^2, 2/w, and where receptance
-        // noise falls as 1/w^4 has the integral of ((1 + u)^4 - 1)/u^2 more, 38/3. The bound has as much more information
-        // on lambda; the same expansion to second order takes off the square of that and 22 zeta^2 (0 for receptance).
+        // Lines end at 0 and 2 w: the information on A, pi/(zeta w), lacks the two ends of 1/x^2,
+        // 2/w, and where receptance noise falls as 1/w^4 has the integral of ((1 + u)^4 - 1)/u^2
+        // more, 38/3. The bound has as much more information on lambda; the same expansion to
+        // second order takes off the square of that and 22 zeta^2 (0 for receptance).
         let (more, second) = if order == 0 {
             (0.0, 0.0)
         } else {
@@ -347,7 +352,8 @@ fn one_peak_excuses_a_root_that_a_paired_one_covers() {
     );
     assert_eq!(near.summary[0].missed, 1);
     assert_eq!(statuses(&neighbour(1.1, &quiet))[1], MissedUnexpected);
-    // 12 dB with a line each 2 Hz: sqrt(2 * 2 * 2.01/(pi * 15.85)) = 0.40 Hz, a quarter of 1.2 Hz is 0.3 Hz.
+    // 12 dB with a line each 2 Hz: sqrt(2 * 2 * 2.01/(pi * 15.85)) = 0.40 Hz, a quarter of 1.2 Hz
+    // is 0.3 Hz.
     let variance = Some(peak_squared_at_200() / 10f64.powf(1.2));
     let coarse = frfs(&[("1:+Z", "1:+Z")], FrfKind::Receptance, variance, 2.0);
     let table = neighbour(0.3, &coarse);

@@ -45,10 +45,12 @@ impl ErrorReference {
 pub struct PairOptions {
     /// Largest difference of the frequencies of a pair, a fraction of the theory's.
     pub max_frequency_error: f64,
-    /// Smallest MAC of a pair, from 0 to below 1; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
+    /// Smallest MAC of a pair, from 0 to below 1; a root that holds 0.6 of it of a mixed shape is a
+    /// partner too, and ambiguous.
     pub min_mac: f64,
-    /// A second partner whose cost is within this of the first makes a pair ambiguous. At the default gates 0.05 is 0.04 of a
-    /// shape, or half of `max_frequency_error`; with frequencies alone, a part of `max_frequency_error`.
+    /// A second partner whose cost is within this of the first makes a pair ambiguous. At the
+    /// default gates 0.05 is 0.04 of a shape, or half of `max_frequency_error`; with frequencies
+    /// alone, a part of `max_frequency_error`.
     pub ambiguous_margin: f64,
     /// Fewer common degrees of freedom than this are a finding.
     pub min_dofs: usize,
@@ -59,7 +61,8 @@ pub struct PairOptions {
 }
 
 impl Default for PairOptions {
-    /// Gates of 20 % in frequency and 0.5 in MAC, an ambiguity margin of 0.05, 4 degrees of freedom, no length.
+    /// Gates of 20 % in frequency and 0.5 in MAC, an ambiguity margin of 0.05, 4 degrees of
+    /// freedom, no length.
     fn default() -> Self {
         Self {
             max_frequency_error: 0.2,

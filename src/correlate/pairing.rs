@@ -1,7 +1,7 @@
 //! Pairing of test modes with the roots of a theory.
 //!
-//! All pairs are decided together: an assignment of smallest total cost, in which a mode may stay alone. Complex test
-//! shapes are used as they are; they are not made real first.
+//! All pairs are decided together: an assignment of smallest total cost, in which a mode may stay
+//! alone. Complex test shapes are used as they are; they are not made real first.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,8 @@ pub enum Verdict {
         /// MAC with the reversed sensors turned, where that reaches the level.
         reversed: Option<f64>,
     },
-    /// Sensors are reversed, and the MAC of the shapes as measured is below the gate: only with these sensors reversed is this a pair.
+    /// Sensors are reversed, and the MAC of the shapes as measured is below the gate: only with
+    /// these sensors reversed is this a pair.
     RestsOnReversal {
         /// MAC of the shapes as measured.
         mac: f64,
@@ -57,10 +58,12 @@ pub enum Verdict {
     Ambiguous {
         /// The cheapest rival.
         rival: Rival,
-        /// Its cost minus the pair's; negative when the rival is better by itself and the whole decided against it.
+        /// Its cost minus the pair's; negative when the rival is better by itself and the whole
+        /// decided against it.
         cost_difference: f64,
     },
-    /// Another root would hold half of the test shape or more, or the root as much of another test shape: two cannot.
+    /// Another root would hold half of the test shape or more, or the root as much of another test
+    /// shape: two cannot.
     Claimed {
         /// Who would hold, or be held, most.
         rival: Rival,
@@ -112,11 +115,11 @@ pub struct Pair {
     pub theory: Vec<usize>,
     /// Its test modes in ascending index, from one to the multiplicity of the root.
     pub partners: Vec<Partner>,
-    /// Principal angles between the test modes and the subspace of a repeated root, ascending, degrees; `None` for a simple
-    /// root or without shapes.
+    /// Principal angles between the test modes and the subspace of a repeated root, ascending,
+    /// degrees; `None` for a simple root or without shapes.
     pub angles_deg: Option<Vec<f64>>,
-    /// Share of the least direction of the root that several test modes hold together where that is below a quarter (60 degrees): two of
-    /// them may be one mode.
+    /// Share of the least direction of the root that several test modes hold together where that is
+    /// below a quarter (60 degrees): two of them may be one mode.
     pub least_direction: Option<f64>,
 }
 
@@ -138,13 +141,14 @@ pub struct UnpairedRoot {
     pub near_miss: Option<NearMiss>,
 }
 
-/// Who belongs to whom between one test and one theory. Indices are those of the two models' mode lists.
+/// Who belongs to whom between one test and one theory. Indices are those of the two models' mode
+/// lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pairing {
     /// The common degrees of freedom.
     pub map: DofMap,
-    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has no shape
-    /// there or fewer than two degrees of freedom are common.
+    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has
+    /// no shape there or fewer than two degrees of freedom are common.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Roots with partners, in ascending theory frequency.
     pub pairs: Vec<Pair>,
@@ -158,7 +162,8 @@ pub struct Pairing {
     pub highest_rigid_hz: f64,
     /// Number of theory modes.
     pub theory_modes: usize,
-    /// Sensors with the opposite sign of the theory. Pairs are chosen with these reversed; MAC is of the shapes as measured.
+    /// Sensors with the opposite sign of the theory. Pairs are chosen with these reversed; MAC is
+    /// of the shapes as measured.
     pub reversed: Vec<ReversedSensor>,
     /// What the shapes and frequencies said on the way.
     pub findings: Vec<Finding>,
@@ -166,33 +171,41 @@ pub struct Pairing {
 
 /// Pairs the modes of a test with those of a theory.
 ///
-/// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference of errors is, and the share `a` of a
-/// test shape that a root holds when all roots explain it together (their own module has the formula), a pair is allowed when
-/// `u <= 1` and `a >= 0.6 min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)`
-/// up to 1: what the frequency says of mixed shapes is in `a` already. With fewer than three degrees of freedom in common it costs `u`: a
-/// MAC over one component is 1 for any two shapes, and over two independent shapes reach 0.9 in a fifth of all cases. Leaving a test mode and a theory mode over
-/// costs 1 together, so that a pair inside its gates is made rather than not, and a missed mode moves no other row as long
-/// as moving costs more than that. The sum is made smallest over all pairs at once.
+/// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference
+/// of errors is, and the share `a` of a test shape that a root holds when all roots explain it
+/// together (their own module has the formula), a pair is allowed when `u <= 1` and `a >= 0.6
+/// min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 -
+/// a)/(1 - 0.6 min_mac)` up to 1: what the frequency says of mixed shapes is in `a` already. With
+/// fewer than three degrees of freedom in common it costs `u`: a MAC over one component is 1 for
+/// any two shapes, and over two independent shapes reach 0.9 in a fifth of all cases. Leaving a
+/// test mode and a theory mode over costs 1 together, so that a pair inside its gates is made
+/// rather than not, and a missed mode moves no other row as long as moving costs more than that.
+/// The sum is made smallest over all pairs at once.
 ///
-/// A pair with three degrees of freedom in common or more rests on frequency and shape ([`Basis::Shape`]): its MAC has to reach
-/// the [`ChanceLevel`], else it is uncorrelated. With fewer it rests on frequency alone. A pair is ambiguous when, for either
-/// side, another allowed partner costs less than `ambiguous_margin` more; claimed when another root holds half of the shape by the same
-/// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below `min_mac`.
+/// A pair with three degrees of freedom in common or more rests on frequency and shape
+/// ([`Basis::Shape`]): its MAC has to reach the [`ChanceLevel`], else it is uncorrelated. With
+/// fewer it rests on frequency alone. A pair is ambiguous when, for either side, another allowed
+/// partner costs less than `ambiguous_margin` more; claimed when another root holds half of the
+/// shape by the same reckoning, or this root half of another; and mixed when `a` less its standard
+/// deviation is below `min_mac`.
 ///
-/// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`]) are reversed while pairs are
-/// chosen; MAC and chance level are of the shapes as measured. The shares are then those of the reversed shapes, so that the MAC
-/// as measured has to reach `min_mac` as well, else the pair is ambiguous.
+/// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`])
+/// are reversed while pairs are chosen; MAC and chance level are of the shapes as measured. The
+/// shares are then those of the reversed shapes, so that the MAC as measured has to reach `min_mac`
+/// as well, else the pair is ambiguous.
 ///
-/// Modes of one repeated root of the theory (same group number) are one partner that takes as many test modes as it has
-/// modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes at 0 Hz, are left out: modes at 0 Hz and, of the lowest
-/// six, those at 0.1 Hz or less below a thousandth of the next one.
+/// Modes of one repeated root of the theory (same group number) are one partner that takes as many
+/// test modes as it has modes, by [`subspace_mac`]. Rigid-body modes of the theory, and test modes
+/// at 0 Hz, are left out: modes at 0 Hz and, of the lowest six, those at 0.1 Hz or less below a
+/// thousandth of the next one.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
 /// [`CorrelateError::MixedUnits`], [`CorrelateError::Linalg`].
 ///
 /// # Reference
-/// Allemang and Brown (1982), A correlation coefficient for modal vector analysis, IMAC 1 (MAC); Kuhn (1955) (assignment).
+/// Allemang and Brown (1982), A correlation coefficient for modal vector analysis, IMAC 1 (MAC);
+/// Kuhn (1955) (assignment).
 pub fn pair(
     test: &ModalModel,
     theory: &ModalModel,
@@ -211,7 +224,8 @@ pub fn pair(
         options,
     );
     let root_of = table.assign();
-    // Without any shape of the theory there is nothing to be tied; that modes are paired by frequency alone is told by their rows.
+    // Without any shape of the theory there is nothing to be tied; that modes are paired by
+    // frequency alone is told by their rows.
     let has_shapes = theory.modes.iter().any(|mode| !mode.shape.is_empty());
     let mut findings = Vec::new();
     if has_shapes {
@@ -304,7 +318,8 @@ impl Shapes {
             .collect()
     }
 
-    /// The test and theory vectors on the degrees of freedom at which all of these modes have a value.
+    /// The test and theory vectors on the degrees of freedom at which all of these modes have a
+    /// value.
     pub fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
         let kept = self.places(test, theory);
         let vector =
@@ -315,8 +330,8 @@ impl Shapes {
         ]
     }
 
-    /// Whether a test mode and a root have the degrees of freedom in common that a MAC needs, and the MAC there (`None`
-    /// for a zero vector).
+    /// Whether a test mode and a root have the degrees of freedom in common that a MAC needs, and
+    /// the MAC there (`None` for a zero vector).
     pub fn compare(&self, test: usize, theory: &[usize]) -> (bool, Option<f64>) {
         let [vector, span] = self.common(&[test], theory);
         let comparable = vector[0].len() >= FEWEST_DOFS;
@@ -324,7 +339,8 @@ impl Shapes {
         (comparable, mac.flatten())
     }
 
-    /// Principal angles between test modes and a root; none where there are too few degrees of freedom for a MAC.
+    /// Principal angles between test modes and a root; none where there are too few degrees of
+    /// freedom for a MAC.
     pub fn angles_deg(&self, test: &[usize], theory: &[usize]) -> Result<Vec<f64>, CorrelateError> {
         let [test, theory] = self.common(test, theory);
         match test[0].len() {
@@ -333,9 +349,11 @@ impl Shapes {
         }
     }
 
-    /// Share of the least direction of a root that test modes hold together, `cos²` of the largest principal angle: 0 where they
-    /// have fewer directions than modes. `None` for one mode, where these degrees of freedom do not tell the directions of the root (its
-    /// unit shapes have a singular value below [`TOLD_APART`] there), or where there are no more of them than the root has modes.
+    /// Share of the least direction of a root that test modes hold together, `cos²` of the largest
+    /// principal angle: 0 where they have fewer directions than modes. `None` for one mode, where
+    /// these degrees of freedom do not tell the directions of the root (its unit shapes have a
+    /// singular value below [`TOLD_APART`] there), or where there are no more of them than the root
+    /// has modes.
     ///
     /// # Errors
     /// [`CorrelateError::Linalg`].
@@ -381,7 +399,8 @@ impl Shapes {
             .then_some(count)
     }
 
-    /// MAC of every test mode with every theory mode; one product of matrices where all modes have all values.
+    /// MAC of every test mode with every theory mode; one product of matrices where all modes have
+    /// all values.
     pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
         if let (Some(test), Some(theory)) = (whole(&self.test), whole(&self.theory)) {
             return mac_of_product(&test, &theory);
@@ -420,8 +439,8 @@ fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Opti
     (0..a.len()).map(row).collect()
 }
 
-/// A theory's values with exact zeros where a mode stands still: below a part of the largest value that any mode has there,
-/// only rounding is left, and rounding has every shape.
+/// A theory's values with exact zeros where a mode stands still: below a part of the largest value
+/// that any mode has there, only rounding is left, and rounding has every shape.
 pub(super) fn without_rounding(
     mut modes: Vec<Vec<Option<Complex64>>>,
 ) -> Vec<Vec<Option<Complex64>>> {

@@ -93,7 +93,8 @@ fn a_missed_mode_shifts_no_other_row_with_and_without_shapes() {
 
 #[test]
 fn a_missed_mode_and_an_extra_one_do_not_shift_the_rows_between() {
-    // Pairing every test mode with the theory mode below it would also be inside the frequency gate.
+    // Pairing every test mode with the theory mode below it would also be inside the frequency
+    // gate.
     let theory = model(vec![
         mode(100.0, &shape(1)),
         mode(110.0, &shape(2)),
@@ -436,7 +437,8 @@ proptest! {
 
 #[test]
 fn what_rounding_leaves_of_a_still_root_has_no_shape() {
-    // At 1010 Hz a five-fold root that the sensors do not see but for rounding, which spans nearly every shape.
+    // At 1010 Hz a five-fold root that the sensors do not see but for rounding, which spans nearly
+    // every shape.
     let tiny = |number: usize| {
         shape(number)
             .into_iter()

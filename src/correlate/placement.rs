@@ -1,9 +1,11 @@
-//! Where to hit or put a sensor next: the fewest points that show all roots that any of the given points can show.
+//! Where to hit or put a sensor next: the fewest points that show all roots that any of the given
+//! points can show.
 //!
-//! A root of m modes with unit modal masses has the strengths `G = Φ_R Φ_Hᵀ` at the responses R and hits H. As many of its modes are
-//! seen as G, eliminated with complete pivoting over the pairs that are measured, has pivots that stand over the noise: for a single
-//! root, that is its best pair, for a repeated one the independent looks at it. Points are added one by one, each time the one that shows
-//! most; where no single one shows more, a hit and a sensor together.
+//! A root of m modes with unit modal masses has the strengths `G = Φ_R Φ_Hᵀ` at the responses R and
+//! hits H. As many of its modes are seen as G, eliminated with complete pivoting over the pairs
+//! that are measured, has pivots that stand over the noise: for a single root, that is its best
+//! pair, for a repeated one the independent looks at it. Points are added one by one, each time the
+//! one that shows most; where no single one shows more, a hit and a sensor together.
 
 use std::f64::consts::TAU;
 
@@ -61,8 +63,8 @@ pub struct PlannedRoot {
     pub seen: usize,
     /// Modes seen with all points that were added.
     pub planned: usize,
-    /// Peak over noise with every point there is, dB: of the last mode when so many are seen, else of the next; `None` where no other
-    /// moves.
+    /// Peak over noise with every point there is, dB: of the last mode when so many are seen, else
+    /// of the next; `None` where no other moves.
     pub peak_over_noise_db: Option<f64>,
     /// Whether every point that can be hit stands still in it, and every that can carry a sensor.
     pub still: [bool; 2],
@@ -75,19 +77,23 @@ pub struct RankedHit {
     pub dof: Dof,
     /// Modes of the band that it shows by itself.
     pub shown: usize,
-    /// Mean over the roots of its driving-point residue `φ²/(2 ω m)`, as a part of the largest such mean.
+    /// Mean over the roots of its driving-point residue `φ²/(2 ω m)`, as a part of the largest such
+    /// mean.
     pub driving_point_residue: f64,
-    /// Effective independence: what of its row of the mode matrix no other point that can be hit has, 0 to 1; `None` where there are no
-    /// more points than independent rows.
+    /// Effective independence: what of its row of the mode matrix no other point that can be hit
+    /// has, 0 to 1; `None` where there are no more points than independent rows.
     pub independence: Option<f64>,
 }
 
-/// Points that a test should have beside its own, so that all roots of a band are seen that any of the candidates can show.
+/// Points that a test should have beside its own, so that all roots of a band are seen that any of
+/// the candidates can show.
 ///
-/// A pair of a new hit is one with every sensor, a pair of a new sensor one with every hit: points that were hit before are hit again.
-/// The noise at a new pair is that of the test's functions at the root: the median over those with the same response, or over all, each
-/// beside the peak in its own kind. A mode is seen when its pivot stands 10 dB over the noise, and what all pairs say of it tells its
-/// frequency to a quarter of the distance to the next root, as in [`observability`](fn@super::observability).
+/// A pair of a new hit is one with every sensor, a pair of a new sensor one with every hit: points
+/// that were hit before are hit again. The noise at a new pair is that of the test's functions at
+/// the root: the median over those with the same response, or over all, each beside the peak in its
+/// own kind. A mode is seen when its pivot stands 10 dB over the noise, and what all pairs say of
+/// it tells its frequency to a quarter of the distance to the next root, as in
+/// [`observability`](fn@super::observability).
 ///
 /// Without a band all elastic roots count.
 ///
@@ -95,8 +101,8 @@ pub struct RankedHit {
 /// [`NotJudged`] where masses, damping or noise are not known.
 ///
 /// # Reference
-/// Kammer (1991), Journal of Guidance, Control, and Dynamics 14, eq. 11 (effective independence); Ewins (2000), Modal Testing, 2nd ed.
-/// (driving-point residues).
+/// Kammer (1991), Journal of Guidance, Control, and Dynamics 14, eq. 11 (effective independence);
+/// Ewins (2000), Modal Testing, 2nd ed. (driving-point residues).
 pub fn placement(
     (theory, test, frfs): (&ModalModel, &ModalModel, &[FrfSet]),
     band: Option<Band>,

@@ -1,4 +1,5 @@
-//! Points to add to a test: nodes, repeated roots, points that help only together, and what no point can see.
+//! Points to add to a test: nodes, repeated roots, points that help only together, and what no
+//! point can see.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -143,7 +144,8 @@ fn what_no_point_can_see_is_said_with_its_reason() {
 
 #[test]
 fn pairs_that_nobody_measured_are_not_seen() {
-    // Root 2 moves at 1 and at 3, but 1 was only hit for the sensor at 2, and 3 only carried one for the hit at 2.
+    // Root 2 moves at 1 and at 3, but 1 was only hit for the sensor at 2, and 3 only carried one
+    // for the hit at 2.
     let theory = model(vec![
         of_theory(100.0, &[1.0, 1.0, 1.0]),
         of_theory(200.0, &[1.0, 0.0, -0.5]),

@@ -1,4 +1,5 @@
-//! What pairs of points see of a root: strengths over the noise, and the independent looks among them.
+//! What pairs of points see of a root: strengths over the noise, and the independent looks among
+//! them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -94,7 +95,8 @@ impl Added {
 
 pub(super) type Row = Option<Vec<Complex64>>;
 
-/// A root to be seen: its shapes over the square roots of modal masses, 1/√kg, at all points there are.
+/// A root to be seen: its shapes over the square roots of modal masses, 1/√kg, at all points there
+/// are.
 pub(super) struct Target<'a> {
     pub root: &'a Root,
     /// Shape values, times what a unit of strength rises over the noise of that response.
@@ -255,7 +257,8 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// Peak over noise with every point there is: of the last mode when so many are seen, else of the next.
+    /// Peak over noise with every point there is: of the last mode when so many are seen, else of
+    /// the next.
     pub fn peak_db(&self, all: &AllPoints, everything: &Added, planned: usize) -> Option<f64> {
         let mut looks = self.with(all, everything);
         let wanted = (planned + 1).min(self.root.modes.len());
@@ -301,7 +304,8 @@ impl Looks {
             .sum()
     }
 
-    /// The largest strength that counts, with its response and hit; what its row and column tell of the others is taken out of them.
+    /// The largest strength that counts, with its response and hit; what its row and column tell of
+    /// the others is taken out of them.
     fn eliminate(&mut self) -> Option<((usize, usize), f64)> {
         let largest = self.entries().max_by(|a, b| a.1.total_cmp(&b.1));
         let ((i, j), largest) = largest.filter(|(_, strength)| *strength > 0.0)?;

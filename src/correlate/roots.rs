@@ -4,17 +4,20 @@ use crate::modal::ModalModel;
 
 use super::CorrelateError;
 
-/// Frequencies of one root agree to this part, where no group numbers say so: files hold seven digits.
+/// Frequencies of one root agree to this part, where no group numbers say so: files hold seven
+/// digits.
 const SAME_ROOT: f64 = 1e-6;
 
-/// A rigid-body mode of finished modes over the root above it. Rounding leaves an eigenvalue of 0 at some 1e-16 of the highest of the whole
-/// model, which is 1e8 to 1e10 times the lowest elastic one: 1e-3 to 1e-4 of its frequency or less.
+/// A rigid-body mode of finished modes over the root above it. Rounding leaves an eigenvalue of 0
+/// at some 1e-16 of the highest of the whole model, which is 1e8 to 1e10 times the lowest elastic
+/// one: 1e-3 to 1e-4 of its frequency or less.
 const RIGID: f64 = 1e-3;
 
 /// Rigid-body modes of one body: those at 0 and what rounding left of others are no more together.
 const MOST_RIGID: usize = 6;
 
-/// No rigid-body mode lies above this, Hz: a test with a hammer measures nothing as low, so that no mode is lost with it.
+/// No rigid-body mode lies above this, Hz: a test with a hammer measures nothing as low, so that no
+/// mode is lost with it.
 const HIGHEST_RIGID_HZ: f64 = 0.1;
 
 /// One elastic root of a theory with all modes that share it.
@@ -28,9 +31,10 @@ pub(super) struct Root {
 
 /// The highest frequency of a rigid-body mode, Hz; 0 where none has another.
 ///
-/// A model that was solved here has its rigid-body modes at exactly 0. In finished modes, with those at 0 among the lowest six, the modes
-/// above 0 that come before the first rise by a factor of a thousand are what rounding left of 0, if they are at most 0.1 Hz, where
-/// a test with a hammer measures nothing. A stiff mode far above the others says nothing of these.
+/// A model that was solved here has its rigid-body modes at exactly 0. In finished modes, with
+/// those at 0 among the lowest six, the modes above 0 that come before the first rise by a factor
+/// of a thousand are what rounding left of 0, if they are at most 0.1 Hz, where a test with a
+/// hammer measures nothing. A stiff mode far above the others says nothing of these.
 pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
     let mut lowest: Vec<f64> = theory.modes.iter().map(|own| own.frequency_hz).collect();
     lowest.sort_by(f64::total_cmp);
@@ -46,7 +50,8 @@ pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
     }
 }
 
-/// The elastic roots in ascending frequency; modes of one group number or one frequency are one root, rigid-body modes are left out.
+/// The elastic roots in ascending frequency; modes of one group number or one frequency are one
+/// root, rigid-body modes are left out.
 pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
     let root = |modes: Vec<usize>| {
         let sum: f64 = modes.iter().map(|&j| theory.modes[j].frequency_hz).sum();

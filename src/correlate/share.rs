@@ -1,12 +1,15 @@
-//! The part of a test shape that a root of a theory holds, when the roots near it explain the shape together.
+//! The part of a test shape that a root of a theory holds, when the roots near it explain the shape
+//! together.
 //!
-//! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look alike, so that the MAC with each mode by
-//! itself counts what they have in common several times. If the test mode is root r, its shape is `ψ = Σ q_j φ_j`, and by perturbation of
-//! first order q_j is no more than in proportion to `1/|f_j/f_r − f_r/f_j|` beside q_r: an error that all roots share mixes nothing.
-//! `|q_r|²/Σ|q_j|²` is then what is root r's own. With shapes of unit modal mass that is the part of the modal mass, the mass-weighted
-//! MAC of the whole machine: where the sensors stand does not change it, and a root that hardly moves them needs so much of itself to look
-//! like the test shape that one beside it, which moves them, takes the shape. Where masses are not known, shapes have unit length at
-//! the sensors.
+//! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look
+//! alike, so that the MAC with each mode by itself counts what they have in common several times.
+//! If the test mode is root r, its shape is `ψ = Σ q_j φ_j`, and by perturbation of first order q_j
+//! is no more than in proportion to `1/|f_j/f_r − f_r/f_j|` beside q_r: an error that all roots
+//! share mixes nothing. `|q_r|²/Σ|q_j|²` is then what is root r's own. With shapes of unit modal
+//! mass that is the part of the modal mass, the mass-weighted MAC of the whole machine: where the
+//! sensors stand does not change it, and a root that hardly moves them needs so much of itself to
+//! look like the test shape that one beside it, which moves them, takes the shape. Where masses are
+//! not known, shapes have unit length at the sensors.
 
 use num_complex::Complex64;
 
@@ -19,7 +22,8 @@ use super::observability::modal_mass_kg;
 use super::pairing::Shapes;
 use super::roots::Root;
 
-/// Deviation of a measured value from any sum of the theory's modes, over the root mean square of the shape.
+/// Deviation of a measured value from any sum of the theory's modes, over the root mean square of
+/// the shape.
 const DEVIATION: f64 = 0.15;
 /// `|f_j/f_r − f_r/f_j|` from which on root r holds less and less of another.
 const NEAR: f64 = 0.1;
@@ -37,18 +41,20 @@ pub(super) struct Share {
 
 /// The shares of a root in test modes; `None` where they have no two degrees of freedom in common.
 ///
-/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²` over the roots near r, with `g_j = min(1, 0.1/|f_j/f_r − f_r/f_j|)`
-/// and shapes of unit modal mass over the length of r's at the sensors, or of unit length each where a mass is not known. The share
-/// of root r is `s = |q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds at all; 0 of a root that leaves
-/// the sensors still.
+/// q minimises `|ψ − Φ q|²/(0.15 ψ_rms)² + Σ |q_j|²/(g_j |ψ|)²` over the roots near r, with `g_j =
+/// min(1, 0.1/|f_j/f_r − f_r/f_j|)` and shapes of unit modal mass over the length of r's at the
+/// sensors, or of unit length each where a mass is not known. The share of root r is
+/// `s = |q_r|²/|q|²`, times the part `1 − |ψ − Φ q|²/|ψ|²` of the shape that the theory holds at
+/// all; 0 of a root that leaves the sensors still.
 ///
-/// Its deviation is that of first order, `2 √(γᴴ C γ)` with `γ_j = (δ_j − s) q_j/|q|²`, δ_j = 1 for the root's own modes and 0 for others,
-/// and C the covariance of q, the inverse of half the second derivative of that sum: few sensors, or shapes that look alike there, make
-/// it large.
+/// Its deviation is that of first order, `2 √(γᴴ C γ)` with `γ_j = (δ_j − s) q_j/|q|²`, δ_j = 1 for
+/// the root's own modes and 0 for others, and C the covariance of q, the inverse of half the second
+/// derivative of that sum: few sensors, or shapes that look alike there, make it large.
 ///
 /// # Reference
-/// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7 (coordinates of a measured shape);
-/// Fox and Kapoor (1968), AIAA Journal 6, eq. 21 (mixing of first order).
+/// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7
+/// (coordinates of a measured shape); Fox and Kapoor (1968), AIAA Journal 6, eq. 21 (mixing of
+/// first order).
 pub(super) fn shares(
     (theory, shapes): (&ModalModel, &Shapes),
     modes: &[usize],
@@ -102,7 +108,8 @@ fn at(values: &[Option<Complex64>], places: &[usize]) -> Vec<Complex64> {
     places.iter().filter_map(|&d| values[d]).collect()
 }
 
-/// Shapes of unit modal mass, over the length of the first `own` of them, where all masses are known; else of unit length each.
+/// Shapes of unit modal mass, over the length of the first `own` of them, where all masses are
+/// known; else of unit length each.
 fn scale(theory: &ModalModel, (modes, own): (&[usize], usize), columns: &mut [Vec<Complex64>]) {
     let mass = |j: &usize| modal_mass_kg(&theory.modes[*j]);
     let Some(masses) = modes.iter().map(mass).collect::<Option<Vec<f64>>>() else {
@@ -128,18 +135,20 @@ fn to_unit_length(column: &mut [Complex64]) {
     }
 }
 
-/// The equations that explain shapes of unit length by columns, of which the first are a root's own.
+/// The equations that explain shapes of unit length by columns, of which the first are a root's
+/// own.
 struct Explanation {
     columns: Vec<Vec<Complex64>>,
     own: usize,
-    /// Triangle of the stacked equations: with as many points as modes or more its product is the inverse of the covariance of q; with
-    /// fewer, the covariance of the shape.
+    /// Triangle of the stacked equations: with as many points as modes or more its product is the
+    /// inverse of the covariance of q; with fewer, the covariance of the shape.
     lower: ComplexMatrix,
     unknowns: Unknowns,
 }
 
 enum Unknowns {
-    /// One for each mode: `Qᴴ` of `[Φ/d; G⁻¹]` is the adjoint of this one's rows of the points, over d.
+    /// One for each mode: `Qᴴ` of `[Φ/d; G⁻¹]` is the adjoint of this one's rows of the points,
+    /// over d.
     Modes(ComplexMatrix),
     /// One for each point: allowed deviations, and the columns times their squares.
     Points(Vec<f64>, ComplexMatrix),
@@ -162,7 +171,8 @@ impl Explanation {
         }
     }
 
-    /// The share of the root in a shape that is not zero; none where the equations have no accurate solution.
+    /// The share of the root in a shape that is not zero; none where the equations have no accurate
+    /// solution.
     fn share(&self, mut shape: Vec<Complex64>) -> Option<Share> {
         to_unit_length(&mut shape);
         let coordinates = self.coordinates(&shape);
@@ -237,7 +247,8 @@ fn of_many_points(
     (lower, Unknowns::Modes(upper))
 }
 
-/// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ; d]`.
+/// The same with unknowns for the points: `q = G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ψ` from the triangle of `[(ΦG)ᴴ;
+/// d]`.
 fn of_few_points(
     columns: &[Vec<Complex64>],
     reach: &[f64],
@@ -324,7 +335,8 @@ mod tests {
         let masses = theory.modes.iter_mut();
         masses.for_each(|mode| mode.scaling = Scaling::UnitModalMass);
         let found = shares_of(&shape(1), &theory);
-        // To look like the test shape by itself it would need a thousand times as much as the other.
+        // To look like the test shape by itself it would need a thousand times as much as the
+        // other.
         assert!(
             found[0].unwrap() < 1e-4 && found[1].unwrap() > 0.99,
             "{found:?}"
@@ -333,7 +345,8 @@ mod tests {
 
     #[test]
     fn the_share_is_that_of_modal_mass_wherever_the_sensors_are() {
-        // The second root moves the sensors a third as much as the first: 0.8 and 0.6 of the masses look like 0.8 and 0.2.
+        // The second root moves the sensors a third as much as the first: 0.8 and 0.6 of the masses
+        // look like 0.8 and 0.2.
         let third: Vec<f64> = shape(2).iter().map(|v| v / 3.0).collect();
         let test = sum(0.8, 0.2);
         let mut theory = model(vec![mode(100.0, &shape(1)), mode(104.0, &third)]);
@@ -364,7 +377,8 @@ mod tests {
             let roots = elastic_roots(theory);
             shares((theory, &shapes), &[0], (0, &roots))[0].unwrap().std
         };
-        // Both coordinates are known to d = 0.15/sqrt(6) of the shape, and 2|gamma| = 2 * 0.8 * 0.6.
+        // Both coordinates are known to d = 0.15/sqrt(6) of the shape, and 2|gamma| = 2 * 0.8 *
+        // 0.6.
         let expected = 0.96 * 0.15 / 6f64.sqrt();
         assert!(
             (std(&full) - expected).abs() < 0.01 * expected,
@@ -376,7 +390,8 @@ mod tests {
 
     #[test]
     fn the_deviation_is_that_of_the_inverse_for_few_points_and_for_many() {
-        // One point and two modes, as unknowns for points; the same with a second point that says nothing, as unknowns for modes.
+        // One point and two modes, as unknowns for points; the same with a second point that says
+        // nothing, as unknowns for modes.
         let columns = |points: usize| -> Vec<Vec<Complex64>> {
             let column = |c: usize| {
                 (0..points).map(move |p| {

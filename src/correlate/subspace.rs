@@ -6,7 +6,8 @@ use crate::linalg::{complex_matrix, singular_values};
 
 use super::CorrelateError;
 
-/// A vector of which less than this part (of its norm) is independent of those before adds no direction.
+/// A vector of which less than this part (of its norm) is independent of those before adds no
+/// direction.
 const DEPENDENT: f64 = 1e-8;
 
 fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
@@ -17,7 +18,8 @@ fn norm(a: &[Complex64]) -> f64 {
     inner(a, a).re.sqrt()
 }
 
-/// The Q of a QR decomposition by modified Gram-Schmidt, each vector twice; dependent vectors are dropped.
+/// The Q of a QR decomposition by modified Gram-Schmidt, each vector twice; dependent vectors are
+/// dropped.
 pub(super) fn orthonormal(vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
     let mut basis: Vec<Vec<Complex64>> = Vec::new();
     for vector in vectors {
@@ -36,14 +38,16 @@ pub(super) fn orthonormal(vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
     basis
 }
 
-/// The share of a vector's squared length that lies in the span of others: `|Q^H v|^2 / |v|^2` with Q an orthonormal
-/// basis of the span.
+/// The share of a vector's squared length that lies in the span of others: `|Q^H v|^2 / |v|^2` with
+/// Q an orthonormal basis of the span.
 ///
-/// For a span of one vector it is the modal assurance criterion; it does not change when the basis of the span is turned
-/// or scaled. `None` when the vector or the whole span is zero. All vectors have the same length.
+/// For a span of one vector it is the modal assurance criterion; it does not change when the basis
+/// of the span is turned or scaled. `None` when the vector or the whole span is zero. All vectors
+/// have the same length.
 ///
 /// # Reference
-/// Golub and Van Loan (2013), Matrix Computations, 4th ed., sections 5.2.8 (modified Gram-Schmidt) and 6.4.3.
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., sections 5.2.8 (modified Gram-Schmidt)
+/// and 6.4.3.
 pub fn subspace_mac(vector: &[Complex64], span: &[Vec<Complex64>]) -> Option<f64> {
     let basis = orthonormal(span);
     let squared = inner(vector, vector).re;
@@ -64,15 +68,18 @@ pub(super) fn projection(vector: &[Complex64], span: &[Vec<Complex64>]) -> Vec<C
     part
 }
 
-/// Principal angles between two subspaces, ascending, degrees; as many as the smaller has dimensions.
+/// Principal angles between two subspaces, ascending, degrees; as many as the smaller has
+/// dimensions.
 ///
-/// The cosines are the singular values of `Q_a^H Q_b`; an angle below about 1e-6 degrees is lost in rounding.
+/// The cosines are the singular values of `Q_a^H Q_b`; an angle below about 1e-6 degrees is lost in
+/// rounding.
 ///
 /// # Errors
 /// [`CorrelateError::Linalg`].
 ///
 /// # Reference
-/// Björck and Golub (1973), Numerical methods for computing angles between linear subspaces, Math. Comp. 27.
+/// Björck and Golub (1973), Numerical methods for computing angles between linear subspaces, Math.
+/// Comp. 27.
 pub fn principal_angles_deg(
     a: &[Vec<Complex64>],
     b: &[Vec<Complex64>],

@@ -1,4 +1,5 @@
-//! The comparison table: one row for each root of the theory, one cell for each test, as `comparison.json` holds it.
+//! The comparison table: one row for each root of the theory, one cell for each test, as
+//! `comparison.json` holds it.
 //!
 //! Numbers stay numbers and missing ones stay `None`; how they look is for the report.
 
@@ -34,11 +35,13 @@ pub struct PairedTest<'a> {
 pub struct ComparisonTable {
     /// What the errors are a part of.
     pub error_reference: ErrorReference,
-    /// Rows `f1, f2, ...` of the theory's elastic roots by frequency, then `x1, x2, ...` of test modes without a partner.
+    /// Rows `f1, f2, ...` of the theory's elastic roots by frequency, then `x1, x2, ...` of test
+    /// modes without a partner.
     pub rows: Vec<Row>,
     /// One summary for each test, in their order.
     pub summary: Vec<TestSummary>,
-    /// Smallest number of degrees of freedom that a test's MAC rests on; 0 when one has no shapes in common.
+    /// Smallest number of degrees of freedom that a test's MAC rests on; 0 when one has no shapes
+    /// in common.
     pub dofs_used: usize,
     /// What has to be said under the table.
     pub footnotes: Vec<Footnote>,
@@ -58,14 +61,15 @@ pub struct Row {
 /// The theory's side of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TheoryCell {
-    /// Numbers, from 1, of the modes in the theory's list (rigid-body modes counted); several for a repeated root.
+    /// Numbers, from 1, of the modes in the theory's list (rigid-body modes counted); several for a
+    /// repeated root.
     pub modes: Vec<usize>,
     /// Their mean frequency, Hz.
     pub hz: f64,
 }
 
-/// A test's side of a row. Where several test modes belong to a repeated root, numbers are means over them, and the error is
-/// that of the mode farthest off.
+/// A test's side of a row. Where several test modes belong to a repeated root, numbers are means
+/// over them, and the error is that of the mode farthest off.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestCell {
     /// Name of the test.
@@ -80,7 +84,8 @@ pub struct TestCell {
     pub error_percent: Option<f64>,
     /// The same difference, Hz.
     pub error_hz: Option<f64>,
-    /// `(test - theory)/std` with the standard deviation of the test's frequency, whatever the reference of the errors is.
+    /// `(test - theory)/std` with the standard deviation of the test's frequency, whatever the
+    /// reference of the errors is.
     pub normalised_error: Option<f64>,
     /// Damping ratio, a fraction.
     pub damping_ratio: Option<f64>,
@@ -90,7 +95,8 @@ pub struct TestCell {
     pub mac: Option<f64>,
     /// Evidence on which a pair rests; `None` without a partner.
     pub basis: Option<Basis>,
-    /// Chance level of the MAC; `None` without a partner, or where the pair rests on frequency alone.
+    /// Chance level of the MAC; `None` without a partner, or where the pair rests on frequency
+    /// alone.
     pub chance_level: Option<ChanceLevel>,
     /// Whether the MAC of a pair is below its chance level.
     pub uncorrelated: bool,
@@ -105,7 +111,8 @@ pub struct TestCell {
 }
 
 impl TestCell {
-    /// Whether the status was judged: a missed root that nothing excuses may be one of which nobody knows what could be seen.
+    /// Whether the status was judged: a missed root that nothing excuses may be one of which nobody
+    /// knows what could be seen.
     pub fn judged(&self) -> bool {
         let known = self.observability.as_ref();
         self.status != Status::MissedUnexpected
@@ -121,7 +128,8 @@ pub enum Status {
     Paired,
     /// Paired, with another partner as good.
     Ambiguous,
-    /// Not found, and it could not have been told from a paired root, with which it shares one peak.
+    /// Not found, and it could not have been told from a paired root, with which it shares one
+    /// peak.
     MissedExpected,
     /// Not found, though inside the band and nothing known excuses it.
     MissedUnexpected,
@@ -138,7 +146,8 @@ pub enum Status {
 pub struct TestSummary {
     /// Name of the test.
     pub test: String,
-    /// Roots that are paired: the sum of those by shape and those by frequency. Ambiguous ones are not among them.
+    /// Roots that are paired: the sum of those by shape and those by frequency. Ambiguous ones are
+    /// not among them.
     pub paired: usize,
     /// Those of them that are paired by frequency and shape.
     #[serde(default)]
@@ -187,9 +196,11 @@ pub struct TestSummary {
 ///
 /// - `outside-band` when the test states a band that does not hold it;
 /// - `not-observable` when [`super::observability`] says that the test could not have seen it;
-/// - `missed-expected` when a paired root lies within one half-power bandwidth `2 zeta f` of it, whose peak covers both
-///   (also when noise could not be judged: the root is then either unseen or covered);
-/// - `missed-unexpected` else; where it is not known what the test could have seen, [`TestCell::judged`] says so.
+/// - `missed-expected` when a paired root lies within one half-power bandwidth `2 zeta f` of it,
+///   whose peak covers both (also when noise could not be judged: the root is then either unseen or
+///   covered);
+/// - `missed-unexpected` else; where it is not known what the test could have seen,
+///   [`TestCell::judged`] says so.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
@@ -257,7 +268,8 @@ fn check_tests(
 }
 
 impl ComparisonTable {
-    /// The same table with its first root labelled `f<first>`: where a paper counts the root at 0 Hz, 2.
+    /// The same table with its first root labelled `f<first>`: where a paper counts the root at 0
+    /// Hz, 2.
     pub fn labelled_from(mut self, first: usize) -> Self {
         let roots = self.rows.iter_mut().filter(|row| row.theory.is_some());
         for (number, row) in (first..).zip(roots) {

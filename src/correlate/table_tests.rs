@@ -215,7 +215,8 @@ fn ambiguous_pairs_are_counted_beside_the_paired_ones() {
         mode(300.0, &shape(2)),
         mode(900.0, &shape(4)[..2]),
     ]);
-    // The first has two test modes that fit as well, the second one, the third two degrees of freedom.
+    // The first has two test modes that fit as well, the second one, the third two degrees of
+    // freedom.
     let test = model(vec![
         mode(100.2, &shape(1)),
         mode(100.4, &shape(1)),

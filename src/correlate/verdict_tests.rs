@@ -60,7 +60,8 @@ fn wave(number: usize) -> Vec<f64> {
 
 #[test]
 fn half_of_a_shape_within_its_deviation_is_mixed() {
-    // Of 24 points a share of 0.52 is known to 0.03, so that it may be less than half; one of 0.64 may not.
+    // Of 24 points a share of 0.52 is known to 0.03, so that it may be less than half; one of 0.64
+    // may not.
     let of = |share: f64, shapes| {
         let parts = [share.sqrt(), (1.0 - share).sqrt()];
         verdict_of(parts, [100.0, 104.0], shapes)
@@ -149,7 +150,8 @@ fn two_degrees_of_freedom_pair_by_frequency_alone_and_three_by_shape() {
 
 #[test]
 fn two_far_roots_of_one_shape_both_claim_a_mode() {
-    // 15 % apart neither mixes into the other, so that each holds all of the shape; their costs differ by more than the margin.
+    // 15 % apart neither mixes into the other, so that each holds all of the shape; their costs
+    // differ by more than the margin.
     let (verdict, findings) = verdict_of([1.0, 0.0], [100.0, 115.0], [shape(1), shape(1)]);
     assert!(findings.iter().any(|own| own.code == Code::ClaimedTwice));
     assert!(findings.iter().all(|own| own.code != Code::Ambiguous));

@@ -331,7 +331,8 @@ fn place(place: &Place) -> String {
 mod tests {
     use super::*;
 
-    /// Whether a text is Chinese: a part of its letters is, as names of options and files stay Latin.
+    /// Whether a text is Chinese: a part of its letters is, as names of options and files stay
+    /// Latin.
     fn is_chinese(text: &str) -> bool {
         let han = text
             .chars()
@@ -347,7 +348,8 @@ mod tests {
             assert!(is_chinese(code.chinese_sentence()), "{code:?}");
             assert!(is_chinese(code.chinese_explanation()), "{code:?}");
             assert!(known.insert(code.chinese_sentence()), "{code:?}");
-            // Names of options and keys are what is typed: the translation has those of the original.
+            // Names of options and keys are what is typed: the translation has those of the
+            // original.
             let names = |text: &str| -> Vec<String> {
                 let parts = text.split('`').skip(1).step_by(2);
                 parts.map(str::to_owned).collect()

@@ -1,6 +1,7 @@
 //! Numbers of findings as text.
 
-/// Four significant digits; whole numbers as they are, round ones with a power of ten where that is much shorter.
+/// Four significant digits; whole numbers as they are, round ones with a power of ten where that is
+/// much shorter.
 pub(super) fn short(value: f64) -> String {
     let magnitude = value.abs();
     if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {

@@ -4,18 +4,21 @@ use num_complex::Complex64;
 
 use super::sums::LineSums;
 
-/// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n − 1), and finite.
+/// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n
+/// − 1), and finite.
 const LEAST: f64 = 1e-6;
 
 /// Coherence that chance alone gives of hundreds of averages.
 const NONE: f64 = 1e-3;
 
-/// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power is 0.
+/// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power
+/// is 0.
 ///
 /// With one average it is identically 1 and says nothing, so the stage leaves it out there.
 ///
 /// # Reference
-/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6 (single-input, single-output relationships).
+/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6 (single-input, single-output
+/// relationships).
 #[inline]
 pub(super) fn coherence(sums: LineSums) -> f64 {
     let power = sums.gff * sums.gxx;
@@ -26,9 +29,11 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
     }
 }
 
-/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 − γ²)/(γ²(n − 1))`. Where there is
-/// hardly any coherence ([`NONE`]), `|H|²` is at least its mean over the lines: a value that is 0 for want of a signal is not a sure one.
-/// A coherence that is 1 as it was stored is half a step of its [`resolution`] below 1: no line is free of noise beside others.
+/// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 −
+/// γ²)/(γ²(n − 1))`. Where there is hardly any coherence ([`NONE`]), `|H|²` is at least its mean
+/// over the lines: a value that is 0 for want of a signal is not a sure one. A coherence that is 1
+/// as it was stored is half a step of its [`resolution`] below 1: no line is free of noise beside
+/// others.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -52,11 +57,12 @@ pub(crate) fn variance_from_coherence(
 
 /// Decimals of a printed coherence: fewer count as 3, and more are finer than single precision.
 const DECIMALS: std::ops::RangeInclusive<i32> = 3..=7;
-/// Largest distance of a printed value from whole steps, in steps: what single precision leaves of 3 decimals is 6e-5.
+/// Largest distance of a printed value from whole steps, in steps: what single precision leaves of
+/// 3 decimals is 6e-5.
 const MAX_FROM_STEP: f64 = 1e-3;
 
-/// Step in which a coherence is stored: that of its decimals, or of single precision; 0 in double precision, and where it is 1 at every
-/// line.
+/// Step in which a coherence is stored: that of its decimals, or of single precision; 0 in double
+/// precision, and where it is 1 at every line.
 fn resolution(coherence: &[f64]) -> f64 {
     let below = || coherence.iter().filter(|g| **g < 1.0);
     if below().next().is_none() {
@@ -127,7 +133,8 @@ mod tests {
         );
         let variance = variance_from_coherence(&h, &[1.0; 4], 3);
         assert!(variance.iter().all(|v| v.abs() < 1e-300));
-        // Nothing that hangs together with the force, and nothing measured: as unsure as the mean of the others would be.
+        // Nothing that hangs together with the force, and nothing measured: as unsure as the mean
+        // of the others would be.
         let infinite = Complex64::new(f64::INFINITY, 0.0);
         let variance =
             variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);

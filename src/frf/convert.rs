@@ -7,12 +7,14 @@ use crate::quantity::FrfKind;
 
 use super::{FrfSet, FunctionData};
 
-/// The set with every function as `kind`: values times `s^d`, variance times `|s|^(2d)`, `s = iω + a`.
+/// The set with every function as `kind`: values times `s^d`, variance times `|s|^(2d)`, `s = iω +
+/// a`.
 ///
-/// `d` is the difference of the kinds' derivative orders and `a` the added damping of the set, so that functions with
-/// an exponential window convert exactly. Coherence is that of the measured pair and stays. Integration needs
-/// `s ≠ 0`: where a function is integrated and the first line is at 0 Hz without added damping, the value there is not
-/// in the data, and the new set begins at the first line above. The input is not changed.
+/// `d` is the difference of the kinds' derivative orders and `a` the added damping of the set, so
+/// that functions with an exponential window convert exactly. Coherence is that of the measured
+/// pair and stays. Integration needs `s ≠ 0`: where a function is integrated and the first line is
+/// at 0 Hz without added damping, the value there is not in the data, and the new set begins at the
+/// first line above. The input is not changed.
 ///
 /// ```
 /// use modalign::axis::FrequencyAxis;

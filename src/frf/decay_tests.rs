@@ -1,7 +1,9 @@
-//! A sampled system whose H is known exactly: the truncation error against its bound, and the exponential window.
+//! A sampled system whose H is known exactly: the truncation error against its bound, and the
+//! exponential window.
 //!
-//! The response to force samples `f_j` is `x_n = Σ_j f_j Σ_m 2 Re(A_m z_m^(n-j))`, `z = e^(λ dt)`, so that over an
-//! endless record `H(ω) = Σ_m A_m / (1 - z_m e^(-iω dt)) + conj.`, without any discretisation error.
+//! The response to force samples `f_j` is `x_n = Σ_j f_j Σ_m 2 Re(A_m z_m^(n-j))`, `z = e^(λ dt)`,
+//! so that over an endless record `H(ω) = Σ_m A_m / (1 - z_m e^(-iω dt)) + conj.`, without any
+//! discretisation error.
 
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -20,7 +22,8 @@ use crate::signal::ExponentialWindow;
 const STEP_S: f64 = 1e-3;
 const LEN: usize = 8192;
 
-/// A pole at `hz` that decays by `e^-n` from the hit at sample `start` to the end of the record, and its amplitude.
+/// A pole at `hz` that decays by `e^-n` from the hit at sample `start` to the end of the record,
+/// and its amplitude.
 fn mode(hz: f64, time_constants: f64, start: usize, amplitude: Complex64) -> Mode {
     let sigma = time_constants / ((LEN - start) as f64 * STEP_S);
     Mode {
@@ -106,7 +109,8 @@ fn the_bound_is_the_truncation_error() {
         let truth = f64::exp(-n);
         // The conjugate term and the length of the pulse make up to 0.6 %.
         assert!((error / truth - 1.0).abs() < 0.01, "{n}: {error} {truth}");
-        // Where in its cycle the response is at the edges of a quarter: ζ of each energy, two of them, squared.
+        // Where in its cycle the response is at the edges of a quarter: ζ of each energy, two of
+        // them, squared.
         let ripple = 4.0
             * Pole {
                 lambda: mode.lambda,
@@ -158,7 +162,8 @@ fn noise_is_taken_off_until_it_fills_the_tail() {
 
 #[test]
 fn an_exponential_window_shifts_the_pole_by_its_decay_rate_exactly() {
-    // Without a pre-trigger every line sees the same truncation factor: the estimate stays rational with exact poles.
+    // Without a pre-trigger every line sees the same truncation factor: the estimate stays rational
+    // with exact poles.
     let mode = mode(60.0, 2.0, 0, Complex64::new(0.3, -0.8));
     let window = ExponentialWindow::from_end_value(0.01, LEN as f64 * STEP_S).unwrap();
     let options = EstimateOptions {
@@ -209,7 +214,8 @@ fn an_offset_is_not_taken_for_a_slow_decay() {
     assert!((bound / f64::exp(-6.0) - 1.0).abs() < 0.005, "{bound}");
 }
 
-/// The pole of `H = (b0 + b1 u) / (1 + a1 u + a2 u²)`, `u = e^(-iω dt)`, linear least squares over a band.
+/// The pole of `H = (b0 + b1 u) / (1 + a1 u + a2 u²)`, `u = e^(-iω dt)`, linear least squares over
+/// a band.
 fn rational_pole(set: &FrfSet, lo_hz: f64, hi_hz: f64) -> Pole {
     let lines: Vec<usize> = set
         .axis()

@@ -1,11 +1,12 @@
 //! From hits to an FRF set: every (response, hit point) pair averaged over the hits that hold it.
 //!
-//! Roving hammer and roving accelerometer are the same thing here. Degrees of freedom keep the signs of their
-//! sensors and the samples are taken as they are. It does not choose hits: what comes in is averaged.
+//! Roving hammer and roving accelerometer are the same thing here. Degrees of freedom keep the
+//! signs of their sensors and the samples are taken as they are. It does not choose hits: what
+//! comes in is averaged.
 //!
-//! Point after point the forces are transformed and kept; then response after response its records are read from all
-//! hits, one at a time, transformed and summed, so that nothing larger than the forces of one point, a record of each thread
-//! and the finished functions is held.
+//! Point after point the forces are transformed and kept; then response after response its records
+//! are read from all hits, one at a time, transformed and summed, so that nothing larger than the
+//! forces of one point, a record of each thread and the finished functions is held.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Mutex, PoisonError};
@@ -42,7 +43,8 @@ pub struct Estimated {
 pub struct Selection {
     /// Their numbers, from 0.
     pub hits: Vec<usize>,
-    /// Limits by which a single response that ran into the rail is left out of its own function; `None` leaves none out.
+    /// Limits by which a single response that ran into the rail is left out of its own function;
+    /// `None` leaves none out.
     pub overloads: Option<JudgeLimits>,
     /// Hits of which no response is left out, from 0.
     pub accepted: BTreeSet<usize>,
@@ -59,7 +61,8 @@ impl Selection {
     }
 }
 
-/// Estimates the FRF of every (response, hit point) pair of hits in memory: [`estimate_recording`] of all of them.
+/// Estimates the FRF of every (response, hit point) pair of hits in memory: [`estimate_recording`]
+/// of all of them.
 ///
 /// # Errors
 /// As [`estimate_recording`].
@@ -80,30 +83,35 @@ pub fn truncation_bounds(
     Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.truncation)
 }
 
-/// Estimates the FRF of every (response, hit point) pair of the selected hits, ordered by response and reference.
+/// Estimates the FRF of every (response, hit point) pair of the selected hits, ordered by response
+/// and reference.
 ///
-/// Over the hits of a pair, with unscaled one-sided spectra F and X: `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X`;
+/// Over the hits of a pair, with unscaled one-sided spectra F and X: `Gff = Σ|F|²`, `Gxx = Σ|X|²`,
+/// `Gfx = ΣF* X`;
 ///
 /// - `H1 = Gfx / Gff`, unbiased for noise on the response;
 /// - `H2 = Gxx / Gfx*`, unbiased for noise on the force;
-/// - `Hv = [b + sqrt(b² + 4κ|Gfx|²)] / (2 Gfx*)`, `b = Gxx - κ Gff`, total least squares for noise on both with
-///   the power ratio κ = response / force; κ → ∞ is H1, κ → 0 is H2. Without a stated ratio κ comes from the
-///   variances before the hits, each times the energy of its window and averaged over the hits; it carries the
-///   units of both channels, so that Hv does not depend on them.
+/// - `Hv = [b + sqrt(b² + 4κ|Gfx|²)] / (2 Gfx*)`, `b = Gxx - κ Gff`, total least squares for noise
+///   on both with the power ratio κ = response / force; κ → ∞ is H1, κ → 0 is H2. Without a stated
+///   ratio κ comes from the variances before the hits, each times the energy of its window and
+///   averaged over the hits; it carries the units of both channels, so that Hv does not depend on
+///   them.
 ///
 /// Coherence is there from two hits on; the variance says how many degrees of freedom it has
 /// ([`super::Function::variance_dof`]). A response that is exactly 0 in every hit at a line gives 0
-/// there; a line that no hit excites is an error. Findings: [`Code::CoherenceAbsent`] (its value is the number of
-/// functions with one hit), [`Code::NoiseRatioFromRecord`] of each function, and [`Code::Truncated`] or
-/// [`Code::TruncationNotDecidable`]. The result does not depend on the number of threads.
+/// there; a line that no hit excites is an error. Findings: [`Code::CoherenceAbsent`] (its value is
+/// the number of functions with one hit), [`Code::NoiseRatioFromRecord`] of each function, and
+/// [`Code::Truncated`] or [`Code::TruncationNotDecidable`]. The result does not depend on the
+/// number of threads.
 ///
 /// # Errors
-/// [`FrfError`] for options out of range, no hits, hits of different axes, channels of a wrong quantity, a response
-/// that is twice in a hit, samples that cannot be read or used, an unknown noise ratio of Hv, and a line without value.
+/// [`FrfError`] for options out of range, no hits, hits of different axes, channels of a wrong
+/// quantity, a response that is twice in a hit, samples that cannot be read or used, an unknown
+/// noise ratio of Hv, and a line without value.
 ///
 /// # Reference
-/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6; Rocklin, Crowley and Vold (1985), A comparison of
-/// H1, H2 and Hv frequency response functions, IMAC 3.
+/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 6; Rocklin, Crowley and Vold (1985), A
+/// comparison of H1, H2 and Hv frequency response functions, IMAC 3.
 pub fn estimate_recording(
     recording: &mut dyn Recording,
     selection: &Selection,
@@ -167,7 +175,8 @@ struct Powers {
 }
 
 impl Explained {
-    /// Adds a function; one without coherence explains all of itself and says nothing, so it is left out.
+    /// Adds a function; one without coherence explains all of itself and says nothing, so it is
+    /// left out.
     fn add(&mut self, own: &Finished) {
         let Some(coherence) = &own.data.coherence else {
             return;

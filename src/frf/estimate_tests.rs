@@ -52,7 +52,8 @@ fn impulse(height: f64, place: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Force 1, 2, 3 at sample 2; response 2, 3, 7 at sample 5: Gff 14, Gxx 62, |Gfx| 29, a delay of three samples.
+/// Force 1, 2, 3 at sample 2; response 2, 3, 7 at sample 5: Gff 14, Gxx 62, |Gfx| 29, a delay of
+/// three samples.
 fn three_hits() -> Vec<Hit> {
     [(1.0, 2.0), (2.0, 3.0), (3.0, 7.0)]
         .map(|(f, x)| {
@@ -169,7 +170,8 @@ fn pairs_average_over_the_hits_that_hold_them_in_order_of_dof() {
     assert_eq!(absent.len(), 2);
 }
 
-/// 64 samples: noise of unit scale on every sample, a pulse of 50 at sample 30, a response of 20 at 33.
+/// 64 samples: noise of unit scale on every sample, a pulse of 50 at sample 30, a response of 20
+/// at 33.
 fn noisy_hits() -> Vec<Hit> {
     let noise = |n: f64, seed: f64| (seed * 12.9898 + n * 78.233).sin();
     (0..3)

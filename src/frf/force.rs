@@ -1,4 +1,5 @@
-//! The force of one hit: where its pulse is, which samples are transformed, its spectrum and its noise.
+//! The force of one hit: where its pulse is, which samples are transformed, its spectrum and its
+//! noise.
 
 use std::ops::Range;
 
@@ -16,7 +17,8 @@ pub(super) struct ForceHit {
     pub spectrum: Vec<Complex64>,
     /// What the force window cuts off.
     pub cut: Option<f64>,
-    /// Expected energy of the force's noise under its window: per line of the spectrum, that is its power too.
+    /// Expected energy of the force's noise under its window: per line of the spectrum, that is its
+    /// power too.
     pub noise: Option<f64>,
 }
 
@@ -67,7 +69,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// All samples; or those from the pulse on, as many as every chosen hit has (and a transform takes without effort).
+    /// All samples; or those from the pulse on, as many as every chosen hit has (and a transform
+    /// takes without effort).
     pub fn of(
         recording: &mut dyn Recording,
         chosen: &[usize],

@@ -43,7 +43,8 @@ pub(super) fn force_power<'a>(
     power.into()
 }
 
-/// One response and the hits of its group that hold it: number within the group, number of the response within the hit.
+/// One response and the hits of its group that hold it: number within the group, number of the
+/// response within the hit.
 pub(super) struct Task {
     pub response: Dof,
     pub members: Vec<(usize, usize)>,
@@ -67,7 +68,8 @@ impl<'a> SharedRecording<'a> {
 pub(super) struct Finished {
     pub function: Function,
     pub data: FunctionData,
-    /// Power of the response at each line, summed over its hits, where there are several references.
+    /// Power of the response at each line, summed over its hits, where there are several
+    /// references.
     pub response_power: Vec<f64>,
     /// Of all its hits, for the bound on truncation.
     pub energies: Option<QuarterEnergies>,
@@ -85,8 +87,8 @@ pub(super) struct Work {
     sums: Sums,
 }
 
-/// Hits whose spectra are summed in one pass: the sums are read and written once for all of them, while more spectra than
-/// that would have left the cache before.
+/// Hits whose spectra are summed in one pass: the sums are read and written once for all of them,
+/// while more spectra than that would have left the cache before.
 const ADDED_TOGETHER: usize = 2;
 
 impl Work {
@@ -154,8 +156,8 @@ pub(super) struct Estimation<'a> {
 }
 
 impl Estimation<'_> {
-    /// Reads, transforms and sums the records of a task in the order of its members. Records that ran into the rail or
-    /// hold nothing are left out, unless none would be left.
+    /// Reads, transforms and sums the records of a task in the order of its members. Records that
+    /// ran into the rail or hold nothing are left out, unless none would be left.
     pub fn finish(
         &self,
         task: &Task,
@@ -325,7 +327,8 @@ impl Estimation<'_> {
         })
     }
 
-    /// The ratio of Hv with the finding that says where it came from; 0 and nothing for H1 and H2, which do not use it.
+    /// The ratio of Hv with the finding that says where it came from; 0 and nothing for H1 and H2,
+    /// which do not use it.
     fn noise_ratio(
         &self,
         task: &Task,

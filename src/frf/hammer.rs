@@ -1,5 +1,5 @@
-//! A hammer test from its recording to its FRFs: every hit judged, the window decided once for the whole test, the hits
-//! that stand averaged.
+//! A hammer test from its recording to its FRFs: every hit judged, the window decided once for the
+//! whole test, the hits that stand averaged.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,8 @@ use super::{EstimateOptions, FrfError};
 /// The exponential window on force and responses.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum ResponseWindow {
-    /// None where the responses have decayed to 1 % when their records end; else one that falls to 1 %.
+    /// None where the responses have decayed to 1 % when their records end; else one that falls to
+    /// 1 %.
     #[default]
     Auto,
     /// None.
@@ -25,8 +26,8 @@ pub enum ResponseWindow {
     End(f64),
 }
 
-/// Value at the record's end of a window that nobody states (Fladung and Rost 1997, Application and correction of the
-/// exponential window for frequency response functions: about 1 %).
+/// Value at the record's end of a window that nobody states (Fladung and Rost 1997, Application and
+/// correction of the exponential window for frequency response functions: about 1 %).
 const WINDOW_END: f64 = 0.01;
 
 /// Truncation error of H above which its sign at a resonance is not judged: two degrees of phase.
@@ -39,7 +40,8 @@ pub struct HammerOptions {
     pub estimate: EstimateOptions,
     /// The exponential window.
     pub response_window: ResponseWindow,
-    /// Whether what lies before each pulse is left out; with an exponential window alone when not stated.
+    /// Whether what lies before each pulse is left out; with an exponential window alone when not
+    /// stated.
     pub cut_pretrigger: Option<bool>,
     /// Limits of the rules.
     pub limits: JudgeLimits,
@@ -66,13 +68,13 @@ pub struct Hammered {
 
 /// Judges every hit, decides the window and estimates the FRFs of the hits that stand.
 ///
-/// One exponential window serves the whole test, so that every pole gets the same added damping. With it the records
-/// begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the rules would leave a hit point without a
-/// hit, its hits stay, with a finding.
+/// One exponential window serves the whole test, so that every pole gets the same added damping.
+/// With it the records begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the
+/// rules would leave a hit point without a hit, its hits stay, with a finding.
 ///
 /// # Errors
-/// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there; [`FrfError::BandEmpty`] when
-/// the force excites no band.
+/// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there;
+/// [`FrfError::BandEmpty`] when the force excites no band.
 pub fn hammer(
     recording: &mut dyn Recording,
     options: &HammerOptions,

@@ -24,7 +24,8 @@ fn noise(seed: usize, n: usize) -> f64 {
     2.0 * (x - x.floor()) - 1.0
 }
 
-/// A half sine of 20 samples, and a mode of 300 Hz whose decay takes `time_constants` of the record.
+/// A half sine of 20 samples, and a mode of 300 Hz whose decay takes `time_constants` of the
+/// record.
 struct Made {
     seed: usize,
     at: &'static str,

@@ -1,7 +1,7 @@
 //! Every hit held against the rules, before any is averaged.
 //!
-//! The force is judged, and as many responses as tell whether the hit was good; of a test with many sensors the other
-//! responses are read once only, when they are transformed.
+//! The force is judged, and as many responses as tell whether the hit was good; of a test with many
+//! sensors the other responses are read once only, when they are transformed.
 
 use std::collections::BTreeMap;
 
@@ -26,8 +26,8 @@ const JUDGED_RESPONSES: usize = 4;
 /// Hits that are read and judged at a time.
 const AT_A_TIME: usize = 8;
 
-/// End of the band in which the force spectrum is judged, as a fraction of the sampling rate; anti-alias filters are
-/// flat up to about there.
+/// End of the band in which the force spectrum is judged, as a fraction of the sampling rate;
+/// anti-alias filters are flat up to about there.
 const BAND_END: f64 = 0.4;
 
 /// One hit with what the rules say of it.
@@ -52,7 +52,8 @@ pub struct HitReport {
 }
 
 impl HitReport {
-    /// Whether a check leaves out the whole hit: a single response that is bad leaves out that response alone.
+    /// Whether a check leaves out the whole hit: a single response that is bad leaves out that
+    /// response alone.
     pub(super) fn rejects(&self, check: &Check) -> bool {
         // What rings before the hit does so at every sensor.
         let of_hit = matches!(check.rule, Rule::OddOneOut | Rule::PreTrigger);
@@ -263,10 +264,12 @@ fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>)
     }
 }
 
-/// Lines of a hit that are kept until all of its point are there: enough to tell another point, few enough for thousands of hits.
+/// Lines of a hit that are kept until all of its point are there: enough to tell another point, few
+/// enough for thousands of hits.
 const KEPT_LINES: usize = 2048;
 
-/// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many lines an even choice.
+/// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many
+/// lines an even choice.
 fn spectrum(record: &[f64], (plan, scratch): (&ForwardPlan, &mut Scratch)) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; plan.lines()];
     plan.forward(record.iter().copied(), &mut lines, scratch);

@@ -1,4 +1,5 @@
-//! Frequency response functions: estimation from hits, coherence and variance, conversion and synthesis.
+//! Frequency response functions: estimation from hits, coherence and variance, conversion and
+//! synthesis.
 //!
 //! | type or function | what |
 //! |---|---|

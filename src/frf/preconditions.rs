@@ -34,7 +34,8 @@ pub(super) fn check(hits: &[&HitInfo], options: &EstimateOptions) -> Result<(), 
     Ok(())
 }
 
-/// One axis for all: as many samples, and steps that differ by less than a thousandth of a sample over the record.
+/// One axis for all: as many samples, and steps that differ by less than a thousandth of a sample
+/// over the record.
 fn check_same_axis(hit: &HitInfo, first: &HitInfo) -> Result<(), FrfError> {
     let drift = (hit.axis.step_s - first.axis.step_s).abs() * hit.axis.len as f64;
     let differs = drift > 1e-3 * first.axis.step_s.abs();

@@ -1,4 +1,5 @@
-//! Estimation on real recordings, against numbers computed elsewhere. Skipped where the recordings are absent.
+//! Estimation on real recordings, against numbers computed elsewhere. Skipped where the recordings
+//! are absent.
 
 use std::io::Write;
 use std::path::PathBuf;

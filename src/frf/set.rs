@@ -53,7 +53,8 @@ pub struct Function {
     pub averages: Option<u32>,
     /// Estimator; `None` when the file does not say.
     pub estimator: Option<Estimator>,
-    /// Degrees of freedom of the variance: real numbers of which each line's is the mean square; `None` when nobody says.
+    /// Degrees of freedom of the variance: real numbers of which each line's is the mean square;
+    /// `None` when nobody says.
     pub variance_dof: Option<f64>,
 }
 
@@ -97,8 +98,8 @@ pub enum SetError {
 
 /// FRFs on one frequency axis, values function-major with the lines of a function contiguous.
 ///
-/// A missing (response, reference) pair is absent, never zero. Values may carry the decay of an exponential window:
-/// then `H` was sampled at `s = iω + a`, `a` = [`FrfSet::added_damping_rad_s`].
+/// A missing (response, reference) pair is absent, never zero. Values may carry the decay of an
+/// exponential window: then `H` was sampled at `s = iω + a`, `a` = [`FrfSet::added_damping_rad_s`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrfSet {
     axis: FrequencyAxis,
@@ -117,11 +118,13 @@ pub struct FrfSet {
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
     pub valid_band: Option<Band>,
-    /// Where the force excites at all, up to half the sampling rate; above the valid band at the reader's own risk.
+    /// Where the force excites at all, up to half the sampling rate; above the valid band at the
+    /// reader's own risk.
     pub excited_band: Option<Band>,
-    /// Multiple coherence of each response that was measured with several references:
-    /// `Σ_j γ_j² Gxx_j / Σ_j Gxx_j`, the part of its power that all references together explain. Hits come one at a time, so
-    /// that references never act together and their matrix of powers is diagonal (Bendat and Piersol 2010, section 7.3).
+    /// Multiple coherence of each response that was measured with several references: `Σ_j γ_j²
+    /// Gxx_j / Σ_j Gxx_j`, the part of its power that all references together explain. Hits come
+    /// one at a time, so that references never act together and their matrix of powers is diagonal
+    /// (Bendat and Piersol 2010, section 7.3).
     pub multiple_coherence: BTreeMap<Dof, Vec<f64>>,
     /// What the data said on the way.
     pub findings: Vec<Finding>,
@@ -151,7 +154,8 @@ impl FrfSet {
     /// Adds one function.
     ///
     /// # Errors
-    /// [`SetError::Length`] when a vector has not the axis's length; [`SetError::Duplicate`] for a pair already there.
+    /// [`SetError::Length`] when a vector has not the axis's length; [`SetError::Duplicate`] for a
+    /// pair already there.
     pub fn push(&mut self, function: Function, data: FunctionData) -> Result<(), SetError> {
         let lengths = [
             ("values", Some(data.values.len())),

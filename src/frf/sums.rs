@@ -1,6 +1,7 @@
 //! The averaged power and cross spectra of one line, and the three estimators made from them.
 //!
-//! `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X` over the hits of a pair, unscaled: every result is a ratio.
+//! `Gff = Σ|F|²`, `Gxx = Σ|X|²`, `Gfx = ΣF* X` over the hits of a pair, unscaled: every result is a
+//! ratio.
 
 use std::sync::Arc;
 
@@ -164,8 +165,9 @@ impl LineSums {
 
     /// The estimate; `kappa` is used by Hv alone.
     ///
-    /// A response of exactly 0 in every hit gives 0 with each estimator. Otherwise a line without force has no
-    /// value, and neither have H2 and Hv where force and response are not correlated at all.
+    /// A response of exactly 0 in every hit gives 0 with each estimator. Otherwise a line without
+    /// force has no value, and neither have H2 and Hv where force and response are not correlated
+    /// at all.
     pub fn estimate(&self, estimator: Estimator, kappa: f64) -> Result<Complex64, LineError> {
         if self.gff <= 0.0 {
             return Err(LineError::NoForce);
@@ -180,8 +182,9 @@ impl LineSums {
         }
     }
 
-    /// Total least squares, `[b + sqrt(b² + 4κ|Gfx|²)] / (2 Gfx*)` with `b = Gxx - κ Gff`; where `b < 0` in the form
-    /// `2κ Gfx / [sqrt(...) - b]`, which is the same number without the difference of two close ones.
+    /// Total least squares, `[b + sqrt(b² + 4κ|Gfx|²)] / (2 Gfx*)` with `b = Gxx - κ Gff`; where `b
+    /// < 0` in the form `2κ Gfx / [sqrt(...) - b]`, which is the same number without the difference
+    /// of two close ones.
     fn hv(&self, kappa: f64) -> Result<Complex64, LineError> {
         let b = self.gxx - kappa * self.gff;
         let root = b.hypot(2.0 * kappa.sqrt() * self.gfx.norm());

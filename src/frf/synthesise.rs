@@ -31,16 +31,19 @@ pub fn modal_terms(model: &ModalModel) -> Result<Vec<(Pole, &Residues)>, FrfErro
         .collect()
 }
 
-/// `H(s) = s^d Σ [A / (s - λ) + A* / (s - λ*)]` at `s = iω + a` of every line, for every (response, reference) pair.
+/// `H(s) = s^d Σ [A / (s - λ) + A* / (s - λ*)]` at `s = iω + a` of every line, for every (response,
+/// reference) pair.
 ///
-/// `A` is a residue of the receptance, `d` 0, 1, 2 for receptance, mobility, accelerance, λ a pole without the added
-/// damping `a` (`added_damping_rad_s`, that of an exponential window; 0 without one). Degrees of freedom are matched
-/// with their signs. The set has neither coherence nor variance, and no residuals of modes outside.
+/// `A` is a residue of the receptance, `d` 0, 1, 2 for receptance, mobility, accelerance, λ a pole
+/// without the added damping `a` (`added_damping_rad_s`, that of an exponential window; 0 without
+/// one). Degrees of freedom are matched with their signs. The set has neither coherence nor
+/// variance, and no residuals of modes outside.
 ///
 /// # Errors
-/// [`FrfError::Axis`] and [`FrfError::AddedDamping`] for numbers out of range; [`FrfError::ResidueMissing`] when a
-/// mode has no residue of a pair (absent is not 0); [`FrfError::PoleOnLine`] where H is infinite; [`FrfError::Set`]
-/// for a pair that is asked for twice.
+/// [`FrfError::Axis`] and [`FrfError::AddedDamping`] for numbers out of range;
+/// [`FrfError::ResidueMissing`] when a mode has no residue of a pair (absent is not 0);
+/// [`FrfError::PoleOnLine`] where H is infinite; [`FrfError::Set`] for a pair that is asked for
+/// twice.
 pub fn synthesise(
     modes: &[(Pole, &Residues)],
     axis: FrequencyAxis,
@@ -148,7 +151,8 @@ mod tests {
         len: 81,
     };
 
-    /// m = 2 kg at 10 Hz with 3 % damping: receptance `1 / (k - m ω² + i c ω)`, residue `1 / (2 i m ω_d)`.
+    /// m = 2 kg at 10 Hz with 3 % damping: receptance `1 / (k - m ω² + i c ω)`, residue `1 / (2 i m
+    /// ω_d)`.
     fn one_mass() -> (f64, f64, f64, Pole, Residues) {
         let (m, omega, zeta) = (2.0, TAU * 10.0, 0.03);
         let pole = Pole::from_frequency(10.0, zeta);

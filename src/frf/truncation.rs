@@ -1,20 +1,23 @@
-//! How wrong H is because the record ends before the response has decayed, told from the record itself.
+//! How wrong H is because the record ends before the response has decayed, told from the record
+//! itself.
 //!
-//! One mode of decay rate σ rings as `e^{λt}`, λ = -σ + iω_d. Transformed over a stretch `T` from the hit instead of
-//! for ever, its part of H is multiplied by `1 - e^{(λ - iω)T}`, at every line: a relative error of `e^{-σT}`.
-//! The energy of that mode falls by `e^{-2σT/4}` from one quarter of the stretch to the next, so that
-//! `(E_{q+1} / E_q)² = e^{-σT}`.
+//! One mode of decay rate σ rings as `e^{λt}`, λ = -σ + iω_d. Transformed over a stretch `T` from
+//! the hit instead of for ever, its part of H is multiplied by `1 - e^{(λ - iω)T}`, at every line:
+//! a relative error of `e^{-σT}`. The energy of that mode falls by `e^{-2σT/4}` from one quarter of
+//! the stretch to the next, so that `(E_{q+1} / E_q)² = e^{-σT}`.
 //!
-//! A record holds several modes. If their energies add, log E is convex in time and the last fall is the slowest.
-//! If two of them beat, a single fall may be too fast (the last quarter in a node of the beat); then an earlier one
-//! is too slow. The bound is therefore `(max_q E_{q+1}/E_q)²` over the three falls: for one mode the truth, to 4ζ of
-//! itself by where in their cycle the quarters begin; for modes that do not beat the last fall; for two equal modes
-//! with at least one beat in the record not below 0.55 of the truth (and far above it when the beat is about as long
-//! as two quarters; a bound may be).
-//! It speaks for the modes that fill the last quarter; a slower one that is hidden under them is not seen here
-//! but by the check of each identified mode's time constants.
+//! A record holds several modes. If their energies add, log E is convex in time and the last fall
+//! is the slowest. If two of them beat, a single fall may be too fast (the last quarter in a node
+//! of the beat); then an earlier one is too slow. The bound is therefore `(max_q E_{q+1}/E_q)²`
+//! over the three falls: for one mode the truth, to 4ζ of itself by where in their cycle the
+//! quarters begin; for modes that do not beat the last fall; for two equal modes with at least one
+//! beat in the record not below 0.55 of the truth (and far above it when the beat is about as long
+//! as two quarters; a bound may be). It speaks for the modes that fill the last quarter; a slower
+//! one that is hidden under them is not seen here but by the check of each identified mode's time
+//! constants.
 //!
-//! The noise before the hit is taken off each quarter, and what is constant in a quarter (an offset) does not count.
+//! The noise before the hit is taken off each quarter, and what is constant in a quarter (an
+//! offset) does not count.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +30,8 @@ pub const TRUNCATION_LIMIT: f64 = 0.002_478_752_176_666_358_5;
 
 /// The last quarter must have this many times the energy of the noise before the hit.
 ///
-/// Noise alone would then have to be measured wrong by a factor of three to be taken for a response.
+/// Noise alone would then have to be measured wrong by a factor of three to be taken for a
+/// response.
 const OVER_NOISE: f64 = 3.0;
 
 /// Shortest quarter, in samples, that has an energy to speak of.
@@ -36,8 +40,8 @@ const SHORTEST_QUARTER: usize = 8;
 /// What the record says of the truncation error of one function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truncation {
-    /// Relative error of H near resonance, `e^{-σT}`, at most 1; `None` when the tail of the record is noise,
-    /// empty or too short.
+    /// Relative error of H near resonance, `e^{-σT}`, at most 1; `None` when the tail of the record
+    /// is noise, empty or too short.
     pub bound: Option<f64>,
     /// Time constants of the slowest decay in the record, `-ln(bound)`.
     pub time_constants: Option<f64>,
@@ -61,8 +65,8 @@ pub(super) struct QuarterEnergies {
 }
 
 impl QuarterEnergies {
-    /// Of a response as transformed; `onset` is where its hit begins, `weights` the window, `noise` the variance of the
-    /// channel before the hit. `None` when a quarter is too short.
+    /// Of a response as transformed; `onset` is where its hit begins, `weights` the window, `noise`
+    /// the variance of the channel before the hit. `None` when a quarter is too short.
     pub fn of(
         samples: &[f64],
         onset: usize,
@@ -108,7 +112,8 @@ impl QuarterEnergies {
         })
     }
 
-    /// The bound. Without known noise none is taken off: noise only slows the fall, so that the bound still holds.
+    /// The bound. Without known noise none is taken off: noise only slows the fall, so that the
+    /// bound still holds.
     pub fn truncation(&self) -> Truncation {
         let noise = self.noise.unwrap_or([0.0; 4]);
         let decided = self.signal[3] > 0.0 && self.signal[3] >= OVER_NOISE * noise[3];
@@ -125,7 +130,8 @@ impl QuarterEnergies {
     }
 }
 
-/// `Σ(x - c)²` with the mean `c`, in one pass about the first sample, so that an offset costs no digits.
+/// `Σ(x - c)²` with the mean `c`, in one pass about the first sample, so that an offset costs no
+/// digits.
 fn energy_about_mean(samples: &[f64]) -> f64 {
     let first = samples.first().copied().unwrap_or(0.0);
     let (sum, squares) = lane_moments(samples, first);

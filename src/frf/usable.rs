@@ -8,7 +8,8 @@ use crate::record::Hit;
 use super::estimate::estimate;
 use super::{EstimateOptions, FrfError};
 
-/// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in most analysers).
+/// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in
+/// most analysers).
 const FILTER_FRACTION: f64 = 0.4;
 
 /// The force spectrum may fall this far below its maximum as a power ratio: 20 dB.
@@ -60,12 +61,14 @@ impl ForcePower {
         }
     }
 
-    /// From the first line above 0 Hz to the lower of 0.4 of the sampling rate and the last line up to which the force
-    /// power, summed over all hits, stays within 20 dB of its maximum (without a gap, from the maximum upwards).
+    /// From the first line above 0 Hz to the lower of 0.4 of the sampling rate and the last line up
+    /// to which the force power, summed over all hits, stays within 20 dB of its maximum (without a
+    /// gap, from the maximum upwards).
     ///
-    /// The power is the median over nine lines, less that of the noise before the hit, so that neither hum nor a drift of the
-    /// force sets the maximum, nor noise keeps the band open. The maximum is sought above 0 Hz and below 0.4 of the sampling
-    /// rate, so that an offset does not count.
+    /// The power is the median over nine lines, less that of the noise before the hit, so that
+    /// neither hum nor a drift of the force sets the maximum, nor noise keeps the band open. The
+    /// maximum is sought above 0 Hz and below 0.4 of the sampling rate, so that an offset does not
+    /// count.
     ///
     /// # Errors
     /// [`FrfError::BandEmpty`] when less than two lines are left.
@@ -75,7 +78,8 @@ impl ForcePower {
         self.excited((end + 1e-6).floor() as usize + 1)
     }
 
-    /// The same up to half the sampling rate: how far the force itself excites, whatever the filter does there.
+    /// The same up to half the sampling rate: how far the force itself excites, whatever the filter
+    /// does there.
     ///
     /// # Errors
     /// As [`ForcePower::valid_band`].

@@ -8,15 +8,15 @@ use crate::linalg::vectorised;
 
 use super::sums::{LineSums, Sums};
 
-/// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with three hits a line has
-/// four degrees of freedom, and its stated deviation is off by a third.
+/// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with
+/// three hits a line has four degrees of freedom, and its stated deviation is off by a third.
 const FEW_HITS: usize = 3;
 
 /// Lines that are pooled: the noise of a sensor, unlike a resonance, does not change within so few.
 const POOLED: usize = 5;
 
-/// Mean expected energies of the noise under the windows of a function's hits; per line of the spectrum, that is the
-/// noise's power too.
+/// Mean expected energies of the noise under the windows of a function's hits; per line of the
+/// spectrum, that is the noise's power too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NoisePowers {
     /// Of the response; `None` without quiet samples.
@@ -48,12 +48,15 @@ pub(super) struct Averaged<'a> {
     pub averages: usize,
 }
 
-/// Variance of every line with its degrees of freedom; `pooled_lines` are the [`independent_lines`] of the window.
+/// Variance of every line with its degrees of freedom; `pooled_lines` are the [`independent_lines`]
+/// of the window.
 ///
 /// - More than three hits: the scatter of each line ([`scatter`]), 2(n − 1) degrees of freedom.
-/// - Two or three: the residual power `(1 − γ²) Gxx` of five neighbouring lines is pooled before it is divided by
-///   `Gff (n − 1)`; degrees of freedom 2(n − 1) times the lines, fewer where a window makes neighbours alike.
-/// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is not known.
+/// - Two or three: the residual power `(1 − γ²) Gxx` of five neighbouring lines is pooled before it
+///   is divided by `Gff (n − 1)`; degrees of freedom 2(n − 1) times the lines, fewer where a window
+///   makes neighbours alike.
+/// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is
+///   not known.
 pub(super) fn variances(
     own: &Averaged,
     pooled_lines: f64,
@@ -122,17 +125,20 @@ impl Averaged<'_> {
     }
 }
 
-/// `E|H1 - E H1|²` of the average over `n` hits, `|H1|² (1 - γ²) / (γ² (n - 1))`, with `freedom` n − 1.
+/// `E|H1 - E H1|²` of the average over `n` hits, `|H1|² (1 - γ²) / (γ² (n - 1))`, with `freedom` n
+/// − 1.
 ///
-/// This is the force-weighted scatter `Σ|X_i - H F_i|² / ((n - 1) Σ|F_i|²)`: a least-squares slope through
-/// the origin with `n - 1` complex degrees of freedom, so that it is unbiased for noise on the responses of equal
-/// power in every hit. Each of the real and imaginary part has half of it. Computed as `(1 - γ²) Gxx / (Gff (n - 1))`,
-/// which holds where γ² = 0 too. For H2 and Hv it is taken times `|H|² / |H1|²`: to first order the same relative variance
-/// belongs to them (regression of the force on the response has the same γ²).
+/// This is the force-weighted scatter `Σ|X_i - H F_i|² / ((n - 1) Σ|F_i|²)`: a least-squares slope
+/// through the origin with `n - 1` complex degrees of freedom, so that it is unbiased for noise on
+/// the responses of equal power in every hit. Each of the real and imaginary part has half of it.
+/// Computed as `(1 - γ²) Gxx / (Gff (n - 1))`, which holds where γ² = 0 too. For H2 and Hv it is
+/// taken times `|H|² / |H1|²`: to first order the same relative variance belongs to them
+/// (regression of the force on the response has the same γ²).
 ///
 /// # Reference
-/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 9 (gain factor estimates): the normalised random error
-/// `sqrt(1 - γ²) / (γ sqrt(2 n))` of the magnitude, whose square is half of this over `|H|²` for large `n`.
+/// Bendat and Piersol (2010), Random Data, 4th ed., chapter 9 (gain factor estimates): the
+/// normalised random error `sqrt(1 - γ²) / (γ sqrt(2 n))` of the magnitude, whose square is half of
+/// this over `|H|²` for large `n`.
 #[inline]
 fn scatter(sums: LineSums, coherence: f64, freedom: f64) -> f64 {
     residual_power(sums, coherence) / (sums.gff * freedom)
@@ -150,8 +156,9 @@ fn over_h1(sums: LineSums, value: Complex64) -> f64 {
     if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 }
 }
 
-/// Mean over the neighbours of each line, as many at the ends, where they lie on one side. The first and the last line are
-/// real, with half the degrees of freedom, and the first holds the offsets: they are in no mean.
+/// Mean over the neighbours of each line, as many at the ends, where they lie on one side. The
+/// first and the last line are real, with half the degrees of freedom, and the first holds the
+/// offsets: they are in no mean.
 fn pooled(powers: &[f64]) -> impl Iterator<Item = f64> {
     let last = powers.len() - POOLED - 1;
     (0..powers.len()).map(move |line| {
@@ -160,8 +167,8 @@ fn pooled(powers: &[f64]) -> impl Iterator<Item = f64> {
     })
 }
 
-/// How many of the pooled lines count: `K² / Σ ρ²(i − j)`, with the squared correlation ρ² of white noise under the window
-/// between lines that far apart, `|Σ w² e^{−2πimn/N}|² / (Σ w²)²`.
+/// How many of the pooled lines count: `K² / Σ ρ²(i − j)`, with the squared correlation ρ² of white
+/// noise under the window between lines that far apart, `|Σ w² e^{−2πimn/N}|² / (Σ w²)²`.
 pub(super) fn independent_lines(weights: Option<&[f64]>) -> f64 {
     let Some(weights) = weights else {
         return POOLED as f64;
@@ -284,7 +291,8 @@ mod tests {
             observed += (estimate - h).norm_sqr() / f64::from(draws);
             stated += scatter(sums, coherence(sums), 2.0) / f64::from(draws);
         }
-        // Noise power 2 over Gff = 3.33. Relative deviations of the two means: 1 and 1/sqrt(2) over sqrt(draws).
+        // Noise power 2 over Gff = 3.33. Relative deviations of the two means: 1 and 1/sqrt(2) over
+        // sqrt(draws).
         let expected = 2.0 / 3.33;
         assert!((observed / expected - 1.0).abs() < 4.0 * 0.0071);
         assert!((stated / expected - 1.0).abs() < 4.0 * 0.005);
@@ -350,7 +358,8 @@ mod tests {
     #[test]
     fn a_window_makes_neighbours_alike() {
         assert!((independent_lines(Some(&[1.0; 64])) - 5.0).abs() < 1e-9);
-        // A window that leaves a tenth of the record widens each line by ten: nearly one independent line.
+        // A window that leaves a tenth of the record widens each line by ten: nearly one
+        // independent line.
         let short: Vec<f64> = (0..640).map(|n| f64::from(n < 64)).collect();
         let lines = independent_lines(Some(&short));
         assert!((1.0..1.3).contains(&lines), "{lines}");

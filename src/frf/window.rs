@@ -3,7 +3,8 @@
 /// Window of the records of a function, as dataset 1858 of universal files numbers them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
-    /// None (rectangular), as a user or a file states it. Dataset 1858 cannot: its 0 is none or unknown.
+    /// None (rectangular), as a user or a file states it. Dataset 1858 cannot: its 0 is none or
+    /// unknown.
     Rectangular,
     /// 1, Hann, narrow band.
     HannNarrow,

@@ -1,5 +1,5 @@
-//! Round trips through random structures with modes ten half-power widths apart: what is found, how well, and nothing
-//! that is not there.
+//! Round trips through random structures with modes ten half-power widths apart: what is found, how
+//! well, and nothing that is not there.
 
 use super::synthetic::{Measurement, Structure, separated_modes, width_hz};
 use super::{IdentifyOptions, identify};
@@ -23,7 +23,8 @@ fn identified(set: &FrfSet, method: &str, band: Option<Band>) -> ModalModel {
     identify(set, &options).unwrap()
 }
 
-/// Each true mode with the one found within its half-power width; no mode more or less, none called close.
+/// Each true mode with the one found within its half-power width; no mode more or less, none called
+/// close.
 fn partners<'a>(truth: &'a [Truth], model: &'a ModalModel) -> Vec<Partners<'a>> {
     assert_eq!(model.modes.len(), truth.len(), "{:?}", model.findings);
     let close = model.findings.iter().find(|f| f.code == Code::CloseModes);
@@ -67,7 +68,8 @@ fn sixty_decibels_give_frequency_and_damping_far_inside_the_target() {
                 Some(((mode.frequency_hz - truth.0) / std).powi(2))
             }));
         }
-        // The median of a squared normal deviate is 0.455; a scatter of 5 to 12 functions widens it a little.
+        // The median of a squared normal deviate is 0.455; a scatter of 5 to 12 functions widens it
+        // a little.
         squares.sort_by(f64::total_cmp);
         let median = squares[squares.len() / 2];
         assert!(

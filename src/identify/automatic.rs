@@ -1,29 +1,38 @@
-//! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as many modes as the data support.
+//! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as
+//! many modes as the data support.
 //!
-//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from the peaks that are seen, and the
-//!    lower parts of a wide band have estimates of their own. With several references, where the roots of these seeds leave over more
-//!    than noise, the functions each by itself say as well where roots are and how many modes share each ([`several`](super::several)).
+//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from
+//!    the peaks that are seen, and the lower parts of a wide band have estimates of their own. With
+//!    several references, where the roots of these seeds leave over more than noise, the functions
+//!    each by itself say as well where roots are and how many modes share each
+//!    ([`several`](super::several)).
 //! 2. All roots move to the maximum of the likelihood ([`refine`](super::refine)).
-//! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a chi-squared), when its pole is known to
-//!    a fifth of its decay rate, and when it is told apart from its neighbours by twice the deviation of the distance. Two roots that
-//!    cannot be told apart but have different participation factors are one repeated root ([`pruning`](super::pruning)).
-//! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from what is left over where that is
-//!    noise, and raises limits and deviations ([`correlation`](super::correlation)). Where the data bring no variances and lines share
-//!    most of it, its level tells it, and roots that were fitted to it go.
-//! 5. What the model leaves over is searched for what noise does not explain; a root is tried there and must pass the same tests, and
-//!    what is left over must become less. Where nothing stands out, each root is asked whether it stands for two
-//!    ([`doubled`](super::doubled)). Where it hardly does, what speaks against a mode (7) speaks against the root at once.
+//! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a
+//!    chi-squared), when its pole is known to a fifth of its decay rate, and when it is told apart
+//!    from its neighbours by twice the deviation of the distance. Two roots that cannot be told
+//!    apart but have different participation factors are one repeated root
+//!    ([`pruning`](super::pruning)).
+//! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from
+//!    what is left over where that is noise, and raises limits and deviations
+//!    ([`correlation`](super::correlation)). Where the data bring no variances and lines share most
+//!    of it, its level tells it, and roots that were fitted to it go.
+//! 5. What the model leaves over is searched for what noise does not explain; a root is tried there
+//!    and must pass the same tests, and what is left over must become less. Where nothing stands
+//!    out, each root is asked whether it stands for two ([`doubled`](super::doubled)). Where it
+//!    hardly does, what speaks against a mode (7) speaks against the root at once.
 //! 6. Poles of the background, for modes just outside, go where the data do not need them.
-//! 7. What is no mode although it is above the noise goes: roots that explain little where the model misses the data or many have
-//!    arbitrary phases, or that repeat a strong neighbour with another phase than modes have ([`standing`](super::standing)). What the model misses around a mode
-//!    counts as noise in its deviations.
+//! 7. What is no mode although it is above the noise goes: roots that explain little where the
+//!    model misses the data or many have arbitrary phases, or that repeat a strong neighbour with
+//!    another phase than modes have ([`standing`](super::standing)). What the model misses around a
+//!    mode counts as noise in its deviations.
 //!
-//! Where the file states a window for steady excitation, poles have the line shape that it makes of them
-//! ([`receptance`](super::receptance)); where none is stated, close poles are merged that the line shape of a Hann or flat top
-//! window explains ([`leakage`](super::leakage)).
+//! Where the file states a window for steady excitation, poles have the line shape that it makes of
+//! them ([`receptance`](super::receptance)); where none is stated, close poles are merged that the
+//! line shape of a Hann or flat top window explains ([`leakage`](super::leakage)).
 //!
-//! Lines on both sides of the band are used where the data have them, so that a mode outside does not lean on one inside. Without
-//! variances in the data, the noise is told from what the fit leaves over ([`noise`](super::noise)).
+//! Lines on both sides of the band are used where the data have them, so that a mode outside does
+//! not lean on one inside. Without variances in the data, the noise is told from what the fit
+//! leaves over ([`noise`](super::noise)).
 
 use std::f64::consts::TAU;
 
@@ -62,9 +71,10 @@ const SEARCHES: usize = 4;
 const SAME_NOISE: f64 = 0.1;
 /// A root stands alone where the next is so many sums of half-power widths away.
 const ALONE: f64 = 1.0;
-/// Relative residual of poles without the line shape of a stated window, over that with it, below which the data contradict the
-/// window. Larger: more poles imitate the line shape of one (0.7 and more under a true window). Smaller: in noise of a hundredth of the
-/// peaks a window that was stated in error is believed. Tests: `a_window_that_the_data_contradict_is_not_used`,
+/// Relative residual of poles without the line shape of a stated window, over that with it, below
+/// which the data contradict the window. Larger: more poles imitate the line shape of one (0.7 and
+/// more under a true window). Smaller: in noise of a hundredth of the peaks a window that was
+/// stated in error is believed. Tests: `a_window_that_the_data_contradict_is_not_used`,
 /// `damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation`.
 const CONTRADICTED: f64 = 0.25;
 
@@ -126,8 +136,8 @@ impl Automatic {
         Ok((fit, found))
     }
 
-    /// First roots of the runs as they are, and again with those brought together that disagree: of all these fits the one that needs the
-    /// fewest roots where modes move, the latest of several.
+    /// First roots of the runs as they are, and again with those brought together that disagree: of
+    /// all these fits the one that needs the fewest roots where modes move, the latest of several.
     fn merged(
         &self,
         set: &FrfSet,
@@ -209,8 +219,9 @@ impl Fit {
 
     /// Roots from the poles that stay over the orders, and from what they leave over.
     ///
-    /// Many references leave few orders, and a root that many modes share is then fewer poles than it has modes. Where the roots of all
-    /// references together leave over more than noise, the functions are asked one by one as well.
+    /// Many references leave few orders, and a root that many modes share is then fewer poles than
+    /// it has modes. Where the roots of all references together leave over more than noise, the
+    /// functions are asked one by one as well.
     fn first_roots(&mut self, found: &Found) -> Result<(), IdentifyError> {
         let lscf = LeastSquaresComplexFrequency {
             max_order: self.options.max_order,
@@ -233,8 +244,8 @@ impl Fit {
         Ok(())
     }
 
-    /// Roots from the functions as outputs of one input, which say where roots are, and whose residues say how many modes each has
-    /// ([`several`](super::several)).
+    /// Roots from the functions as outputs of one input, which say where roots are, and whose
+    /// residues say how many modes each has ([`several`](super::several)).
     fn ask_functions(
         &mut self,
         (lscf, found): (&LeastSquaresComplexFrequency, &Found),
@@ -258,7 +269,8 @@ impl Fit {
         Ok(())
     }
 
-    /// Roots that pass beside the noise that they leave; whether that changed. What was told beside roots that are gone is not theirs.
+    /// Roots that pass beside the noise that they leave; whether that changed. What was told beside
+    /// roots that are gone is not theirs.
     fn settle_and_judge(&mut self) -> bool {
         self.settle(Stop::Coarse);
         loop {
@@ -284,7 +296,8 @@ impl Fit {
         changed
     }
 
-    /// Searches what is left over until nothing more is found, where the noise may have changed since it was last judged by.
+    /// Searches what is left over until nothing more is found, where the noise may have changed
+    /// since it was last judged by.
     fn search_rounds(&mut self, mut changed: bool) {
         for _ in 0..SEARCHES {
             let before = self.roots.clone();
@@ -298,7 +311,8 @@ impl Fit {
             if gain.is_none() && !changed && self.roots == before {
                 break;
             }
-            // Where more roots leave such doubts and explain little, what the next would fit is not modes.
+            // Where more roots leave such doubts and explain little, what the next would fit is not
+            // modes.
             let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
             changed = self.judge_by_noise();
             if last {
@@ -325,8 +339,8 @@ impl Fit {
         self.roots = refine(on, &mut self.windows, roots, (limits, stop));
     }
 
-    /// The residues of all roots, of which none is dropped; modes of the very same pole become one root. Poles that merely lie close
-    /// stay where they are.
+    /// The residues of all roots, of which none is dropped; modes of the very same pole become one
+    /// root. Poles that merely lie close stay where they are.
     pub fn residues(&mut self) {
         for i in 0..self.roots.len() {
             for j in i + 1..self.roots.len() {
@@ -390,8 +404,9 @@ impl Fit {
         standings((&self.data, &self.sides), &self.roots)
     }
 
-    /// How large the noise is, as far as the data do not state it, and how it hangs together over the lines: from what the fit leaves
-    /// over. Whether the level of a function or the correlation changed.
+    /// How large the noise is, as far as the data do not state it, and how it hangs together over
+    /// the lines: from what the fit leaves over. Whether the level of a function or the correlation
+    /// changed.
     pub fn measure_noise(&mut self) -> bool {
         unsettle(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
@@ -418,7 +433,8 @@ impl Fit {
         described.left_over(0..self.data.lines())
     }
 
-    /// Mean over the functions of their residual over their values, each summed in squares over the lines.
+    /// Mean over the functions of their residual over their values, each summed in squares over the
+    /// lines.
     pub fn relative_residual(&self) -> f64 {
         let rest = self.rest();
         let of = |f: usize| {
@@ -433,9 +449,10 @@ impl Fit {
         (0..self.data.functions()).map(of).sum::<f64>() / self.data.functions() as f64
     }
 
-    /// Standard deviations of the parts of a root's residues: from the noise of every function and how it hangs together over the lines.
-    /// An error of the pole moves all residues of a mode that stands alone by one factor, but mixes modes that overlap: `None` for
-    /// those, and for several modes of one root.
+    /// Standard deviations of the parts of a root's residues: from the noise of every function and
+    /// how it hangs together over the lines. An error of the pole moves all residues of a mode that
+    /// stands alone by one factor, but mixes modes that overlap: `None` for those, and for several
+    /// modes of one root.
     fn residue_stds(&self, root: &Root, standing: &Standing) -> Option<Vec<f64>> {
         let modes = self.roots.iter().filter(|other| !other.is_companion);
         let near = modes.filter(|other| apart(root, other) < ALONE);

@@ -1,9 +1,11 @@
-//! What lies outside a window of lines, as functions of frequency that every function may hold in any mixture.
+//! What lies outside a window of lines, as functions of frequency that every function may hold in
+//! any mixture.
 //!
-//! Constant and slope follow what is farther from the window than the window is long. Where the window ends with the data, modes
-//! outside can be as near as they like and nobody sees them: poles that crowd towards that end follow them, at distances from the
-//! end that double from line to line and as far from the axis (rational approximation with clustered poles converges
-//! exponentially in their number: Gopal and Trefethen 2019, SIAM J. Numer. Anal. 57(5)).
+//! Constant and slope follow what is farther from the window than the window is long. Where the
+//! window ends with the data, modes outside can be as near as they like and nobody sees them: poles
+//! that crowd towards that end follow them, at distances from the end that double from line to line
+//! and as far from the axis (rational approximation with clustered poles converges exponentially in
+//! their number: Gopal and Trefethen 2019, SIAM J. Numer. Anal. 57(5)).
 
 use std::ops::Range;
 
@@ -28,7 +30,8 @@ const FEWEST_LINES_EACH: usize = 3;
 pub(super) enum Outside {
     /// Nothing: they may lie anywhere.
     Anywhere,
-    /// What they put into the lines goes along these courses; none where the data show no such modes.
+    /// What they put into the lines goes along these courses; none where the data show no such
+    /// modes.
     Courses(Vec<Course>),
 }
 
@@ -50,7 +53,8 @@ pub(super) struct Background<'a> {
 }
 
 impl<'a> Background<'a> {
-    /// For lines of a band that has `omega` in all. What lies outside counts where the window ends with the band.
+    /// For lines of a band that has `omega` in all. What lies outside counts where the window ends
+    /// with the band.
     pub fn new(omega: &[f64], lines: &Range<usize>, outside: &'a Outside) -> Self {
         let (below, above) = (lines.start == 0, lines.end == omega.len());
         match outside {

@@ -13,7 +13,8 @@ use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::mac;
 use crate::quantity::FrfKind;
 
-/// Published frequencies, Hz, and damping ratios of an independent least-squares complex-frequency fit.
+/// Published frequencies, Hz, and damping ratios of an independent least-squares complex-frequency
+/// fit.
 const EXPECTED: [(f64, f64); 4] = [
     (111.99, 1.39e-4),
     (306.86, 1.15e-4),
@@ -71,9 +72,10 @@ fn beam(folder: &std::path::Path) -> FrfSet {
     set
 }
 
-/// Shapes as the imaginary part at the line of the peak, by published frequency. That line carries 10 % noise in the
-/// fourth mode, and the beam's frequencies fell by 7e-5 (a third of a half-power width up there) while it was hit at one
-/// point after the other, which is why MAC with that shape is lower.
+/// Shapes as the imaginary part at the line of the peak, by published frequency. That line carries
+/// 10 % noise in the fourth mode, and the beam's frequencies fell by 7e-5 (a third of a half-power
+/// width up there) while it was hit at one point after the other, which is why MAC with that shape
+/// is lower.
 const FEWEST_MAC: [f64; 4] = [0.998, 0.997, 0.995, 0.98];
 
 fn expected_shapes(folder: &std::path::Path) -> Vec<Vec<Complex64>> {

@@ -1,20 +1,24 @@
 //! One step of the maximum likelihood fit of the modes in a window of lines: variable projection.
 //!
-//! In the window the receptance of function f (output o, input i) is
-//! `Σ_j ψ_oj L_ji/(iω − λ_j) + c_f + d_f x + (known terms)`, with known terms for the conjugates and for the modes outside.
-//! The noise is circular with variance `s_f² u_k²` (a level per function, a course over the lines that all functions share).
-//! What is linear is projected out: constant and slope of every function, which stand for all that is farther away, with one QR
-//! that all functions share, then the shapes ψ. What remains depends on λ and L alone, to which Gauss-Newton is applied with the
-//! Jacobian of Kaufman (1975). The model is analytic in all unknowns, so that the steps are complex least squares.
+//! In the window the receptance of function f (output o, input i) is `Σ_j ψ_oj L_ji/(iω − λ_j) +
+//! c_f + d_f x + (known terms)`, with known terms for the conjugates and for the modes outside. The
+//! noise is circular with variance `s_f² u_k²` (a level per function, a course over the lines that
+//! all functions share). What is linear is projected out: constant and slope of every function,
+//! which stand for all that is farther away, with one QR that all functions share, then the shapes
+//! ψ. What remains depends on λ and L alone, to which Gauss-Newton is applied with the Jacobian of
+//! Kaufman (1975). The model is analytic in all unknowns, so that the steps are complex least
+//! squares.
 //!
-//! The data of all functions are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j = σ_j/(iω − λ_j)`
-//! ([`window`](super::window)): as many numbers as there are columns, and nothing that a step needs is lost.
+//! The data of all functions are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j =
+//! σ_j/(iω − λ_j)` ([`window`](super::window)): as many numbers as there are columns, and nothing
+//! that a step needs is lost.
 //!
-//! At the end the matrix of the normal equations is the Fisher information of (λ, L) with all linear unknowns profiled out:
-//! its inverse holds the Cramér-Rao bounds, twice the variance of real and imaginary part.
+//! At the end the matrix of the normal equations is the Fisher information of (λ, L) with all
+//! linear unknowns profiled out: its inverse holds the Cramér-Rao bounds, twice the variance of
+//! real and imaginary part.
 //!
-//! References: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2); Kaufman (1975), BIT 15; Kay (1993), Fundamentals of
-//! Statistical Signal Processing: Estimation Theory, section 15.7.
+//! References: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2); Kaufman (1975), BIT 15; Kay
+//! (1993), Fundamentals of Statistical Signal Processing: Estimation Theory, section 15.7.
 
 use std::ops::Range;
 
@@ -36,12 +40,13 @@ pub(super) use super::linearised::Unknown;
 
 /// Largest step of a pole, in decay rates, and of a participation factor.
 const LONGEST_STEP: f64 = 0.5;
-/// Damping of the normal equations relative to their diagonal (Marquardt 1963): at first, least and most. The least keeps poles
-/// that the data cannot tell apart where they are.
+/// Damping of the normal equations relative to their diagonal (Marquardt 1963): at first, least and
+/// most. The least keeps poles that the data cannot tell apart where they are.
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1e6;
-/// After a step this short, in decay rates, the next would be its square: what the other blocks changed comes first.
+/// After a step this short, in decay rates, the next would be its square: what the other blocks
+/// changed comes first.
 const SMALL: f64 = 1e-2;
 /// Rounding of the cost, relative to the energy of the data.
 const ROUNDING: f64 = 1e-14;
@@ -71,7 +76,8 @@ pub(super) struct Fitted {
     pub misfit: f64,
     /// How strong the modes of each member are.
     pub strengths: Vec<Strengths>,
-    /// The Gauss-Newton step that was not taken, by unknown, poles in decay rates; where no steps were to be taken.
+    /// The Gauss-Newton step that was not taken, by unknown, poles in decay rates; where no steps
+    /// were to be taken.
     pub next: Vec<Complex64>,
 }
 
@@ -88,7 +94,8 @@ pub(super) struct Surroundings<'a> {
     pub last: bool,
 }
 
-/// Fits a block with so many steps at most; none finds the residues alone. The window is left as the last step needed it.
+/// Fits a block with so many steps at most; none finds the residues alone. The window is left as
+/// the last step needed it.
 pub(super) fn fit(
     around: &Surroundings,
     block: &Block,
@@ -175,7 +182,8 @@ fn moved(
 struct Windowed<'a> {
     around: &'a Surroundings<'a>,
     window: Window,
-    /// Courses of all roots and their conjugates that the members do not stand for, lines × twice the roots.
+    /// Courses of all roots and their conjugates that the members do not stand for, lines × twice
+    /// the roots.
     known: ComplexMatrix,
     /// The values without them, and their energy.
     near: Near,
@@ -223,7 +231,8 @@ impl<'a> Windowed<'a> {
             .max(1) as f64
     }
 
-    /// Adds to the variances of the residues of the core what the errors of the unknowns make of them.
+    /// Adds to the variances of the residues of the core what the errors of the unknowns make of
+    /// them.
     fn widen(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
         if here.information.nrows() == 0 {
             return;
@@ -308,7 +317,8 @@ fn known_courses(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMa
     known
 }
 
-/// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is no information.
+/// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is
+/// no information.
 fn damped_solution(
     information: &ComplexMatrix,
     gradient: &ComplexMatrix,

@@ -1,4 +1,5 @@
-//! What a single-mode result must say about itself: one finding per weakness, with the value and the limit it met.
+//! What a single-mode result must say about itself: one finding per weakness, with the value and
+//! the limit it met.
 
 use std::f64::consts::TAU;
 
@@ -20,10 +21,12 @@ use super::{IdentifyError, residues};
 const FEWEST_LINES: f64 = 5.0;
 /// Time constants that a record should hold.
 const FEWEST_TIME_CONSTANTS: f64 = 6.0;
-/// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines under a Hann window. At 5 % resonances of
-/// the 5 lines that peak-picking needs would be reported; at 30 % the bias of a bridge of 2 lines would not.
+/// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines
+/// under a Hann window. At 5 % resonances of the 5 lines that peak-picking needs would be reported;
+/// at 30 % the bias of a bridge of 2 lines would not.
 pub(super) const MAX_LEAKAGE_BIAS: f64 = 0.1;
-/// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a good one).
+/// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a
+/// good one).
 const MOST_SPREAD: f64 = 0.05;
 /// Half-power widths between two visible peaks below which both are contaminated.
 const NEAREST: f64 = 3.0;
@@ -52,9 +55,10 @@ pub(super) struct Verdict {
     pub residues: Vec<Complex64>,
 }
 
-/// Tests every mode for a second pole under its peak (a visible neighbour, functions that disagree on the frequency, a
-/// frequency dependence of more than one pole), then for several shapes with one pole. Above a highest frequency, where the
-/// anti-alias filter falls off, shapes are not counted: what is cut off its ringing has many.
+/// Tests every mode for a second pole under its peak (a visible neighbour, functions that disagree
+/// on the frequency, a frequency dependence of more than one pole), then for several shapes with
+/// one pole. Above a highest frequency, where the anti-alias filter falls off, shapes are not
+/// counted: what is cut off its ringing has many.
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
@@ -192,7 +196,8 @@ fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
     findings
 }
 
-/// Findings of a pole whose record is short of time constants, or whose half-power width reaches the end of the lines.
+/// Findings of a pole whose record is short of time constants, or whose half-power width reaches
+/// the end of the lines.
 pub(super) fn reach(
     set: &FrfSet,
     data: &Receptances,
@@ -220,8 +225,8 @@ pub(super) fn reach(
     findings
 }
 
-/// The finding of a resonance so narrow that leakage would raise its damping, where that was not corrected and the data do not
-/// contradict it.
+/// The finding of a resonance so narrow that leakage would raise its damping, where that was not
+/// corrected and the data do not contradict it.
 fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
     let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
     let bias = shape.leakage_bias(-lambda.re)?;
@@ -247,8 +252,8 @@ pub(super) fn window_decay(set: &FrfSet) -> Option<Finding> {
     is_unknown.then(|| Finding::new(Severity::Warning, code, Place::Whole))
 }
 
-/// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the mode, when it is
-/// too small.
+/// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the
+/// mode, when it is too small.
 fn nearest(
     data: &Receptances,
     found: &Found,

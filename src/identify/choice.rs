@@ -1,10 +1,11 @@
 //! A person's choice among the poles of a method.
 //!
-//! Each chosen pole is the nearest one of the method in the band within the tolerance, of one order alone where the choice names it;
-//! of poles that are as near, one that stays. Poles are taken once, and those of other orders that lie on a taken one are the same mode:
-//! they are taken beside it only where their order is named. Residues are fitted anew with the chosen poles where they are, and no test
-//! undoes the choice; the other modes of the method stay in the fit, so that what they put into the data does not go to those that were
-//! chosen, and are left out of the result.
+//! Each chosen pole is the nearest one of the method in the band within the tolerance, of one order
+//! alone where the choice names it; of poles that are as near, one that stays. Poles are taken
+//! once, and those of other orders that lie on a taken one are the same mode: they are taken beside
+//! it only where their order is named. Residues are fitted anew with the chosen poles where they
+//! are, and no test undoes the choice; the other modes of the method stay in the fit, so that what
+//! they put into the data does not go to those that were chosen, and are left out of the result.
 
 use std::f64::consts::TAU;
 
@@ -32,12 +33,14 @@ struct Offered {
     status: PoleStatus,
     /// Whether it is a mode of the method.
     mode: bool,
-    /// Whether it is meant only where its order is named: modes that left the poles of all orders are the better answer otherwise.
+    /// Whether it is meant only where its order is named: modes that left the poles of all orders
+    /// are the better answer otherwise.
     by_order_alone: bool,
 }
 
 impl Offered {
-    /// Whether it is a mode that was taken already, seen at another order. Two modes of the method are two, however near.
+    /// Whether it is a mode that was taken already, seen at another order. Two modes of the method
+    /// are two, however near.
     fn repeats(&self, taken: &Self) -> bool {
         let (own, other) = (self.as_in_data.lambda, taken.as_in_data.lambda);
         (own - other).norm() < OWN * other.re.abs() && !(self.mode && taken.mode)

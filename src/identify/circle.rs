@@ -1,25 +1,30 @@
-//! Circle fit: the Nyquist plot of one mode is a circle, swept at a rate that gives frequency and damping.
+//! Circle fit: the Nyquist plot of one mode is a circle, swept at a rate that gives frequency and
+//! damping.
 //!
-//! The isolated receptance of a pole `λ = −σ + iω_d` is `A/(iω − λ)` on some constant: a circle of diameter `|A|/σ` on
-//! which the point at `ω` lies at the angle `θ` from the resonance, seen from the centre, with
-//! `tan(θ/2) = (ω − ω_d)/σ`, exactly. (A viscously damped *mobility* is a circle as well, with
-//! `tan(θ/2) = (ω² − ω_n²)/(2ζω_nω)`; but only for real modes and as a whole. Once the conjugate pole is subtracted
-//! with the other modes the receptance circle needs neither and the angle is linear in frequency.)
+//! The isolated receptance of a pole `λ = −σ + iω_d` is `A/(iω − λ)` on some constant: a circle of
+//! diameter `|A|/σ` on which the point at `ω` lies at the angle `θ` from the resonance, seen from
+//! the centre, with `tan(θ/2) = (ω − ω_d)/σ`, exactly. (A viscously damped *mobility* is a circle
+//! as well, with `tan(θ/2) = (ω² − ω_n²)/(2ζω_nω)`; but only for real modes and as a whole. Once
+//! the conjugate pole is subtracted with the other modes the receptance circle needs neither and
+//! the angle is linear in frequency.)
 //!
-//! 1. Circle through the points of the window by Taubin's algebraic fit, which has no bias towards small circles when
-//!    only an arc is there; the constant needs no model, because the centre is free.
-//! 2. Least squares of the measured angles `ψ_k = φ − 2 atan((ω_k − ω_d)/σ)` for `φ, ω_d, σ` (Gauss-Newton). All
-//!    angles carry the same noise, so that no weights are needed; the point of the largest sweep rate, which is the
-//!    textbook's natural frequency, is where this curve is steepest, found from all points instead of two.
-//! 3. Damping surface: every pair of a point below and one above the resonance gives
-//!    `σ_ab = (ω_b − ω_a)/(tan(θ_b/2) − tan(θ_a/2))`. The damping is their mean, weighted by what each pair knows
-//!    (`var σ_ab ∝ [(1+t_a²)² + (1+t_b²)²]/(t_b − t_a)²`), the quality figure their relative standard deviation.
+//! 1. Circle through the points of the window by Taubin's algebraic fit, which has no bias towards
+//!    small circles when only an arc is there; the constant needs no model, because the centre is
+//!    free.
+//! 2. Least squares of the measured angles `ψ_k = φ − 2 atan((ω_k − ω_d)/σ)` for `φ, ω_d, σ`
+//!    (Gauss-Newton). All angles carry the same noise, so that no weights are needed; the point of
+//!    the largest sweep rate, which is the textbook's natural frequency, is where this curve is
+//!    steepest, found from all points instead of two.
+//! 3. Damping surface: every pair of a point below and one above the resonance gives `σ_ab = (ω_b −
+//!    ω_a)/(tan(θ_b/2) − tan(θ_a/2))`. The damping is their mean, weighted by what each pair knows
+//!    (`var σ_ab ∝ [(1+t_a²)² + (1+t_b²)²]/(t_b − t_a)²`), the quality figure their relative
+//!    standard deviation.
 //!
 //! Functions are averaged with the weight diameter² over noise variance.
 //!
-//! References: Kennedy and Pancu (1947), J. Aeronautical Sciences 14(11); Ewins (2000), Modal Testing, 2nd ed.,
-//! section 4.3; Taubin (1991), IEEE PAMI 13(11), in the form of Chernov (2010), Circular and Linear Regression,
-//! section 5.9.
+//! References: Kennedy and Pancu (1947), J. Aeronautical Sciences 14(11); Ewins (2000), Modal
+//! Testing, 2nd ed., section 4.3; Taubin (1991), IEEE PAMI 13(11), in the form of Chernov (2010),
+//! Circular and Linear Regression, section 5.9.
 
 use num_complex::Complex64;
 
@@ -61,8 +66,8 @@ impl Sweep {
     }
 }
 
-/// Taubin's circle: minimises the algebraic distance over its mean squared gradient, by Newton's method on the
-/// characteristic cubic from 0. `None` for points on a line.
+/// Taubin's circle: minimises the algebraic distance over its mean squared gradient, by Newton's
+/// method on the characteristic cubic from 0. `None` for points on a line.
 pub(super) fn circle_through(points: &[Complex64]) -> Option<Circle> {
     let count = points.len() as f64;
     let mean = points.iter().sum::<Complex64>() / count;
@@ -112,8 +117,8 @@ fn smallest_root(cubic: &[f64; 4]) -> f64 {
     x
 }
 
-/// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the window, or a step has no accurate
-/// solution.
+/// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the
+/// window, or a step has no accurate solution.
 pub(super) fn fit_sweep(omega: &[f64], arms: &[Complex64], first: Complex64) -> Option<Sweep> {
     let mut sweep = Sweep {
         phase: 0.0,

@@ -1,4 +1,5 @@
-//! A circle fit laid open: circle, resonance and the whole damping surface of one resonance in one function.
+//! A circle fit laid open: circle, resonance and the whole damping surface of one resonance in one
+//! function.
 
 use num_complex::Complex64;
 
@@ -19,18 +20,22 @@ pub struct CircleDetail {
     pub below: Vec<usize>,
     /// Lines above it.
     pub above: Vec<usize>,
-    /// Damping ratio of every pair of a line below (row) and a line above (column); `None` where the angle between them says nothing.
+    /// Damping ratio of every pair of a line below (row) and a line above (column); `None` where
+    /// the angle between them says nothing.
     pub damping: Vec<Vec<Option<f64>>>,
 }
 
-/// Largest angle from the resonance at which a line still tells damping, rad: at 180° the circle closes.
+/// Largest angle from the resonance at which a line still tells damping, rad: at 180° the circle
+/// closes.
 const WIDEST: f64 = 0.95 * std::f64::consts::PI;
 
-/// Circle and damping surface through the receptances of a window from which all other modes were taken out.
+/// Circle and damping surface through the receptances of a window from which all other modes were
+/// taken out.
 ///
-/// `first` is the pole to start from, rad/s, as in the data. Of a line below the resonance at the angle `θ_a` and one above at
-/// `θ_b`, seen from the centre, the decay rate is `(ω_b − ω_a)/(tan(θ_b/2) − tan(θ_a/2))`; over the resonance's frequency that is a
-/// damping ratio. `None` where the points lie on no circle or the resonance is outside the window.
+/// `first` is the pole to start from, rad/s, as in the data. Of a line below the resonance at the
+/// angle `θ_a` and one above at `θ_b`, seen from the centre, the decay rate is `(ω_b −
+/// ω_a)/(tan(θ_b/2) − tan(θ_a/2))`; over the resonance's frequency that is a damping ratio. `None`
+/// where the points lie on no circle or the resonance is outside the window.
 ///
 /// # Reference
 /// Ewins (2000), Modal Testing, 2nd ed., section 4.3.

@@ -1,18 +1,21 @@
-//! Is there one mode under a peak? Two tests on what the single-mode model leaves over in the lines around it.
+//! Is there one mode under a peak? Two tests on what the single-mode model leaves over in the lines
+//! around it.
 //!
-//! *Rank.* With the other modes subtracted, functions whitened by their noise, and constant and slope in frequency
-//! projected off, one mode leaves a functions × lines matrix of rank one, whatever its pole. Noise alone has a largest
-//! singular value near `√n + √L`. A second singular value above that is a second shape, or functions that disagree on
-//! the frequency: a test that drifted while it was measured leaves the same trace as two modes a fraction of a half-power
+//! *Rank.* With the other modes subtracted, functions whitened by their noise, and constant and
+//! slope in frequency projected off, one mode leaves a functions × lines matrix of rank one,
+//! whatever its pole. Noise alone has a largest singular value near `√n + √L`. A second singular
+//! value above that is a second shape, or functions that disagree on the frequency: a test that
+//! drifted while it was measured leaves the same trace as two modes a fraction of a half-power
 //! width apart, and no single reference can tell them.
 //!
-//! *Misfit.* Two modes of similar shape leave rank one, but not the frequency dependence of one pole. Every function
-//! is fitted with `1/(iω − λ)`, its derivative `1/(iω − λ)²` (a pole of its own, so that a small error of λ or mass
-//! loading by a moved sensor does not count), constant, slope and curvature; what is left is compared with the noise
-//! by its chi-squared.
+//! *Misfit.* Two modes of similar shape leave rank one, but not the frequency dependence of one
+//! pole. Every function is fitted with `1/(iω − λ)`, its derivative `1/(iω − λ)²` (a pole of its
+//! own, so that a small error of λ or mass loading by a moved sensor does not count), constant,
+//! slope and curvature; what is left is compared with the noise by its chi-squared.
 //!
-//! Both must exceed the noise *and* a share of the resonance, because far modes outside the band bend the background by
-//! some parts in a thousand of the peak, which shows as soon as there is little noise.
+//! Both must exceed the noise *and* a share of the resonance, because far modes outside the band
+//! bend the background by some parts in a thousand of the peak, which shows as soon as there is
+//! little noise.
 
 use num_complex::Complex64;
 
@@ -26,7 +29,8 @@ use super::single::Resonance;
 const RANK_LIMIT: f64 = 0.02;
 /// Root mean square misfit over peak that far neighbours can explain.
 const MISFIT_LIMIT: f64 = 0.002;
-/// Largest singular value of noise: room above `√n + √L` for its scatter and for the scatter of the variances.
+/// Largest singular value of noise: room above `√n + √L` for its scatter and for the scatter of the
+/// variances.
 const NOISE_ROOM: f64 = 1.3;
 /// False alarms of the misfit test per mode.
 const FALSE_ALARM: f64 = 1e-5;
@@ -42,8 +46,8 @@ pub(super) struct Excess {
     pub limit: f64,
 }
 
-/// Second over first singular value of the values around one mode where it is too much for one shape; `None` where it
-/// is not, and for a single function.
+/// Second over first singular value of the values around one mode where it is too much for one
+/// shape; `None` where it is not, and for a single function.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`].
@@ -96,8 +100,8 @@ fn without_line(row: &[Complex64]) -> Vec<Complex64> {
         .collect()
 }
 
-/// Misfit of one pole over the peak, for the values around one mode where it is too much; `None` where it is not, and
-/// with too few lines to judge.
+/// Misfit of one pole over the peak, for the values around one mode where it is too much; `None`
+/// where it is not, and with too few lines to judge.
 pub(super) fn second_pole(
     data: &Receptances,
     resonance: &Resonance,

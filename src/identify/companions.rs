@@ -6,25 +6,27 @@
 //! x = a e^(−σt) cos(ωt + κ (1 − e^(−2σt)))      κ = 3βa²/16σω
 //! ```
 //!
-//! (averaging), whose expansion in κ has the poles `λ = −(2n + 1) σ ± iω`: at one frequency, of one shape, with decay rates of
-//! 1, 3, 5, ... σ, and the residue of the second `−iκ` times that of the first, in quadrature. Modes of
-//! proportional damping have no such poles: residues of one shape are in phase or opposite. A tuned absorber without sensors may
-//! look alike.
+//! (averaging), whose expansion in κ has the poles `λ = −(2n + 1) σ ± iω`: at one frequency, of one
+//! shape, with decay rates of 1, 3, 5, ... σ, and the residue of the second `−iκ` times that of the
+//! first, in quadrature. Modes of proportional damping have no such poles: residues of one shape
+//! are in phase or opposite. A tuned absorber without sensors may look alike.
 //!
-//! Damping that grows with the amplitude, `ζ(a) = ζ (1 + q a/a₀)`, or with its square, has the decays
+//! Damping that grows with the amplitude, `ζ(a) = ζ (1 + q a/a₀)`, or with its square, has the
+//! decays
 //!
 //! ```text
 //! x = a e^(−σt) cos ωt / (1 + q (1 − e^(−σt)))      x = a e^(−σt) cos ωt / √(1 + q (1 − e^(−2σt)))
 //! ```
 //!
-//! with the poles `λ = −(n + 1) σ ± iω` and `−(2n + 1) σ ± iω`, all residues in phase. Only that their frequency is that of the mode
-//! tells them from a close mode.
+//! with the poles `λ = −(n + 1) σ ± iω` and `−(2n + 1) σ ± iω`, all residues in phase. Only that
+//! their frequency is that of the mode tells them from a close mode.
 //!
-//! Without its companion a mode of large amplitudes takes up part of it: 0.06 % of the frequency, 13 standard deviations, where the
-//! stiffness rises by 0.4 % (test `a_mode_of_cubic_stiffness_stays_one_mode`).
+//! Without its companion a mode of large amplitudes takes up part of it: 0.06 % of the frequency,
+//! 13 standard deviations, where the stiffness rises by 0.4 % (test
+//! `a_mode_of_cubic_stiffness_stays_one_mode`).
 //!
-//! Reference: Nayfeh and Mook (1979), Nonlinear Oscillations, sections 3.2 and 3.3 (decay by averaging: Duffing oscillator,
-//! nonlinear damping).
+//! Reference: Nayfeh and Mook (1979), Nonlinear Oscillations, sections 3.2 and 3.3 (decay by
+//! averaging: Duffing oscillator, nonlinear damping).
 
 use num_complex::Complex64;
 
@@ -35,45 +37,56 @@ use super::reasons::Reason;
 use super::refine::{Stop, unsettle};
 use super::roots::Root;
 
-/// Decay rate over that of the mode: 3, but for the next terms of the series, which the fit omits. Half as wide: the companion of a
-/// mode of 0.3 % damping whose stiffness rises by 2 % is taken as a mode. Twice as wide: a tuned absorber of 4 % damping is taken as
-/// a companion. Tests: `a_mode_of_cubic_stiffness_stays_one_mode`, `a_tuned_absorber_is_a_mode`.
+/// Decay rate over that of the mode: 3, but for the next terms of the series, which the fit omits.
+/// Half as wide: the companion of a mode of 0.3 % damping whose stiffness rises by 2 % is taken as
+/// a mode. Twice as wide: a tuned absorber of 4 % damping is taken as a companion. Tests:
+/// `a_mode_of_cubic_stiffness_stays_one_mode`, `a_tuned_absorber_is_a_mode`.
 const DECAY_RATIO: std::ops::Range<f64> = 2.4..3.8;
-/// The same of the second, 5. Half as wide: the second companion of a mode of 1.2 % damping whose stiffness rises by 4 % is taken as
-/// a mode. Twice as wide: no difference in 126 simulations. Test: `a_mode_of_cubic_stiffness_stays_one_mode`.
+/// The same of the second, 5. Half as wide: the second companion of a mode of 1.2 % damping whose
+/// stiffness rises by 4 % is taken as a mode. Twice as wide: no difference in 126 simulations.
+/// Test: `a_mode_of_cubic_stiffness_stays_one_mode`.
 const SECOND_DECAY_RATIO: std::ops::Range<f64> = 3.8..6.5;
-/// Distance in frequency, in decay rates of the companion. Half: companions that the omitted terms move are taken as modes. Twice: no
-/// difference in 126 simulations, as the phase rejects the mode of a tuned absorber (0.3 to 0.7). Tests:
-/// `a_mode_of_cubic_stiffness_stays_one_mode`, `close_modes_of_a_linear_structure_are_no_companions`.
+/// Distance in frequency, in decay rates of the companion. Half: companions that the omitted terms
+/// move are taken as modes. Twice: no difference in 126 simulations, as the phase rejects the mode
+/// of a tuned absorber (0.3 to 0.7). Tests: `a_mode_of_cubic_stiffness_stays_one_mode`,
+/// `close_modes_of_a_linear_structure_are_no_companions`.
 const MAX_DISTANCE: f64 = 0.5;
-/// Decay rate over that of the mode, of a companion in phase: 2 of damping that grows with the amplitude, 3 with its square, up to 4
-/// for the omitted terms. Smaller or larger at its ends: companions are modes (`a_mode_whose_damping_grows_stays_one_mode`).
+/// Decay rate over that of the mode, of a companion in phase: 2 of damping that grows with the
+/// amplitude, 3 with its square, up to 4 for the omitted terms. Smaller or larger at its ends:
+/// companions are modes (`a_mode_whose_damping_grows_stays_one_mode`).
 const IN_PHASE_DECAY_RATIO: std::ops::Range<f64> = 1.7..4.3;
-/// Distance in frequency of a companion in phase, in its decay rates. Smaller: companions of real tests, which are known to 0.1,
-/// are modes. Larger: close modes of a linear structure are one (`close_modes_of_a_linear_structure_are_no_companions`).
+/// Distance in frequency of a companion in phase, in its decay rates. Smaller: companions of real
+/// tests, which are known to 0.1, are modes. Larger: close modes of a linear structure are one
+/// (`close_modes_of_a_linear_structure_are_no_companions`).
 const MAX_DISTANCE_IN_PHASE: f64 = 0.12;
-/// Largest residue of such a companion over that of its mode, of damping that grows with the amplitude (2 times the decay rate) and
-/// with its square (3 times), by the averages above `q/(1 + q)` and `q/2(1 + q)`. Larger: a weak mode hides a strong close one. Smaller:
-/// companions of damping that doubles over the decay are modes. Test: `companions_of_damping_are_at_the_frequency_of_their_mode`.
+/// Largest residue of such a companion over that of its mode, of damping that grows with the
+/// amplitude (2 times the decay rate) and with its square (3 times), by the averages above `q/(1 +
+/// q)` and `q/2(1 + q)`. Larger: a weak mode hides a strong close one. Smaller: companions of
+/// damping that doubles over the decay are modes. Test:
+/// `companions_of_damping_are_at_the_frequency_of_their_mode`.
 const MAX_RESIDUE_IN_PHASE: [f64; 2] = [0.75, 0.5];
-/// Minimum MAC of such a companion and its mode: their phase does not tell them from close modes. Smaller: close modes of alike shapes at
-/// few sensors are one. Larger: noise of the residues separates a companion from its mode.
+/// Minimum MAC of such a companion and its mode: their phase does not tell them from close modes.
+/// Smaller: close modes of alike shapes at few sensors are one. Larger: noise of the residues
+/// separates a companion from its mode.
 const MIN_MAC_IN_PHASE: f64 = 0.98;
-/// Part of a companion's residues in phase with its mode, over that in quadrature: 20 degrees. A tuned absorber has 0.4 to 1. Half:
-/// companions that the omitted terms turn are taken as modes. Twice: no difference in 126 simulations. Tests:
-/// `a_mode_of_cubic_stiffness_stays_one_mode`, `close_modes_of_a_linear_structure_are_no_companions`.
+/// Part of a companion's residues in phase with its mode, over that in quadrature: 20 degrees. A
+/// tuned absorber has 0.4 to 1. Half: companions that the omitted terms turn are taken as modes.
+/// Twice: no difference in 126 simulations. Tests: `a_mode_of_cubic_stiffness_stays_one_mode`,
+/// `close_modes_of_a_linear_structure_are_no_companions`.
 const MAX_IN_PHASE: f64 = 0.36;
-/// Modal assurance criterion of the two shapes, minimum. A second mode of a smooth structure has less. Smaller: a close mode of
-/// another shape is taken as a companion. Larger: noise of the residues separates a companion from its mode. Test:
+/// Modal assurance criterion of the two shapes, minimum. A second mode of a smooth structure has
+/// less. Smaller: a close mode of another shape is taken as a companion. Larger: noise of the
+/// residues separates a companion from its mode. Test:
 /// `close_modes_of_a_linear_structure_are_no_companions`.
 const MIN_MAC: f64 = 0.9;
-/// Misfit of a mode above which a companion is tried: what its standard deviations begin to count. It saves trials alone: half and
-/// twice make no difference in 126 simulations.
+/// Misfit of a mode above which a companion is tried: what its standard deviations begin to count.
+/// It saves trials alone: half and twice make no difference in 126 simulations.
 const MIN_MISFIT: f64 = 2.0;
 
 impl Fit {
-    /// Tries a companion pole at each mode whose misfit exceeds [`MIN_MISFIT`], or near which such a pole was rejected; keeps
-    /// those that stay significant and remain companions. All modes stay.
+    /// Tries a companion pole at each mode whose misfit exceeds [`MIN_MISFIT`], or near which such
+    /// a pole was rejected; keeps those that stay significant and remain companions. All modes
+    /// stay.
     pub fn add_companions(&mut self) {
         self.mark_companions();
         let modes: Vec<&Root> = (self.roots.iter().zip(self.standings()))
@@ -198,7 +211,8 @@ fn distance(lambda: Complex64, of: Complex64) -> f64 {
     ((lambda.im - of.im) / lambda.re).abs()
 }
 
-/// Numbers of the companions among some roots, each with that of its mode. The second companion counts only together with the first.
+/// Numbers of the companions among some roots, each with that of its mode. The second companion
+/// counts only together with the first.
 fn companions(roots: &[Root]) -> Vec<(usize, usize)> {
     let pairs = (0..roots.len()).flat_map(|j| (0..roots.len()).map(move |i| (j, i)));
     let all: Vec<(usize, usize)> = pairs
@@ -249,7 +263,8 @@ mod tests {
     const DAMPING: f64 = 0.006;
     const RATE_HZ: f64 = 2048.0;
     const RECORD: usize = 4096;
-    /// Steps of the integration for each sample: 76 for each period, whose error is 1e-6 of the amplitude.
+    /// Steps of the integration for each sample: 76 for each period, whose error is 1e-6 of the
+    /// amplitude.
     const STEPS: usize = 16;
 
     /// A force on a unit mass by its displacement and velocity, beside those of a linear mode.
@@ -304,7 +319,8 @@ mod tests {
         modes_of(&receptance.collect::<Vec<_>>(), points)
     }
 
-    /// Modes of so many functions in the ratio of a shape, with noise of 1e-3 of their root mean square.
+    /// Modes of so many functions in the ratio of a shape, with noise of 1e-3 of their root mean
+    /// square.
     fn modes_of(receptance: &[Complex64], points: usize) -> ModalModel {
         let axis = AXIS;
         let power = receptance.iter().map(Complex64::norm_sqr).sum::<f64>() / axis.len as f64;
@@ -331,7 +347,8 @@ mod tests {
         identify(&set, &IdentifyOptions::default()).expect("modes of receptances")
     }
 
-    /// Errors of frequency and damping, as parts, of the only mode near the true one, which is reported as amplitude-dependent.
+    /// Errors of frequency and damping, as parts, of the only mode near the true one, which is
+    /// reported as amplitude-dependent.
     fn errors_of_one_mode(model: &ModalModel, damping: f64) -> [f64; 2] {
         let is_near = |hz: f64| (hz / HZ - 1.0).abs() < 0.05;
         let modes: Vec<_> = (model.modes.iter())
@@ -359,7 +376,8 @@ mod tests {
             let [of_frequency, of_damping] = errors_of_one_mode(&model, damping);
             // The frequency of large amplitudes is higher by 3/8 of `cubic`.
             assert!(of_frequency < 0.05 * 0.375 * cubic);
-            // What the poles beyond the second, (κ²/2 of the response, κ = 3 cubic/16ζ) do to damping.
+            // What the poles beyond the second, (κ²/2 of the response, κ = 3 cubic/16ζ) do to
+            // damping.
             let kappa = 3.0 * cubic / (16.0 * damping);
             assert!(of_damping < 0.005 + 0.25 * kappa * kappa, "{of_damping}");
         }

@@ -1,20 +1,25 @@
-//! How the noise of neighbouring lines hangs together, and what that does to what a root collects of it.
+//! How the noise of neighbouring lines hangs together, and what that does to what a root collects
+//! of it.
 //!
-//! Noise is white over the lines only where it is even over the record. A window on the responses, a force that is set to zero
-//! after the pulse, or zeros behind a record leave it in a part of the record, and the lines then share it: its course has bumps as
-//! wide as those of modes. With the correlation `ρ(m)` over `m` lines, a course `g` over the lines collects
-//! `gᴴRg/gᴴg = Σ_m ρ(m) A(m)` times the variance that white noise of the same level gives, with the autocorrelation A of g. For a
-//! root of decay rate σ and lines Δ apart, and with `s = 1 + imΔ/2σ`, `A = 1/s` for the amplitude, and
-//! `A = 1/s − 2/s² + 2/s³` for the pole, whose course is what is left of the derivative beside the root itself. In time these
-//! are `e^(−u)` and `(1 − u)² e^(−u)`, `u = 2σt`.
+//! Noise is white over the lines only where it is even over the record. A window on the responses,
+//! a force that is set to zero after the pulse, or zeros behind a record leave it in a part of the
+//! record, and the lines then share it: its course has bumps as wide as those of modes. With the
+//! correlation `ρ(m)` over `m` lines, a course `g` over the lines collects `gᴴRg/gᴴg = Σ_m ρ(m)
+//! A(m)` times the variance that white noise of the same level gives, with the autocorrelation A of
+//! g. For a root of decay rate σ and lines Δ apart, and with `s = 1 + imΔ/2σ`, `A = 1/s` for the
+//! amplitude, and `A = 1/s − 2/s² + 2/s³` for the pole, whose course is what is left of the
+//! derivative beside the root itself. In time these are `e^(−u)` and `(1 − u)² e^(−u)`, `u = 2σt`.
 //!
-//! The correlation is told from what a fit leaves over on those stretches of the band where that is no more than the noise; what a mode leaves that is missing hangs together as well. Only phases are used, so that a few large
-//! values count no more than others, and of the stretches the median. For circular Gaussian values of correlation ρ the mean product of
-//! phases is `(π/4) ρ ₂F₁(1/2, 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory, section 9.1).
+//! The correlation is told from what a fit leaves over on those stretches of the band where that is
+//! no more than the noise; what a mode leaves that is missing hangs together as well. Only phases
+//! are used, so that a few large values count no more than others, and of the stretches the median.
+//! For circular Gaussian values of correlation ρ the mean product of phases is `(π/4) ρ ₂F₁(1/2,
+//! 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory, section
+//! 9.1).
 //!
-//! Noise that begins at once with the record, as all noise under a window does, has `ic/m` for long lags. Each of these is too small to be
-//! told, but all together are up to half of what a mode collects that decays long before the noise does; c follows from the lags that
-//! are told.
+//! Noise that begins at once with the record, as all noise under a window does, has `ic/m` for long
+//! lags. Each of these is too small to be told, but all together are up to half of what a mode
+//! collects that decays long before the noise does; c follows from the lags that are told.
 
 use std::ops::Range;
 
@@ -47,17 +52,19 @@ const HALVINGS: usize = 50;
 
 /// Mean square of a second difference of unit noise that is little.
 const LITTLE: f64 = 3.0;
-/// Noise that each function has for itself: fewest quiet stretches, largest mean product of phases half-way to the longest lag and beyond, and
-/// how alike two functions are at most.
+/// Noise that each function has for itself: fewest quiet stretches, largest mean product of phases
+/// half-way to the longest lag and beyond, and how alike two functions are at most.
 const FEWEST_STRETCHES: usize = 8;
 const GONE: f64 = 0.3;
 const MOST_ALIKE: f64 = 0.4;
-/// The same in long stretches: noise of a window over 100 time constants has 0.24, what three of many modes leave 0.4 to 0.6.
+/// The same in long stretches: noise of a window over 100 time constants has 0.24, what three of
+/// many modes leave 0.4 to 0.6.
 const LITTLE_ALIKE: f64 = 0.32;
 
 /// Sizes of a correlation that tell how noise decays.
 const CLEAR: Range<f64> = 0.3..0.9;
-/// Least `Im ρ/|ρ|` of these, which is 0.4 to 1 where noise begins with the record, and 0 where it is even and was smoothed.
+/// Least `Im ρ/|ρ|` of these, which is 0.4 to 1 where noise begins with the record, and 0 where it
+/// is even and was smoothed.
 const LEAST_PHASE: f64 = 0.3;
 
 /// Longest lag of a series, as a part of it, and fewest pairs of values that tell one.
@@ -75,8 +82,8 @@ impl Correlation {
     /// Of noise that is white over the lines.
     pub const WHITE: Self = Self { lags: Vec::new() };
 
-    /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length is the spacing of the lines:
-    /// `ρ(m) = 1/(1 − imΔ/2a)`, as far as there are lines.
+    /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length
+    /// is the spacing of the lines: `ρ(m) = 1/(1 − imΔ/2a)`, as far as there are lines.
     pub fn of_window(added_damping_rad_s: f64, (step, lines): (f64, usize)) -> Self {
         // The window has to fall within the record for that.
         if added_damping_rad_s * std::f64::consts::TAU / step <= 1.0 {
@@ -99,8 +106,8 @@ impl Correlation {
         Some(Quiet::new(rest, STRETCHES)?.correlation())
     }
 
-    /// As [`Self::of_rest`], where it can be nothing but noise of which second differences hold little: every function has its own, and lines of
-    /// a stretch that are far apart share none.
+    /// As [`Self::of_rest`], where it can be nothing but noise of which second differences hold
+    /// little: every function has its own, and lines of a stretch that are far apart share none.
     pub fn of_own_noise(rest: &Rest) -> Option<Self> {
         let own_noise = |quiet: &Quiet| {
             let (enough, longest) = (quiet.stretches.len() >= FEWEST_STRETCHES, quiet.longest());
@@ -112,13 +119,14 @@ impl Correlation {
         Some(quiet.correlation()).filter(Self::differences_hold_little)
     }
 
-    /// Whether every function has a course of its own in what is left over, in long stretches, where noise that lines share far apart is
-    /// alike by chance no longer.
+    /// Whether every function has a course of its own in what is left over, in long stretches,
+    /// where noise that lines share far apart is alike by chance no longer.
     pub fn functions_differ(rest: &Rest) -> bool {
         Quiet::new(rest, FEWEST_STRETCHES).is_some_and(|quiet| quiet.alike() < LITTLE_ALIKE)
     }
 
-    /// Of the phases of some series of values, 0 where there is none. `None` where they are too few to tell.
+    /// Of the phases of some series of values, 0 where there is none. `None` where they are too few
+    /// to tell.
     pub fn of_phases(series: &[Vec<Complex64>]) -> Option<Self> {
         let lines = series.iter().map(Vec::len).max().unwrap_or(0);
         let mut lags = Vec::new();
@@ -144,7 +152,8 @@ impl Correlation {
         Some(Self { lags })
     }
 
-    /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the spacing of the lines, rad/s.
+    /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the
+    /// spacing of the lines, rad/s.
     pub fn of_amplitude(&self, decay: f64, step: f64) -> f64 {
         self.factor(decay, step, |s| s.inv())
     }
@@ -176,8 +185,9 @@ impl Correlation {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
     }
 
-    /// Decay rate a of noise that falls as `e^(−at)`, of `ρ = 1/(1 − imx)`, `x = Δ/2a`, 1/s, from its magnitude; `step` is Δ in rad/s. `None` where its
-    /// phase is far from that, as after smoothing over the lines.
+    /// Decay rate a of noise that falls as `e^(−at)`, of `ρ = 1/(1 − imx)`, `x = Δ/2a`, 1/s, from
+    /// its magnitude; `step` is Δ in rad/s. `None` where its phase is far from that, as after
+    /// smoothing over the lines.
     pub fn decay(&self, step: f64) -> Option<f64> {
         let own = self.lags.iter().enumerate();
         let own: Vec<(f64, Complex64)> = own
@@ -261,7 +271,8 @@ impl Quiet {
         let mut lags = Vec::new();
         for lag in 1..=self.longest() {
             let own = self.product(lag);
-            // What comes after the first that chance makes is chance, and a fit of many columns leaves a little of its own.
+            // What comes after the first that chance makes is chance, and a fit of many columns
+            // leaves a little of its own.
             let limit = limit.max(LEAST);
             if own.re.abs() < limit && own.im.abs() < limit {
                 break;
@@ -294,7 +305,8 @@ impl Quiet {
         )
     }
 
-    /// How alike the courses of neighbouring functions are: mean square of their mean product of phases over a stretch.
+    /// How alike the courses of neighbouring functions are: mean square of their mean product of
+    /// phases over a stretch.
     fn alike(&self) -> f64 {
         let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), stretch: &Range<usize>| {
             let product = stretch.clone().map(|k| a[k] * b[k].conj());
@@ -307,8 +319,9 @@ impl Quiet {
     }
 }
 
-/// `c` of the `ic/m` that noise which begins at once with the record has for lags too long to be told: each is next to nothing, all together
-/// are half of what a mode collects that decays long before the noise does. Mean of `m Im ρ` from some lag on.
+/// `c` of the `ic/m` that noise which begins at once with the record has for lags too long to be
+/// told: each is next to nothing, all together are half of what a mode collects that decays long
+/// before the noise does. Mean of `m Im ρ` from some lag on.
 fn beginning(lags: &[Complex64], from: usize) -> f64 {
     let told = lags.iter().enumerate().skip(from);
     let sum: f64 = told.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();

@@ -1,10 +1,11 @@
 //! Whether one root stands for two: what two close poles leave over beside one.
 //!
-//! Two poles `λ ± δ` with residues a and b are `(a + b)/(s − λ) + δ (a − b)/(s − λ)² + …`. A fit of one pole has the first term, and of
-//! the second what all functions have in common; the rest spreads thinly over the resonance, where its power is lost among that of
-//! all lines. Matched with the course of the second term it is not: the sum over the functions of `2 |⟨rest, d⟩|²`, d of norm 1
-//! and with nothing of what the roots around can explain, is a chi-squared of two degrees of freedom for each where there is but
-//! one pole.
+//! Two poles `λ ± δ` with residues a and b are `(a + b)/(s − λ) + δ (a − b)/(s − λ)² + …`. A fit of
+//! one pole has the first term, and of the second what all functions have in common; the rest
+//! spreads thinly over the resonance, where its power is lost among that of all lines. Matched with
+//! the course of the second term it is not: the sum over the functions of `2 |⟨rest, d⟩|²`, d of
+//! norm 1 and with nothing of what the roots around can explain, is a chi-squared of two degrees of
+//! freedom for each where there is but one pole.
 
 use num_complex::Complex64;
 
@@ -19,7 +20,8 @@ use super::significance::upper_quantile;
 use super::standing::{lines_around, misfit};
 use super::unexplained::strongest_inputs;
 
-/// Half-power widths on either side in which the second term is looked for: beyond them it has a hundredth of its energy.
+/// Half-power widths on either side in which the second term is looked for: beyond them it has a
+/// hundredth of its energy.
 const REACH: f64 = 3.0;
 /// Mean square of what is left over, above which it is no longer for this test to say what that is.
 const MOST_MISFIT: f64 = 4.0;
@@ -28,8 +30,8 @@ const OWN: f64 = 1e-3;
 /// Where the second root is tried: half-power widths from the first.
 const BESIDE: f64 = 0.25;
 
-/// Numbers of roots that stand for two, with the root to try beside each; the clearest first. Noise makes one with less than this
-/// probability anywhere.
+/// Numbers of roots that stand for two, with the root to try beside each; the clearest first. Noise
+/// makes one with less than this probability anywhere.
 pub(super) fn roots_to_double(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
@@ -63,7 +65,8 @@ pub(super) fn roots_to_double(
     found.into_iter().map(|(_, j, root)| (j, root)).collect()
 }
 
-/// What every function leaves over of the course of a double pole, over its noise; `None` where the roots around explain that course.
+/// What every function leaves over of the course of a double pole, over its noise; `None` where the
+/// roots around explain that course.
 fn second_terms(
     data: &Receptances,
     (roots, j): (&[Root], usize),
@@ -152,7 +155,8 @@ mod tests {
             let first = root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda);
             first * first
         };
-        // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole explains it.
+        // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole
+        // explains it.
         let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)

@@ -21,9 +21,10 @@ const LEANING: f64 = 2.0;
 impl Fit {
     /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
     ///
-    /// Where the model describes the data, suspects are told once, with all roots in: without one of them the others explain the data
-    /// less. Where it misses them in several places, everything is looked at again each time. Where phases scatter, part of the doubtful
-    /// go at a time, as those that are left explain more then, and what they leave over counts as noise.
+    /// Where the model describes the data, suspects are told once, with all roots in: without one
+    /// of them the others explain the data less. Where it misses them in several places, everything
+    /// is looked at again each time. Where phases scatter, part of the doubtful go at a time, as
+    /// those that are left explain more then, and what they leave over counts as noise.
     pub fn doubt(&mut self) {
         let doubts = self.doubts();
         let scrutiny = if phases_scatter(&self.roots, &self.standings()) {
@@ -83,7 +84,8 @@ impl Fit {
         }
     }
 
-    /// Drops roots whose poles are not known beside what the model misses: runs that were brought together leave over more than noise.
+    /// Drops roots whose poles are not known beside what the model misses: runs that were brought
+    /// together leave over more than noise.
     fn drop_unknown(&mut self) {
         let standings = self.standings();
         let part = |j: usize| {
@@ -103,8 +105,9 @@ impl Fit {
         self.settle(Stop::Coarse);
     }
 
-    /// Takes back, for good, single roots without which the model misses far more of the data than with them, away from others: two
-    /// roots in one resonance explain what one does not, whatever made it.
+    /// Takes back, for good, single roots without which the model misses far more of the data than
+    /// with them, away from others: two roots in one resonance explain what one does not, whatever
+    /// made it.
     fn restore(&mut self, tried: &[(Root, f64)]) {
         let described = self.data.far().beside(&self.data, &self.roots);
         let needed = |(root, before): &&(Root, f64)| {
@@ -137,8 +140,8 @@ impl Fit {
             .collect()
     }
 
-    /// Whether roots are doubtful in several places because the model misses the data, or many are no modes of the structure that the
-    /// strongest belong to.
+    /// Whether roots are doubtful in several places because the model misses the data, or many are
+    /// no modes of the structure that the strongest belong to.
     pub fn misses_data(&self, doubts: &[Option<Doubt>]) -> bool {
         let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
         misses.count() >= SEVERAL.max(self.roots.len() / 10)

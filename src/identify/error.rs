@@ -1,4 +1,5 @@
-//! Why an identification cannot start or finish. What the data merely says on the way is a finding, not an error.
+//! Why an identification cannot start or finish. What the data merely says on the way is a finding,
+//! not an error.
 
 use crate::dof::Dof;
 use crate::linalg::LinalgError;

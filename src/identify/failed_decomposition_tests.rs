@@ -1,4 +1,5 @@
-//! A decomposition that fails its check gives an error, or modes that are right; never a wrong number.
+//! A decomposition that fails its check gives an error, or modes that are right; never a wrong
+//! number.
 
 use super::synthetic::{Structure, separated_modes};
 use super::{IdentifyOptions, identify};
@@ -6,12 +7,14 @@ use crate::finding::{Code, Place};
 use crate::linalg::faults::with_failing;
 use crate::modal::{ModalModel, Pole};
 
-/// Largest error of a pole over its magnitude: noise at 50 dB leaves 1e-4, a first estimate that is not refined ten times as much.
+/// Largest error of a pole over its magnitude: noise at 50 dB leaves 1e-4, a first estimate that is
+/// not refined ten times as much.
 const POLE_ERROR: f64 = 2e-3;
 /// Number of calls, of all, that fail by themselves and with all that follow.
 const FAILING: usize = 24;
 
-/// Every number of every mode is one, and every pole that of a true mode, but for modes that a finding calls initial estimates.
+/// Every number of every mode is one, and every pole that of a true mode, but for modes that a
+/// finding calls initial estimates.
 fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
     let is_first_estimate = |hz: f64| {
         let is_at =

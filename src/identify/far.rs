@@ -13,13 +13,14 @@ use super::roots::Root;
 
 /// What lies outside the lines, told from all of them together: the background of the whole band.
 ///
-/// A window in the middle has constant and slope alone for what is outside; a strong mode beyond the end of a long band is curved
-/// there, and the whole band knows by how much.
+/// A window in the middle has constant and slope alone for what is outside; a strong mode beyond
+/// the end of a long band is curved there, and the whole band knows by how much.
 pub(super) struct Far {
     omega: Vec<f64>,
     line_shape: LineShape,
     level: Vec<f64>,
-    /// Columns of the background times their coordinates, and what gives the coordinates: lines × columns.
+    /// Columns of the background times their coordinates, and what gives the coordinates: lines ×
+    /// columns.
     columns: ComplexMatrix,
     weights: ComplexMatrix,
     /// Of the measured values: columns × functions.
@@ -132,7 +133,8 @@ impl Far {
         }
     }
 
-    /// Coordinates of what the roots leave over, over the noise, without constant and slope: columns × functions.
+    /// Coordinates of what the roots leave over, over the noise, without constant and slope:
+    /// columns × functions.
     fn beyond(&self, roots: &[Root]) -> ComplexMatrix {
         let rest = self.of_rest(roots);
         let columns = rest.nrows() - EVERYWHERE;
@@ -141,11 +143,13 @@ impl Far {
         })
     }
 
-    /// Courses over the lines of what the roots leave over beyond constant and slope, the strongest first: as many as leave no more
-    /// of the rest than noise, of which `alike` lines count for one, and so many at most.
+    /// Courses over the lines of what the roots leave over beyond constant and slope, the strongest
+    /// first: as many as leave no more of the rest than noise, of which `alike` lines count for
+    /// one, and so many at most.
     ///
-    /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance plus one dyad per course; what r
-    /// dyads leave has (columns − r)(functions − r) numbers (reduced rank: Anderson 1951, Annals of Mathematical Statistics 22).
+    /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance
+    /// plus one dyad per course; what r dyads leave has (columns − r)(functions − r) numbers
+    /// (reduced rank: Anderson 1951, Annals of Mathematical Statistics 22).
     pub fn strongest(&self, roots: &[Root], alike: f64, most: usize) -> Vec<Course> {
         let beyond = self.beyond(roots);
         let Ok(svd) = linalg::singular_vectors(&beyond) else {
@@ -174,8 +178,8 @@ impl Far {
         (0..count).map(course).collect()
     }
 
-    /// Energy beyond constant and slope that the background explains of what the roots leave over, over the noise, with the complex
-    /// numbers that it has.
+    /// Energy beyond constant and slope that the background explains of what the roots leave over,
+    /// over the noise, with the complex numbers that it has.
     pub fn explained(&self, roots: &[Root]) -> (f64, usize) {
         let beyond = self.beyond(roots);
         (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())

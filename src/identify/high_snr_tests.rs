@@ -1,4 +1,5 @@
-//! Little noise, light damping and modes beyond both ends of the data: what is left to the background must not pull the modes away.
+//! Little noise, light damping and modes beyond both ends of the data: what is left to the
+//! background must not pull the modes away.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,7 +8,8 @@ use super::synthetic::{Measurement, Structure};
 use super::{IdentifyOptions, identify};
 use crate::axis::{Band, FrequencyAxis};
 
-/// Six modes of 0.1 to 0.6 % between 55 and 480 Hz, one below and one above, at eight sensors with two references.
+/// Six modes of 0.1 to 0.6 % between 55 and 480 Hz, one below and one above, at eight sensors with
+/// two references.
 fn lightly_damped(seed: u64) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut hz = vec![

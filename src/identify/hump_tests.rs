@@ -8,8 +8,8 @@ use super::{IdentifyOptions, identify};
 
 #[test]
 fn the_hump_before_an_antiresonance_is_dropped_with_a_finding() {
-    // Residues of both signs: between 1300 and 2100 Hz the mobility passes a minimum, rises by less than half power, and falls
-    // into an antiresonance.
+    // Residues of both signs: between 1300 and 2100 Hz the mobility passes a minimum, rises by less
+    // than half power, and falls into an antiresonance.
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz: 2.441406,

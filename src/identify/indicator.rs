@@ -1,10 +1,12 @@
 //! The mode indicator: the power of all functions on one axis, in which peaks are searched.
 //!
-//! `S_k = Σ_f w_f ω_k² |R_fk|²`: a weighted sum of squared *mobilities*. A viscously damped mode is symmetric in
-//! mobility (its peak lies at the natural frequency, its half-power points at `ω_n(√(1+ζ²) ∓ ζ)`), and neither the
-//! stiffness line that dominates a receptance at low frequencies nor the mass line that dominates an accelerance at
-//! high ones hides a peak. The weight of a function is one over its noise variance (the median over the band) when the
-//! variances came with the data, else one over its own mean square, so that no function drowns the others.
+//! `S_k = Σ_f w_f ω_k² |R_fk|²`: a weighted sum of squared *mobilities*. A viscously damped mode is
+//! symmetric in mobility (its peak lies at the natural frequency, its half-power points at
+//! `ω_n(√(1+ζ²) ∓ ζ)`), and neither the stiffness line that dominates a receptance at low
+//! frequencies nor the mass line that dominates an accelerance at high ones hides a peak. The
+//! weight of a function is one over its noise variance (the median over the band) when the
+//! variances came with the data, else one over its own mean square, so that no function drowns the
+//! others.
 
 use super::receptance::Receptances;
 

@@ -1,6 +1,7 @@
 //! Mode indicator functions: where modes are, seen from the FRFs alone.
 //!
-//! With the receptances `R(ω)` as a matrix of responses × references (a pair that was not measured is 0):
+//! With the receptances `R(ω)` as a matrix of responses × references (a pair that was not measured
+//! is 0):
 //!
 //! | indicator | definition | at a mode |
 //! |---|---|---|
@@ -9,8 +10,9 @@
 //! | CMIF | singular values of `ω R`, descending, one per reference or response, whichever is fewer | the first peaks; several peak at a repeated root |
 //! | MvMIF | eigenvalues of `Re RᵀRe R` against `Re RᵀRe R + Im RᵀIm R`, ascending, one per reference | the first falls towards 0; several fall at a repeated root |
 //!
-//! References: Allemang and Brown (2006), A complete review of the complex mode indicator function (CMIF) with applications, ISMA;
-//! Williams, Crowley and Vold (1985), The multivariate mode indicator function in modal analysis, IMAC 3.
+//! References: Allemang and Brown (2006), A complete review of the complex mode indicator function
+//! (CMIF) with applications, ISMA; Williams, Crowley and Vold (1985), The multivariate mode
+//! indicator function in modal analysis, IMAC 3.
 
 use num_complex::Complex64;
 
@@ -22,8 +24,9 @@ use super::receptance::Receptances;
 use super::selection::{Chosen, chosen};
 use super::{IdentifyError, IdentifyOptions};
 
-/// Smallest diagonal entry of the triangle of a line, over its largest value, with which its references are independent:
-/// the root of the roundoff, below which the squares of the smaller singular values are rounding.
+/// Smallest diagonal entry of the triangle of a line, over its largest value, with which its
+/// references are independent: the root of the roundoff, below which the squares of the smaller
+/// singular values are rounding.
 const DEPENDENT: f64 = 1e-8;
 
 /// Mode indicator functions on the lines of a band.
@@ -37,15 +40,16 @@ pub struct Indicators {
     pub nmif: Vec<Option<f64>>,
     /// Complex mode indicator functions, m/(N s): the values of each line, descending.
     pub cmif: Vec<Vec<f64>>,
-    /// Multivariate mode indicator functions, 0 to 1: the values of each line, ascending; `None` where the references do not
-    /// differ enough.
+    /// Multivariate mode indicator functions, 0 to 1: the values of each line, ascending; `None`
+    /// where the references do not differ enough.
     pub mvmif: Vec<Option<Vec<f64>>>,
 }
 
 /// The mode indicator functions of a set, in the band and for the references of the options.
 ///
 /// # Errors
-/// [`IdentifyError`] when set, band and references do not go together, or singular values do not converge.
+/// [`IdentifyError`] when set, band and references do not go together, or singular values do not
+/// converge.
 pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators, IdentifyError> {
     let Chosen { set, band, .. } = chosen(set, options)?;
     let set = set.as_ref();
@@ -70,7 +74,8 @@ pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators,
     Ok(own)
 }
 
-/// Complex mode indicator functions at some lines of a set's axis, none of them at 0 Hz, as in [`Indicators::cmif`].
+/// Complex mode indicator functions at some lines of a set's axis, none of them at 0 Hz, as in
+/// [`Indicators::cmif`].
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
@@ -131,12 +136,14 @@ impl Matrix {
     }
 
     fn mvmif(&self, line: &[Complex64]) -> Option<Vec<f64>> {
-        // Scaled to the largest value, so that the square root of what is below stays above rounding.
+        // Scaled to the largest value, so that the square root of what is below stays above
+        // rounding.
         let largest = line.iter().map(|r| r.norm()).fold(0.0, f64::max);
         if largest <= 0.0 {
             return None;
         }
-        // [Re H; Im H] = Q R: the values are the squared singular values of the rows of Q that belong to Re H.
+        // [Re H; Im H] = Q R: the values are the squared singular values of the rows of Q that
+        // belong to Re H.
         let (rows, columns) = (self.responses.max(self.references), self.references);
         let mut stacked = linalg::complex_matrix(2 * rows, columns, |_, _| Complex64::ZERO);
         for (&(row, column), value) in self.places.iter().zip(line) {
@@ -235,8 +242,8 @@ mod tests {
         assert!(ratio(double) > 0.1 && ratio(single) < 0.05);
         let second = |k: usize| own.mvmif[k].as_ref().unwrap()[1];
         assert!(second(double) < 0.1 && second(single) > 0.5);
-        // A matrix of rank one, ψLᵀ, has the singular value |ψ||L|, and Σ|ψ|Σ|L| is its sum of magnitudes; the second value bounds
-        // what the other modes change of that.
+        // A matrix of rank one, ψLᵀ, has the singular value |ψ||L|, and Σ|ψ|Σ|L| is its sum of
+        // magnitudes; the second value bounds what the other modes change of that.
         let ratio = own.cmif[single][0] / own.sum_of_frfs[single];
         let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
         let expected = norm(&[0.8, -0.9, 0.6]) * norm(&[0.8, -0.9]) / (2.3 * 1.7);

@@ -1,15 +1,17 @@
-//! What noise does to the poles of a fit, as it is: hanging together over the lines, going with the response, shared by functions.
+//! What noise does to the poles of a fit, as it is: hanging together over the lines, going with the
+//! response, shared by functions.
 //!
-//! A fit weights its lines as if noise were white and every function's own, with a level for each function and a course `c_k` over the
-//! lines. To first order it moves a pole by
+//! A fit weights its lines as if noise were white and every function's own, with a level for each
+//! function and a course `c_k` over the lines. To first order it moves a pole by
 //!
 //! ```text
 //! δλ = Σ_f Σ_k conj(w_fk) ε_fk      w_fk = a_f g_k / (W l_f² c_k)      W = |g|² Σ_f |a_f|²/l_f²
 //! ```
 //!
-//! with the residues a, the levels l, and g what background and the poles around leave of `1/(iω − λ)²` over the course. Noise of the
-//! response has the variance `(1 − p) v` and is every function's own; that of the force, `p v`, is an error `e H`, which functions
-//! of one hit point share in part. Both hang together over the lines by `ρ(k − l)`, so that
+//! with the residues a, the levels l, and g what background and the poles around leave of `1/(iω −
+//! λ)²` over the course. Noise of the response has the variance `(1 − p) v` and is every function's
+//! own; that of the force, `p v`, is an error `e H`, which functions of one hit point share in
+//! part. Both hang together over the lines by `ρ(k − l)`, so that
 //!
 //! ```text
 //! E|Σ conj(u_k) n_k|² = Σ_t s_t |Σ_k u_k e^(2πikt/N)|²      s_t = Σ_m ρ(m) e^(2πimt/N) / N
@@ -34,8 +36,9 @@ use super::receptance::Receptances;
 use super::refine::window;
 use super::roots::Root;
 
-/// Half-power bandwidths on either side in which the common error of the functions is estimated from the residual, and fewest lines: within 2 the fit leaves too
-/// few values, beyond 5 other noise is more than that of the resonance.
+/// Half-power bandwidths on either side in which the common error of the functions is estimated
+/// from the residual, and fewest lines: within 2 the fit leaves too few values, beyond 5 other
+/// noise is more than that of the resonance.
 const ALONG_HALF_POWER_WIDTHS: f64 = 3.0;
 const MIN_ALONG_LINES: usize = 6;
 /// Complex values that the fit took of them: pole, residue, constant and slope.
@@ -64,11 +67,13 @@ impl Fit {
     }
 }
 
-/// Power of the residual along the residues of a root, over what functions with independent errors would leave there.
+/// Power of the residual along the residues of a root, over what functions with independent errors
+/// would leave there.
 ///
-/// Under steady random force leakage is an error of a mode's response to the force, which all functions hold in the ratio of their
-/// residues `a`: `E|Σ_f conj(a_f) r_f/l_f²|²` is then up to n times `Σ_f |a_f|² v_f/l_f⁴` of n functions, and so is the variance of the pole.
-/// The residual tells it on the lines of the resonance, less what the fit took of these.
+/// Under steady random force leakage is an error of a mode's response to the force, which all
+/// functions hold in the ratio of their residues `a`: `E|Σ_f conj(a_f) r_f/l_f²|²` is then up to n
+/// times `Σ_f |a_f|² v_f/l_f⁴` of n functions, and so is the variance of the pole. The residual
+/// tells it on the lines of the resonance, less what the fit took of these.
 fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
     let side = (ALONG_HALF_POWER_WIDTHS * root.width() / data.step).ceil() as usize;
     let (side, top) = (side.max(MIN_ALONG_LINES), data.line_of(root.lambda));
@@ -87,16 +92,16 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
         }
         along += sum.norm_sqr();
     }
-    // Independent complex values, and the degrees of freedom that the fit leaves of them; a deviation from few of these is that of a
-    // Student variable.
+    // Independent complex values, and the degrees of freedom that the fit leaves of them; a
+    // deviation from few of these is that of a Student variable.
     let values = lines.len() as f64 / data.correlation.alike();
     let freedom = (2.0 * (values - FITTED)).max(MIN_FREEDOM);
     let ratio = along / alone * (2.0 * values / freedom) * (freedom / (freedom - 2.0));
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
-/// Variance of a pole over that in noise as the fit weights it, at least `along` times that of functions with independent errors; `None`
-/// where its lines do not tell it from what is around.
+/// Variance of a pole over that in noise as the fit weights it, at least `along` times that of
+/// functions with independent errors; `None` where its lines do not tell it from what is around.
 fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
     let profile = Profile::new(data, lines.clone());
@@ -110,7 +115,8 @@ fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Op
     let over = |f: usize| profile.level[f] * profile.level[f];
     let weights = root.residues.iter().enumerate();
     let weights: f64 = weights.map(|(f, a)| a.norm_sqr() / over(f)).sum();
-    // Of the response and of the force where it is not shared, mean squares over the functions; along the response, by hit point.
+    // Of the response and of the force where it is not shared, mean squares over the functions;
+    // along the response, by hit point.
     let (mut own, mut single) = (vec![0.0; lines.len()], vec![0.0; lines.len()]);
     let mut alone = vec![0.0; lines.len()];
     let mut turn = vec![Complex64::ZERO; lines.len()];
@@ -173,8 +179,8 @@ pub(super) struct FitLines<'a> {
     pub background: Background<'a>,
 }
 
-/// Part of a pole's derivative, over the profile of the noise, that out-of-band terms and the poles around do not explain; `None` where
-/// there are too few lines.
+/// Part of a pole's derivative, over the profile of the noise, that out-of-band terms and the poles
+/// around do not explain; `None` where there are too few lines.
 pub(super) fn orthogonal_derivative(
     data: &Receptances,
     (roots, root): (&[Root], &Root),

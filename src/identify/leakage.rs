@@ -1,15 +1,18 @@
 //! Leakage under a window that no file states.
 //!
-//! Under steady random force with a Hann or flat top window the FRF of one mode has the line shape of a smoothed pole
-//! ([`LineShape`]), which raises the damping of a fit of poles, and which two poles within the main lobe imitate better
-//! than one. Where resonances are so narrow, poles are fitted under each of these windows as well. If the lines near the modes
-//! contradict both, there is no such leakage. If not, the bias of damping is reported for the window that describes them better, and
-//! each group of close poles is replaced by the poles under that window where they are fewer. Poles without line shape are then fitted
-//! from there: damping remains that of the FRFs as they are.
+//! Under steady random force with a Hann or flat top window the FRF of one mode has the line shape
+//! of a smoothed pole ([`LineShape`]), which raises the damping of a fit of poles, and which two
+//! poles within the main lobe imitate better than one. Where resonances are so narrow, poles are
+//! fitted under each of these windows as well. If the lines near the modes contradict both, there
+//! is no such leakage. If not, the bias of damping is reported for the window that describes them
+//! better, and each group of close poles is replaced by the poles under that window where they are
+//! fewer. Poles without line shape are then fitted from there: damping remains that of the FRFs as
+//! they are.
 //!
-//! Leakage without a window (rectangular) cannot be distinguished from none. On frequency lines a pole `1/s` becomes
-//! `1/s − (1 − e^(λT))/(Ts²)`, a pole of a larger decay rate to first order: with its line shape the squared residual of simulated
-//! bridges of 1 to 7 lines is 0.90 to 1.08 of that without it, and that of hammer tests with noise 0.96 and more.
+//! Leakage without a window (rectangular) cannot be distinguished from none. On frequency lines a
+//! pole `1/s` becomes `1/s − (1 − e^(λT))/(Ts²)`, a pole of a larger decay rate to first order:
+//! with its line shape the squared residual of simulated bridges of 1 to 7 lines is 0.90 to 1.08 of
+//! that without it, and that of hammer tests with noise 0.96 and more.
 
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
@@ -23,23 +26,28 @@ use super::receptance::LineShape;
 use super::refine::{Stop, unsettle};
 use super::roots::Root;
 
-/// Largest distance from a mode, frequency lines, of the lines on which line shapes are compared: the first side lobe of the Hann window.
+/// Largest distance from a mode, frequency lines, of the lines on which line shapes are compared:
+/// the first side lobe of the Hann window.
 const MAX_LINES_FROM_MODE: f64 = 3.0;
-/// Squared residual near the modes under a window over that without, above which the data do not have its line shape. Of 72
-/// simulated bridges with a Hann window and resonances of 1.7 lines or more it is 0.65 to 1.03 (up to 1.5 with 0.8 lines), of 30 with a
-/// flat top window 0.56 to 1.9; of 400 hammer tests with close modes of 0.4 to 4 lines, and noise up to 40 % of the response, 1.8 or
-/// more under a Hann window. Twice: of 132 hammer tests in noise 27 instead of 16 have a bias.
-/// Half: of 24 bridges 14 second poles remain instead of none. Tests: `random_force_under_an_unstated_window_makes_no_second_poles`,
-/// `close_modes_in_noise_stay_two`, `narrow_resonances_of_a_hammer_test_have_no_bias`.
+/// Squared residual near the modes under a window over that without, above which the data do not
+/// have its line shape. Of 72 simulated bridges with a Hann window and resonances of 1.7 lines or
+/// more it is 0.65 to 1.03 (up to 1.5 with 0.8 lines), of 30 with a flat top window 0.56 to 1.9; of
+/// 400 hammer tests with close modes of 0.4 to 4 lines, and noise up to 40 % of the response, 1.8
+/// or more under a Hann window. Twice: of 132 hammer tests in noise 27 instead of 16 have a bias.
+/// Half: of 24 bridges 14 second poles remain instead of none. Tests:
+/// `random_force_under_an_unstated_window_makes_no_second_poles`, `close_modes_in_noise_stay_two`,
+/// `narrow_resonances_of_a_hammer_test_have_no_bias`.
 const MAX_RESIDUAL_RATIO: f64 = 1.6;
-/// The same above which the data contradict leakage although close poles remain. Above it with the poles moved from where they are,
-/// they are not fitted anew: in 261 fits a new fit then never came below [`MAX_RESIDUAL_RATIO`]. Smaller: split poles, which fit the
-/// scatter of leakage as well, have no finding of their bias; larger: hammer tests are fitted twice in vain.
+/// The same above which the data contradict leakage although close poles remain. Above it with the
+/// poles moved from where they are, they are not fitted anew: in 261 fits a new fit then never came
+/// below [`MAX_RESIDUAL_RATIO`]. Smaller: split poles, which fit the scatter of leakage as well,
+/// have no finding of their bias; larger: hammer tests are fitted twice in vain.
 const MIN_CONTRADICTION: f64 = 3.0;
 
 impl Automatic {
-    /// Tests data without a stated window against the line shape of each window for steady signals, and leaves one pole for each mode
-    /// that leakage under the window that describes them best had split. Returns these modes.
+    /// Tests data without a stated window against the line shape of each window for steady signals,
+    /// and leaves one pole for each mode that leakage under the window that describes them best had
+    /// split. Returns these modes.
     ///
     /// # Errors
     /// Those of a fit under a window.
@@ -68,7 +76,8 @@ impl Automatic {
                 }));
                 continue;
             }
-            // Split poles may be caught where they are: under a window they are no local maximum of one pole each.
+            // Split poles may be caught where they are: under a window they are no local maximum of
+            // one pole each.
             if moved > MIN_CONTRADICTION {
                 continue;
             }
@@ -127,8 +136,8 @@ impl Fit {
             .is_some_and(|shape| is_narrow(self, shape))
     }
 
-    /// Replaces each group of close poles by the poles of a fit under a window, where these are fewer, and fits again without it.
-    /// All stays as it was where that loses another mode.
+    /// Replaces each group of close poles by the poles of a fit under a window, where these are
+    /// fewer, and fits again without it. All stays as it was where that loses another mode.
     fn merge_split_poles(&mut self, smoothed: &Self, shape: LineShape) -> Vec<SplitMode> {
         let groups = split_groups(self, smoothed, shape);
         if groups.is_empty() {

@@ -1,9 +1,10 @@
 //! The noise of functions as what a fit leaves over of them tells it.
 //!
-//! What is a function's own came with the data, or second differences tell it, or the level of what is left over. Noise of the force goes
-//! with |H|² (`v = a + b|H|²`, [`noise_course`](super::noise_course)), and between resonances it may be more than what is the function's
-//! own: there second differences tell both, and a missing mode puts little into them. Within resonances what is left over tells b alone,
-//! beside an `a` that is known.
+//! What is a function's own came with the data, or second differences tell it, or the level of what
+//! is left over. Noise of the force goes with |H|² (`v = a + b|H|²`,
+//! [`noise_course`](super::noise_course)), and between resonances it may be more than what is the
+//! function's own: there second differences tell both, and a missing mode puts little into them.
+//! Within resonances what is left over tells b alone, beside an `a` that is known.
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -11,21 +12,22 @@ use rayon::prelude::*;
 use super::noise::{Squares, raise_to_floor};
 use super::noise_course::{self, Estimated, Smooth};
 
-/// Times that what is a function's own is told beside the noise of the force, and its least part of what was told without: medians of
-/// some hundred lines tell no less.
+/// Times that what is a function's own is told beside the noise of the force, and its least part of
+/// what was told without: medians of some hundred lines tell no less.
 const BESIDE_FORCE: usize = 2;
 const LEAST_OWN: f64 = 0.1;
 /// Power over its median up to which a line is outside resonances.
 const OUTSIDE: f64 = 30.0;
-/// Mean square of the logarithm by which variances that a running median tells of white noise differ from it, 0.023 (simulated), with
-/// room for chance.
+/// Mean square of the logarithm by which variances that a running median tells of white noise
+/// differ from it, 0.023 (simulated), with room for chance.
 const MOST_SCATTER: f64 = 0.035;
 /// Lines whose sums stay in the nearest cache.
 const LINES_AT_ONCE: usize = 1024;
 
 /// A function of which a fit leaves something over.
 pub(super) struct LeftOver {
-    /// What is left over at every line, beside |H|² as measured and variances of the function's own.
+    /// What is left over at every line, beside |H|² as measured and variances of the function's
+    /// own.
     left: Estimated,
     /// What tells these variances, where they did not come with the data.
     told: Option<Squares>,
@@ -37,7 +39,8 @@ pub(super) struct LeftOver {
 pub(super) enum Source {
     /// Variances that came with the data.
     Stated(Vec<f64>),
-    /// Second differences of what a fit leaves over; with the mean square of those of unit noise, 6 for white noise.
+    /// Second differences of what a fit leaves over; with the mean square of those of unit noise, 6
+    /// for white noise.
     SecondDifferences(f64),
     /// The level of what a fit leaves over.
     Level,
@@ -77,7 +80,8 @@ impl LeftOver {
         new
     }
 
-    /// What its second differences tell of some lines, over its own variances as told before: what changes slowly is these.
+    /// What its second differences tell of some lines, over its own variances as told before: what
+    /// changes slowly is these.
     fn differences_at(&self, lines: &[usize]) -> Option<Estimated> {
         let (told, own) = (self.told.as_ref()?, self.left.own.as_ref()?);
         let mean = |k: &usize| std::f64::consts::LN_2 * told.values[*k] / own[*k];
@@ -131,10 +135,11 @@ impl LeftOver {
 
 /// Variances of functions of one hit point from what a fit leaves over of them.
 ///
-/// What is the function's own came with the data; else it is even over the lines, and second differences tell it, which what a missing
-/// mode leaves hardly moves, or the level where lines share so much noise that differences hold little of it. Noise of the force under
-/// a window is smooth over the lines; it goes with |H|², and what is left over in all resonances together tells it, better than the
-/// variances of a few hits do.
+/// What is the function's own came with the data; else it is even over the lines, and second
+/// differences tell it, which what a missing mode leaves hardly moves, or the level where lines
+/// share so much noise that differences hold little of it. Noise of the force under a window is
+/// smooth over the lines; it goes with |H|², and what is left over in all resonances together tells
+/// it, better than the variances of a few hits do.
 pub(super) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
     let mut by_power = Vec::new();
     for _ in 0..BESIDE_FORCE {
@@ -156,8 +161,8 @@ pub(super) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
     smooth
 }
 
-/// Part of |H|² that the force makes at every line, as second differences tell it outside resonances: a missing mode puts little into
-/// these, and much into those within its own.
+/// Part of |H|² that the force makes at every line, as second differences tell it outside
+/// resonances: a missing mode puts little into these, and much into those within its own.
 fn by_power_outside(functions: &[LeftOver]) -> Vec<f64> {
     let differences = functions
         .iter()
@@ -187,8 +192,9 @@ fn by_power_outside(functions: &[LeftOver]) -> Vec<f64> {
     (0..lines).map(|k| by_power[next(k)]).collect()
 }
 
-/// Functions whose variances differ from a common course by no more than such estimates scatter have that course, each with a level of
-/// its own: the scatter of each by itself would look like power that noise does not have where there are many.
+/// Functions whose variances differ from a common course by no more than such estimates scatter
+/// have that course, each with a level of its own: the scatter of each by itself would look like
+/// power that noise does not have where there are many.
 fn share_course(mut own: Vec<&mut Vec<f64>>) {
     let lines = own.first().map_or(0, |values| values.len());
     let levels: Vec<f64> = own
@@ -225,7 +231,8 @@ mod tests {
 
     #[test]
     fn what_is_left_over_tells_the_noise_of_the_force_beside_that_of_the_response() {
-        // Resonances 20 lines wide; an own variance of 1e-6, and 1 % of the response, even over 40 lines.
+        // Resonances 20 lines wide; an own variance of 1e-6, and 1 % of the response, even over 40
+        // lines.
         let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
         let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
@@ -245,7 +252,8 @@ mod tests {
         let told = of_rest(functions);
         let between: f64 = told.iter().map(|own| own.variance[500]).sum::<f64>() / 6.0;
         assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
-        // Half a dozen independent errors within each of eight resonances: their mean square to a sixth.
+        // Half a dozen independent errors within each of eight resonances: their mean square to a
+        // sixth.
         let tops = (0..8).map(|n| told[0].variance[250 + 500 * n]);
         let top = tops.sum::<f64>() / 8.0;
         assert!((top / 1.01e-4 - 1.0).abs() < 0.5, "{top}");
@@ -298,8 +306,9 @@ mod tests {
 
     #[test]
     fn noise_of_the_force_outside_resonances_is_no_noise_of_the_responses() {
-        // 1 % of the response, far more than its own noise between resonances of ten lines; antiresonances where the functions' signs put
-        // them. The ninth function holds hardly anything but noise.
+        // 1 % of the response, far more than its own noise between resonances of ten lines;
+        // antiresonances where the functions' signs put them. The ninth function holds hardly
+        // anything but noise.
         let resonance = |k: usize, at: f64| 5.0 / Complex64::new(5.0, k as f64 - at);
         let sign = |f: usize, n: usize| if (f >> (n % 3)) & 1 == 0 { 1.0 } else { -1.0 };
         let value = |f: usize, k: usize| -> Complex64 {

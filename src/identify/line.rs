@@ -1,21 +1,24 @@
-//! Line fit: the inverse of a difference of receptances is a straight line in frequency, and its slope is another.
+//! Line fit: the inverse of a difference of receptances is a straight line in frequency, and its
+//! slope is another.
 //!
-//! Around one pole `λ` the isolated receptance is `P(ω) = A/(iω − λ) + c`. The constant falls out of a difference from a fixed
-//! frequency Ω, and
+//! Around one pole `λ` the isolated receptance is `P(ω) = A/(iω − λ) + c`. The constant falls out
+//! of a difference from a fixed frequency Ω, and
 //!
 //! `Δ(ω, Ω) = i(ω − Ω)/(P(ω) − P(Ω)) = −(iΩ − λ)(iω − λ)/A`
 //!
-//! is a straight line over ω for each Ω, with the slope `t(Ω) = (Ω + iλ)/A`, which is a straight line over Ω: its slope is `1/A` and
-//! its root `Ω = −iλ`. Both lines are fitted by weighted least squares with complex coefficients. Dobson (1987) writes this for hysteretic
-//! damping with real and imaginary parts apart; with the conjugate pole subtracted before, viscous damping needs no more.
+//! is a straight line over ω for each Ω, with the slope `t(Ω) = (Ω + iλ)/A`, which is a straight
+//! line over Ω: its slope is `1/A` and its root `Ω = −iλ`. Both lines are fitted by weighted least
+//! squares with complex coefficients. Dobson (1987) writes this for hysteretic damping with real
+//! and imaginary parts apart; with the conjugate pole subtracted before, viscous damping needs no
+//! more.
 //!
-//! Noise of variance v on P puts `|ω − Ω|² · 2v/|P(ω) − P(Ω)|⁴` on Δ: the weights. They leave out, in effect, lines far
-//! from the resonance and differences between points that lie together on the circle, the short arcs on which the method breaks down.
-//! Functions are averaged with the weight power over variance; how far their second lines are from straight is the
-//! figure of merit.
+//! Noise of variance v on P puts `|ω − Ω|² · 2v/|P(ω) − P(Ω)|⁴` on Δ: the weights. They leave out,
+//! in effect, lines far from the resonance and differences between points that lie together on the
+//! circle, the short arcs on which the method breaks down. Functions are averaged with the weight
+//! power over variance; how far their second lines are from straight is the figure of merit.
 //!
-//! Reference: Dobson (1987), A straight-line technique for extracting modal properties from frequency response data, MSSP 1(1); Ewins
-//! (2000), Modal Testing, 2nd ed., chapter 4.
+//! Reference: Dobson (1987), A straight-line technique for extracting modal properties from
+//! frequency response data, MSSP 1(1); Ewins (2000), Modal Testing, 2nd ed., chapter 4.
 
 use num_complex::Complex64;
 
@@ -36,7 +39,8 @@ struct Line {
     left_over: f64,
 }
 
-/// Weighted least squares of a straight line; `None` for fewer than three points or all at one place.
+/// Weighted least squares of a straight line; `None` for fewer than three points or all at one
+/// place.
 fn straight_line(points: &[(f64, Complex64, f64)]) -> Option<Line> {
     let weights: f64 = points.iter().map(|p| p.2).sum();
     let mean_x = points.iter().map(|p| p.2 * p.0).sum::<f64>() / weights;
@@ -147,7 +151,8 @@ mod tests {
 
     #[test]
     fn noise_moves_the_pole_by_its_stated_deviation() {
-        // A hundredth of the diameter at 19 lines: the deviation is a few thousandths of the decay rate.
+        // A hundredth of the diameter at 19 lines: the deviation is a few thousandths of the decay
+        // rate.
         let omega: Vec<f64> = (-9..=9).map(|k| 100.2 + 0.15 * f64::from(k)).collect();
         let (mut of_decay, mut of_frequency) = (Vec::new(), Vec::new());
         for draw in 0..400 {
@@ -157,8 +162,9 @@ mod tests {
             of_decay.push(error.re.abs() / fit.decay_std_rad_s.unwrap());
             of_frequency.push(error.im.abs() / fit.omega_std_rad_s.unwrap());
         }
-        // The scatter of six functions leaves five degrees of freedom: the median magnitude of Student's t is 0.727, and its deviation
-        // among 400 is 1/(2 · 0.56 · 20) = 0.045, of which three and a half are allowed.
+        // The scatter of six functions leaves five degrees of freedom: the median magnitude of
+        // Student's t is 0.727, and its deviation among 400 is 1/(2 · 0.56 · 20) = 0.045, of which
+        // three and a half are allowed.
         for mut own in [of_decay, of_frequency] {
             own.sort_by(f64::total_cmp);
             assert!((0.57..0.88).contains(&own[200]), "{}", own[200]);

@@ -1,6 +1,8 @@
-//! The linear problem of a block at some poles: shapes, what they leave over, and what the poles would change of it.
+//! The linear problem of a block at some poles: shapes, what they leave over, and what the poles
+//! would change of it.
 //!
-//! Outputs that are measured from the same inputs with the same ratio of noise share one matrix, and one QR.
+//! Outputs that are measured from the same inputs with the same ratio of noise share one matrix,
+//! and one QR.
 
 use num_complex::Complex64;
 
@@ -26,13 +28,15 @@ pub(super) struct Compressed {
     pub z: ComplexMatrix,
     /// Columns × members.
     pub g: ComplexMatrix,
-    /// The same with their derivatives beside them, columns × twice the members; 0 for poles that stay.
+    /// The same with their derivatives beside them, columns × twice the members; 0 for poles that
+    /// stay.
     pub courses: ComplexMatrix,
     /// Products of these with each other.
     pub squares: ComplexMatrix,
 }
 
-/// A derivative of the model: a course over the window with a factor for each input, which the shapes of one column multiply.
+/// A derivative of the model: a course over the window with a factor for each input, which the
+/// shapes of one column multiply.
 struct Term {
     /// Of the unknown.
     number: usize,
@@ -261,10 +265,12 @@ impl Problem<'_> {
         terms
     }
 
-    /// What the derivatives say beside the columns of the shapes: `(1 − QQᴴ) D`, D = `factor × course` input by input; returns `QᴴD`.
+    /// What the derivatives say beside the columns of the shapes: `(1 − QQᴴ) D`, D = `factor ×
+    /// course` input by input; returns `QᴴD`.
     ///
-    /// Its squares are those of D without those of QᴴD, each formed from the courses alone, of which there are far fewer than
-    /// derivatives. A difference of squares keeps 1e-16 of D: poles whose derivatives have less of their own are not told apart anyway.
+    /// Its squares are those of D without those of QᴴD, each formed from the courses alone, of
+    /// which there are far fewer than derivatives. A difference of squares keeps 1e-16 of D: poles
+    /// whose derivatives have less of their own are not told apart anyway.
     fn add_information(
         &self,
         sums: &mut Linearised,
@@ -338,7 +344,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Residues, and their variances from those of the shapes, `R⁻¹R⁻ᴴ` in units of the output's noise.
+    /// Residues, and their variances from those of the shapes, `R⁻¹R⁻ᴴ` in units of the output's
+    /// noise.
     fn set_residues(
         &self,
         sums: &mut Linearised,

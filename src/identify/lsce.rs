@@ -1,26 +1,33 @@
-//! Least-squares complex exponentials: poles of impulse responses, for several references the polyreference time domain method.
+//! Least-squares complex exponentials: poles of impulse responses, for several references the
+//! polyreference time domain method.
 //!
-//! The inverse transform of the lines of a band is a complex impulse response that runs at the width of the band:
-//! `h_m = Σ_k W_k H_k e^{i2πkm/N}`, in which a pole is `z^m` with `z = e^{(λ − iω_0)T}`, `T = 2π/(N Δω)`. The samples of all
-//! outputs obey one recurrence `Σ_j h_{m+j} A_j = 0` with square matrices `A_j` of the number of inputs; with the *lowest* coefficient
-//! fixed it runs backwards in time, and the poles of noise come out unstable. The normal equations are sums of products of shifted
-//! responses, each entry from the one before on its diagonal; those of lower orders are leading blocks, as in
-//! [`plscf`](super::plscf), which solves both.
+//! The inverse transform of the lines of a band is a complex impulse response that runs at the
+//! width of the band: `h_m = Σ_k W_k H_k e^{i2πkm/N}`, in which a pole is `z^m` with `z = e^{(λ −
+//! iω_0)T}`, `T = 2π/(N Δω)`. The samples of all outputs obey one recurrence `Σ_j h_{m+j} A_j = 0`
+//! with square matrices `A_j` of the number of inputs; with the *lowest* coefficient fixed it runs
+//! backwards in time, and the poles of noise come out unstable. The normal equations are sums of
+//! products of shifted responses, each entry from the one before on its diagonal; those of lower
+//! orders are leading blocks, as in [`plscf`](super::plscf), which solves both.
 //!
-//! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`, the shift undone before a natural
-//! frequency is formed. A band that is cut off sharply would ring in its impulse responses; its edges fall off as squared cosines
-//! `W` over [`TAPER`] of the lines, and the first samples, which the edges and all that is smooth over the band make, are left
-//! out. What is left is exponentials, but for what of the edges rings on: this bounds the method where there is no noise, and modes
-//! that decay within these samples are not seen. Within the edges modes are weakened, and those of their outer third are not told.
+//! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`,
+//! the shift undone before a natural frequency is formed. A band that is cut off sharply would ring
+//! in its impulse responses; its edges fall off as squared cosines `W` over [`TAPER`] of the lines,
+//! and the first samples, which the edges and all that is smooth over the band make, are left out.
+//! What is left is exponentials, but for what of the edges rings on: this bounds the method where
+//! there is no noise, and modes that decay within these samples are not seen. Within the edges
+//! modes are weakened, and those of their outer third are not told.
 //!
-//! *Length.* Samples are used until the responses are down to their noise, as it stands before the time zero.
+//! *Length.* Samples are used until the responses are down to their noise, as it stands before the
+//! time zero.
 //!
-//! *Limits.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not consistent.
-//! Fewer than 65 lines leave too few samples behind the first ones, and have no poles.
+//! *Limits.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost.
+//! The estimate is not consistent. Fewer than 65 lines leave too few samples behind the first ones,
+//! and have no poles.
 //!
-//! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for modal analysis, SAE 790221; Vold,
-//! Kundrat, Rocklin and Russell (1982), A multi-input modal estimation algorithm for mini-computers, SAE 820194; Kumaresan and Tufts
-//! (1982), IEEE Trans. ASSP 30(6), for the direction of time.
+//! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for
+//! modal analysis, SAE 790221; Vold, Kundrat, Rocklin and Russell (1982), A multi-input modal
+//! estimation algorithm for mini-computers, SAE 820194; Kumaresan and Tufts (1982), IEEE Trans.
+//! ASSP 30(6), for the direction of time.
 
 use std::ops::Range;
 
@@ -40,8 +47,8 @@ use super::stabilization::{MultiModeMethod, Part};
 
 /// Share of the lines over which each edge of the band falls off.
 const TAPER: f64 = 0.1;
-/// Samples that are left out, in inverse widths of an edge: a squared cosine has fallen to 1e-3 of its first sample there, beside
-/// responses that are higher by their number of lines.
+/// Samples that are left out, in inverse widths of an edge: a squared cosine has fallen to 1e-3 of
+/// its first sample there, beside responses that are higher by their number of lines.
 const RINGING: f64 = 2.5;
 /// Samples that must be left, in orders.
 const FEWEST_SAMPLES: usize = 3;
@@ -181,8 +188,8 @@ impl Responses {
         down.unwrap_or(most).clamp(least, most).min(points - order)
     }
 
-    /// `Σ_m h̄_{p,m+i} h_{q,m+j}` of one output, inputs p and q innermost: each entry is the one before on its diagonal, without its
-    /// first and with one more product.
+    /// `Σ_m h̄_{p,m+i} h_{q,m+j}` of one output, inputs p and q innermost: each entry is the one
+    /// before on its diagonal, without its first and with one more product.
     fn products(
         &self,
         output: &[(usize, usize)],
@@ -212,8 +219,9 @@ impl Responses {
     }
 }
 
-/// What each function is divided by: one level for all inputs of an output, the root of their mean precision's inverse. A level for
-/// each function would change the participation factors from output to output, which share one recurrence.
+/// What each function is divided by: one level for all inputs of an output, the root of their mean
+/// precision's inverse. A level for each function would change the participation factors from
+/// output to output, which share one recurrence.
 fn levels((data, sides): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
     let mut levels = vec![1.0; data.functions()];
     for output in &sides.outputs {

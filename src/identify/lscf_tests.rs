@@ -1,4 +1,5 @@
-//! The polyreference LSCF as a method of its own, and what all methods with model orders have in common.
+//! The polyreference LSCF as a method of its own, and what all methods with model orders have in
+//! common.
 
 use std::collections::BTreeSet;
 
@@ -87,7 +88,8 @@ fn without_noise_the_poles_come_back_at_five_and_more_orders_per_mode() {
 
 #[test]
 fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() {
-    // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a method may have twice that.
+    // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a
+    // method may have twice that.
     for (snr_db, limit) in [(60.0, 3e-3), (40.0, 6e-3), (30.0, 2e-2)] {
         let mut squares = Vec::new();
         for seed in 0..16 {
@@ -106,8 +108,8 @@ fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() 
                 squares.push(off * off);
             }
         }
-        // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a deviation of 0.1 about 0.674, of which
-        // three are allowed.
+        // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a
+        // deviation of 0.1 about 0.674, of which three are allowed.
         squares.sort_by(f64::total_cmp);
         let median = squares[squares.len() / 2];
         assert!((0.14..0.95).contains(&median), "{snr_db} {median}");
@@ -261,7 +263,8 @@ fn with_several_references_functions_are_asked_one_by_one_where_the_first_look_l
 
 #[test]
 fn windows_with_as_many_peaks_as_the_order_have_three_tables_all_the_same() {
-    // Six half-power widths apart: each window of rational fraction polynomials holds all four peaks.
+    // Six half-power widths apart: each window of rational fraction polynomials holds all four
+    // peaks.
     let shapes = [
         [1.0, 0.5, -0.7],
         [0.8, -0.9, 0.6],

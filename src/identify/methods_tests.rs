@@ -1,4 +1,5 @@
-//! What every method of several modes owes: poles without noise, poles in noise, bands that do not begin at 0 Hz.
+//! What every method of several modes owes: poles without noise, poles in noise, bands that do not
+//! begin at 0 Hz.
 
 use num_complex::Complex64;
 
@@ -43,7 +44,8 @@ fn pairs<'a>(structure: &'a Structure, model: &'a ModalModel) -> Vec<(&'a Truth,
 
 #[test]
 fn without_noise_the_poles_come_back_within_the_bound_of_the_method() {
-    // In the s domain to 1e-8. The edges of the band ring on in impulse responses: 1e-5, and no more than the stated deviation allows.
+    // In the s domain to 1e-8. The edges of the band ring on in impulse responses: 1e-5, and no
+    // more than the stated deviation allows.
     for (method, limit) in [("rfp", 1e-8), ("line", 1e-8), ("ml", 1e-8), ("lsce", 1e-5)] {
         for seed in 0..6 {
             let (structure, how) = separated_modes(seed);
@@ -83,8 +85,9 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
                     squares.push(off * off);
                 }
             }
-            // 0.455 is the median of a squared normal deviate; that of the magnitude of 30 has a deviation of 0.144 about 0.674, of which
-            // three are allowed above, and two and a half below.
+            // 0.455 is the median of a squared normal deviate; that of the magnitude of 30 has a
+            // deviation of 0.144 about 0.674, of which three are allowed above, and two and a half
+            // below.
             squares.sort_by(f64::total_cmp);
             let median = squares[squares.len() / 2];
             assert!((0.1..1.23).contains(&median), "{method} {snr_db} {median}");
@@ -94,7 +97,8 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
 
 #[test]
 fn a_band_that_begins_above_zero_shifts_nothing() {
-    // Scaling of lines by their number instead of their frequency puts these 8 % off; adding the shift to a natural frequency 2 %.
+    // Scaling of lines by their number instead of their frequency puts these 8 % off; adding the
+    // shift to a natural frequency 2 %.
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz: 0.25,
@@ -128,8 +132,9 @@ fn a_band_that_begins_above_zero_shifts_nothing() {
 
 #[test]
 fn no_method_fails_on_a_band_of_few_lines() {
-    // Eight lines are the fewest that are accepted; the whole axis is the band, so that nothing beside it helps. The impulse responses
-    // of fewer than 65 lines are too short for lsce, which then has no poles.
+    // Eight lines are the fewest that are accepted; the whole axis is the band, so that nothing
+    // beside it helps. The impulse responses of fewer than 65 lines are too short for lsce, which
+    // then has no poles.
     for lines in [8, 12, 24, 64, 65] {
         let axis = FrequencyAxis {
             start_hz: 55.0,
@@ -161,8 +166,8 @@ fn no_method_fails_on_a_band_of_few_lines() {
     }
 }
 
-/// Squares of the errors of shape components over their deviations, but for the factor that all have in common, and how many of mean 1
-/// these are.
+/// Squares of the errors of shape components over their deviations, but for the factor that all
+/// have in common, and how many of mean 1 these are.
 fn shape_errors(structure: &Structure, model: &ModalModel) -> (f64, f64) {
     let (mut sum, mut numbers) = (0.0, 0.0);
     for ((_, _, shape), mode) in pairs(structure, model) {
@@ -203,7 +208,8 @@ fn deviations_of_shapes_are_those_of_their_errors() {
     hold_shape_errors((0..20).map(separated_modes));
 }
 
-/// Two modes a little more than the sum of their widths apart, hit at two points through noise whose ratio differs from sensor to sensor.
+/// Two modes a little more than the sum of their widths apart, hit at two points through noise
+/// whose ratio differs from sensor to sensor.
 #[test]
 fn deviations_of_shapes_reckon_with_errors_of_poles_and_participation() {
     let pair = Pair {

@@ -1,8 +1,10 @@
-//! Modes near which the residual exceeds the noise so far that their enlarged standard deviations matter.
+//! Modes near which the residual exceeds the noise so far that their enlarged standard deviations
+//! matter.
 //!
-//! Where the reduced chi-square near a mode exceeds its limit, all its standard deviations are enlarged by the root of it
-//! ([`Standing::inflation`]). On measured FRFs of little noise that is so at nearly every mode and changes nothing that anybody
-//! does with them. A finding is made of those alone whose damping, frequency or shape becomes uncertain by it.
+//! Where the reduced chi-square near a mode exceeds its limit, all its standard deviations are
+//! enlarged by the root of it ([`Standing::inflation`]). On measured FRFs of little noise that is
+//! so at nearly every mode and changes nothing that anybody does with them. A finding is made of
+//! those alone whose damping, frequency or shape becomes uncertain by it.
 
 use crate::finding::{Code, Finding, Place, Severity};
 
@@ -10,17 +12,20 @@ use super::reasons::Evidence;
 use super::roots::Root;
 use super::standing::{MOST_MISFIT, Standing, misfit_by_function, own_lines};
 
-/// Residual beyond the noise over the response, both root mean square near the pole, above which a misfit matters: what is
-/// not described moves the frequency by about as much of the half-power bandwidth. Larger: hardening that moves a frequency by
-/// a fifth of its bandwidth and a damping by 39 % may not be reported. Smaller: hardening with 0.021 is reported, whose
-/// frequencies are right to a thirtieth of the bandwidth (`hardening_is_reported_where_it_changes_the_modes`).
+/// Residual beyond the noise over the response, both root mean square near the pole, above which a
+/// misfit matters: what is not described moves the frequency by about as much of the half-power
+/// bandwidth. Larger: hardening that moves a frequency by a fifth of its bandwidth and a damping by
+/// 39 % may not be reported. Smaller: hardening with 0.021 is reported, whose frequencies are right
+/// to a thirtieth of the bandwidth (`hardening_is_reported_where_it_changes_the_modes`).
 const MAX_RESIDUAL_RATIO: f64 = 0.04;
-/// Enlarged standard deviation of the damping over the damping above which a misfit matters; that of the frequency is then a
-/// twentieth of the half-power bandwidth. Larger: the plate of one recorded function with 14 % is not reported. Smaller:
-/// recorded hits with 3 to 5 %, which agree over three hit points, are.
+/// Enlarged standard deviation of the damping over the damping above which a misfit matters; that
+/// of the frequency is then a twentieth of the half-power bandwidth. Larger: the plate of one
+/// recorded function with 14 % is not reported. Smaller: recorded hits with 3 to 5 %, which agree
+/// over three hit points, are.
 const MAX_DAMPING_STD_RATIO: f64 = 0.1;
-/// Expected 1 − MAC of a shape with its true one above which a misfit matters: a MAC of 0.99 counts as the same shape.
-/// Larger: the recorded beam's modes with 0.016 and 0.029 are not reported. Smaller: shapes with 0.001 are.
+/// Expected 1 − MAC of a shape with its true one above which a misfit matters: a MAC of 0.99 counts
+/// as the same shape. Larger: the recorded beam's modes with 0.016 and 0.029 are not reported.
+/// Smaller: shapes with 0.001 are.
 const MAX_SHAPE_MAC_LOSS: f64 = 0.01;
 /// FRFs that are listed, and modes.
 const LISTED_FUNCTIONS: usize = 3;
@@ -34,7 +39,8 @@ struct Consequence<'a> {
     residual: f64,
     /// Enlarged standard deviation of the damping over the damping.
     damping: f64,
-    /// Expected 1 − MAC by the enlarged standard deviations of the residues; `None` for a repeated pole.
+    /// Expected 1 − MAC by the enlarged standard deviations of the residues; `None` for a repeated
+    /// pole.
     shape: Option<f64>,
 }
 
@@ -44,7 +50,8 @@ impl Consequence<'_> {
         self.residual > MAX_RESIDUAL_RATIO || self.damping > MAX_DAMPING_STD_RATIO || shape
     }
 
-    /// Residual, factor of the standard deviations, and those of frequency (over the half-power bandwidth), damping and shape.
+    /// Residual, factor of the standard deviations, and those of frequency (over the half-power
+    /// bandwidth), damping and shape.
     fn figures(&self) -> String {
         let factor = self.standing.inflation();
         let (frequency, damping) = (0.5 * self.damping, 100.0 * self.damping);
@@ -110,8 +117,8 @@ impl Evidence<'_> {
         (0..functions).map(of).sum::<f64>() / (lines.len() * functions) as f64
     }
 
-    /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their residual over noise, those of the
-    /// worst mode.
+    /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
+    /// residual over noise, those of the worst mode.
     fn detail_of(&self, all: &[Consequence]) -> String {
         let hz = |own: &Consequence| match self.place(own.root.lambda) {
             Place::Mode(hz) => format!("{hz:.2} Hz: {}", own.figures()),

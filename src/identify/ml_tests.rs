@@ -1,4 +1,5 @@
-//! The maximum likelihood method against known truth: exact without noise, at its bound with it, and silent without modes.
+//! The maximum likelihood method against known truth: exact without noise, at its bound with it,
+//! and silent without modes.
 
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -188,7 +189,8 @@ fn bands_of_a_few_lines_have_an_answer() {
     }
 }
 
-/// The functions of a set with noise that lines within `reach` share, 60 dB below each function, and its variance.
+/// The functions of a set with noise that lines within `reach` share, 60 dB below each function,
+/// and its variance.
 fn with_shared_noise(set: &FrfSet, (reach, seed): (usize, u64)) -> FrfSet {
     let lines = set.axis().len;
     let mut noisy = FrfSet::new(*set.axis());
@@ -226,7 +228,8 @@ fn noise_that_lines_share_makes_no_modes() {
     }
 }
 
-/// The functions of a set without variances, and with noise 40 dB below each that a window left of white noise.
+/// The functions of a set without variances, and with noise 40 dB below each that a window left of
+/// white noise.
 fn with_windowed_noise(set: &FrfSet, (at_end, seed): (f64, u64)) -> FrfSet {
     let lines = set.axis().len;
     let power = |of: &[Complex64]| of.iter().map(Complex64::norm_sqr).sum::<f64>();
@@ -277,8 +280,9 @@ fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
     }
 }
 
-/// The functions of a set without variances, each value off by a share that goes smoothly over the lines, much the same in all
-/// functions: echoes within a sixtieth of the record, as a joint or a filter leaves them.
+/// The functions of a set without variances, each value off by a share that goes smoothly over the
+/// lines, much the same in all functions: echoes within a sixtieth of the record, as a joint or a
+/// filter leaves them.
 fn with_echoes(set: &FrfSet, (share, seed): (f64, u64)) -> FrfSet {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (axis, echoes) = (*set.axis(), 40);
@@ -348,7 +352,8 @@ fn what_no_few_modes_describe_makes_no_modes() {
     }
 }
 
-/// How the force of three hits errs: a share of every value, alike for all functions or for each by itself, over so many lines together.
+/// How the force of three hits errs: a share of every value, alike for all functions or for each by
+/// itself, over so many lines together.
 #[derive(Clone, Copy)]
 struct ForceNoise {
     share: f64,
@@ -356,8 +361,8 @@ struct ForceNoise {
     lines: usize,
 }
 
-/// The functions of a set with noise of the response, 80 dB below each function, and of the force; with variances as three hits tell
-/// them.
+/// The functions of a set with noise of the response, 80 dB below each function, and of the force;
+/// with variances as three hits tell them.
 fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     const DEGREES_OF_FREEDOM: f64 = 4.0;
     const EVEN: f64 = 1e-4;
@@ -395,7 +400,8 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     noisy
 }
 
-/// Mean square of the errors of frequency and damping over the stated deviations; no mode more or less, and no word of a misfit.
+/// Mean square of the errors of frequency and damping over the stated deviations; no mode more or
+/// less, and no word of a misfit.
 fn errors_over_stated(force: ForceNoise) -> f64 {
     let (mut squares, mut count) = (0.0, 0.0);
     for seed in 0..30 {
@@ -435,8 +441,9 @@ fn noise_of_the_force_that_all_functions_share_makes_no_modes() {
         shared: true,
         lines,
     };
-    // As if it were each function's own, these would be 5 to 12, the number of functions, or more. Under a window that the data do not
-    // state the fit takes much of the force's error in, and what is left over hangs together less than it did.
+    // As if it were each function's own, these would be 5 to 12, the number of functions, or more.
+    // Under a window that the data do not state the fit takes much of the force's error in, and
+    // what is left over hangs together less than it did.
     let (white, windowed) = (
         errors_over_stated(shared(1)),
         errors_over_stated(shared(12)),

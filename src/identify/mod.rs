@@ -1,7 +1,8 @@
-//! Modes from FRFs: poles by an estimator, residues, shapes, and the modal model that correlation works on.
+//! Modes from FRFs: poles by an estimator, residues, shapes, and the modal model that correlation
+//! works on.
 //!
 //! ```text
-//! FrfSet, band ── PoleEstimator ──▶ PoleTable (candidates as in the data, findings) ── selection ──▶ ModalModel
+//! FrfSet, band ── PoleEstimator ──▶ PoleTable ── selection ──▶ ModalModel
 //! ```
 //!
 //! | name | method |
@@ -14,14 +15,16 @@
 //! | `lscf` | polyreference least-squares complex frequency domain (Guillaume et al. 2003) |
 //! | `ml` | maximum likelihood from the poles of the polyreference LSCF that stay (Guillaume et al. 2003), with bounds (Golub and Pereyra 1973) |
 //!
-//! An estimator sees poles as they are in the data, the damping of an exponential window included; the window is taken
-//! out once, when candidates become modes. This stage reads no file and knows no model.
+//! An estimator sees poles as they are in the data, the damping of an exponential window included;
+//! the window is taken out once, when candidates become modes. This stage reads no file and knows
+//! no model.
 //!
-//! Several responses and references show how many modes share a pole (`repeated`); such a root becomes as many modes of
-//! one group (`parts`). `ml`, which `auto` stands for, tells close modes apart by the participation of several references as well.
-//! `rfp`, `lsce` and `lscf` take the poles that stay while the model order rises, with residues by least squares (`multi`), and
-//! list the poles of all orders.
-//! A single reference or response cannot show it, and a repeated root then gives one mode.
+//! Several responses and references show how many modes share a pole (`repeated`); such a root
+//! becomes as many modes of one group (`parts`). `ml`, which `auto` stands for, tells close modes
+//! apart by the participation of several references as well. `rfp`, `lsce` and `lscf` take the
+//! poles that stay while the model order rises, with residues by least squares (`multi`), and list
+//! the poles of all orders. A single reference or response cannot show it, and a repeated root then
+//! gives one mode.
 
 #[cfg(test)]
 mod accuracy_tests;
@@ -146,7 +149,8 @@ pub struct MethodOptions {
     pub false_alarm_probability: f64,
     /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
     pub max_modes: Option<usize>,
-    /// Highest model order of a method that has one, 4 or more; chosen by the number of peaks without it.
+    /// Highest model order of a method that has one, 4 or more; chosen by the number of peaks
+    /// without it.
     pub max_order: Option<usize>,
 }
 
@@ -171,7 +175,8 @@ pub struct Candidate {
     pub participation: Option<Vec<Complex64>>,
     /// Receptance residue of each function of the set, in its order, m/(N s).
     pub residues: Option<Vec<Complex64>>,
-    /// Standard deviation of real and of imaginary part of each residue, m/(N s), but for a factor that all have in common.
+    /// Standard deviation of real and of imaginary part of each residue, m/(N s), but for a factor
+    /// that all have in common.
     pub residue_stds: Option<Vec<f64>>,
     /// Modes that share this pole, as far as the residues show: 1 for a single one.
     pub multiplicity: usize,
@@ -181,11 +186,13 @@ pub struct Candidate {
     pub damping_std: Option<f64>,
     /// Correlation of the errors of frequency and damping.
     pub frequency_damping_correlation: Option<f64>,
-    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data tell.
+    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data
+    /// tell.
     pub frequency_bias_hz: Option<f64>,
     /// The same of the damping ratio.
     pub damping_bias: Option<f64>,
-    /// Figure of merit of the method; for the circle fit the relative standard deviation of the damping surface.
+    /// Figure of merit of the method; for the circle fit the relative standard deviation of the
+    /// damping surface.
     pub quality: Option<f64>,
 }
 
@@ -243,7 +250,8 @@ pub trait PoleEstimator {
     /// Poles in a band.
     ///
     /// # Errors
-    /// [`IdentifyError`] when set, band and options do not go together or a matrix problem has no answer.
+    /// [`IdentifyError`] when set, band and options do not go together or a matrix problem has no
+    /// answer.
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError>;
 }
 
@@ -340,11 +348,13 @@ const AUTO: &str = "ml";
 pub struct IdentifyOptions {
     /// Name of an estimator, or `auto` (maximum likelihood).
     pub method: String,
-    /// Band to search, cut to the data; without it the set's valid band, and where that is unknown the whole axis above 0 Hz.
+    /// Band to search, cut to the data; without it the set's valid band, and where that is unknown
+    /// the whole axis above 0 Hz.
     pub band: Option<Band>,
     /// References to use; all without it.
     pub references: Option<Vec<Dof>>,
-    /// Whether functions with a value in the band that is no number are left out, with a finding; an error without it.
+    /// Whether functions with a value in the band that is no number are left out, with a finding;
+    /// an error without it.
     pub partial: bool,
     /// A person's choice among the poles of the method; all that the data support without it.
     pub selection: Option<PoleSelection>,
@@ -421,9 +431,9 @@ impl IdentifyOptions {
 
 /// The modes of a set of FRFs.
 ///
-/// Poles are those of the structure: the decay rate of an exponential window that the set still carries is taken out.
-/// Residues are those of receptances, m/(N s), whatever kind the functions are. The findings are those of this stage;
-/// the set keeps its own.
+/// Poles are those of the structure: the decay rate of an exponential window that the set still
+/// carries is taken out. Residues are those of receptances, m/(N s), whatever kind the functions
+/// are. The findings are those of this stage; the set keeps its own.
 ///
 /// ```
 /// use modalign::axis::FrequencyAxis;
@@ -472,7 +482,8 @@ pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, I
 pub struct Identification {
     /// The modes.
     pub model: ModalModel,
-    /// Points of the stabilisation diagram, without the damping of an exponential window; none for a method without orders.
+    /// Points of the stabilisation diagram, without the damping of an exponential window; none for
+    /// a method without orders.
     pub stabilization: Vec<PoleAtOrder>,
 }
 

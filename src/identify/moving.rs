@@ -1,18 +1,21 @@
-//! Poles that move from run to run: by the mass of a roving sensor, or because the structure changed while it was measured.
+//! Poles that move from run to run: by the mass of a roving sensor, or because the structure
+//! changed while it was measured.
 //!
-//! Fitted with one frequency for all runs, such a mode leaves over what two close modes would leave, and further roots describe it down to
-//! the noise. Here every run has a pole of its own,
+//! Fitted with one frequency for all runs, such a mode leaves over what two close modes would
+//! leave, and further roots describe it down to the noise. Here every run has a pole of its own,
 //!
 //! ```text
 //! H_f = A_f/(iω − λ − (κ + i) δ_r) + …      f in run r,
 //! ```
 //!
-//! or two of them where two modes are close, its decay rate on one straight line over its frequency for all runs. These are held against
-//! the roots that the fit has there by the Bayesian information criterion; how many of the roots stand for one mode is not known before,
-//! and that grouping of them counts which leaves the fewest modes. Where runs win, each function is brought to their mean: the difference
-//! of both courses is added to it, and all that follows sees one pole. The runs are merged as samples of one mode: the mean weights each
-//! by its own variance and the scatter between runs (Paule and Mandel 1982, Journal of Research of the NBS 87), and so much of a run's
-//! shift is believed as its variance leaves beside that scatter.
+//! or two of them where two modes are close, its decay rate on one straight line over its frequency
+//! for all runs. These are held against the roots that the fit has there by the Bayesian
+//! information criterion; how many of the roots stand for one mode is not known before, and that
+//! grouping of them counts which leaves the fewest modes. Where runs win, each function is brought
+//! to their mean: the difference of both courses is added to it, and all that follows sees one
+//! pole. The runs are merged as samples of one mode: the mean weights each by its own variance and
+//! the scatter between runs (Paule and Mandel 1982, Journal of Research of the NBS 87), and so much
+//! of a run's shift is believed as its variance leaves beside that scatter.
 
 use std::f64::consts::TAU;
 
@@ -36,8 +39,8 @@ use track::{Fitted, Poles};
 
 /// A root within so many half-power widths of where a mode is may be its own.
 const SAME: f64 = 1.0;
-/// Roots within so many half-power widths, or such a part of the frequency, of a strong one may stand for the same mode or for two that move
-/// together.
+/// Roots within so many half-power widths, or such a part of the frequency, of a strong one may
+/// stand for the same mode or for two that move together.
 const REACHES: [(f64, f64); 3] = [(SAME, 0.0), (2.5, 0.0), (2.5, MOST_PART)];
 /// Times that the runs are brought together, at most.
 const ROUNDS: usize = 3;
@@ -128,7 +131,8 @@ impl Moved {
         }
     }
 
-    /// Takes in what a fit of the functions as they are now brought together tells; whether that changed anything.
+    /// Takes in what a fit of the functions as they are now brought together tells; whether that
+    /// changed anything.
     pub fn told_by(&mut self, data: &Receptances, roots: &[Root]) -> bool {
         if self.rounds == ROUNDS || self.runs.len() < FEWEST_RUNS {
             return false;
@@ -161,8 +165,9 @@ impl Moved {
         nearest.holds(lambda).then_some(nearest)
     }
 
-    /// A mode with the deviations that the merging of runs adds: of the frequency that between runs, of damping at least that of the decay
-    /// rate that all runs share. One that was not merged beside others that were, and that the model misses, may move as much as they do.
+    /// A mode with the deviations that the merging of runs adds: of the frequency that between
+    /// runs, of damping at least that of the decay rate that all runs share. One that was not
+    /// merged beside others that were, and that the model misses, may move as much as they do.
     pub fn merged(&self, mode: Candidate, missed: bool) -> Candidate {
         let lambda = mode.pole.lambda;
         let Some(moving) = self.of(lambda) else {
@@ -215,8 +220,8 @@ impl Moved {
         })
     }
 
-    /// The modes that move, as far as runs are known to disagree, by that grouping of roots which leaves the fewest modes, and of several that
-    /// for which most speaks.
+    /// The modes that move, as far as runs are known to disagree, by that grouping of roots which
+    /// leaves the fewest modes, and of several that for which most speaks.
     fn moving(&self, data: &Receptances, roots: &[Root]) -> Vec<Moving> {
         let mut groupings: Vec<Vec<Vec<usize>>> = REACHES.map(|reach| groups(roots, reach)).into();
         groupings.dedup();
@@ -229,8 +234,8 @@ impl Moved {
         moving
     }
 
-    /// The modes that move, by one grouping of the roots, and how much speaks for them: where half of the resonances that could tell it say
-    /// so, and what moves them has one cause.
+    /// The modes that move, by one grouping of the roots, and how much speaks for them: where half
+    /// of the resonances that could tell it say so, and what moves them has one cause.
     fn moving_by(&self, groups: Vec<Vec<usize>>, data: &Receptances, roots: &[Root]) -> Way {
         let owners: Vec<Vec<&Moving>> = self.owned(&groups, roots);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), self);
@@ -327,8 +332,9 @@ impl Moved {
         owners
     }
 
-    /// The modes whose shifts have one cause: a state of the structure that changes from run to run moves all modes together, and the mass of a
-    /// sensor lowers a mode by so much as its point moves in it. Pairs of close modes, which look as if one of them moved, do neither.
+    /// The modes whose shifts have one cause: a state of the structure that changes from run to run
+    /// moves all modes together, and the mass of a sensor lowers a mode by so much as its point
+    /// moves in it. Pairs of close modes, which look as if one of them moved, do neither.
     fn agreeing<'a>(&self, told: Vec<&'a Told>) -> Vec<&'a Told> {
         let together = of_one_cause(told.clone(), together);
         if !self.roving_sensor {
@@ -348,7 +354,8 @@ impl Moved {
     }
 }
 
-/// Those modes that one cause explains, so much of the scatter of all, without the groups of the least explained ones.
+/// Those modes that one cause explains, so much of the scatter of all, without the groups of the
+/// least explained ones.
 fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) -> Vec<&Told> {
     while !told.is_empty() {
         let parts = explained(&told);
@@ -362,7 +369,8 @@ fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) 
     told
 }
 
-/// Mean correlation of the shifts of each mode with those of other resonances; 0 where there are none.
+/// Mean correlation of the shifts of each mode with those of other resonances; 0 where there are
+/// none.
 fn together(told: &[&Told]) -> Vec<f64> {
     // Vectors of length 1, or 0 where a mode stays.
     let direction = |told: &&Told| -> Vec<f64> {
@@ -389,7 +397,8 @@ fn together(told: &[&Told]) -> Vec<f64> {
     (0..told.len()).map(mean).collect()
 }
 
-/// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of the run.
+/// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of
+/// the run.
 fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
     let power = |run: &Vec<usize>| {
         let own = run.iter().map(|f| mode.residues[*f].norm_sqr());
@@ -453,7 +462,8 @@ impl Moving {
     }
 }
 
-/// Roots around each strong one within so many half-power widths or such a part of the frequency, the strong one first.
+/// Roots around each strong one within so many half-power widths or such a part of the frequency,
+/// the strong one first.
 fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
     let strength = |j: &usize| roots[*j].quality.significance();
     let mut order: Vec<usize> = (0..roots.len()).collect();

@@ -1,18 +1,21 @@
-//! The common run of the multi-mode methods: poles that stay over the orders, residues, and as many modes as the data support.
+//! The common run of the multi-mode methods: poles that stay over the orders, residues, and as many
+//! modes as the data support.
 //!
 //! 1. The poles that stay while the order rises ([`stabilization`](super::stabilization)).
-//! 2. Residues of all of them by weighted linear least squares, with upper and lower residuals (LSFD): the linear part of the
-//!    maximum likelihood fit ([`block`](super::block)), the poles where the method put them. A method that knows no participation
-//!    factors gets them from the residues ([`several`](super::several)).
-//! 3. A pole stays a mode when its contribution is above the noise, when it is told apart from its neighbours, and when nothing speaks
-//!    against it: the tests of the maximum likelihood method.
+//! 2. Residues of all of them by weighted linear least squares, with upper and lower residuals
+//!    (LSFD): the linear part of the maximum likelihood fit ([`block`](super::block)), the poles
+//!    where the method put them. A method that knows no participation factors gets them from the
+//!    residues ([`several`](super::several)).
+//! 3. A pole stays a mode when its contribution is above the noise, when it is told apart from its
+//!    neighbours, and when nothing speaks against it: the tests of the maximum likelihood method.
 //!
-//! The stated deviation joins what noise lets anybody know (the Cramér-Rao bound) with the distance of the pole to the maximum of
-//! the likelihood, as one Gauss-Newton step sees it: the error of the method itself, which for these methods is not small beside the
-//! bound.
+//! The stated deviation joins what noise lets anybody know (the Cramér-Rao bound) with the distance
+//! of the pole to the maximum of the likelihood, as one Gauss-Newton step sees it: the error of the
+//! method itself, which for these methods is not small beside the bound.
 //!
-//! Reference: Guillaume, Verboven and Vanlanduit (1998), Frequency-domain maximum likelihood identification of modal parameters with
-//! confidence intervals, ISMA 23 (least-squares frequency domain residues).
+//! Reference: Guillaume, Verboven and Vanlanduit (1998), Frequency-domain maximum likelihood
+//! identification of modal parameters with confidence intervals, ISMA 23 (least-squares frequency
+//! domain residues).
 
 use std::f64::consts::TAU;
 
@@ -79,7 +82,8 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     }
 }
 
-/// The modes of known poles, rad/s, with runs brought together as they are known to move: residues and deviations, and nothing is dropped.
+/// The modes of known poles, rad/s, with runs brought together as they are known to move: residues
+/// and deviations, and nothing is dropped.
 ///
 /// # Errors
 /// [`IdentifyError`] when set and band do not go together.
@@ -117,7 +121,8 @@ pub(super) fn at_poles(
     Ok(table)
 }
 
-/// Replaces poles whose residues are free by roots with participation factors, as many as the residues show; what they were.
+/// Replaces poles whose residues are free by roots with participation factors, as many as the
+/// residues show; what they were.
 fn share_out(fit: &mut Fit, sides: Sides) -> Vec<Root> {
     let standings = fit.standings();
     let free = std::mem::take(&mut fit.roots);
@@ -128,8 +133,8 @@ fn share_out(fit: &mut Fit, sides: Sides) -> Vec<Root> {
     free
 }
 
-/// Order, deviation and participation factors of a candidate: those of the pole that stays nearest to it and of its root. The inputs of
-/// a fit are references, or else nothing is said of these.
+/// Order, deviation and participation factors of a candidate: those of the pole that stays nearest
+/// to it and of its root. The inputs of a fit are references, or else nothing is said of these.
 fn complete(candidate: &mut Candidate, seeds: &[Seed], (fit, references): (&Fit, usize)) {
     let lambda = candidate.pole.lambda;
     let distance = |seed: &&Seed| (seed.pole.lambda - lambda).norm();

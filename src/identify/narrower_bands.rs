@@ -1,17 +1,21 @@
-//! Compares each pole with the poles of narrower bands, for the part of its standard deviation that is not noise.
+//! Compares each pole with the poles of narrower bands, for the part of its standard deviation that
+//! is not noise.
 //!
-//! The standard deviation of a fit takes the residual for noise. A response that depends on the amplitude, a truncated record or
-//! a mode outside the model leave a residual that is correlated over lines and FRFs, and their effect on a pole does
-//! not fall with the number of values. It shows when the band changes. One Gauss-Newton step of a pole and of all residues on
-//! some lines, with the other poles where they are, is
+//! The standard deviation of a fit takes the residual for noise. A response that depends on the
+//! amplitude, a truncated record or a mode outside the model leave a residual that is correlated
+//! over lines and FRFs, and their effect on a pole does not fall with the number of values. It
+//! shows when the band changes. One Gauss-Newton step of a pole and of all residues on some lines,
+//! with the other poles where they are, is
 //!
 //! ```text
-//! δλ = Σ_f Σ_k conj(a_f g_k/l_f) r_fk / Σ_f Σ_k |a_f g_k/l_f|²     var Re δλ = var Im δλ = 1 / (2 Σ_f Σ_k |a_f g_k/l_f|²)
+//! δλ = Σ_f Σ_k conj(a_f g_k/l_f) r_fk / Σ_f Σ_k |a_f g_k/l_f|²
+//! var Re δλ = var Im δλ = 1 / (2 Σ_f Σ_k |a_f g_k/l_f|²)
 //! ```
 //!
-//! with the residues a, the noise levels l of the FRFs, the residual r over level and profile of the noise, and g the part of
-//! `1/(iω − λ)²`, over that profile, that out-of-band terms and the poles around do not explain. The step on a narrower band less that
-//! on the fitted lines is the shift of the pole. In noise its variance is the difference of their variances (Hausman 1978,
+//! with the residues a, the noise levels l of the FRFs, the residual r over level and profile of
+//! the noise, and g the part of `1/(iω − λ)²`, over that profile, that out-of-band terms and the
+//! poles around do not explain. The step on a narrower band less that on the fitted lines is the
+//! shift of the pole. In noise its variance is the difference of their variances (Hausman 1978,
 //! Econometrica 46(6)); where the shift exceeds that, it enters the standard deviation.
 
 use std::ops::Range;
@@ -26,8 +30,9 @@ use super::receptance::Receptances;
 use super::refine::window;
 use super::roots::Root;
 
-/// Narrower bands, in parts of the fitted lines below and above the pole: the middle of them, and nearly one side alone. With a
-/// mode of a hundredth of the residues in half a bandwidth, fits on these bands differ by up to 7 deviations of noise
+/// Narrower bands, in parts of the fitted lines below and above the pole: the middle of them, and
+/// nearly one side alone. With a mode of a hundredth of the residues in half a bandwidth, fits on
+/// these bands differ by up to 7 deviations of noise
 /// (`the_deviation_covers_narrower_bands_where_a_mode_is_not_in_the_model`).
 const BANDS: [(f64, f64); 5] = [
     (0.5, 0.5),
@@ -36,16 +41,18 @@ const BANDS: [(f64, f64); 5] = [
     (0.1, 1.0),
     (1.0, 0.1),
 ];
-/// Mean square of both parts of a shift over its variance in noise, above which it is not noise. In noise the ratio has an
-/// exponential distribution of mean 1: 4,000 shifts reached 9.8. Smaller: modes of linear structures are reported. Larger: shifts of
-/// that many standard deviations stay out (`noise_shifts_a_pole_by_its_variance`).
+/// Mean square of both parts of a shift over its variance in noise, above which it is not noise. In
+/// noise the ratio has an exponential distribution of mean 1: 4,000 shifts reached 9.8. Smaller:
+/// modes of linear structures are reported. Larger: shifts of that many standard deviations stay
+/// out (`noise_shifts_a_pole_by_its_variance`).
 const MIN_SHIFT_RATIO: f64 = 10.0;
-/// Least variance of a shift over that of the pole: the difference of nearly equal variances is inaccurate.
+/// Least variance of a shift over that of the pole: the difference of nearly equal variances is
+/// inaccurate.
 const MIN_VARIANCE_RATIO: f64 = 0.5;
 /// Fewest lines of a narrower band: out-of-band terms take a third of them at most.
 const MIN_LINES: usize = 6;
-/// Decay rates up to which a step is linear: a narrower band whose noise alone moves the pole farther says nothing, and a
-/// longer shift counts as this.
+/// Decay rates up to which a step is linear: a narrower band whose noise alone moves the pole
+/// farther says nothing, and a longer shift counts as this.
 const MAX_LINEAR_DECAY_RATES: f64 = 1.0;
 
 /// A fit whose poles are compared with those of narrower bands.
@@ -71,8 +78,8 @@ impl<'a> NarrowerBands<'a> {
         }
     }
 
-    /// Standard deviation of each part of a pole, rad/s, from the largest of its shifts that noise does not explain; 0
-    /// where noise explains all.
+    /// Standard deviation of each part of a pole, rad/s, from the largest of its shifts that noise
+    /// does not explain; 0 where noise explains all.
     pub fn deviation(&self, root: &Root) -> f64 {
         let shifts = self.shifts(root).into_iter().flatten();
         let beyond = shifts.filter(|own| own.mean_square > MIN_SHIFT_RATIO * own.noise_variance);
@@ -206,7 +213,8 @@ mod tests {
         len: 451,
     };
 
-    /// Modes at 90 and 120 Hz over six sensors, and one beside the second with so much of its residues.
+    /// Modes at 90 and 120 Hz over six sensors, and one beside the second with so much of its
+    /// residues.
     fn structure(beside: f64) -> Structure {
         let shape = |a: f64, size: f64| (1..=6).map(|p| size * (a * f64::from(p)).cos()).collect();
         Structure {
@@ -223,7 +231,8 @@ mod tests {
         None,
         /// 60 dB below the FRFs.
         Even,
-        /// 50 dB below every value, common to all FRFs as an error of the force is, beside 80 dB of the responses.
+        /// 50 dB below every value, common to all FRFs as an error of the force is, beside 80 dB of
+        /// the responses.
         OfForce,
     }
 
@@ -266,7 +275,8 @@ mod tests {
         noisy
     }
 
-    /// A fit of the first two modes alone on a band; of the second alone where that begins above the first.
+    /// A fit of the first two modes alone on a band; of the second alone where that begins above
+    /// the first.
     fn fitted(beside: f64, (noise, seed): (Noise, u64), band_hz: [f64; 2]) -> Fit {
         let set = measured(beside, noise, seed);
         let band = Band::new(band_hz[0], band_hz[1]).unwrap();

@@ -1,9 +1,10 @@
 //! The noise variance of a measured function, line by line, from the best source there is.
 //!
-//! In this order: the variances that came with the data; coherence and number of averages (two or more),
-//! `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf); else the data alone, and then what a fit leaves over of them.
-//! Variances of a few averages scatter widely, and a value that is small by chance makes noise look like a signal: their course over
-//! the lines counts ([`noise_course`](super::noise_course)).
+//! In this order: the variances that came with the data; coherence and number of averages (two or
+//! more), `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf); else the data alone, and
+//! then what a fit leaves over of them. Variances of a few averages scatter widely, and a value
+//! that is small by chance makes noise look like a signal: their course over the lines counts
+//! ([`noise_course`](super::noise_course)).
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -35,7 +36,8 @@ pub(super) struct Noise {
     pub by_force: Vec<f64>,
     /// Whether the data brought them (variance or coherence).
     pub measured: bool,
-    /// Part of the force's noise that the functions of its hit point share, as far as their variances tell.
+    /// Part of the force's noise that the functions of its hit point share, as far as their
+    /// variances tell.
     pub shared: f64,
 }
 
@@ -111,13 +113,15 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
 pub(super) struct Squares {
     pub values: Vec<f64>,
     reach: usize,
-    /// Lines of white noise whose second differences tell as much as one; `None` where the squares are those of a level.
+    /// Lines of white noise whose second differences tell as much as one; `None` where the squares
+    /// are those of a level.
     pub differences_alike: Option<f64>,
 }
 
 impl Squares {
-    /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has variance `6v`, and the
-    /// median of its squared magnitude is `6v ln 2`. Resonances take few lines and do not move the median.
+    /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has
+    /// variance `6v`, and the median of its squared magnitude is `6v ln 2`. Resonances take few
+    /// lines and do not move the median.
     pub fn of_second_differences(values: &[Complex64]) -> Self {
         let scale = (6.0 * std::f64::consts::LN_2).recip();
         let square =
@@ -146,7 +150,8 @@ impl Squares {
         running_median(&self.values, self.reach)
     }
 
-    /// The variance `a` beside so much of the force, where the squares tell `a + f`: the median of what they exceed `f` by.
+    /// The variance `a` beside so much of the force, where the squares tell `a + f`: the median of
+    /// what they exceed `f` by.
     pub fn beside(&self, force: impl Iterator<Item = f64>) -> Vec<f64> {
         let over = self.values.iter().zip(force);
         let over: Vec<f64> = over.map(|(square, force)| square - force).collect();
@@ -210,7 +215,8 @@ mod tests {
 
     #[test]
     fn a_running_median_of_what_rises_evenly_is_the_line_itself() {
-        // Away from the ends, where as many lines lie on either side; from there on half of those that are left.
+        // Away from the ends, where as many lines lie on either side; from there on half of those
+        // that are left.
         let rising: Vec<f64> = (0..395).map(|k| 2.0 * k as f64).collect();
         let told = running_median(&rising, 40);
         for k in 40..=340 {

@@ -1,10 +1,13 @@
-//! The course of variances over the lines: noise of the responses, and noise of the force times |H|².
+//! The course of variances over the lines: noise of the responses, and noise of the force
+//! times |H|².
 //!
-//! An FRF from hits has the variance `(S_nn + |H|² S_mm)/S_ff` with noise `n` of the response and `m` of the force (Bendat and
-//! Piersol 1980): `v = a + b p`, `p = |H|²`, which in a resonance of few lines rises far above its neighbourhood. `a` is each
-//! function's own and even over a few dozen lines; `b` is that of a hit point and even over hundreds. Variances told from `ν` degrees
-//! of freedom are gamma variables, of the likelihood `(ν/2) Σ (−ln(a + b p) − v/(a + b p))` but for a constant. Windows let neighbouring
-//! lines scatter together, so that b, told from a few dozen lines of few hits, would be a matter of chance.
+//! An FRF from hits has the variance `(S_nn + |H|² S_mm)/S_ff` with noise `n` of the response and
+//! `m` of the force (Bendat and Piersol 1980): `v = a + b p`, `p = |H|²`, which in a resonance of
+//! few lines rises far above its neighbourhood. `a` is each function's own and even over a few
+//! dozen lines; `b` is that of a hit point and even over hundreds. Variances told from `ν` degrees
+//! of freedom are gamma variables, of the likelihood `(ν/2) Σ (−ln(a + b p) − v/(a + b p))` but for
+//! a constant. Windows let neighbouring lines scatter together, so that b, told from a few dozen
+//! lines of few hits, would be a matter of chance.
 
 use std::ops::Range;
 
@@ -21,17 +24,19 @@ const LONG: usize = 256;
 const STRETCHES: usize = 16;
 /// Rounds of weighting for `a`.
 const ROUNDS: usize = 3;
-/// Values of b that are tried: from that of noise of the force alone downwards, each so much below the last.
+/// Values of b that are tried: from that of noise of the force alone downwards, each so much below
+/// the last.
 const TRIED: usize = 12;
 const RATIO: f64 = 2.5;
 /// Steps between two of them, each of which leaves two thirds.
 const THIRDS: usize = 12;
-/// Largest b that what a fit leaves over may tell: 5 % of the response. A pole that moves from function to function leaves over more in
-/// its resonance, and that is no noise.
+/// Largest b that what a fit leaves over may tell: 5 % of the response. A pole that moves from
+/// function to function leaves over more in its resonance, and that is no noise.
 const MOST_LEFT_OVER: f64 = 2.5e-3;
 /// Logarithm of the likelihood that b must gain over none.
 const GAIN: f64 = 10.0;
-/// Probability of a variance so far above the course that the line is noisier than its neighbours, as that of the mains is.
+/// Probability of a variance so far above the course that the line is noisier than its neighbours,
+/// as that of the mains is.
 const BY_CHANCE: f64 = 1e-6;
 /// Degrees of freedom where the data do not state them: those of three averages.
 const UNSTATED: f64 = 4.0;
@@ -64,7 +69,8 @@ pub(super) struct Smooth {
     pub by_force: Vec<f64>,
 }
 
-/// The course of the variances of all functions of one hit point; a variance that is far above its neighbours stays as it is.
+/// The course of the variances of all functions of one hit point; a variance that is far above its
+/// neighbours stays as it is.
 pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
     let lines = functions
         .iter()
@@ -122,7 +128,8 @@ pub(super) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
     functions.par_iter().map(course).collect()
 }
 
-/// b at every line, of all functions of one hit point; no more than what a fit leaves over may tell.
+/// b at every line, of all functions of one hit point; no more than what a fit leaves over may
+/// tell.
 pub(super) fn by_power(functions: &[&Estimated]) -> Vec<f64> {
     let lines = functions.first().map_or(0, |own| own.variance.len());
     let told = by_stretch(functions, &stretches(lines), MOST_LEFT_OVER);
@@ -145,8 +152,8 @@ fn between(values: &[f64], place: f64) -> f64 {
     values[first] + (at - first as f64) * (values[next] - values[first])
 }
 
-/// b of every stretch. The noise of a force does not end with a stretch: one that says nothing has that of the nearest that does, unless
-/// it speaks against that.
+/// b of every stretch. The noise of a force does not end with a stretch: one that says nothing has
+/// that of the nearest that does, unless it speaks against that.
 fn by_stretch(functions: &[&Estimated], stretches: &[Range<usize>], limit: f64) -> Vec<f64> {
     let most: Vec<f64> = functions.iter().map(|own| own.most()).collect();
     let likelihoods = |n: usize, tried: &[f64]| -> Vec<f64> {
@@ -221,7 +228,8 @@ impl Estimated {
         })
     }
 
-    /// `a` of some lines beside a b: the mean of what is left, lines by their expectation, without those that are another's.
+    /// `a` of some lines beside a b: the mean of what is left, lines by their expectation, without
+    /// those that are another's.
     fn even(&self, lines: Range<usize>, b: f64, most: f64) -> f64 {
         if let Some(own) = &self.own {
             return own[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
@@ -267,14 +275,16 @@ impl Estimated {
     }
 }
 
-/// Lines that are reckoned with at once, and so often before the product of their mantissas could overflow.
+/// Lines that are reckoned with at once, and so often before the product of their mantissas could
+/// overflow.
 const LANES: usize = 8;
 const FACTORS: usize = 256;
 
-/// `Σ ln(a + b p) + min(v/(a + b p), most)` over lines of a, v and p; 0 where all a are 0: nothing is known of such noise.
+/// `Σ ln(a + b p) + min(v/(a + b p), most)` over lines of a, v and p; 0 where all a are 0: nothing
+/// is known of such noise.
 ///
-/// The sum of logarithms is that of a product, kept as mantissas and exponents: a logarithm for each would be most of the work of an
-/// identification of many functions.
+/// The sum of logarithms is that of a product, kept as mantissas and exponents: a logarithm for
+/// each would be most of the work of an identification of many functions.
 fn deviance((own, variance, power): (&[f64], &[f64], &[f64]), b: f64, most: f64) -> f64 {
     if !own.iter().any(|a| *a > 0.0) {
         return 0.0;
@@ -393,7 +403,8 @@ mod tests {
         let truth = vec![3.0; LINES];
         let same = course(&truth, &resonance(2.0), None).variance;
         assert!(same.iter().all(|v| (v / 3.0 - 1.0).abs() < 1e-12));
-        // 64 lines of 4 degrees of freedom: 9 %, and now and then a resonance that stands over it by chance.
+        // 64 lines of 4 degrees of freedom: 9 %, and now and then a resonance that stands over it
+        // by chance.
         let mut squares = 0.0;
         for seed in 0..20 {
             let told = course(&estimated(&truth, 4.0, seed), &resonance(2.0), Some(4.0));
@@ -426,7 +437,8 @@ mod tests {
 
     #[test]
     fn the_sum_of_logarithms_is_that_of_a_product() {
-        // More lines than one product holds, over the whole range of exponents, and a rest behind the lanes.
+        // More lines than one product holds, over the whole range of exponents, and a rest behind
+        // the lanes.
         let count = 2 * LANES * FACTORS + 3;
         let own: Vec<f64> = (0..count)
             .map(|k| 10f64.powf(0.03 * (k as f64 - 4000.0)))

@@ -194,7 +194,8 @@ fn changed(set: &FrfSet, change: impl Fn(usize, usize, Complex64) -> Complex64) 
 
 #[test]
 fn lines_without_any_response_have_no_poles_and_cost_none() {
-    // As a high-pass leaves them: more than the lower quarter of the lines, which has an estimate of its own.
+    // As a high-pass leaves them: more than the lower quarter of the lines, which has an estimate
+    // of its own.
     let measured = set(0.01);
     let whole = Band::new(0.1, 200.0).expect("a band");
     let lines = |set: &FrfSet| {

@@ -1,8 +1,10 @@
-//! How much of what lies outside the lines a fit must reckon with, and what leaving the rest away does to its poles.
+//! How much of what lies outside the lines a fit must reckon with, and what leaving the rest away
+//! does to its poles.
 //!
-//! Poles that may take any mixture in every function follow modes outside wherever they are, and cost what is known of modes near the
-//! ends of the lines. What such modes put into the lines is a few courses that all functions share, and as few are kept as leave no
-//! more of their kind than noise.
+//! Poles that may take any mixture in every function follow modes outside wherever they are, and
+//! cost what is known of modes near the ends of the lines. What such modes put into the lines is a
+//! few courses that all functions share, and as few are kept as leave no more of their kind than
+//! noise.
 
 use num_complex::Complex64;
 
@@ -15,7 +17,8 @@ use super::roots::{Quality, Root};
 
 /// Rounds in which courses and roots follow each other, most.
 const ROUNDS: usize = 12;
-/// Movement of a pole from round to round, in its deviations, below which they have found each other.
+/// Movement of a pole from round to round, in its deviations, below which they have found each
+/// other.
 const STILL: f64 = 0.05;
 /// Ratio of a squared error to its mean that noise exceeds once in twenty times: it is exponential.
 const BY_CHANCE: f64 = 3.0;
@@ -23,9 +26,10 @@ const BY_CHANCE: f64 = 3.0;
 const COURSES_PER_FUNCTION: f64 = 0.5;
 
 impl Fit {
-    /// Lets the background have no more of what is outside the lines than the data show: nothing where, without it, what the roots
-    /// leave over has no more of its kind than noise, else the courses that all functions share. What they explained may have been a
-    /// wide mode inside: it is searched for without them.
+    /// Lets the background have no more of what is outside the lines than the data show: nothing
+    /// where, without it, what the roots leave over has no more of its kind than noise, else the
+    /// courses that all functions share. What they explained may have been a wide mode inside: it
+    /// is searched for without them.
     pub fn look_outside(&mut self) {
         let shared = self.strongest(usize::MAX);
         let few = (1..=most_courses(self.data.functions())).contains(&shared.len());
@@ -50,7 +54,8 @@ impl Fit {
         enough
     }
 
-    /// Roots with so many courses, where each is best with the other: a course found beside roots that leaned on it is not its best.
+    /// Roots with so many courses, where each is best with the other: a course found beside roots
+    /// that leaned on it is not its best.
     fn follow(&mut self, mut courses: Vec<Course>) {
         let mut count = courses.len();
         for _ in 0..ROUNDS {
@@ -70,14 +75,15 @@ impl Fit {
         }
     }
 
-    /// Courses of what the roots leave over: as many as noise does not explain, and so many at most.
+    /// Courses of what the roots leave over: as many as noise does not explain, and so many at
+    /// most.
     fn strongest(&self, most: usize) -> Vec<Course> {
         let far = Far::new(&self.data, &Outside::Anywhere);
         far.strongest(&self.roots, self.data.correlation.alike(), most)
     }
 
-    /// Whether free poles outside explain more of what the roots leave over than they would of white noise: where lines share noise they
-    /// do, and stay, and the deviations count them.
+    /// Whether free poles outside explain more of what the roots leave over than they would of
+    /// white noise: where lines share noise they do, and stay, and the deviations count them.
     fn needs_outside(&self) -> bool {
         let all = Far::new(&self.data, &Outside::Anywhere);
         let (with, many) = all.explained(&self.roots);
@@ -87,14 +93,17 @@ impl Fit {
         with - without > unknowns + unknowns.sqrt()
     }
 
-    /// Deviations count that courses are known from the same data, and each root is told what leaving the rest away does to it.
+    /// Deviations count that courses are known from the same data, and each root is told what
+    /// leaving the rest away does to it.
     ///
-    /// With free poles outside a pole has the information `1/σ_f²`, with known courses `1/σ²`. What courses may be beside what they are
-    /// takes from it in the functions that hold them: the part `p = Σ_r |v_rᴴψ|²/|ψ|²` of `1/σ² − 1/σ_f²`, with the residues `ψ` and
-    /// what the functions hold of the courses, `v_r`, over the noise.
+    /// With free poles outside a pole has the information `1/σ_f²`, with known courses `1/σ²`. What
+    /// courses may be beside what they are takes from it in the functions that hold them: the part
+    /// `p = Σ_r |v_rᴴψ|²/|ψ|²` of `1/σ² − 1/σ_f²`, with the residues `ψ` and what the functions
+    /// hold of the courses, `v_r`, over the noise.
     ///
-    /// With free poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`, and by what was left away. Beyond what noise does
-    /// once in twenty times the error is `√(|δ|² − E|δ|²)` along `δ`, else none is told.
+    /// With free poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`, and by what
+    /// was left away. Beyond what noise does once in twenty times the error is `√(|δ|² − E|δ|²)`
+    /// along `δ`, else none is told.
     pub fn reckon_with_outside(&mut self) {
         let Outside::Courses(courses) = self.data.outside().clone() else {
             return;
@@ -124,10 +133,12 @@ impl Fit {
 }
 
 impl Quality {
-    /// Takes in what a fit with free poles outside says; courses hold so large a part of the residues.
+    /// Takes in what a fit with free poles outside says; courses hold so large a part of the
+    /// residues.
     fn reckon_with(&mut self, free: &Self, part: f64) {
         let (bound, all) = (self.pole_bound, free.pole_bound);
-        // Where free poles leave a pole unknown, nothing is known of it but by what is known of the courses.
+        // Where free poles leave a pole unknown, nothing is known of it but by what is known of the
+        // courses.
         if !(bound > 0.0 && bound <= all && bound.is_finite()) {
             return;
         }
@@ -147,7 +158,8 @@ impl Quality {
     }
 }
 
-/// The part of a root's residues that goes along what the functions hold of some courses, over the noise.
+/// The part of a root's residues that goes along what the functions hold of some courses, over the
+/// noise.
 fn held(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
     let line = data.line_of(root.lambda);
     let over = |f: usize| root.residues[f] / data.deviation(f, line);

@@ -1,19 +1,23 @@
-//! The modes of a repeated root: its residue matrix as a sum of as many rank-one parts as it has shapes.
+//! The modes of a repeated root: its residue matrix as a sum of as many rank-one parts as it has
+//! shapes.
 //!
-//! The matrix is first cut to its rank m (its m largest singular values), then taken apart by elimination: at a pivot
-//! `A_rk` the part is `a_·k a_r· / A_rk`, which clears row r and column k; m such parts leave nothing. Any rotation of
-//! the modes of one root is as good a set of modes. This one means something: the first is what moves when the
-//! structure is struck at the first pivot, the next what moves at the second with the first at rest, and so on.
+//! The matrix is first cut to its rank m (its m largest singular values), then taken apart by
+//! elimination: at a pivot `A_rk` the part is `a_·k a_r· / A_rk`, which clears row r and column k;
+//! m such parts leave nothing. Any rotation of the modes of one root is as good a set of modes.
+//! This one means something: the first is what moves when the structure is struck at the first
+//! pivot, the next what moves at the second with the first at rest, and so on.
 //!
-//! *Scale.* At a driving point the pivot is `A_rr = φ_r²/(2iω_d)`, and by reciprocity the part is `φ φᵀ/(2iω_d)` with a
-//! modal mass of 1 kg: the elimination is then the Cholesky factorisation of `2iω_d A`, real, symmetric and positive
-//! semidefinite for real modes. Driving points are therefore pivots as long as one is left that has the phase of a real
-//! mode and does not vanish beside the rest. Without one the largest values are pivots, and nothing is known of the mass.
+//! *Scale.* At a driving point the pivot is `A_rr = φ_r²/(2iω_d)`, and by reciprocity the part is
+//! `φ φᵀ/(2iω_d)` with a modal mass of 1 kg: the elimination is then the Cholesky factorisation of
+//! `2iω_d A`, real, symmetric and positive semidefinite for real modes. Driving points are
+//! therefore pivots as long as one is left that has the phase of a real mode and does not vanish
+//! beside the rest. Without one the largest values are pivots, and nothing is known of the mass.
 //!
-//! *The same basis for the same data.* Structures with repeated roots are symmetric, so that equal values are the rule
-//! and the largest is a matter of rounding; the pivot is the first, in the order of the degrees of freedom, that is not
-//! much less than the largest (threshold pivoting, Golub and Van Loan (2013), Matrix Computations, 4th ed.,
-//! section 11.5.9; Cholesky with pivots in section 4.2.8).
+//! *The same basis for the same data.* Structures with repeated roots are symmetric, so that equal
+//! values are the rule and the largest is a matter of rounding; the pivot is the first, in the
+//! order of the degrees of freedom, that is not much less than the largest (threshold pivoting,
+//! Golub and Van Loan (2013), Matrix Computations, 4th ed., section 11.5.9; Cholesky with pivots in
+//! section 4.2.8).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,10 +28,11 @@ use crate::linalg::{self, ComplexMatrix, LinalgError};
 
 use super::shape::{Residues, as_of_a_real_mode, driving_point_sign};
 
-/// A pivot is at least this share of the largest that could be taken; between the squared cosines of simple fractions
-/// of a turn (1/4, 1/2, 3/4), which symmetric structures have.
+/// A pivot is at least this share of the largest that could be taken; between the squared cosines
+/// of simple fractions of a turn (1/4, 1/2, 3/4), which symmetric structures have.
 const PIVOT_SHARE: f64 = 0.3;
-/// Driving points below this share of the largest value left are of no use as pivots: errors grow by its inverse.
+/// Driving points below this share of the largest value left are of no use as pivots: errors grow
+/// by its inverse.
 const DRIVING_SHARE: f64 = 0.05;
 
 /// One mode of a repeated root.
@@ -38,8 +43,9 @@ pub(super) struct Part {
     pub reciprocal: bool,
 }
 
-/// The residues of a root of multiplicity `count` with the damped frequency ω_d, rad/s, as `count` rank-one parts whose
-/// sum is the nearest matrix of that rank; every pair of responses and references must be there.
+/// The residues of a root of multiplicity `count` with the damped frequency ω_d, rad/s, as `count`
+/// rank-one parts whose sum is the nearest matrix of that rank; every pair of responses and
+/// references must be there.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`].

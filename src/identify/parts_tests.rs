@@ -54,8 +54,9 @@ fn the_first_part_is_what_moves_at_the_first_pivot_and_the_second_rests_there() 
     let parts = parts(&all, 2, damped_rad_s()).expect("every pair is there and finite");
     assert_sum(&parts, &all);
     assert!(parts.iter().all(|part| part.reciprocal));
-    // Driving points: 0.40, 0.65, 0.25, 0.29; the first is more than 0.3 of the largest, so that the first vector is
-    // (Φ φ_1ᵀ)/|φ_1| with the row φ_1 = (0.6, -0.2), the second its orthogonal complement.
+    // Driving points: 0.40, 0.65, 0.25, 0.29; the first is more than 0.3 of the largest, so that
+    // the first vector is (Φ φ_1ᵀ)/|φ_1| with the row φ_1 = (0.6, -0.2), the second its orthogonal
+    // complement.
     for p in 0..4 {
         let norm = 0.4f64.sqrt();
         let first = (0.6 * a[p] - 0.2 * b[p]) / norm;
@@ -142,7 +143,8 @@ fn a_part_that_rests_at_the_first_hit_has_a_shape_all_the_same() {
 #[test]
 fn what_is_beyond_the_rank_is_left_out() {
     let points = ["1:+Z", "2:+Z"];
-    // Orthogonal shapes of norms √2 and 0.1√2: the parts of the first alone are the nearest rank-one matrix.
+    // Orthogonal shapes of norms √2 and 0.1√2: the parts of the first alone are the nearest
+    // rank-one matrix.
     let all = residues(&[&[1.0, 1.0], &[0.1, -0.1]], &points, &points);
     let first = residues(&[&[1.0, 1.0]], &points, &points);
     assert_sum(

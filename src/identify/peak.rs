@@ -1,14 +1,16 @@
 //! Peak-picking: frequency from the top of the resonance, damping from its half-power points.
 //!
-//! Around one pole `λ = −σ + iω_d` the isolated receptance is `A/(iω − λ)`, so that the inverse of the power of any
-//! number of functions is a parabola in frequency, exactly: `1/Σ w_f|P_f|² = c [(ω − ω_d)² + σ²]`. Its vertex is the
-//! damped frequency and its half-power points lie at `ω_d ± σ`. The parabola is fitted through the lines around the
-//! top, and each half-power point is interpolated on it between the two lines that enclose it, linearly in
-//! `(ω − ω_d)²`, which is exact too: no bias from the line spacing, however coarse.
+//! Around one pole `λ = −σ + iω_d` the isolated receptance is `A/(iω − λ)`, so that the inverse of
+//! the power of any number of functions is a parabola in frequency, exactly: `1/Σ w_f|P_f|² = c [(ω
+//! − ω_d)² + σ²]`. Its vertex is the damped frequency and its half-power points lie at `ω_d ± σ`.
+//! The parabola is fitted through the lines around the top, and each half-power point is
+//! interpolated on it between the two lines that enclose it, linearly in `(ω − ω_d)²`, which is
+//! exact too: no bias from the line spacing, however coarse.
 //!
-//! The estimate is made on the weighted sum over functions; the scatter of the functions' own estimates gives its
-//! standard deviation. (Averaging the functions' own estimates by peak energy instead changes nothing that can be
-//! measured, except that functions near a node, with no peak of their own, must then be left out.)
+//! The estimate is made on the weighted sum over functions; the scatter of the functions' own
+//! estimates gives its standard deviation. (Averaging the functions' own estimates by peak energy
+//! instead changes nothing that can be measured, except that functions near a node, with no peak of
+//! their own, must then be left out.)
 //!
 //! Reference: Ewins (2000), Modal Testing, 2nd ed., section 4.2.
 
@@ -53,7 +55,8 @@ impl HalfPower {
         }
     }
 
-    /// Distance of the nearer half-power point, rad/s: the better of the two while a neighbour widens one side.
+    /// Distance of the nearer half-power point, rad/s: the better of the two while a neighbour
+    /// widens one side.
     pub fn narrower_rad_s(&self) -> f64 {
         let sides = [self.lower_rad_s, self.upper_rad_s];
         sides.into_iter().flatten().fold(f64::INFINITY, f64::min)
@@ -65,7 +68,8 @@ impl HalfPower {
     }
 }
 
-/// Frequency and half-power width of the peak at a line; `None` without a top or without any half-power point.
+/// Frequency and half-power width of the peak at a line; `None` without a top or without any
+/// half-power point.
 pub(super) fn half_power(omega: &[f64], power: &[f64], top: usize) -> Option<HalfPower> {
     let vertex = vertex(omega, power, top)?;
     let lower_rad_s = half_point(omega, power, &vertex, (0..=top).rev());
@@ -87,8 +91,8 @@ struct Vertex {
     inverse: f64,
 }
 
-/// Lowest point of a parabola through the inverse power of the lines around the top; through three lines, between which
-/// it cannot but lie, where the wider one has none inside its own lines.
+/// Lowest point of a parabola through the inverse power of the lines around the top; through three
+/// lines, between which it cannot but lie, where the wider one has none inside its own lines.
 fn vertex(omega: &[f64], power: &[f64], top: usize) -> Option<Vertex> {
     let near = |line: &usize| power[*line] >= TOP_SHARE * power[top];
     let left = (0..top).rev().take_while(near).count();
@@ -101,8 +105,8 @@ fn vertex(omega: &[f64], power: &[f64], top: usize) -> Option<Vertex> {
         .or_else(|| vertex_of(omega, power, (top, top - 1..top + 2)))
 }
 
-/// Weighted least squares of the parabola. Noise of the power grows with its root, so that an inverse is known to
-/// `S^{-3/2}`: its weight.
+/// Weighted least squares of the parabola. Noise of the power grows with its root, so that an
+/// inverse is known to `S^{-3/2}`: its weight.
 fn vertex_of(omega: &[f64], power: &[f64], (top, lines): (usize, Range<usize>)) -> Option<Vertex> {
     let (first, last) = (omega[lines.start], omega[lines.end - 1]);
     let scale = last - first;
@@ -121,8 +125,8 @@ fn vertex_of(omega: &[f64], power: &[f64], (top, lines): (usize, Range<usize>)) 
     (c[2] > 0.0 && vertex.inverse > 0.0 && inside).then_some(vertex)
 }
 
-/// Distance from the vertex at which the inverse power doubles, searched along lines that lead outwards from
-/// the top until one rises above it.
+/// Distance from the vertex at which the inverse power doubles, searched along lines that lead
+/// outwards from the top until one rises above it.
 fn half_point(
     omega: &[f64],
     power: &[f64],
@@ -145,8 +149,8 @@ fn half_point(
     None
 }
 
-/// Power of some functions in units of their noise, without the constants under the resonance: those of a least-squares
-/// fit of the pole with constant and slope.
+/// Power of some functions in units of their noise, without the constants under the resonance:
+/// those of a least-squares fit of the pole with constant and slope.
 fn power_of(isolated: &Isolated, functions: Range<usize>, lambda: Complex64) -> Vec<f64> {
     let values = &isolated.values[functions.clone()];
     let fit = one_pole(isolated.omega, values, lambda, 3);
@@ -159,7 +163,8 @@ fn power_of(isolated: &Isolated, functions: Range<usize>, lambda: Complex64) -> 
     sum
 }
 
-/// Peak of the summed power of some functions, their constants and the pole found in turns; with its height.
+/// Peak of the summed power of some functions, their constants and the pole found in turns; with
+/// its height.
 fn fit_of(isolated: &Isolated, functions: Range<usize>) -> Option<(f64, HalfPower)> {
     let mut lambda = isolated.lambda;
     let mut result = None;

@@ -1,28 +1,32 @@
-//! Polyreference least-squares complex frequency domain estimator (the family of PolyMAX): poles and participation factors
-//! from a right matrix fraction in `z`.
+//! Polyreference least-squares complex frequency domain estimator (the family of PolyMAX): poles
+//! and participation factors from a right matrix fraction in `z`.
 //!
-//! The receptances of output o over all inputs are modelled as `H_o(z) = B_o(z) A(z)⁻¹`, `B_o = Σ b_oj z^j` (a row),
-//! `A = Σ A_j z^j` (a square matrix of the number of inputs, shared by all outputs), `z = e^{i(ω − ω_0)T}`. The equation error
-//! `w_o(k) [H_o(k) A(z_k) − B_o(z_k)]` is linear in all coefficients. Its normal equations hold
-//! `R_o = Σ w² z̄^i z^j`, `S_o = −Σ w² z̄^i z^j H_o`, `T_o = Σ w² z̄^i z^j H_o^H H_o`, all of Toeplitz structure, so that one
-//! transform of `w²`, `w² H` and, summed over all outputs first, `w² H^H H` gives them ([`transforms`](super::transforms)). The numerators are
-//! eliminated, `M = Σ_o (T_o − S_o^H R_o⁻¹ S_o)`, and
-//! with `A_0 = I` the other coefficients follow from a positive definite system. Numerators keep the highest order for all
-//! orders of the denominator, which makes the systems of lower orders leading blocks of the highest: one Cholesky factor serves
-//! them all.
+//! The receptances of output o over all inputs are modelled as `H_o(z) = B_o(z) A(z)⁻¹`, `B_o = Σ
+//! b_oj z^j` (a row), `A = Σ A_j z^j` (a square matrix of the number of inputs, shared by all
+//! outputs), `z = e^{i(ω − ω_0)T}`. The equation error `w_o(k) [H_o(k) A(z_k) − B_o(z_k)]` is
+//! linear in all coefficients. Its normal equations hold `R_o = Σ w² z̄^i z^j`, `S_o = −Σ w² z̄^i
+//! z^j H_o`, `T_o = Σ w² z̄^i z^j H_o^H H_o`, all of Toeplitz structure, so that one transform of
+//! `w²`, `w² H` and, summed over all outputs first, `w² H^H H` gives them
+//! ([`transforms`](super::transforms)). The numerators are eliminated, `M = Σ_o (T_o − S_o^H R_o⁻¹
+//! S_o)`, and with `A_0 = I` the other coefficients follow from a positive definite system.
+//! Numerators keep the highest order for all orders of the denominator, which makes the systems of
+//! lower orders leading blocks of the highest: one Cholesky factor serves them all.
 //!
-//! *Choices.* The coefficients are complex: a band of lines knows nothing of the conjugate poles, and of the poles of a complex
-//! denominator all lie in the band. The band takes [`ARC`] of the circle, so that its two ends are not neighbours and what lies
-//! outside the band can be followed by poles in the rest of the circle. With the *lowest* coefficient fixed the poles of noise
-//! come out unstable and those of modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 + ln(z)/T`: the shift is
-//! undone before a natural frequency is formed.
+//! *Choices.* The coefficients are complex: a band of lines knows nothing of the conjugate poles,
+//! and of the poles of a complex denominator all lie in the band. The band takes [`ARC`] of the
+//! circle, so that its two ends are not neighbours and what lies outside the band can be followed
+//! by poles in the rest of the circle. With the *lowest* coefficient fixed the poles of noise come
+//! out unstable and those of modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 +
+//! ln(z)/T`: the shift is undone before a natural frequency is formed.
 //!
-//! *Limit.* These are normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost. The estimate is not
-//! consistent (noise is on the regressors): it starts a refinement (`refine`), and as a method of its own says how far it is off (`multi`).
+//! *Limit.* These are normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost.
+//! The estimate is not consistent (noise is on the regressors): it starts a refinement (`refine`),
+//! and as a method of its own says how far it is off (`multi`).
 //!
-//! References: Guillaume, Verboven, Vanlanduit, Van der Auweraer and Peeters (2003), A poly-reference implementation of the
-//! least-squares complex frequency-domain estimator, IMAC 21; Cauberghe, Guillaume, Verboven, Vanlanduit and Parloo (2005), On
-//! the influence of the parameter constraint on the stability of the poles and the discrimination capabilities of the
+//! References: Guillaume, Verboven, Vanlanduit, Van der Auweraer and Peeters (2003), A
+//! poly-reference implementation of the least-squares complex frequency-domain estimator, IMAC 21;
+//! Cauberghe, Guillaume, Verboven, Vanlanduit and Parloo (2005), On the influence of the parameter
+//! constraint on the stability of the poles and the discrimination capabilities of the
 //! stabilisation diagrams, MSSP 19(5).
 
 use num_complex::Complex64;
@@ -37,8 +41,8 @@ use super::transforms::{Output, TOGETHER, Transforms};
 
 /// Share of the circle that the lines of the band take.
 const ARC: f64 = 0.8;
-/// What is added to the diagonals, relative to their mean, so that data without noise have a solution: rounding of sums at
-/// first, and no more than what the normal equations lose anyway.
+/// What is added to the diagonals, relative to their mean, so that data without noise have a
+/// solution: rounding of sums at first, and no more than what the normal equations lose anyway.
 const RIDGE: f64 = 1e-15;
 const MOST_RIDGE: f64 = 1e-9;
 
@@ -103,8 +107,9 @@ impl Lscf {
         Self::of_reduced(&sum, (m, order), (scale, of.plane))
     }
 
-    /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square matrices of the number of inputs, made
-    /// from numbers of a scale; its lower triangle is enough.
+    /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square
+    /// matrices of the number of inputs, made from numbers of a scale; its lower triangle is
+    /// enough.
     ///
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`].
@@ -161,7 +166,8 @@ impl Lscf {
         let right = linalg::complex_matrix(size, m, |i, j| self.right[(i, j)]);
         // Block j - 1 is A_j; A_0 = I.
         let a = linalg::solve_lower_adjoint(&block, &right);
-        // With A_0 = I the reversed polynomial is monic: its companion matrix has the eigenvalues 1/z.
+        // With A_0 = I the reversed polynomial is monic: its companion matrix has the eigenvalues
+        // 1/z.
         let companion = linalg::complex_matrix(size, size, |i, j| {
             if i < m {
                 // First block row: -A_1, ..., -A_n by blocks.
@@ -193,7 +199,8 @@ impl Lscf {
 }
 
 impl Plane {
-    /// The branch of the logarithm that puts the pole around the band: the gap of the circle is shared by both sides.
+    /// The branch of the logarithm that puts the pole around the band: the gap of the circle is
+    /// shared by both sides.
     fn unwrapped(&self, lambda: Complex64) -> Complex64 {
         let turn = std::f64::consts::TAU / self.step_s;
         let lowest = self.omega_0 - 0.5 * (1.0 - ARC) * turn;
@@ -208,7 +215,8 @@ impl Plane {
     }
 }
 
-/// Cholesky factor with the least ridge that gives one; `scale` is that of the numbers that the matrix was made from.
+/// Cholesky factor with the least ridge that gives one; `scale` is that of the numbers that the
+/// matrix was made from.
 fn factor(matrix: &ComplexMatrix, scale: f64) -> Result<ComplexMatrix, LinalgError> {
     let size = matrix.nrows();
     let mut ridge = RIDGE * size as f64;
@@ -224,7 +232,8 @@ fn factor(matrix: &ComplexMatrix, scale: f64) -> Result<ComplexMatrix, LinalgErr
     }
 }
 
-/// Participation factors of a pole: the left vector of `A(z)` for its smallest singular value, `Lᵀ A(z) = 0`.
+/// Participation factors of a pole: the left vector of `A(z)` for its smallest singular value, `Lᵀ
+/// A(z) = 0`.
 fn participation(
     a: &ComplexMatrix,
     (m, n): (usize, usize),

@@ -1,4 +1,5 @@
-//! Which roots of a fit are no modes of their own: what noise makes, what is not known, what cannot be told from another.
+//! Which roots of a fit are no modes of their own: what noise makes, what is not known, what cannot
+//! be told from another.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +19,8 @@ pub(super) const WIDEST: f64 = 0.5;
 const NARROWEST: f64 = 0.01;
 /// Deviation of a pole over its decay rate that is still a pole.
 pub(super) const KNOWN: f64 = 0.2;
-/// Distance to the maximum of the likelihood over the decay rate from which on a pole of a method is none of the data's.
+/// Distance to the maximum of the likelihood over the decay rate from which on a pole of a method
+/// is none of the data's.
 const MOST_OFFSET: f64 = 0.15;
 /// Deviations by which two roots must be apart.
 const TOLD_APART: f64 = 2.0;

@@ -73,7 +73,8 @@ fn shapes_of_one_pole_are_counted_down_to_the_least_share() {
 #[test]
 fn a_weak_shape_with_a_pole_of_its_own_is_no_repeated_root() {
     let none = |_: usize, _: usize| 0.0;
-    // Half a half-power width of 2 · 2 rad/s: too weak a second shape for the functions to disagree on the frequency.
+    // Half a half-power width of 2 · 2 rad/s: too weak a second shape for the functions to disagree
+    // on the frequency.
     for (widths, repeated) in [(0.5, false), (0.05, true)] {
         let apart = move |_: usize, _: usize| 4.0 * widths;
         let rest = values(&[(1.0, &none), (0.15, &apart)]);

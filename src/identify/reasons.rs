@@ -20,8 +20,9 @@ use super::standing::{Doubt, LEAST_SHARE, MOST_PHASE, Standing};
 
 /// Lines across a half-power band below which damping rests on the model alone.
 const FEWEST_LINES: f64 = 1.0;
-/// Standard deviation of the damping by narrower bands, in percent of it, above which it is reported: the limit for
-/// misfit. Larger: hammer recordings whose damping changes by 14 % from band to band are not reported.
+/// Standard deviation of the damping by narrower bands, in percent of it, above which it is
+/// reported: the limit for misfit. Larger: hammer recordings whose damping changes by 14 % from
+/// band to band are not reported.
 const MAX_BAND_DEVIATION_PERCENT: f64 = 10.0;
 /// A peak belongs to a mode within so many half-power widths, or lines.
 const AT_PEAK: f64 = 1.0;

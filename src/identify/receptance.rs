@@ -1,10 +1,11 @@
 //! The functions of a set inside a band, as receptances with the variance of every value.
 //!
-//! All functions are brought to one kind once, here, and the arguments of every estimator are checked here. A set may
-//! carry the decay rate `a` of an exponential window: its values were sampled at `s = iω + a`, so that mobility is
-//! `s X/F` and accelerance `s² X/F`. Dividing by the power of `s` leaves `X/F = Σ A/(iω − λ) + conj.` with
-//! `λ = λ_true − a`: an ordinary receptance whose poles carry the window's damping. Everything behind this file works
-//! on that and never meets `a` again.
+//! All functions are brought to one kind once, here, and the arguments of every estimator are
+//! checked here. A set may carry the decay rate `a` of an exponential window: its values were
+//! sampled at `s = iω + a`, so that mobility is `s X/F` and accelerance `s² X/F`. Dividing by the
+//! power of `s` leaves `X/F = Σ A/(iω − λ) + conj.` with `λ = λ_true − a`: an ordinary receptance
+//! whose poles carry the window's damping. Everything behind this file works on that and never
+//! meets `a` again.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
@@ -68,7 +69,8 @@ pub(super) struct Receptances {
     pub step: f64,
     /// What the records make of a pole.
     pub line_shape: LineShape,
-    /// Line shape of leakage that poles without it may have biased: of the stated window, or of one that none states.
+    /// Line shape of leakage that poles without it may have biased: of the stated window, or of one
+    /// that none states.
     pub leakage: Option<LineShape>,
     /// Values, m/N.
     pub values: Values,
@@ -92,7 +94,8 @@ pub(super) struct Receptances {
     told_from: ToldFrom,
     /// Least variance of each function, as measured.
     floors: Vec<f64>,
-    /// Magnitude of measured values over receptances, one vector per function: noise is even in what was measured.
+    /// Magnitude of measured values over receptances, one vector per function: noise is even in
+    /// what was measured.
     pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
@@ -100,8 +103,9 @@ impl Receptances {
     /// The functions of a set on the lines of a band, the line at 0 Hz left out.
     ///
     /// # Errors
-    /// [`IdentifyError::NoFunctions`], [`IdentifyError::BandOutside`], [`IdentifyError::TooFewLines`],
-    /// [`IdentifyError::OptionOutOfRange`] for an impossible added damping, [`IdentifyError::NotFinite`].
+    /// [`IdentifyError::NoFunctions`], [`IdentifyError::BandOutside`],
+    /// [`IdentifyError::TooFewLines`], [`IdentifyError::OptionOutOfRange`] for an impossible added
+    /// damping, [`IdentifyError::NotFinite`].
     pub fn new(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
         let lines = checked_lines(set, band)?;
         Self::on_lines(set, lines)
@@ -175,8 +179,9 @@ impl Receptances {
         Ok(data)
     }
 
-    /// No function is better known than [`RANGE`] of the strongest response: what is far below it (directions that symmetry keeps
-    /// still) is no response, whatever its own noise. The floor is even in what was measured, as noise is.
+    /// No function is better known than [`RANGE`] of the strongest response: what is far below it
+    /// (directions that symmetry keeps still) is no response, whatever its own noise. The floor is
+    /// even in what was measured, as noise is.
     fn raise_variances(&mut self) {
         let (floors, scales) = (&self.floors, &self.measured_scale);
         let raise = |(f, variance): (usize, &mut Vec<f64>)| {
@@ -289,7 +294,8 @@ impl Receptances {
     }
 }
 
-/// What turns measured values into receptances, line by line, and the magnitude of its inverse: for each order of derivative.
+/// What turns measured values into receptances, line by line, and the magnitude of its inverse: for
+/// each order of derivative.
 struct Scales(BTreeMap<i32, (Vec<Complex64>, Arc<Vec<f64>>)>);
 
 impl Scales {
@@ -379,8 +385,9 @@ pub(super) fn looked_at(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
     checked_lines(set, band).map_or(0..0, |lines| guarded(set, &lines))
 }
 
-/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser leaves them, or no number: between
-/// these and the first value lies no resonance. All lines where that leaves too few.
+/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser
+/// leaves them, or no number: between these and the first value lies no resonance. All lines where
+/// that leaves too few.
 fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
     let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
     let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
@@ -392,7 +399,8 @@ fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Rang
     }
 }
 
-/// Numbers of the functions with a value in a band that is no number, with the frequency of the first, Hz.
+/// Numbers of the functions with a value in a band that is no number, with the frequency of the
+/// first, Hz.
 pub(super) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
     let lines = without_blanks(set, lines);

@@ -1,10 +1,12 @@
-//! Maximum likelihood refinement of all roots of a band: blocks of roots in their windows, swept until nothing moves.
+//! Maximum likelihood refinement of all roots of a band: blocks of roots in their windows, swept
+//! until nothing moves.
 //!
-//! A root is fitted on the lines within [`REACH`] half-power widths: with constant and slope left free this costs a tenth of its
-//! information against a band without end (9.9 % for a pole alone in the middle; more where the data end within the window).
-//! Roots that overlap share a block. All others in the window have their shapes fitted with it, and poles too where their
-//! skirts matter; what lies outside is subtracted as it is known. Blocks are independent within a sweep, so that they run in
-//! parallel.
+//! A root is fitted on the lines within [`REACH`] half-power widths: with constant and slope left
+//! free this costs a tenth of its information against a band without end (9.9 % for a pole alone in
+//! the middle; more where the data end within the window). Roots that overlap share a block. All
+//! others in the window have their shapes fitted with it, and poles too where their skirts matter;
+//! what lies outside is subtracted as it is known. Blocks are independent within a sweep, so that
+//! they run in parallel.
 
 use std::ops::Range;
 
@@ -40,7 +42,8 @@ const SWEEPS: usize = 40;
 const STILL_BY_BOUND: f64 = 1e-2;
 /// The same while it is still open which roots stay.
 const COARSE: f64 = 0.1;
-/// Largest step that still counts, in decay rates and of participation factors: far below any bound, near rounding for data without noise.
+/// Largest step that still counts, in decay rates and of participation factors: far below any
+/// bound, near rounding for data without noise.
 const STILL: f64 = 1e-10;
 
 /// How far a refinement goes.
@@ -56,11 +59,11 @@ pub(super) enum Stop {
     Fine,
 }
 
-/// Moves all roots to the maximum of the likelihood and returns them in ascending frequency. `limits` is where they may lie,
-/// rad/s; what leaves them, or becomes unstable, is gone.
+/// Moves all roots to the maximum of the likelihood and returns them in ascending frequency.
+/// `limits` is where they may lie, rad/s; what leaves them, or becomes unstable, is gone.
 ///
-/// A block is fitted while one of its members moves; when none does, all are fitted once more, for what far roots changed. Windows are
-/// kept for the next refinement.
+/// A block is fitted while one of its members moves; when none does, all are fitted once more, for
+/// what far roots changed. Windows are kept for the next refinement.
 pub(super) fn refine(
     (data, sides): (&Receptances, &Sides),
     windows: &mut Vec<Window>,
@@ -95,7 +98,8 @@ pub(super) fn refine(
         } else {
             STEPS
         };
-        // What is far changes little from sweep to sweep, and the last look at all blocks has it anew.
+        // What is far changes little from sweep to sweep, and the last look at all blocks has it
+        // anew.
         if lost || !fresh && (whole || sweep == next) {
             beyond = Some(far.of_rest(&roots));
             next = 2 * sweep + 1;
@@ -121,7 +125,8 @@ pub(super) fn refine(
         let shown = |root: &Root| stop == Stop::Residues || shows(data, root);
         roots.retain(|root| stays(root, limits) && shown(root));
         if roots.len() < before {
-            // The residues of the others, and what is far, were fitted beside what is gone, which may have been large and wide.
+            // The residues of the others, and what is far, were fitted beside what is gone, which
+            // may have been large and wide.
             roots.iter_mut().for_each(Root::refresh);
             lost = true;
         }
@@ -177,8 +182,9 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
 }
 
-/// Whether a root lies among the lines or so near to them that they show its resonance. What is farther away the background follows, and
-/// the residue of such a root would be a difference of large numbers, of which every window has the skirt.
+/// Whether a root lies among the lines or so near to them that they show its resonance. What is
+/// farther away the background follows, and the residue of such a root would be a difference of
+/// large numbers, of which every window has the skirt.
 fn shows(data: &Receptances, root: &Root) -> bool {
     data.beyond(root.lambda.im) < AT_MOST_BEYOND * root.width()
 }
@@ -240,7 +246,8 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
     }
 }
 
-/// Cramér-Rao deviation of real and imaginary part of each unknown, poles in decay rates; infinite where it is not known.
+/// Cramér-Rao deviation of real and imaginary part of each unknown, poles in decay rates; infinite
+/// where it is not known.
 fn deviations(step: &Fitted) -> Vec<f64> {
     let inverse = (!step.unknowns.is_empty())
         .then(|| linalg::inverse_hermitian_raised(&step.information))

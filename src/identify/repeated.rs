@@ -1,33 +1,38 @@
 //! Repeated roots: how many independent shapes the residues of one pole show.
 //!
-//! Modes that share one pole λ leave `A = Σ_j ψ_j L_jᵀ` over responses × references: one pole in every function, and as
-//! many singular values above the noise as there are modes, responses or references, whichever is least. Around the
-//! mode every function is fitted with `b σ/(iω − λ)`, constant, slope and the derivative `d σ²/(iω − λ)²`, with σ the
-//! decay rate. `B = U S V^H` gives the number of shapes, `D` says whether they have one pole. The derivative keeps a
-//! frequency that moved between hits or sensors, `d = b δ/σ`, out of `B`, where it would look like a shape.
+//! Modes that share one pole λ leave `A = Σ_j ψ_j L_jᵀ` over responses × references: one pole in
+//! every function, and as many singular values above the noise as there are modes, responses or
+//! references, whichever is least. Around the mode every function is fitted with `b σ/(iω − λ)`,
+//! constant, slope and the derivative `d σ²/(iω − λ)²`, with σ the decay rate. `B = U S V^H` gives
+//! the number of shapes, `D` says whether they have one pole. The derivative keeps a frequency that
+//! moved between hits or sensors, `d = b δ/σ`, out of `B`, where it would look like a shape.
 //!
 //! *Rank.* A shape counts when its singular value is above
-//! - the noise. By Weyl's inequality no singular value beyond the true rank exceeds the norm of the noise matrix. For
-//!   independent circular noise of deviations `s_rk` this norm is below `max_r (Σ_k s²)^½ + max_k (Σ_r s²)^½ + t max s`
-//!   but for a probability `exp(−t²)`, whatever the rank: `t² = −ln p` with p false alarms per mode. The deviation of
-//!   `b` is that of the function times the gain of the least squares; that of the function comes from its variance
-//!   where the data brought it, else from what the fit leaves over;
-//! - a share of the first, because not all that is unlike the first shape is another mode: skirts of modes outside the
-//!   band leave up to 2 % (see `close`), and hits that were given anew for every group of sensors scatter by some per
-//!   cent in place and direction, which raises the second singular value by that scatter times `n^{-½} + k^{-½}`.
+//! - the noise. By Weyl's inequality no singular value beyond the true rank exceeds the norm of the
+//!   noise matrix. For independent circular noise of deviations `s_rk` this norm is below `max_r
+//!   (Σ_k s²)^½ + max_k (Σ_r s²)^½ + t max s` but for a probability `exp(−t²)`, whatever the rank:
+//!   `t² = −ln p` with p false alarms per mode. The deviation of `b` is that of the function times
+//!   the gain of the least squares; that of the function comes from its variance where the data
+//!   brought it, else from what the fit leaves over;
+//! - a share of the first, because not all that is unlike the first shape is another mode: skirts
+//!   of modes outside the band leave up to 2 % (see `close`), and hits that were given anew for
+//!   every group of sensors scatter by some per cent in place and direction, which raises the
+//!   second singular value by that scatter times `n^{-½} + k^{-½}`.
 //!
-//! *One pole.* Shapes whose poles differ by `δ_j` give `D = Σ_j ψ_j L_jᵀ δ_j/σ`, so that `U^H D V S^{-1}` has the
-//! eigenvalues `δ_j/σ`. Its largest singular value, the mean of its diagonal subtracted, bounds their spread in
-//! half-power widths; to first order in the shift, so that poles half a width apart show as 0.3 and those farther apart
-//! as no less. The root is a repeated one only if this bound, noise included, is small: shapes whose poles the
-//! noise does not let tell apart are close modes, not a repeated root.
+//! *One pole.* Shapes whose poles differ by `δ_j` give `D = Σ_j ψ_j L_jᵀ δ_j/σ`, so that `U^H D V
+//! S^{-1}` has the eigenvalues `δ_j/σ`. Its largest singular value, the mean of its diagonal
+//! subtracted, bounds their spread in half-power widths; to first order in the shift, so that poles
+//! half a width apart show as 0.3 and those farther apart as no less. The root is a repeated one
+//! only if this bound, noise included, is small: shapes whose poles the noise does not let tell
+//! apart are close modes, not a repeated root.
 //!
-//! Only a set with every pair of its responses and references is judged; in others, as with one reference or one
-//! response, a repeated root gives one mode.
+//! Only a set with every pair of its responses and references is judged; in others, as with one
+//! reference or one response, a repeated root gives one mode.
 //!
-//! References: Shih, Tsuei, Allemang and Brown (1988), Mechanical Systems and Signal Processing 2(4), for the rank;
-//! Davidson and Szarek (2001), Handbook of the Geometry of Banach Spaces 1, theorem II.13, and Bandeira and van Handel
-//! (2016), Annals of Probability 44(4), theorem 3.1, for the norm of the noise.
+//! References: Shih, Tsuei, Allemang and Brown (1988), Mechanical Systems and Signal Processing
+//! 2(4), for the rank; Davidson and Szarek (2001), Handbook of the Geometry of Banach Spaces 1,
+//! theorem II.13, and Bandeira and van Handel (2016), Annals of Probability 44(4), theorem 3.1, for
+//! the norm of the noise.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -86,7 +91,8 @@ impl PairTable {
 pub(super) enum Judgement {
     /// So many shapes with one pole; 1 for a single mode.
     OnePole(usize),
-    /// Several shapes whose poles are not known to be one: bound of their spread in half-power widths.
+    /// Several shapes whose poles are not known to be one: bound of their spread in half-power
+    /// widths.
     Apart(Excess),
 }
 
@@ -176,8 +182,8 @@ fn fit(around: &Surroundings) -> Fit {
     }
 }
 
-/// Variance of the first coefficient for noise of variance 1: one over the squared norm of what the other columns leave
-/// of its column.
+/// Variance of the first coefficient for noise of variance 1: one over the squared norm of what the
+/// other columns leave of its column.
 fn gain(columns: &ComplexMatrix) -> f64 {
     let lines = columns.nrows();
     let own = linalg::complex_matrix(lines, 1, |i, _| columns[(i, 0)]);

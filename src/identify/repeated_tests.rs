@@ -1,4 +1,5 @@
-//! Repeated roots: all modes of one root from several references, and never one where there is none.
+//! Repeated roots: all modes of one root from several references, and never one where there is
+//! none.
 
 use std::f64::consts::PI;
 
@@ -67,7 +68,8 @@ fn columns(rows: usize, shapes: &[Vec<Complex64>]) -> ComplexMatrix {
     linalg::complex_matrix(rows, shapes.len(), |i, j| shapes[j][i])
 }
 
-/// Sine of the largest principal angle of two spaces: the norm of what one's orthonormal basis has outside the other.
+/// Sine of the largest principal angle of two spaces: the norm of what one's orthonormal basis has
+/// outside the other.
 fn largest_angle(a: &[Vec<Complex64>], b: &[Vec<Complex64>]) -> f64 {
     let rows = a[0].len();
     let basis = |shapes| {
@@ -98,7 +100,8 @@ fn true_shapes(structure: &Structure, mode: &Mode) -> Vec<Vec<Complex64>> {
     root.map(|(_, _, shape)| at(shape)).collect()
 }
 
-/// The modes of the root: as many as stated, one group, one pole; the two single modes have no group.
+/// The modes of the root: as many as stated, one group, one pole; the two single modes have no
+/// group.
 fn root(model: &ModalModel, multiplicity: usize) -> Vec<&Mode> {
     assert_eq!(model.modes.len(), multiplicity + 2, "{:?}", model.findings);
     let root: Vec<&Mode> = model.modes[1..=multiplicity].iter().collect();

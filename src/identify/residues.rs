@@ -1,11 +1,12 @@
 //! Residues of known poles, by linear least squares around each mode.
 //!
-//! Around mode `j` the receptance of one function is
-//! `A_j/(iω − λ_j) + Σ_near A_i/(iω − λ_i) + c_0 + c_1 (ω − ω_j)` plus what the farther poles and all conjugates put
-//! there. Constant and slope are the local form of the mass line and the stiffness line, the modes below and above the
-//! band; the coefficients are complex, so that nothing is assumed of the modes. Near poles, whose skirts the two terms
-//! cannot follow, are solved for together; farther ones and the conjugates are subtracted with the residues of the
-//! round before (Jacobi). All functions share one matrix, so that one QR serves them all.
+//! Around mode `j` the receptance of one function is `A_j/(iω − λ_j) + Σ_near A_i/(iω − λ_i) +
+//! c_0 + c_1 (ω − ω_j)` plus what the farther poles and all conjugates put there. Constant and
+//! slope are the local form of the mass line and the stiffness line, the modes below and above the
+//! band; the coefficients are complex, so that nothing is assumed of the modes. Near poles, whose
+//! skirts the two terms cannot follow, are solved for together; farther ones and the conjugates are
+//! subtracted with the residues of the round before (Jacobi). All functions share one matrix, so
+//! that one QR serves them all.
 
 use std::ops::Range;
 
@@ -63,10 +64,11 @@ fn around_one_mode(
         .collect()
 }
 
-/// Residues of one mode by function where every function has a frequency of its own near that of `λ`, for functions
-/// that were measured one after the other while the frequency drifted (temperature, a moved sensor): the column
-/// `1/(iω − λ)²` tells the shift (Gauss-Newton), then the residue is solved for at the shifted pole. The decay rate
-/// stays common: the height of a resonance is known far better than its width.
+/// Residues of one mode by function where every function has a frequency of its own near that of
+/// `λ`, for functions that were measured one after the other while the frequency drifted
+/// (temperature, a moved sensor): the column `1/(iω − λ)²` tells the shift (Gauss-Newton), then the
+/// residue is solved for at the shifted pole. The decay rate stays common: the height of a
+/// resonance is known far better than its width.
 pub(super) fn with_own_frequencies(
     data: &Receptances,
     lambda: Complex64,
@@ -89,8 +91,8 @@ pub(super) fn with_own_frequencies(
     rest.iter().map(of_one).collect()
 }
 
-/// Coefficients of `|σ|/(iω − λ)`, constant, slope and, as the fourth of `count`, `σ²/(iω − λ)²`; a column for every
-/// function.
+/// Coefficients of `|σ|/(iω − λ)`, constant, slope and, as the fourth of `count`, `σ²/(iω − λ)²`; a
+/// column for every function.
 pub(super) fn one_pole(
     omega: &[f64],
     values: &[Vec<Complex64>],
@@ -133,8 +135,8 @@ fn near(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
     near
 }
 
-/// The values of all functions on some lines without the conjugate terms of any mode and without the terms of all
-/// modes but the kept ones.
+/// The values of all functions on some lines without the conjugate terms of any mode and without
+/// the terms of all modes but the kept ones.
 pub(super) fn remainder(
     data: &Receptances,
     poles: &[Complex64],

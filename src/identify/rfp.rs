@@ -1,24 +1,30 @@
-//! Rational fraction polynomials with orthogonal bases: poles of the lines around every peak, from one denominator that all functions
-//! share.
+//! Rational fraction polynomials with orthogonal bases: poles of the lines around every peak, from
+//! one denominator that all functions share.
 //!
-//! On the lines around a peak, `x = (ω − ω_c)/r ∈ [−1, 1]`, every receptance is `H_f = N_f(x)/D(x)`. Both polynomials are
-//! sums of orthonormal ones: the numerators' under the weight of the equations, the denominator's under that which the noise gets in
-//! them, so that powers of frequency and their conditioning never appear. The equation error `w_f (H_f D − N_f)` is projected
-//! on what the numerators cannot explain; a QR of all functions leaves a triangle `R`, and `D` is the right singular vector of its
-//! smallest singular value. In this basis the noise of all coefficients is white, but for the share that the numerators' projection
-//! takes out of it, which falls as lines per unknown grow: it is the generalised total least squares estimate in that limit, consistent
-//! there, where least squares with one coefficient fixed is not. Lower orders are leading blocks of `R`.
+//! On the lines around a peak, `x = (ω − ω_c)/r ∈ [−1, 1]`, every receptance is `H_f =
+//! N_f(x)/D(x)`. Both polynomials are sums of orthonormal ones: the numerators' under the weight of
+//! the equations, the denominator's under that which the noise gets in them, so that powers of
+//! frequency and their conditioning never appear. The equation error `w_f (H_f D − N_f)` is
+//! projected on what the numerators cannot explain; a QR of all functions leaves a triangle `R`,
+//! and `D` is the right singular vector of its smallest singular value. In this basis the noise of
+//! all coefficients is white, but for the share that the numerators' projection takes out of it,
+//! which falls as lines per unknown grow: it is the generalised total least squares estimate in
+//! that limit, consistent there, where least squares with one coefficient fixed is not. Lower
+//! orders are leading blocks of `R`.
 //!
-//! Modes and conjugates outside the lines are followed by numerators of [`EXTRA`] degrees more than the denominator and by its own
-//! roots outside. The numerators keep their degree for all orders. The roots are the eigenvalues of the Hessenberg matrix of the basis
-//! with its last row changed (comrade matrix); `λ = i(ω_c + r x)`: nothing is shifted and nothing approximated between `x` and `s`, so
-//! that without noise the poles come back to rounding.
+//! Modes and conjugates outside the lines are followed by numerators of [`EXTRA`] degrees more than
+//! the denominator and by its own roots outside. The numerators keep their degree for all orders.
+//! The roots are the eigenvalues of the Hessenberg matrix of the basis with its last row changed
+//! (comrade matrix); `λ = i(ω_c + r x)`: nothing is shifted and nothing approximated between `x`
+//! and `s`, so that without noise the poles come back to rounding.
 //!
-//! Once poles are known, lines are weighted by one over their product, which is what a denominator makes of the noise of its line.
+//! Once poles are known, lines are weighted by one over their product, which is what a denominator
+//! makes of the noise of its line.
 //!
-//! References: Richardson and Formenti (1982), Parameter estimation from frequency response measurements using rational fraction
-//! polynomials, IMAC 1; Forsythe (1957), J. SIAM 5(2); Van Huffel and Vandewalle (1991), The Total Least Squares Problem;
-//! Sanathanan and Koerner (1963), IEEE Trans. Automatic Control 8(1); Brubeck, Nakatsukasa and Trefethen (2021), Vandermonde with
+//! References: Richardson and Formenti (1982), Parameter estimation from frequency response
+//! measurements using rational fraction polynomials, IMAC 1; Forsythe (1957), J. SIAM 5(2); Van
+//! Huffel and Vandewalle (1991), The Total Least Squares Problem; Sanathanan and Koerner (1963),
+//! IEEE Trans. Automatic Control 8(1); Brubeck, Nakatsukasa and Trefethen (2021), Vandermonde with
 //! Arnoldi, SIAM Review 63(2).
 
 use std::ops::Range;
@@ -226,7 +232,8 @@ struct OrthogonalBasis {
 }
 
 impl OrthogonalBasis {
-    /// Up to a degree, for points and roots of their weights: Arnoldi's process with two projections.
+    /// Up to a degree, for points and roots of their weights: Arnoldi's process with two
+    /// projections.
     fn new(x: &[f64], root_weight: &[f64], degree: usize) -> Self {
         let mut columns = vec![normalised(root_weight.to_vec()).0];
         let mut recurrence = Vec::with_capacity(degree);
@@ -260,7 +267,8 @@ impl OrthogonalBasis {
         if order == 0 || leading.norm() <= LEADING * largest {
             return Ok(Vec::new());
         }
-        // Row j says what x φ_j is; φ_n is minus the others over its coefficient where the sum vanishes.
+        // Row j says what x φ_j is; φ_n is minus the others over its coefficient where the sum
+        // vanishes.
         let comrade = linalg::complex_matrix(order, order, |j, i| {
             let own = self.recurrence[j].get(i).copied().unwrap_or(0.0);
             let over = if j + 1 == order {

@@ -2,10 +2,12 @@
 
 use num_complex::Complex64;
 
-/// Residues are found so often before a pole moves: neighbours that lean on each other know each other's by then.
+/// Residues are found so often before a pole moves: neighbours that lean on each other know each
+/// other's by then.
 const FRESH: u8 = 2;
 
-/// Damping ratio from which on a pole is no resonance any more: what it would explain is background.
+/// Damping ratio from which on a pole is no resonance any more: what it would explain is
+/// background.
 const MOST_DAMPING: f64 = 0.3;
 /// Damping ratio that no step of a fit exceeds: wide roots overlap all others and take their place.
 const LARGEST_DAMPING: f64 = 0.5;
@@ -17,14 +19,15 @@ const OUTGROWN: f64 = 2.0;
 pub(super) struct Root {
     /// λ as in the data, rad/s.
     pub lambda: Complex64,
-    /// Participation factors of each of its modes: one value per input, 1 at the mode's own pivot and 0 at the pivots of the
-    /// others.
+    /// Participation factors of each of its modes: one value per input, 1 at the mode's own pivot
+    /// and 0 at the pivots of the others.
     pub parts: Vec<Vec<Complex64>>,
     /// Input that is 1 for each mode.
     pub pivots: Vec<usize>,
     /// Residue of each function, m/(N s).
     pub residues: Vec<Complex64>,
-    /// `E|δA|²` of each in white noise but for a factor that all have in common, m²/(N s)²; empty for a root that was not fitted yet.
+    /// `E|δA|²` of each in white noise but for a factor that all have in common, m²/(N s)²; empty
+    /// for a root that was not fitted yet.
     pub residue_variances: Vec<f64>,
     /// How well it is known.
     pub quality: Quality,
@@ -32,31 +35,37 @@ pub(super) struct Root {
     pub progress: Progress,
     /// Whether something speaks against its being a mode.
     pub suspect: bool,
-    /// Whether it describes the amplitude dependence of another ([`companions`](super::companions)) and is no mode.
+    /// Whether it describes the amplitude dependence of another ([`companions`](super::companions))
+    /// and is no mode.
     pub is_companion: bool,
-    /// Number that it shares with the root beside it from which it was told by what one alone leaves over.
+    /// Number that it shares with the root beside it from which it was told by what one alone
+    /// leaves over.
     pub pair: Option<u32>,
 }
 
 /// What a fit says of one root besides its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quality {
-    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s, in noise that is white over the lines and every function's own.
+    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s, in noise that is white over
+    /// the lines and every function's own.
     pub pole_bound: f64,
     /// The same in the noise that there is.
     pub pole_std: f64,
-    /// From the pole to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for one that stays where it was put.
+    /// From the pole to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for
+    /// one that stays where it was put.
     pub offset: Complex64,
-    /// Error that what lies outside the lines leaves in λ as far as the data tell, rad/s; `None` where anything may lie there.
+    /// Error that what lies outside the lines leaves in λ as far as the data tell, rad/s; `None`
+    /// where anything may lie there.
     pub bias: Option<Complex64>,
-    /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending: chi-squared of two degrees of freedom per
-    /// output where there is no mode.
+    /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending:
+    /// chi-squared of two degrees of freedom per output where there is no mode.
     pub strengths: Vec<f64>,
     /// Participation factors of these combinations.
     pub combinations: Vec<Vec<Complex64>>,
     /// The largest of one output.
     pub largest: f64,
-    /// Factor by which noise that hangs together over the lines, or that functions share, raises both where there is no mode.
+    /// Factor by which noise that hangs together over the lines, or that functions share, raises
+    /// both where there is no mode.
     pub by_lines: f64,
 }
 
@@ -83,7 +92,8 @@ impl Quality {
         by_lines: 1.0,
     };
 
-    /// How far λ may be from where it belongs, rad/s: what noise does, and how far it was left from its place.
+    /// How far λ may be from where it belongs, rad/s: what noise does, and how far it was left from
+    /// its place.
     pub fn pole_error(&self) -> f64 {
         self.pole_std.hypot(self.offset.norm())
     }
@@ -164,7 +174,8 @@ impl Root {
         (0..self.parts[0].len()).filter(|input| !self.pivots.contains(input))
     }
 
-    /// Takes in the modes of another root: a basis of all participation factors with 1 at pivots of its own.
+    /// Takes in the modes of another root: a basis of all participation factors with 1 at pivots of
+    /// its own.
     pub fn join(&mut self, parts: Vec<Vec<Complex64>>) {
         self.parts.extend(parts);
         self.residues.fill(Complex64::ZERO);
@@ -177,7 +188,8 @@ impl Root {
         self.progress = Progress::Fresh(FRESH);
     }
 
-    /// Keeps so many of its modes: the strongest combinations or, where these are not known, the first.
+    /// Keeps so many of its modes: the strongest combinations or, where these are not known, the
+    /// first.
     pub fn keep_strongest(&mut self, count: usize) {
         let mut parts = std::mem::take(&mut self.parts);
         let known = &mut self.quality.combinations;
@@ -197,8 +209,8 @@ impl Root {
         }
     }
 
-    /// Gauss-Jordan elimination with full pivoting: each part 1 at its pivot and 0 at those of the others; parts without
-    /// anything of their own go.
+    /// Gauss-Jordan elimination with full pivoting: each part 1 at its pivot and 0 at those of the
+    /// others; parts without anything of their own go.
     fn reduce(&mut self) {
         let inputs = self.parts[0].len();
         self.pivots.clear();

@@ -1,5 +1,6 @@
-//! Close modes each of which responds in runs of its own: parts of a structure, or one mode that moved from run to run. The functions do not
-//! tell which. Directions at one point are one run here: bending in two planes is no such case.
+//! Close modes each of which responds in runs of its own: parts of a structure, or one mode that
+//! moved from run to run. The functions do not tell which. Directions at one point are one run
+//! here: bending in two planes is no such case.
 
 use std::collections::BTreeMap;
 

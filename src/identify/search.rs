@@ -1,22 +1,26 @@
 //! The search for resonances: local maxima of the indicator that are peaks, not noise.
 //!
 //! A maximum becomes a peak when
-//! 1. it is the highest point within its own half-power band: going outwards, the power falls to half before it rises
-//!    above the maximum, at least on one side; on the other side the band may end, or a higher line may come, but only
-//!    farther away;
-//! 2. it stands above the noise. With the functions whitened by their variances, the deviation of the vector of all `n`
-//!    functions at the maximum from the straight line between its two flank lines has, where there is only noise on a
-//!    smooth background, a power that is chi-squared with `2n` degrees of freedom. The limit is its quantile at
-//!    `1 − p/N` for the stated false-alarm probability `p` in the whole band of `N` lines (Bonferroni). This holds on
-//!    any straight background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not pass. Where a
-//!    higher line ends one flank, the dip before it must be deeper than noise makes it as well: on a background that
-//!    bends, as at an antiresonance, a wiggle's flank lines are far from it and off any straight line;
-//! 3. it is stable: the values run clockwise with frequency, which is what a pole with positive damping does.
+//! 1. it is the highest point within its own half-power band: going outwards, the power falls to
+//!    half before it rises above the maximum, at least on one side; on the other side the band may
+//!    end, or a higher line may come, but only farther away;
+//! 2. it stands above the noise. With the functions whitened by their variances, the deviation of
+//!    the vector of all `n` functions at the maximum from the straight line between its two flank
+//!    lines has, where there is only noise on a smooth background, a power that is chi-squared with
+//!    `2n` degrees of freedom. The limit is its quantile at `1 − p/N` for the stated false-alarm
+//!    probability `p` in the whole band of `N` lines (Bonferroni). This holds on any straight
+//!    background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not
+//!    pass. Where a higher line ends one flank, the dip before it must be deeper than noise makes
+//!    it as well: on a background that bends, as at an antiresonance, a wiggle's flank lines are
+//!    far from it and off any straight line;
+//! 3. it is stable: the values run clockwise with frequency, which is what a pole with positive
+//!    damping does.
 //!
-//! A peak must also be fitted later by the method, or turn as a resonance does between its half-power points ([`drop_humps`]).
+//! A peak must also be fitted later by the method, or turn as a resonance does between its
+//! half-power points ([`drop_humps`]).
 //!
-//! A maximum that stands above the noise and fails one of the others is dropped with a finding; noise is dropped without a
-//! word.
+//! A maximum that stands above the noise and fails one of the others is dropped with a finding;
+//! noise is dropped without a word.
 
 use std::f64::consts::TAU;
 
@@ -26,8 +30,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::indicator::Indicator;
 use super::receptance::Receptances;
 
-/// Least part of a resonance's turn between its half-power points: noise or a neighbour may take most of it away. Before an
-/// antiresonance the values turn the other way.
+/// Least part of a resonance's turn between its half-power points: noise or a neighbour may take
+/// most of it away. Before an antiresonance the values turn the other way.
 pub(super) const LEAST_TURN: f64 = 0.2;
 
 /// Where the search outwards from a maximum ends.
@@ -81,7 +85,8 @@ pub(super) struct Peak {
 /// Why a maximum above the noise is not a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Drop {
-    /// A higher line inside the half-power band: power at the maximum over power in the valley, at least 2 expected.
+    /// A higher line inside the half-power band: power at the maximum over power in the valley, at
+    /// least 2 expected.
     NotHighest(f64),
     /// Not fitted, and turning less than [`LEAST_TURN`] of what a resonance turns.
     NotTurning(f64),
@@ -117,8 +122,9 @@ pub(super) fn search(data: &Receptances, indicator: &Indicator, false_alarm: f64
     found
 }
 
-/// Drops the peaks in which no resonance could be fitted and whose values do not turn as around one: humps of the background,
-/// such as that between a minimum and an antiresonance. Says whether there were any.
+/// Drops the peaks in which no resonance could be fitted and whose values do not turn as around
+/// one: humps of the background, such as that between a minimum and an antiresonance. Says whether
+/// there were any.
 pub(super) fn drop_humps(
     found: &mut Found,
     (data, indicator): (&Receptances, &Indicator),
@@ -138,8 +144,8 @@ pub(super) fn drop_humps(
     found.peaks.len() < before
 }
 
-/// Clockwise angle between the half-power points that there are, or between one and the top, as a part of what it is for a
-/// resonance: 45 degrees on either side.
+/// Clockwise angle between the half-power points that there are, or between one and the top, as a
+/// part of what it is for a resonance: 45 degrees on either side.
 fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let foot = |flank: Flank| match flank {
         Flank::Half(line) => (line, 1.0),
@@ -197,8 +203,9 @@ fn left_share(peak: &Peak) -> f64 {
     (right - peak.line) as f64 / (right - left) as f64
 }
 
-/// Squared deviation from the line between the feet in units of its noise, summed over functions; chi-squared with
-/// two degrees of freedom for every function when there is only noise on a straight line.
+/// Squared deviation from the line between the feet in units of its noise, summed over functions;
+/// chi-squared with two degrees of freedom for every function when there is only noise on a
+/// straight line.
 fn deviation(data: &Receptances, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let share = left_share(peak);
@@ -220,14 +227,15 @@ fn valley(peak: &Peak) -> Option<usize> {
         })
 }
 
-/// Whether the dip before a higher line is more than noise; without a higher line there is none to judge.
+/// Whether the dip before a higher line is more than noise; without a higher line there is none to
+/// judge.
 fn above_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
     valley(peak).is_none() || dip(data, indicator, peak) > limit
 }
 
-/// Squared difference of the root of the indicator at the maximum and in the valley before the higher line, in units of
-/// its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the values turn as well, which is no peak: only the
-/// magnitude counts here.
+/// Squared difference of the root of the indicator at the maximum and in the valley before the
+/// higher line, in units of its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the values
+/// turn as well, which is no peak: only the magnitude counts here.
 fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let Some(valley) = valley(peak) else {
         return 0.0;
@@ -263,8 +271,9 @@ fn highest_in_its_band(peak: &Peak) -> bool {
     }
 }
 
-/// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of their squared sides at the
-/// maximum; positive for positive damping, whatever constant lies under the resonance.
+/// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of their
+/// squared sides at the maximum; positive for positive damping, whatever constant lies under the
+/// resonance.
 fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
@@ -276,8 +285,9 @@ fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     if sides > 0.0 { area / sides } else { 0.0 }
 }
 
-/// First estimate of a pole, rad/s, from the lines of the indicator around its peak: top by a parabola, decay rate from
-/// the nearer half-power point; looking no farther than the valleys to the neighbouring maxima.
+/// First estimate of a pole, rad/s, from the lines of the indicator around its peak: top by a
+/// parabola, decay rate from the nearer half-power point; looking no farther than the valleys to
+/// the neighbouring maxima.
 pub(super) fn first_pole(
     data: &Receptances,
     indicator: &Indicator,

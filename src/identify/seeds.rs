@@ -1,6 +1,8 @@
-//! Poles of the polyreference LSCF over rising orders: the seeds of the maximum likelihood fit, and the `lscf` method's own.
+//! Poles of the polyreference LSCF over rising orders: the seeds of the maximum likelihood fit, and
+//! the `lscf` method's own.
 //!
-//! Low modes of a wide band lie close together on its scale: its lower quarter has an estimate of its own, and a quarter of that.
+//! Low modes of a wide band lie close together on its scale: its lower quarter has an estimate of
+//! its own, and a quarter of that.
 
 use std::ops::Range;
 
@@ -20,8 +22,8 @@ const POLES_PER_PEAK: usize = 5;
 const POLES_BEYOND: usize = 30;
 /// Bounds of their number.
 const POLES: Range<usize> = 36..160;
-/// A band whose ends differ by this factor has its lower part looked at by itself: so much of its lines, if these are enough, and so
-/// much more of what lies beside the seam.
+/// A band whose ends differ by this factor has its lower part looked at by itself: so much of its
+/// lines, if these are enough, and so much more of what lies beside the seam.
 const WIDE: f64 = 8.0;
 const PART: usize = 4;
 const FEWEST_LINES: usize = 100;
@@ -75,7 +77,8 @@ pub(super) fn highest_order(
     }
 }
 
-/// Estimates from all lines and, in a wide band, from its lower part, and from the lower part of that.
+/// Estimates from all lines and, in a wide band, from its lower part, and from the lower part of
+/// that.
 pub(super) fn split(
     data: &Receptances,
     tables_below: impl Fn(usize) -> Result<Vec<Table>, IdentifyError>,

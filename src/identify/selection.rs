@@ -1,4 +1,5 @@
-//! From candidates to modes: the references that were asked for, poles without the window's damping, shapes.
+//! From candidates to modes: the references that were asked for, poles without the window's
+//! damping, shapes.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -39,11 +40,13 @@ pub(super) struct Chosen<'a> {
     pub findings: Vec<Finding>,
 }
 
-/// The functions of the references that the options name, and the band: that of the options, else the set's valid band, else its axis;
-/// as far as there are lines. Lines without any value and spikes are replaced by what their neighbours say ([`spikes`]).
+/// The functions of the references that the options name, and the band: that of the options, else
+/// the set's valid band, else its axis; as far as there are lines. Lines without any value and
+/// spikes are replaced by what their neighbours say ([`spikes`]).
 ///
 /// # Errors
-/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`] for an axis without any band.
+/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`]
+/// for an axis without any band.
 pub(super) fn chosen<'a>(
     set: &'a FrfSet,
     options: &IdentifyOptions,
@@ -96,7 +99,8 @@ pub(super) fn chosen<'a>(
     })
 }
 
-/// A band without what lies beyond the lines by half a step or more, and what was cut off; one beside the lines, or none, stays as it is.
+/// A band without what lies beyond the lines by half a step or more, and what was cut off; one
+/// beside the lines, or none, stays as it is.
 fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let inside = |whole: &Band| {
         let lo_hz = band.lo_hz.max(whole.lo_hz);
@@ -204,8 +208,8 @@ pub(super) fn modal_model(
     })
 }
 
-/// Half-power width over the mean distance to the roots on either side, of every mode with a neighbour: 1 and more where resonances
-/// run into each other.
+/// Half-power width over the mean distance to the roots on either side, of every mode with a
+/// neighbour: 1 and more where resonances run into each other.
 fn put_overlap(roots: &mut [Vec<Mode>]) {
     let hz: Vec<f64> = roots.iter().map(|modes| modes[0].frequency_hz).collect();
     for (j, modes) in roots.iter_mut().enumerate() {

@@ -1,9 +1,11 @@
-//! How many modes share a pole, before any participation factor is fitted: from residues of every function by itself.
+//! How many modes share a pole, before any participation factor is fitted: from residues of every
+//! function by itself.
 //!
-//! The normal equations of many references give a root of many modes as fewer poles than it has. With every function an output of its
-//! own, a root of any multiplicity is one pole: its residues, outputs × inputs over their noise, have as many singular values above
-//! those of noise as modes share it, and its right singular vectors are the participation factors (the CMIF of Shih et al. 1988, at a
-//! pole instead of a line).
+//! The normal equations of many references give a root of many modes as fewer poles than it has.
+//! With every function an output of its own, a root of any multiplicity is one pole: its residues,
+//! outputs × inputs over their noise, have as many singular values above those of noise as modes
+//! share it, and its right singular vectors are the participation factors (the CMIF of Shih et al.
+//! 1988, at a pole instead of a line).
 
 use num_complex::Complex64;
 
@@ -16,7 +18,8 @@ use super::significance::norm_of_uneven_noise;
 use super::standing::{MOST_MISFIT, Standing};
 use super::strength::Strength;
 
-/// Modes of one root are at least this strong, relative to the strongest: what a single pole leaves over is weaker.
+/// Modes of one root are at least this strong, relative to the strongest: what a single pole leaves
+/// over is weaker.
 const WEAKEST: f64 = 0.03;
 /// Roots within so many decay rates of a pole are its modes.
 const OWN: f64 = 1.0;
@@ -35,9 +38,9 @@ pub(super) fn alone(roots: &[Root]) -> Vec<Root> {
     poles.iter().map(root).collect()
 }
 
-/// The roots with those replaced that share a pole with more modes than they have between them, or are its only one, and with the modes
-/// of poles that have no root: `free` are the poles with residues of each function by itself. Poles at which these miss the data
-/// say nothing.
+/// The roots with those replaced that share a pole with more modes than they have between them, or
+/// are its only one, and with the modes of poles that have no root: `free` are the poles with
+/// residues of each function by itself. Poles at which these miss the data say nothing.
 pub(super) fn completed(
     (data, sides): (&Receptances, &Sides),
     roots: Vec<Root>,
@@ -73,7 +76,8 @@ pub(super) fn completed(
     completed
 }
 
-/// One mode at a pole, with the participation factors of its strongest part, whatever noise could make of it.
+/// One mode at a pole, with the participation factors of its strongest part, whatever noise could
+/// make of it.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`].
@@ -143,7 +147,8 @@ fn parts_above_noise(
         .collect()
 }
 
-/// Those independent combinations of parts that are not far weaker than the strongest, by their strengths over all outputs.
+/// Those independent combinations of parts that are not far weaker than the strongest, by their
+/// strengths over all outputs.
 fn independent(
     residues: &ComplexMatrix,
     deviations: &RealMatrix,
@@ -179,7 +184,8 @@ fn independent(
     kept
 }
 
-/// Factors of outputs and of inputs whose products are nearest to values by output and input, in the mean of logarithms.
+/// Factors of outputs and of inputs whose products are nearest to values by output and input, in
+/// the mean of logarithms.
 ///
 /// What is divided by them keeps its rank, which what is divided by each value of its own does not.
 fn separate(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
@@ -213,7 +219,8 @@ mod tests {
         })
     }
 
-    /// Noise that is no product of an output's and an input's, a hundred times more at one function.
+    /// Noise that is no product of an output's and an input's, a hundred times more at one
+    /// function.
     fn deviations(size: f64) -> RealMatrix {
         linalg::real_matrix(OUTPUTS, INPUTS, |o, i| {
             size * match (o, i) {

@@ -1,20 +1,22 @@
-//! Shapes from residues: `A_rk = ψ_r L_k`, as a vector over responses or over references, scaled where possible.
+//! Shapes from residues: `A_rk = ψ_r L_k`, as a vector over responses or over references, scaled
+//! where possible.
 //!
-//! By reciprocity `A_rk = φ_r φ_k/(2iω_d m)` for a mode with a nearly real shape, so that the residues of one mode are
-//! a matrix of rank one over responses × references. The side with more degrees of freedom carries the shape: the
-//! responses of a fixed hammer with many sensors, the references of a roving hammer with one sensor (ties go to the
-//! responses). The column with most functions, the strongest of them, begins; every other one that shares a degree of
-//! freedom with it is brought to it by its modal scale factor and the shape is their least-squares mean; missing pairs
-//! are no obstacle.
-//! A column that shares nothing is left out.
+//! By reciprocity `A_rk = φ_r φ_k/(2iω_d m)` for a mode with a nearly real shape, so that the
+//! residues of one mode are a matrix of rank one over responses × references. The side with more
+//! degrees of freedom carries the shape: the responses of a fixed hammer with many sensors, the
+//! references of a roving hammer with one sensor (ties go to the responses). The column with most
+//! functions, the strongest of them, begins; every other one that shares a degree of freedom with
+//! it is brought to it by its modal scale factor and the shape is their least-squares mean; missing
+//! pairs are no obstacle. A column that shares nothing is left out.
 //!
-//! Values stay at the degree of freedom *as labelled*: `3:-Z` keeps its key and its sign, whether it labels a sensor or
-//! a hit.
+//! Values stay at the degree of freedom *as labelled*: `3:-Z` keeps its key and its sign, whether
+//! it labels a sensor or a hit.
 //!
-//! *Scale.* Where a function's response and reference are the same point and axis (a driving point, signs `s_r s_k`
-//! free), `φ_r² = 2iω_d m s_r s_k A_rk` gives unit modal mass with `m = 1 kg`, provided that this square has a phase
-//! within 20° of zero, so that the mode is as real as the formula assumes. Without such a function, or with another
-//! phase, nothing is known of the mass and the largest component is made 1.
+//! *Scale.* Where a function's response and reference are the same point and axis (a driving point,
+//! signs `s_r s_k` free), `φ_r² = 2iω_d m s_r s_k A_rk` gives unit modal mass with `m = 1 kg`,
+//! provided that this square has a phase within 20° of zero, so that the mode is as real as the
+//! formula assumes. Without such a function, or with another phase, nothing is known of the mass
+//! and the largest component is made 1.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -73,7 +75,8 @@ fn of_unit_max(shape: BTreeMap<Dof, Complex64>, misfit: Option<f64>) -> ScaledSh
     }
 }
 
-/// Sign of `φ_r φ_k` where response and reference are the same point and axis; `None` where they are not.
+/// Sign of `φ_r φ_k` where response and reference are the same point and axis; `None` where they
+/// are not.
 pub(super) fn driving_point_sign(response: &Dof, reference: &Dof) -> Option<f64> {
     let same = response.point() == reference.point() && response.axis() == reference.axis();
     same.then(|| response.sign() * reference.sign())
@@ -84,8 +87,8 @@ pub(super) fn as_of_a_real_mode(square: Complex64) -> bool {
     square.norm() > 0.0 && square.arg().abs() <= MOST_PHASE
 }
 
-/// Standard deviation of each component of a shape, in its scale, from those of the residues: of the column that tells it best. `None`
-/// where a component has none.
+/// Standard deviation of each component of a shape, in its scale, from those of the residues: of
+/// the column that tells it best. `None` where a component has none.
 pub(super) fn deviations(
     stds: &BTreeMap<(&Dof, &Dof), f64>,
     residues: &Residues,
@@ -235,9 +238,9 @@ fn misfit(columns: &[&Column], factors: &[Option<Complex64>], shape: &Column) ->
     (columns.len() >= 2 && all > 0.0).then(|| (left / all).sqrt())
 }
 
-/// Factor from the shape to unit modal mass: the least-squares `κ` of `κ² ψ_r² = 2iω_d s_r s_k A_rk` over all driving
-/// points, the largest component turned to a positive real part. `None` without one or with a phase that is not that
-/// of a real mode.
+/// Factor from the shape to unit modal mass: the least-squares `κ` of `κ² ψ_r² = 2iω_d s_r s_k
+/// A_rk` over all driving points, the largest component turned to a positive real part. `None`
+/// without one or with a phase that is not that of a real mode.
 fn driving_point(
     residues: &Residues,
     shape: &BTreeMap<Dof, Complex64>,

@@ -1,16 +1,17 @@
 //! Noise that the functions of one hit point share: that of the force.
 //!
-//! All responses to the same hits are divided by the same force, so that its noise makes an error `e H` in the direction of the
-//! response H itself: one random number per line and hit point instead of one per function. With `h = H/σ` over the noise of every
-//! function and `p_f` the part of its variance that goes with |H|², what is left over has along `h/|h|` the mean square
+//! All responses to the same hits are divided by the same force, so that its noise makes an error
+//! `e H` in the direction of the response H itself: one random number per line and hit point
+//! instead of one per function. With `h = H/σ` over the noise of every function and `p_f` the part
+//! of its variance that goes with |H|², what is left over has along `h/|h|` the mean square
 //!
 //! ```text
 //! g = 1 + Σ p_f − Σ p_f |h_f|²/|h|²
 //! ```
 //!
-//! where that part is shared, and 1 where functions err each by itself, as those of a roving sensor do. What is left over tells how
-//! much of it is.
-//! The part of a root in that direction is held against such noise, the rest of it against noise that is the functions' own.
+//! where that part is shared, and 1 where functions err each by itself, as those of a roving sensor
+//! do. What is left over tells how much of it is. The part of a root in that direction is held
+//! against such noise, the rest of it against noise that is the functions' own.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -31,7 +32,8 @@ use super::standing::lines_around;
 
 /// Deviations of the score from which on noise is said to be shared.
 const SHARED: f64 = 4.0;
-/// Power of what is left over at one line, per function, from which on it is more than noise of any kind.
+/// Power of what is left over at one line, per function, from which on it is more than noise of any
+/// kind.
 const MOST_POWER: f64 = 6.0;
 /// Excess from which on a line says how shared noise hangs together over the lines.
 const MOSTLY: f64 = 2.0;
@@ -39,7 +41,8 @@ const MOSTLY: f64 = 2.0;
 const HALVINGS: usize = 20;
 /// Lines of a root that are compared: more tell no more.
 const MOST_LINES: usize = 64;
-/// Part of a variance that the force makes from which on the scatter of the variance is that of the force's noise.
+/// Part of a variance that the force makes from which on the scatter of the variance is that of the
+/// force's noise.
 const MOSTLY_FORCE: f64 = 0.9;
 /// Deviations of it from which on it is more than chance.
 const CERTAIN: f64 = 3.0;
@@ -55,17 +58,19 @@ pub(super) struct Shared {
     groups: Vec<Vec<usize>>,
     /// g of each hit point and line; empty where it is 1 everywhere.
     excess: Vec<Vec<f64>>,
-    /// Part of the force's noise that the functions of each hit point share, and what of it their variances told.
+    /// Part of the force's noise that the functions of each hit point share, and what of it their
+    /// variances told.
     part: Vec<f64>,
     told: Vec<f64>,
-    /// How noise in the direction of the response hangs together over the lines, and how a known window makes it.
+    /// How noise in the direction of the response hangs together over the lines, and how a known
+    /// window makes it.
     along: Correlation,
     window: Correlation,
 }
 
 impl Shared {
-    /// As far as the variances tell, in noise that hangs together over the lines as a known window makes it, before a fit leaves anything
-    /// over.
+    /// As far as the variances tell, in noise that hangs together over the lines as a known window
+    /// makes it, before a fit leaves anything over.
     pub fn of_variances(functions: &[Function], noise: &[Noise], window: &Correlation) -> Self {
         let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
         for (number, function) in functions.iter().enumerate() {
@@ -88,7 +93,8 @@ impl Shared {
         &self.groups
     }
 
-    /// Numbers of the functions of each hit point, with the part of the force's noise that they share.
+    /// Numbers of the functions of each hit point, with the part of the force's noise that they
+    /// share.
     pub fn parts_of_groups(&self) -> impl Iterator<Item = (&[usize], f64)> {
         let groups = self.groups.iter().zip(&self.part);
         groups.map(|(group, part)| (&group[..], *part))
@@ -132,7 +138,8 @@ impl Shared {
             });
             own.collect::<Vec<_>>()
         });
-        // A fit takes in much of what hangs together: a window that is known tells it better, where a force window does not make it more.
+        // A fit takes in much of what hangs together: a window that is known tells it better, where
+        // a force window does not make it more.
         let along = Correlation::of_phases(&along.collect::<Vec<_>>());
         let known = (self.window != Correlation::WHITE).then(|| self.window.clone());
         let along = known.into_iter().chain(along);
@@ -145,8 +152,8 @@ impl Shared {
         }
     }
 
-    /// Factor by which noise raises the strength of a root where there is no mode: what of the root could be the force's error of the
-    /// other roots' response counts as that.
+    /// Factor by which noise raises the strength of a root where there is no mode: what of the root
+    /// could be the force's error of the other roots' response counts as that.
     pub fn of_amplitude(&self, data: &Receptances, root: &Root) -> f64 {
         let own = data.correlation.of_amplitude(root.decay(), data.step);
         if self.excess.is_empty() {
@@ -162,7 +169,8 @@ impl Shared {
         ratio(whole, by_itself / own + held / along).unwrap_or(own)
     }
 
-    /// Factor of the variance of a root's pole over that of white noise that is every function's own.
+    /// Factor of the variance of a root's pole over that of white noise that is every function's
+    /// own.
     pub fn of_pole(&self, data: &Receptances, root: &Root) -> f64 {
         let own = data.correlation.of_pole(root.decay(), data.step);
         if self.excess.is_empty() {
@@ -176,7 +184,8 @@ impl Shared {
         ratio(own * by_itself + along * raised, whole).unwrap_or(own)
     }
 
-    /// What of a value per function lies along the response and across it, at one line, as if all noise were the functions' own.
+    /// What of a value per function lies along the response and across it, at one line, as if all
+    /// noise were the functions' own.
     pub fn held(
         &self,
         (data, rest): (&Receptances, &Rest),
@@ -216,7 +225,8 @@ impl Shared {
         self.excess.get(group).map_or(1.0, |own| own[line])
     }
 
-    /// A root's `1/(s − λ)` to a power on its lines, along the response and across it, by hit point and line.
+    /// A root's `1/(s − λ)` to a power on its lines, along the response and across it, by hit point
+    /// and line.
     fn parts(
         &self,
         data: &Receptances,
@@ -249,9 +259,10 @@ impl Shared {
     }
 }
 
-/// The part of the force's noise that functions of one hit point share, from how their variances scatter where the force makes nearly
-/// all of them: functions of the same hits have the same errors, so that `v/|H|²` scatters over the lines, but not from one to the
-/// other. Its logarithm from `ν` degrees of freedom each has the variance ψ′(ν/2) where they err each by itself.
+/// The part of the force's noise that functions of one hit point share, from how their variances
+/// scatter where the force makes nearly all of them: functions of the same hits have the same
+/// errors, so that `v/|H|²` scatters over the lines, but not from one to the other. Its logarithm
+/// from `ν` degrees of freedom each has the variance ψ′(ν/2) where they err each by itself.
 pub(super) fn told_by_variances(estimated: &[&Estimated], smooth: &[Smooth]) -> f64 {
     let stated = |own: &&Estimated| own.degrees_of_freedom.filter(|v| *v > 0.0 && v.is_finite());
     let freedom = estimated.iter().map(stated);
@@ -424,8 +435,9 @@ struct Line {
     noise: bool,
 }
 
-/// The part c of the force's noise that functions share, with `1 + c (g − 1)` of the greatest likelihood of exponential variables of
-/// which so many count for one; 0 where the score does not stand out. Sensors that were moved share it with some others only.
+/// The part c of the force's noise that functions share, with `1 + c (g − 1)` of the greatest
+/// likelihood of exponential variables of which so many count for one; 0 where the score does not
+/// stand out. Sensors that were moved share it with some others only.
 fn shared_part(lines: &[Line], alike: f64) -> f64 {
     let score = |part: f64| {
         let (mut score, mut information) = (0.0, 0.0);

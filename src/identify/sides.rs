@@ -1,7 +1,9 @@
-//! The functions of a set as outputs × inputs: the side with fewer degrees of freedom drives, the other one carries the shape.
+//! The functions of a set as outputs × inputs: the side with fewer degrees of freedom drives, the
+//! other one carries the shape.
 //!
-//! A mode leaves `A_of = ψ_o L_i` whichever side is called the response, so that a roving hammer with one sensor is the same
-//! problem as one hit with many sensors (ties go to the references). Pairs may be missing.
+//! A mode leaves `A_of = ψ_o L_i` whichever side is called the response, so that a roving hammer
+//! with one sensor is the same problem as one hit with many sensors (ties go to the references).
+//! Pairs may be missing.
 
 use std::collections::{BTreeMap, BTreeSet};
 

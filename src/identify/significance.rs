@@ -8,11 +8,12 @@ use super::sides::Sides;
 /// Least probability whose complement differs from 1.
 const LEAST_CHANCE: f64 = 1e-14;
 
-/// Significance of a root with the limit that it must exceed to be above what noise makes for some participation factors, but
-/// for the chance of a false alarm at one pole.
+/// Significance of a root with the limit that it must exceed to be above what noise makes for some
+/// participation factors, but for the chance of a false alarm at one pole.
 ///
-/// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but for a probability p
-/// (Davidson and Szarek 2001); with one input its square is a chi-squared of two degrees of freedom per output.
+/// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but
+/// for a probability p (Davidson and Szarek 2001); with one input its square is a chi-squared of
+/// two degrees of freedom per output.
 pub(super) fn significance(root: &Root, sides: &Sides, chance: f64) -> (f64, f64) {
     let outputs = sides.outputs.len();
     let quality = &root.quality;
@@ -48,15 +49,17 @@ fn limit(root: &Root, sides: &Sides, chance: f64) -> f64 {
     root.quality.by_lines * alone
 }
 
-/// What the largest singular value of outputs × inputs of noise of unit variance exceeds with less than this probability.
+/// What the largest singular value of outputs × inputs of noise of unit variance exceeds with less
+/// than this probability.
 pub(super) fn norm_of_noise(sides: &Sides, chance: f64) -> f64 {
     let (outputs, inputs) = (sides.outputs.len() as f64, sides.inputs as f64);
     outputs.sqrt() + inputs.sqrt() + (-chance.ln()).sqrt()
 }
 
-/// The same for noise of a deviation by output and input: the largest norms of a row and of a column of deviations, and the largest
-/// deviation, take the places of `√i`, `√o` and 1 (Bandeira and van Handel 2016, without their term of the logarithm of the size, which is
-/// small where deviations are nearly even).
+/// The same for noise of a deviation by output and input: the largest norms of a row and of a
+/// column of deviations, and the largest deviation, take the places of `√i`, `√o` and 1 (Bandeira
+/// and van Handel 2016, without their term of the logarithm of the size, which is small where
+/// deviations are nearly even).
 pub(super) fn norm_of_uneven_noise(
     (outputs, inputs): (usize, usize),
     deviation: impl Fn(usize, usize) -> f64,

@@ -1,10 +1,12 @@
-//! The common run of the single-mode methods: search peaks, take each out of its surroundings, fit it alone, repeat.
+//! The common run of the single-mode methods: search peaks, take each out of its surroundings, fit
+//! it alone, repeat.
 //!
-//! A single-mode method sees one resonance in a window of lines. Neighbours tilt what it sees: of a mode ten half-power
-//! widths away, 5 % of the peak. The first look reads each pole off the measured indicator. Every pass then solves for
-//! the residues of all poles, subtracts from every function the contributions of all other modes and the conjugate of
-//! the mode's own, and fits again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4).
-//! A method brings no more than [`SingleModeMethod::fit`].
+//! A single-mode method sees one resonance in a window of lines. Neighbours tilt what it sees: of a
+//! mode ten half-power widths away, 5 % of the peak. The first look reads each pole off the
+//! measured indicator. Every pass then solves for the residues of all poles, subtracts from every
+//! function the contributions of all other modes and the conjugate of the mode's own, and fits
+//! again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4). A method
+//! brings no more than [`SingleModeMethod::fit`].
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -25,7 +27,8 @@ use super::{Candidate, IdentifyError, MethodOptions, PoleEstimator, PoleTable, c
 
 /// Passes with the neighbours taken out.
 const PASSES: usize = 5;
-/// Half of the window for residues, in half-power widths: wide enough to tell the skirts from the constant.
+/// Half of the window for residues, in half-power widths: wide enough to tell the skirts from the
+/// constant.
 pub(super) const RESIDUE_REACH: f64 = 2.5;
 /// Fewest lines on either side of the resonance for residues.
 pub(super) const RESIDUE_SIDE: usize = 6;
@@ -209,8 +212,8 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
     }
 }
 
-/// A fit must stay at its peak: within the half-power band of the first look, nearer to it than to any other peak, and
-/// within a factor of five in damping.
+/// A fit must stay at its peak: within the half-power band of the first look, nearer to it than to
+/// any other peak, and within a factor of five in damping.
 fn plausible(first: &[Complex64], mode: usize, step: f64, fit: &SingleModeFit) -> bool {
     let own = first[mode];
     let shift = (fit.lambda.im - own.im).abs();
@@ -258,8 +261,9 @@ fn first_look(data: &Receptances, indicator: &Indicator, found: &Found) -> Vec<R
     found.peaks.iter().map(resonance).collect()
 }
 
-/// Lines around a mode: some half-power widths on either side, but not past the middle to a neighbour; never fewer
-/// than a count on either side, except at the ends of the band, where the other side is given them.
+/// Lines around a mode: some half-power widths on either side, but not past the middle to a
+/// neighbour; never fewer than a count on either side, except at the ends of the band, where the
+/// other side is given them.
 fn window(
     data: &Receptances,
     poles: &[Complex64],

@@ -11,8 +11,9 @@ pub(super) struct WeightedMean {
 
 /// Weighted mean of (weight, value) pairs; `None` without any weight.
 ///
-/// The values are independent with variances near `1/w` up to a common factor. With `n = (Σw)²/Σw²` effective values
-/// the variance of the mean is `Σ w²(x − x̄)² / (Σw)² · n/(n − 1)`, which holds for wrong weights too.
+/// The values are independent with variances near `1/w` up to a common factor. With `n = (Σw)²/Σw²`
+/// effective values the variance of the mean is `Σ w²(x − x̄)² / (Σw)² · n/(n − 1)`, which holds
+/// for wrong weights too.
 pub(super) fn weighted_mean(pairs: &[(f64, f64)]) -> Option<WeightedMean> {
     let total: f64 = pairs.iter().map(|(w, _)| w).sum();
     if !(total > 0.0 && total.is_finite()) {

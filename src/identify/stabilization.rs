@@ -1,7 +1,8 @@
-//! Stabilisation over model orders: what stays while the order of a global method rises is a pole of the structure.
+//! Stabilisation over model orders: what stays while the order of a global method rises is a pole
+//! of the structure.
 //!
-//! A method gives the poles of rising orders, of the whole band or of parts of it; poles that stay over three orders and more
-//! ([`stable`](super::stable)) are its candidates.
+//! A method gives the poles of rising orders, of the whole band or of parts of it; poles that stay
+//! over three orders and more ([`stable`](super::stable)) are its candidates.
 
 use num_complex::Complex64;
 
@@ -36,7 +37,8 @@ pub(super) trait MultiModeMethod: Send + Sync {
     /// Whether known poles change the weight of its lines.
     fn weights_lines(&self) -> bool;
 
-    /// Poles over rising orders, by parts of the band; lines may be weighted with poles that are known, rad/s.
+    /// Poles over rising orders, by parts of the band; lines may be weighted with poles that are
+    /// known, rad/s.
     ///
     /// # Errors
     /// [`IdentifyError::Linalg`] when a matrix problem has no answer.
@@ -112,8 +114,8 @@ pub(super) fn stabilised(
     Ok(Stabilised { seeds, poles })
 }
 
-/// The poles of a method that stay, looked for once more with lines weighted by what the first look found ([`ROUNDS`] times): each
-/// pole moves to the one that takes its place.
+/// The poles of a method that stay, looked for once more with lines weighted by what the first look
+/// found ([`ROUNDS`] times): each pole moves to the one that takes its place.
 ///
 /// # Errors
 /// As [`MultiModeMethod::parts`].
@@ -158,7 +160,8 @@ pub(super) fn roots_of(seeds: &[Seed], functions: usize) -> Vec<Root> {
     seeds.iter().map(root).collect()
 }
 
-/// Place of the listed pole that a mode was made of: the nearest within [`OWN`] decay rates, of the mode's order where that is known.
+/// Place of the listed pole that a mode was made of: the nearest within [`OWN`] decay rates, of the
+/// mode's order where that is known.
 fn source(mode: &Candidate, listing: &[PoleAtOrder]) -> Option<usize> {
     let lambda = mode.pole.lambda;
     let distance = |place: &usize| (listing[*place].pole.lambda - lambda).norm();

@@ -1,8 +1,9 @@
 //! Poles that stay while the model order grows: the seeds of the refinement.
 //!
-//! A pole belongs to a track when it lies near the last pole of the track, one or two orders before: within half a decay rate
-//! (a quarter of the half-power width) and with the same participation factors. Tracks of three and more orders are seeds; a seed is
-//! the pole of its track with the least sum of distances to the others.
+//! A pole belongs to a track when it lies near the last pole of the track, one or two orders
+//! before: within half a decay rate (a quarter of the half-power width) and with the same
+//! participation factors. Tracks of three and more orders are seeds; a seed is the pole of its
+//! track with the least sum of distances to the others.
 
 use num_complex::Complex64;
 
@@ -57,8 +58,8 @@ struct Track {
     last: usize,
 }
 
-/// Poles that stay over the orders (ascending), in ascending frequency. `step_rad_s` is the spacing of the lines, below a tenth of
-/// which nothing differs.
+/// Poles that stay over the orders (ascending), in ascending frequency. `step_rad_s` is the spacing
+/// of the lines, below a tenth of which nothing differs.
 pub(super) fn seeds(tables: &[Table], step_rad_s: f64) -> Vec<Seed> {
     let mut tracks: Vec<Track> = Vec::new();
     for (index, (order, poles)) in tables.iter().enumerate() {
@@ -133,7 +134,8 @@ fn medoid(poles: &[GlobalPole]) -> usize {
     best.unwrap_or(first)
 }
 
-/// The seed among others that takes the place of one: within half a decay rate, with the same participation; itself without one.
+/// The seed among others that takes the place of one: within half a decay rate, with the same
+/// participation; itself without one.
 pub(super) fn replaced(seed: Seed, others: &[Seed]) -> Seed {
     let distance = |other: &&Seed| {
         let apart = (other.pole.lambda - seed.pole.lambda).norm();
@@ -148,7 +150,8 @@ pub(super) fn replaced(seed: Seed, others: &[Seed]) -> Seed {
     nearest.map_or(seed.clone(), |(_, other)| other.clone())
 }
 
-/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same participation.
+/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same
+/// participation.
 pub(super) fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
     let mut order: Vec<Seed> = seeds;
     order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));

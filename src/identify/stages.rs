@@ -1,4 +1,5 @@
-//! The stages of an identification one by one, for benchmarks: the library reads no clock, so that what reads one has to call them.
+//! The stages of an identification one by one, for benchmarks: the library reads no clock, so that
+//! what reads one has to call them.
 
 use num_complex::Complex64;
 

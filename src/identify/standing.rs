@@ -1,4 +1,5 @@
-//! How a root stands in the data around it: what the model misses there, and how much of the response is the root's own.
+//! How a root stands in the data around it: what the model misses there, and how much of the
+//! response is the root's own.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -35,19 +36,23 @@ const WITHIN: f64 = 2.0;
 const WIDER: f64 = 2.0;
 /// Modal assurance criterion above which a root repeats the shape of its neighbour.
 const SAME_SHAPE: f64 = 0.7;
-/// Least share of the response anywhere: what is less is beyond the linearity of a structure and of its model.
+/// Least share of the response anywhere: what is less is beyond the linearity of a structure and of
+/// its model.
 pub(super) const LINEAR: f64 = 3e-4;
-/// The same for the weakest of several modes of one root, which the differences between poles make as well.
+/// The same for the weakest of several modes of one root, which the differences between poles make
+/// as well.
 const REPEATED: f64 = 1e-2;
-/// Share relative to that of a mode whose shape is repeated within its resonance, which errors of the force make as well.
+/// Share relative to that of a mode whose shape is repeated within its resonance, which errors of
+/// the force make as well.
 const ECHO: f64 = 3e-2;
 /// Probability that a shape is repeated on one side by chance.
 const BY_CHANCE: f64 = 0.01;
-/// Phase, rad, by which the residues of a mode may differ from those of real modes and of its neighbour,
-/// besides what noise does.
+/// Phase, rad, by which the residues of a mode may differ from those of real modes and of its
+/// neighbour, besides what noise does.
 pub(super) const MOST_PHASE: f64 = 0.7;
 
-/// Parts in phase less those in quadrature: of a real shape at least, and of one that is hardly more in phase than in quadrature.
+/// Parts in phase less those in quadrature: of a real shape at least, and of one that is hardly
+/// more in phase than in quadrature.
 const REAL: f64 = 0.8;
 const HALF_REAL: f64 = 0.5;
 /// Roots of such shapes from which on many are no modes: one in so many, and fewest.
@@ -59,15 +64,18 @@ const FEWEST_FUNCTIONS: usize = 3;
 /// A root in the data around it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Standing {
-    /// Mean square of what the model leaves over on the root's own lines, over that of the noise: 1 where noise is all.
+    /// Mean square of what the model leaves over on the root's own lines, over that of the noise: 1
+    /// where noise is all.
     pub misfit: f64,
-    /// Share of the response on the root's own lines that nothing but this root explains: the root of its energy with all
-    /// other residues fitted, over that of the response.
+    /// Share of the response on the root's own lines that nothing but this root explains: the root
+    /// of its energy with all other residues fitted, over that of the response.
     pub share: f64,
-    /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where it repeats no other's shape.
+    /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where
+    /// it repeats no other's shape.
     pub echo: f64,
-    /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by more than noise
-    /// ([`NarrowerBands`](super::narrower_bands::NarrowerBands)); 0 before the fit is complete.
+    /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by
+    /// more than noise ([`NarrowerBands`](super::narrower_bands::NarrowerBands)); 0 before the fit
+    /// is complete.
     pub band_deviation: f64,
 }
 
@@ -116,11 +124,11 @@ fn repeats_shape(root: &Root, other: &Root) -> bool {
     mac(&root.residues, &other.residues) > Some(SAME_SHAPE)
 }
 
-/// Whether a root of one mode has shape values, or participation factors, among those of another root: an error of the channels of
-/// one side leaves the other side's factors as they are.
+/// Whether a root of one mode has shape values, or participation factors, among those of another
+/// root: an error of the channels of one side leaves the other side's factors as they are.
 ///
-/// The part of a random vector of n values that lies among m others is a beta variable of m and n − m: only what exceeds its
-/// quantile says anything.
+/// The part of a random vector of n values that lies among m others is a beta variable of m and n −
+/// m: only what exceeds its quantile says anything.
 fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
     if sides.inputs < 2 || root.multiplicity() > 1 {
         return false;
@@ -185,21 +193,25 @@ pub(super) fn lines_around(data: &Receptances, root: &Root, widths: f64) -> Rang
 
 /// Why a root is no mode although it is above the noise.
 ///
-/// What a model does not describe (a resonance that moves from hit to hit, a record that was cut, a rattle) is fitted by roots
-/// beside the modes. They explain little of the response where the model misses the data or many have arbitrary phases; or they repeat the shape of a
-/// strong neighbour with another phase than modes have; or they explain so little that no structure is linear enough for it.
+/// What a model does not describe (a resonance that moves from hit to hit, a record that was cut, a
+/// rattle) is fitted by roots beside the modes. They explain little of the response where the model
+/// misses the data or many have arbitrary phases; or they repeat the shape of a strong neighbour
+/// with another phase than modes have; or they explain so little that no structure is linear enough
+/// for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Doubt {
     /// Share of the response, where the model misses the data.
     Share(f64),
     /// Phase against real modes, rad.
     Phase(f64),
-    /// Share of the response and the limit that it does not reach: that to which structures are linear, or forces are known.
+    /// Share of the response and the limit that it does not reach: that to which structures are
+    /// linear, or forces are known.
     Tiny(f64, f64),
 }
 
 impl Standing {
-    /// What the deviations of a fit must be multiplied with: where the model misses the data, what it misses counts as noise.
+    /// What the deviations of a fit must be multiplied with: where the model misses the data, what
+    /// it misses counts as noise.
     pub fn inflation(&self) -> f64 {
         if self.misfit > STRICT_MISFIT {
             self.misfit.sqrt()
@@ -224,7 +236,8 @@ impl Doubt {
 /// How much is held against a root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scrutiny {
-    /// The model describes the data: what is above the noise is a mode unless much speaks against it.
+    /// The model describes the data: what is above the noise is a mode unless much speaks against
+    /// it.
     Mild,
     /// The model misses the data in several places.
     Strict,
@@ -271,7 +284,8 @@ pub(super) fn doubt(
     (apart > MOST_PHASE + unknown(root, own)).then_some(Doubt::Phase(apart))
 }
 
-/// The root whose phase a root's is held against: the nearest of those that are modes of their own, else the strongest.
+/// The root whose phase a root's is held against: the nearest of those that are modes of their own,
+/// else the strongest.
 fn reference(roots: &[Root], standings: &[Standing], j: usize) -> Option<usize> {
     let others = || (0..roots.len()).filter(|i| *i != j);
     let distance = |i: &usize| apart(&roots[j], &roots[*i]);
@@ -287,12 +301,14 @@ fn unknown(root: &Root, own: &Standing) -> f64 {
     root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay()
 }
 
-/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter of all are no modes of their own and have
-/// shapes as much in quadrature as in phase with real modes and with the nearest mode of its own, or the strongest root where none is.
+/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter
+/// of all are no modes of their own and have shapes as much in quadrature as in phase with real
+/// modes and with the nearest mode of its own, or the strongest root where none is.
 ///
-/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks against them is not what they leave
-/// over but that the phases of their shapes are arbitrary. Of one or two functions every shape is nearly real: only what is more in
-/// quadrature than in phase counts there.
+/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks
+/// against them is not what they leave over but that the phases of their shapes are arbitrary. Of
+/// one or two functions every shape is nearly real: only what is more in quadrature than in phase
+/// counts there.
 pub(super) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
     let strength = |root: &&Root| root.quality.significance();
     let strongest = roots
@@ -317,7 +333,8 @@ pub(super) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
     count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))
 }
 
-/// Part of a root's residues in phase with real modes turned by `phase`, less the part in quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
+/// Part of a root's residues in phase with real modes turned by `phase`, less the part in
+/// quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
 fn in_phase(root: &Root, phase: f64) -> f64 {
     let turn = Complex64::from_polar(1.0, -2.0 * phase);
     let squares: Complex64 = root.residues.iter().map(|a| a * a * turn).sum();
@@ -326,8 +343,8 @@ fn in_phase(root: &Root, phase: f64) -> f64 {
 
 /// A root as a candidate.
 ///
-/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of frequency and damping are too:
-/// `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
+/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of
+/// frequency and damping are too: `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
 pub(super) fn candidate(root: &Root, standing: &Standing) -> Candidate {
     let std = standing.pole_std(root);
     let (bias, along) = (root.quality.bias, root.lambda / root.lambda.norm());

@@ -1,9 +1,10 @@
 //! How strong the modes of a root are, over the noise of all outputs.
 //!
-//! Output o gives the modes of a root their shape values ψ_o with covariance V_o. That a combination a of the modes is not there costs
-//! the likelihood `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice which is the strength of a. Combinations that are independent of each other are
-//! the eigenvectors of `Σ w ψψᴴ` against `Σ w V`; the weights `w = det(V)^(−1/m)` give outputs of different noise the same say,
-//! whatever basis the modes are in.
+//! Output o gives the modes of a root their shape values ψ_o with covariance V_o. That a
+//! combination a of the modes is not there costs the likelihood `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice
+//! which is the strength of a. Combinations that are independent of each other are the eigenvectors
+//! of `Σ w ψψᴴ` against `Σ w V`; the weights `w = det(V)^(−1/m)` give outputs of different noise
+//! the same say, whatever basis the modes are in.
 
 use num_complex::Complex64;
 

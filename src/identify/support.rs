@@ -1,22 +1,27 @@
-//! How many roots the data support: what each further one explains, what it costs, and whether it foretells what was left out.
+//! How many roots the data support: what each further one explains, what it costs, and whether it
+//! foretells what was left out.
 //!
-//! Over the noise of each function (level × course, as the fit weights it), the lines are background + roots + noise. The background is
-//! constant, slope and poles that crowd towards the ends of the band, so that modes outside it count as no root. Roots come
-//! one after the other: those that were identified, then the other poles that stay over the orders, each time the one that explains
-//! most of what those before it left over, all amplitudes fitted anew (orthogonal least squares: Chen, Billings and Luo 1989,
-//! International Journal of Control 50). With `q` what is left of a root's course `1/(iω − λ)` beside the others, of length 1, function
-//! f gains
+//! Over the noise of each function (level × course, as the fit weights it), the lines are
+//! background + roots + noise. The background is constant, slope and poles that crowd towards the
+//! ends of the band, so that modes outside it count as no root. Roots come one after the other:
+//! those that were identified, then the other poles that stay over the orders, each time the one
+//! that explains most of what those before it left over, all amplitudes fitted anew (orthogonal
+//! least squares: Chen, Billings and Luo 1989, International Journal of Control 50). With `q` what
+//! is left of a root's course `1/(iω − λ)` beside the others, of length 1, function f gains
 //!
-//! `g_f = 2 |qᴴe_f|² / Σ_k |q_k|² var_fk`, chi-squared of two degrees of freedom where there is no such root,
+//! `g_f = 2 |qᴴe_f|² / Σ_k |q_k|² var_fk`, chi-squared of two degrees of freedom where there is no
+//! such root,
 //!
-//! raised for noise that lines share. A function holds the root where that pays, so that one root changes
-//! `BIC = −2 ln L + k ln N` by `2 ln N − Σ_f max(0, g_f − 2 ln N)`, with `N` independent real numbers of the data (Schwarz 1978, Annals of
-//! Statistics 6). Lines T that are left out are foretold with errors `(1 − H)⁻¹ e` of covariance `C = (1 − H)⁻¹`, with the rest `e` and the
-//! hat matrix `H` on them (Allen 1974, Technometrics 16). Of T only n lines S in the middle are judged, as lines that share noise with
-//! those that are left foretell themselves (hv-block: Racine 2000, Journal of Econometrics 99): by how unlikely they are where they
-//! were not known, `−ln p = n ln π + x_SᴴC_SS⁻¹x_S + ln det C_SS` with `x = Ce` (Geisser and Eddy 1979, Journal of the American
-//! Statistical Association 74). Too few roots leave a large e, too many foretell with large covariances. The poles stay where all
-//! lines put them.
+//! raised for noise that lines share. A function holds the root where that pays, so that one root
+//! changes `BIC = −2 ln L + k ln N` by `2 ln N − Σ_f max(0, g_f − 2 ln N)`, with `N` independent
+//! real numbers of the data (Schwarz 1978, Annals of Statistics 6). Lines T that are left out are
+//! foretold with errors `(1 − H)⁻¹ e` of covariance `C = (1 − H)⁻¹`, with the rest `e` and the hat
+//! matrix `H` on them (Allen 1974, Technometrics 16). Of T only n lines S in the middle are judged,
+//! as lines that share noise with those that are left foretell themselves (hv-block: Racine 2000,
+//! Journal of Econometrics 99): by how unlikely they are where they were not known, `−ln p = n ln
+//! π + x_SᴴC_SS⁻¹x_S + ln det C_SS` with `x = Ce` (Geisser and Eddy 1979, Journal of the American
+//! Statistical Association 74). Too few roots leave a large e, too many foretell with large
+//! covariances. The poles stay where all lines put them.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -41,20 +46,23 @@ const OTHERS_PER_ROOT: usize = 1;
 const FEWEST_OTHERS: usize = 4;
 /// Longest stretch that is left out.
 const LONGEST: usize = 8;
-/// A stretch whose lines the background takes for more than this share is foretold by nothing else: at the ends of the band.
+/// A stretch whose lines the background takes for more than this share is foretold by nothing else:
+/// at the ends of the band.
 const MOST_TAKEN: f64 = 0.5;
 /// Fewest stretches that tell how sure a difference is.
 const FEWEST_STRETCHES: usize = 8;
 /// The rest of a model is as small as that of the largest within this factor.
 const AS_SMALL: f64 = 1.1;
 
-/// How unlikely values are that were left out: `−ln p − ln π` of each, 1 for noise that is foretold without an error. Lines at the ends of the
-/// band that the background takes for itself do not count.
+/// How unlikely values are that were left out: `−ln p − ln π` of each, 1 for noise that is foretold
+/// without an error. Lines at the ends of the band that the background takes for itself do not
+/// count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foretold {
     /// Mean.
     pub mean: f64,
-    /// Standard error of its difference from the least, by the scatter of the differences over stretches.
+    /// Standard error of its difference from the least, by the scatter of the differences over
+    /// stretches.
     pub std: f64,
 }
 
@@ -69,10 +77,11 @@ pub struct Tried {
     pub holding: usize,
     /// BIC less that of the background alone.
     pub bic: f64,
-    /// How unlikely left-out lines are; `None` where left-out lines are all that tells a root, or too few are foretold.
+    /// How unlikely left-out lines are; `None` where left-out lines are all that tells a root, or
+    /// too few are foretold.
     pub predicted: Option<Foretold>,
-    /// Mean square of what is left over, over the noise, for each degree of freedom. Below 1 where lines share noise that comes by the
-    /// force: the fit takes part of that in.
+    /// Mean square of what is left over, over the noise, for each degree of freedom. Below 1 where
+    /// lines share noise that comes by the force: the fit takes part of that in.
     pub rest: f64,
 }
 
@@ -85,7 +94,8 @@ pub struct Support {
     pub lines: usize,
     /// Lines that are left out together.
     pub stretch: usize,
-    /// Whether the noise of every function came with the data; else what the fit leaves over tells it.
+    /// Whether the noise of every function came with the data; else what the fit leaves over tells
+    /// it.
     pub noise_stated: bool,
     /// Number of identified roots; a repeated one counts once.
     pub identified: usize,
@@ -101,8 +111,9 @@ impl Support {
         least.map_or(0, |(count, _)| count)
     }
 
-    /// Fewest roots that foretell what was left out as well as any, within one standard error (Breiman, Friedman, Olshen and Stone 1984,
-    /// Classification and Regression Trees, 3.4.3); `None` where too few lines can be foretold.
+    /// Fewest roots that foretell what was left out as well as any, within one standard error
+    /// (Breiman, Friedman, Olshen and Stone 1984, Classification and Regression Trees, 3.4.3);
+    /// `None` where too few lines can be foretold.
     pub fn by_prediction(&self) -> Option<usize> {
         let all = self.tried.iter().filter_map(|own| own.predicted);
         let least = all.map(|own| own.mean).reduce(f64::min)?;
@@ -113,7 +124,8 @@ impl Support {
         self.tried.iter().position(as_well)
     }
 
-    /// Fewest roots that leave no more over, but for a tenth, than any number up to that of the least BIC.
+    /// Fewest roots that leave no more over, but for a tenth, than any number up to that of the
+    /// least BIC.
     pub fn by_rest(&self) -> usize {
         let least = self
             .tried
@@ -126,7 +138,8 @@ impl Support {
     }
 }
 
-/// What the roots of an identification in a band, and then the other poles that stay over its orders, explain of a set.
+/// What the roots of an identification in a band, and then the other poles that stay over its
+/// orders, explain of a set.
 ///
 /// # Errors
 /// [`IdentifyError`] when set and band do not go together.
@@ -199,8 +212,8 @@ fn roots(own: &Identification, added_damping_rad_s: f64) -> Vec<Complex64> {
     all
 }
 
-/// Poles as in the data that stay over the orders and that no mode was made of, of the highest order each, none nearer to another
-/// or to a root than a decay rate.
+/// Poles as in the data that stay over the orders and that no mode was made of, of the highest
+/// order each, none nearer to another or to a root than a decay rate.
 fn others(
     own: &Identification,
     (added_damping_rad_s, band): (f64, Band),
@@ -281,7 +294,8 @@ struct Fitted<'a> {
     basis: ComplexMatrix,
     /// What they leave over, over level and course: lines × functions.
     rest: ComplexMatrix,
-    /// How much of the noise of a function the columns take, in that of a line: 1 each where noise is white.
+    /// How much of the noise of a function the columns take, in that of a line: 1 each where noise
+    /// is white.
     taken: f64,
     stretch: usize,
     /// Stretches that are foretold.
@@ -381,7 +395,8 @@ impl<'a> Fitted<'a> {
         (0..self.data.functions()).map(gain).collect()
     }
 
-    /// What the amplitude of a pole collects of noise that lines share, over what it collects of white noise.
+    /// What the amplitude of a pole collects of noise that lines share, over what it collects of
+    /// white noise.
     fn raised(&self, lambda: Complex64) -> f64 {
         let shared = &self.data.correlation;
         shared.of_amplitude(-lambda.re, self.data.step)
@@ -427,7 +442,8 @@ impl<'a> Fitted<'a> {
         }
     }
 
-    /// `−ln p − ln π` for each value of every stretch, foretold from the lines outside it and its neighbours that share noise with it.
+    /// `−ln p − ln π` for each value of every stretch, foretold from the lines outside it and its
+    /// neighbours that share noise with it.
     fn surprises(&self) -> Option<Vec<f64>> {
         let rest = self.over_noise().values;
         let guard = if self.stretch > 1 { self.stretch } else { 0 };

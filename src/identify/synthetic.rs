@@ -22,7 +22,8 @@ pub(super) fn white_noise(len: usize, variance: f64, seed: u64) -> Vec<Complex64
     (0..len).map(|_| Complex64::new(draw(), draw())).collect()
 }
 
-/// The spectrum of noise that a window `e^(−at)` leaves of white noise; aT at the end of the record.
+/// The spectrum of noise that a window `e^(−at)` leaves of white noise; aT at the end of the
+/// record.
 pub(super) fn windowed_noise(lines: usize, at_end: f64, seed: u64) -> Vec<Complex64> {
     let plan = ComplexPlan::inverse(lines);
     let fall = |t: usize| (-at_end * t as f64 / lines as f64).exp();
@@ -34,7 +35,8 @@ pub(super) fn windowed_noise(lines: usize, at_end: f64, seed: u64) -> Vec<Comple
     own
 }
 
-/// A structure of unit modal masses: natural frequency in Hz, damping ratio, values along the positive axis of points 1, 2, ...
+/// A structure of unit modal masses: natural frequency in Hz, damping ratio, values along the
+/// positive axis of points 1, 2, ...
 #[derive(Clone, Debug)]
 pub(super) struct Structure {
     pub modes: Vec<(f64, f64, Vec<f64>)>,
@@ -134,8 +136,8 @@ fn component(random: &mut ChaCha8Rng) -> f64 {
     if random.random_bool(0.5) { size } else { -size }
 }
 
-/// Three to six modes of 0.2 to 3 % damping, ten half-power widths of the wider apart or more, at five to twelve
-/// sensors; 5.5 to 12 lines across the narrowest resonance.
+/// Three to six modes of 0.2 to 3 % damping, ten half-power widths of the wider apart or more, at
+/// five to twelve sensors; 5.5 to 12 lines across the narrowest resonance.
 pub(super) fn separated_modes(seed: u64) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let sensors = random.random_range(5..=12);
@@ -170,8 +172,8 @@ pub(super) fn width_hz(mode: &(f64, f64, Vec<f64>)) -> f64 {
     2.0 * mode.0 * mode.1
 }
 
-/// How two close modes differ: the second shape is the first plus `difference` times a random one (any shape without
-/// it), times `ratio`.
+/// How two close modes differ: the second shape is the first plus `difference` times a random one
+/// (any shape without it), times `ratio`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     pub spacing_widths: f64,

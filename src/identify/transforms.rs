@@ -1,5 +1,5 @@
-//! Transforms of weighted lines: the blocks of the normal equations of the polyreference LSCF ([`plscf`](super::plscf)), all of
-//! Toeplitz structure, hold nothing else.
+//! Transforms of weighted lines: the blocks of the normal equations of the polyreference LSCF
+//! ([`plscf`](super::plscf)), all of Toeplitz structure, hold nothing else.
 
 use std::ops::Range;
 
@@ -12,8 +12,9 @@ use super::plscf::{Plane, circle};
 use super::receptance::Receptances;
 use super::sides::Sides;
 
-/// Error of the model relative to the response, squared: strong resonances far above the noise would leave nothing of weak ones in
-/// the normal equations. Once poles are known, weak ones have been found.
+/// Error of the model relative to the response, squared: strong resonances far above the noise
+/// would leave nothing of weak ones in the normal equations. Once poles are known, weak ones have
+/// been found.
 const MODEL: f64 = 1e-6;
 const MODEL_OF_KNOWN: f64 = 1e-10;
 /// Outputs whose sums are formed by one thread.
@@ -45,8 +46,8 @@ pub(super) struct Output {
 pub(super) struct Lags(Vec<Complex64>);
 
 impl Transforms {
-    /// Of some lines for equations up to an order; `sides` must be complete. Every line is weighted by one over what the denominator
-    /// of known poles, rad/s, makes of its noise.
+    /// Of some lines for equations up to an order; `sides` must be complete. Every line is weighted
+    /// by one over what the denominator of known poles, rad/s, makes of its noise.
     pub fn new(
         data: &Receptances,
         sides: &Sides,
@@ -143,8 +144,8 @@ impl Lines<'_> {
         (outputs, sums)
     }
 
-    /// One weight per line and output: the mean precision of its functions, which no resonance exceeds by more than the error of the
-    /// model allows.
+    /// One weight per line and output: the mean precision of its functions, which no resonance
+    /// exceeds by more than the error of the model allows.
     fn weights(&self, output: &[(usize, usize)]) -> Vec<f64> {
         let m = output.len() as f64;
         let mut powers = vec![0.0; self.lines.len()];
@@ -185,8 +186,9 @@ impl Lags {
     }
 }
 
-/// `1/Π |z − z_r|²` at every line over the known poles among the lines: the noise of an equation is that of its line times the
-/// denominator (Sanathanan and Koerner 1963, IEEE Trans. Automatic Control 8(1)).
+/// `1/Π |z − z_r|²` at every line over the known poles among the lines: the noise of an equation is
+/// that of its line times the denominator (Sanathanan and Koerner 1963, IEEE Trans. Automatic
+/// Control 8(1)).
 fn course(omega: &[f64], step_s: f64, known: &[Complex64]) -> Vec<f64> {
     let z = |s: Complex64| ((s - Complex64::new(0.0, omega[0])) * step_s).exp();
     let inside = |pole: &&Complex64| pole.im > omega[0] && pole.im < omega[omega.len() - 1];

@@ -13,13 +13,13 @@ use super::roots::Root;
 use super::significance::upper_quantile;
 use super::unexplained::roots_to_try;
 
-/// Roots that a search may try at once: a quarter of those that are there, and so many at least. More would mean that the model
-/// misses the data, not that modes are missing.
+/// Roots that a search may try at once: a quarter of those that are there, and so many at least.
+/// More would mean that the model misses the data, not that modes are missing.
 const FEWEST_TRIED: usize = 4;
 /// Factor by which a search must lessen what is left over where it leaves doubts.
 pub(super) const WORTHWHILE: f64 = 2.0;
-/// Least distance of two roots that one is doubled into, half-power widths: a pole that moves so far from function to function, by the
-/// mass of a sensor or from hit to hit, leaves over the same.
+/// Least distance of two roots that one is doubled into, half-power widths: a pole that moves so
+/// far from function to function, by the mass of a sensor or from hit to hit, leaves over the same.
 const LEAST_APART: f64 = 0.04;
 
 /// A pole is well known, in decay rates.
@@ -29,9 +29,10 @@ const GO_AT_ONCE: usize = 4;
 
 impl Fit {
     /// Whether what is left over is noise that lines share
-    /// ([`Receptances::lines_share_noise`](super::receptance::Receptances::lines_share_noise)). Roots that were fitted to what is now
-    /// noise go, the least known first, and the noise has back what they took; what stands out all the same, the search finds. Where
-    /// what is left over without them is no noise any more, nothing of that holds.
+    /// ([`Receptances::lines_share_noise`](super::receptance::Receptances::lines_share_noise)).
+    /// Roots that were fitted to what is now noise go, the least known first, and the noise has
+    /// back what they took; what stands out all the same, the search finds. Where what is left over
+    /// without them is no noise any more, nothing of that holds.
     pub fn lines_share_noise(&mut self) -> bool {
         let (noise, roots, told) = (self.data.noise(), self.roots.clone(), self.dropped.len());
         if !self.data.lines_share_noise(&mut self.rest()) {
@@ -69,7 +70,8 @@ impl Fit {
         }
     }
 
-    /// Tries roots where the fit leaves over what noise does not explain; by what factor that became less, `None` when none stayed.
+    /// Tries roots where the fit leaves over what noise does not explain; by what factor that
+    /// became less, `None` when none stayed.
     pub fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let rest = self.rest();
@@ -129,10 +131,12 @@ impl Fit {
         (self.modes() > modes).then_some(now)
     }
 
-    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when none did.
+    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when
+    /// none did.
     ///
-    /// Two poles that lie closer together than their distance is known to may be told from one all the same: by what one leaves
-    /// over, which must become less by more than so many unknowns make of noise.
+    /// Two poles that lie closer together than their distance is known to may be told from one all
+    /// the same: by what one leaves over, which must become less by more than so many unknowns make
+    /// of noise.
     fn double(&mut self, rest: &Rest) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let own = (&self.data, &self.sides);
@@ -164,7 +168,8 @@ impl Fit {
         (left < first).then_some(first / left)
     }
 
-    /// What is left over with a second root beside one; `None` where that is not worth it, or not a mode.
+    /// What is left over with a second root beside one; `None` where that is not worth it, or not a
+    /// mode.
     fn doubled(&mut self, (j, second): (usize, Root), (left, chance): (f64, f64)) -> Option<f64> {
         let pairs = self.roots.iter().filter_map(|root| root.pair);
         let pair = Some(pairs.max().map_or(0, |last| last + 1));
@@ -200,7 +205,8 @@ impl Fit {
         held.iter().sum()
     }
 
-    /// Takes modes that a search tried out again where something speaks against them; whether there were any.
+    /// Takes modes that a search tried out again where something speaks against them; whether there
+    /// were any.
     fn drop_doubtful_tries(&mut self) -> bool {
         let doubts = self.doubts();
         let changes: Vec<Change> = (0..self.roots.len())

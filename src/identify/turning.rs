@@ -1,10 +1,12 @@
 //! What the errors of poles and participation factors add to those of a shape.
 //!
-//! The shapes ψ are fitted at poles and participation factors u that have errors themselves, of the covariance `C = E[δu δuᴴ]`, the
-//! inverse of the Fisher information with the shapes projected out. ψ follows them by `dψ/du_k = −R⁻¹QᴴD_k` (D the derivatives of the
-//! model, QR its columns), so that the residues of a mode get `Σ_kl s_k C_kl s_l*` beside the variance that they have at known u. What
-//! all residues of the mode share is a change of its scale, no part of the shape, and is taken out of `s_k` first, with the
-//! inverse variances as weights. A mode by itself that all outputs see through the same ratio of noise has nothing left.
+//! The shapes ψ are fitted at poles and participation factors u that have errors themselves, of the
+//! covariance `C = E[δu δuᴴ]`, the inverse of the Fisher information with the shapes projected out.
+//! ψ follows them by `dψ/du_k = −R⁻¹QᴴD_k` (D the derivatives of the model, QR its columns), so
+//! that the residues of a mode get `Σ_kl s_k C_kl s_l*` beside the variance that they have at known
+//! u. What all residues of the mode share is a change of its scale, no part of the shape, and is
+//! taken out of `s_k` first, with the inverse variances as weights. A mode by itself that all
+//! outputs see through the same ratio of noise has nothing left.
 
 use num_complex::Complex64;
 
@@ -25,7 +27,8 @@ pub(super) struct Turning<'a> {
 }
 
 impl Turning<'_> {
-    /// Adds to the variances of a member's residues what the unknowns make of them; nothing where several modes share the root.
+    /// Adds to the variances of a member's residues what the unknowns make of them; nothing where
+    /// several modes share the root.
     pub fn widen(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
         if root.multiplicity() > 1 {
             return;
@@ -51,7 +54,8 @@ impl Turning<'_> {
         }
     }
 
-    /// Derivatives of the residues by each unknown, as far as they come by the shape: functions × unknowns.
+    /// Derivatives of the residues by each unknown, as far as they come by the shape: functions ×
+    /// unknowns.
     fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
         let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
         for (pattern, turn) in self.patterns.iter().zip(self.turns) {

@@ -16,7 +16,8 @@ const WIDEST: usize = 8;
 /// Stretches that are tried must be so many of their lengths apart.
 const CLEAR: usize = 4;
 
-/// Distance of a pole from one that is there already, in decay rates, below which there is nothing to try.
+/// Distance of a pole from one that is there already, in decay rates, below which there is nothing
+/// to try.
 const SAME: f64 = 0.1;
 /// And the likeness of participation factors above which.
 const SAME_PARTICIPATION: f64 = 0.95;
@@ -33,8 +34,9 @@ struct Stretch {
     excess: f64,
 }
 
-/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the noise of each function),
-/// where noise reaches it with less than this probability anywhere in the band.
+/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the
+/// noise of each function), where noise reaches it with less than this probability anywhere in the
+/// band.
 pub(super) fn roots_to_try(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
@@ -63,8 +65,8 @@ struct LeftOver<'a> {
 }
 
 impl LeftOver<'_> {
-    /// A root for a stretch: at the pole of a root that is there already, with as many modes as noise does not explain and that root
-    /// does not have, or else in the middle of the stretch.
+    /// A root for a stretch: at the pole of a root that is there already, with as many modes as
+    /// noise does not explain and that root does not have, or else in the middle of the stretch.
     fn root(&self, stretch: &Stretch, roots: &[Root]) -> Option<Root> {
         let decay = 0.5 * stretch.width.max(2) as f64 * self.data.step;
         let middle = Complex64::new(-decay, self.data.omega[stretch.top]);
@@ -81,7 +83,8 @@ impl LeftOver<'_> {
             .filter(|root| resonates(root.lambda))
     }
 
-    /// Modes that a pole can have beside those that are there: inputs and outputs tell no more apart.
+    /// Modes that a pole can have beside those that are there: inputs and outputs tell no more
+    /// apart.
     fn room(&self, lambda: Complex64, roots: &[Root]) -> usize {
         let there = roots.iter().filter(|own| same_pole(own, lambda));
         let modes: usize = there.map(Root::multiplicity).sum();
@@ -139,7 +142,8 @@ fn same_pole(own: &Root, lambda: Complex64) -> bool {
     (own.lambda - lambda).norm() < SAME * own.decay()
 }
 
-/// Stretches of doubling widths that noise does not explain, the highest first, none near a higher one.
+/// Stretches of doubling widths that noise does not explain, the highest first, none near a higher
+/// one.
 ///
 /// Lines of correlated noise that count for one: `alike`.
 fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec<Stretch> {
@@ -181,7 +185,8 @@ fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Ve
     chosen
 }
 
-/// Participation factors of the strongest so many parts of a value per function: right singular vectors over the inputs.
+/// Participation factors of the strongest so many parts of a value per function: right singular
+/// vectors over the inputs.
 pub(super) fn strongest_inputs(
     sides: &Sides,
     count: usize,

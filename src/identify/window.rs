@@ -1,16 +1,18 @@
-//! A window of lines, compressed: the values of all functions in the coordinates of what a fit in the window can need.
+//! A window of lines, compressed: the values of all functions in the coordinates of what a fit in
+//! the window can need.
 //!
-//! The columns of a fit are background, `g_j = σ_j/(iω − λ_j)` and, where poles move, `g_j²`. About poles `λ_j0` with the courses
-//! `x = |σ_j0|/(iω − λ_j0)` and `ε = (λ_j − λ_j0)/|σ_j0|`
+//! The columns of a fit are background, `g_j = σ_j/(iω − λ_j)` and, where poles move, `g_j²`. About
+//! poles `λ_j0` with the courses `x = |σ_j0|/(iω − λ_j0)` and `ε = (λ_j − λ_j0)/|σ_j0|`
 //!
 //! ```text
 //! g = |σ/σ_0| (x + ε x² + ε² x³ + …)      g² = |σ/σ_0|² (x² + 2ε x³ + …)
 //! ```
 //!
-//! (of a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`)
-//! so that the coordinates of the values in an orthonormal basis of background, x, x² and x³ serve all poles near λ_0: a step of a fit
-//! touches no line, and the values are read once for as long as poles stay near and the noise is the same. What other roots put into
-//! the window has coordinates as well, which are taken from those of the values.
+//! (of a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`) so that
+//! the coordinates of the values in an orthonormal basis of background, x, x² and x³ serve all
+//! poles near λ_0: a step of a fit touches no line, and the values are read once for as long as
+//! poles stay near and the noise is the same. What other roots put into the window has coordinates
+//! as well, which are taken from those of the values.
 
 use std::ops::Range;
 
@@ -28,10 +30,11 @@ use super::roots::Root;
 
 /// Powers of each course.
 const POWERS: usize = 3;
-/// How far poles may be from where the window was made for them, in decay rates, at least and at most: the third power of this is left
-/// away of a course, and of the least that is rounding.
+/// How far poles may be from where the window was made for them, in decay rates, at least and at
+/// most: the third power of this is left away of a course, and of the least that is rounding.
 const NEAR: [f64; 2] = [3e-5, 1e-2];
-/// What is left away at that distance of the strongest response in the window, over the noise of one value.
+/// What is left away at that distance of the strongest response in the window, over the noise of
+/// one value.
 const LEFT_AWAY: f64 = 1e-3;
 /// Functions, most, of which the whole energy is looked at.
 const SAMPLED: usize = 48;
@@ -138,7 +141,8 @@ impl Window {
         poles.iter().all(|lambda| self.course_of(*lambda).is_some())
     }
 
-    /// Follows poles that it does not serve, by columns for these alone as long as it does not grow too large.
+    /// Follows poles that it does not serve, by columns for these alone as long as it does not grow
+    /// too large.
     pub fn follow(&mut self, data: &Receptances, poles: Vec<Complex64>) {
         let more = poles
             .iter()
@@ -156,7 +160,8 @@ impl Window {
     fn grow(&mut self, data: &Receptances, more: Vec<Complex64>) {
         let course = &self.profile.course;
         let courses = courses(data.line_shape, &data.omega[self.lines.clone()], &more);
-        // Twice, the second time at full length: of columns that nearly lie in the basis the first leaves rounding as well.
+        // Twice, the second time at full length: of columns that nearly lie in the basis the first
+        // leaves rounding as well.
         let (above, first) = self.apart(&over(&courses, course));
         let (correction, second) = self.apart(&first.q);
         let above = above + correction * &first.r;
@@ -215,7 +220,8 @@ impl Window {
         (nearest.1.norm() <= self.near).then_some(nearest)
     }
 
-    /// The values without what is known: courses, lines × twice the roots, and the background of all lines.
+    /// The values without what is known: courses, lines × twice the roots, and the background of
+    /// all lines.
     pub fn near(&self, around: &Surroundings, known: &ComplexMatrix) -> Near {
         let courses = linalg::adjoint_product(&self.weights, known.as_ref());
         let mut values = &self.values - courses * around.residues;
@@ -232,7 +238,8 @@ impl Window {
         }
     }
 
-    /// Energy of the values without what is known, over the noise. What no coordinate holds is that of some functions, for all.
+    /// Energy of the values without what is known, over the noise. What no coordinate holds is that
+    /// of some functions, for all.
     pub fn energy(&self, around: &Surroundings, (known, near): (&ComplexMatrix, &Near)) -> f64 {
         let functions = around.data.functions();
         let stride = functions.div_ceil(SAMPLED);
@@ -259,8 +266,8 @@ impl Window {
         near.energy + unheld * functions as f64 / sampled.len() as f64
     }
 
-    /// The values in the coordinates of background, courses and those derivatives that are wanted, and the energy that these can
-    /// explain.
+    /// The values in the coordinates of background, courses and those derivatives that are wanted,
+    /// and the energy that these can explain.
     pub fn compressed(
         &self,
         near: &Near,

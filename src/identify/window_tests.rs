@@ -77,7 +77,8 @@ fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (Near, f64) {
     (near, energy)
 }
 
-/// What background, courses and as many of their powers explain of the values, from the lines themselves; and the energy of the values.
+/// What background, courses and as many of their powers explain of the values, from the lines
+/// themselves; and the energy of the values.
 fn by_lines(
     data: &Receptances,
     window: &Window,
@@ -129,7 +130,8 @@ fn coordinates_tell_what_the_lines_do_for_poles_nearby_and_for_poles_that_moved_
             assert!(apart < 1e-10 * all, "{explained} {expected}");
             whole = all;
         }
-        // What no coordinate holds is noise, told from 30 functions of 281 lines: to 1 %, four times.
+        // What no coordinate holds is noise, told from 30 functions of 281 lines: to 1 %, four
+        // times.
         let unheld = (energy - near.energy) / (whole - near.energy);
         assert!((unheld - 1.0).abs() < 0.04, "{unheld}");
     }
@@ -146,7 +148,8 @@ fn poles_that_a_window_serves_leave_away_far_less_than_noise() {
     let offsets = (1..2000).map(|step| f64::from(step) * 1e-5);
     let served = offsets.take_while(|offset| window(*offset).serves(&truth));
     let reach = served.last().unwrap();
-    // The third power of it is a thousandth of the noise beside the strongest response; levels are those of 281 lines.
+    // The third power of it is a thousandth of the noise beside the strongest response; levels are
+    // those of 281 lines.
     let strongest = (0..SENSORS).flat_map(|f| {
         let values = data.values[f][lines.clone()].iter();
         let own = values.zip(&data.variance[f][lines.clone()]);

@@ -1,4 +1,5 @@
-//! Columns of numbers that a scene describes become records and functions: the common end of text tables and of arrays.
+//! Columns of numbers that a scene describes become records and functions: the common end of text
+//! tables and of arrays.
 
 use std::borrow::Cow;
 
@@ -69,12 +70,12 @@ impl RowLines {
     }
 }
 
-/// Makes records or functions of columns as the spec says. Of several sets of columns each is one hit: its records carry
-/// the number of the set, from 1, as version.
+/// Makes records or functions of columns as the spec says. Of several sets of columns each is one
+/// hit: its records carry the number of the set, from 1, as version.
 ///
 /// # Errors
-/// [`IoError`] for an axis that is missing, uneven or contradicts the spec, for an FRF without imaginary part, and for
-/// columns that nothing uses or that could be taken for one another.
+/// [`IoError`] for an axis that is missing, uneven or contradicts the spec, for an FRF without
+/// imaginary part, and for columns that nothing uses or that could be taken for one another.
 pub(super) fn assign(
     format: &'static str,
     spec: &TableSpec,
@@ -165,7 +166,8 @@ fn not_real(path: &str, what: &'static str) -> IoError {
 /// A factor, and the values that it belongs to.
 type Scaled<'a> = (f64, Cow<'a, [f64]>);
 
-/// Scale and values of the first column in a role; complex values whose imaginary part is 0 are real.
+/// Scale and values of the first column in a role; complex values whose imaginary part is 0 are
+/// real.
 fn column_of<'a>(
     spec: &TableSpec,
     columns: &'a Columns,

@@ -129,7 +129,8 @@ pub enum Domain {
     Time,
     /// Frequency, Hz.
     Frequency,
-    /// The specific data type of dataset 58 (19 rotational speed, ...; 0 unknown), in the unit of the file.
+    /// The specific data type of dataset 58 (19 rotational speed, ...; 0 unknown), in the unit of
+    /// the file.
     Other(i32),
 }
 
@@ -138,7 +139,8 @@ pub enum Domain {
 pub struct GeneralAxis {
     /// What it measures.
     pub domain: Domain,
-    /// First value and spacing; `None` when it is uneven ([`super::Source::abscissa`] gives the values).
+    /// First value and spacing; `None` when it is uneven ([`super::Source::abscissa`] gives the
+    /// values).
     pub even: Option<(f64, f64)>,
     /// Number of values.
     pub len: usize,
@@ -296,7 +298,8 @@ pub struct Catalog {
     pub geometry: Geometry,
     /// Title lines of the file (universal dataset 151), trimmed, without empty ones.
     pub title: Vec<String>,
-    /// Parts that could not be read. A chain stops at the first that it needs, unless the good part of a file is sufficient.
+    /// Parts that could not be read. A chain stops at the first that it needs, unless the good part
+    /// of a file is sufficient.
     pub damage: Vec<Damage>,
     /// What the headers say besides.
     pub findings: Vec<Finding>,

@@ -1,15 +1,16 @@
-//! Coherence as files hold it: values outside 0 to 1 are ignored, for the FRF beside them does not need it.
+//! Coherence as files hold it: values outside 0 to 1 are ignored, for the FRF beside them does not
+//! need it.
 
 use crate::axis::FrequencyAxis;
 use crate::finding::{Code, Finding, Place, Severity};
 
-/// Excess over 1, or below 0, by which a coherence is rounded: single precision and printed digits. Larger: 1.00001 of a
-/// wrong average counts as a coherence of 1, a noise-free line. Smaller: files of single precision are full of findings
-/// (`rounded_coherence_is_no_finding`).
+/// Excess over 1, or below 0, by which a coherence is rounded: single precision and printed digits.
+/// Larger: 1.00001 of a wrong average counts as a coherence of 1, a noise-free line. Smaller: files
+/// of single precision are full of findings (`rounded_coherence_is_no_finding`).
 const ROUNDING: f64 = 1e-6;
-/// Fraction of invalid lines above which no line is used. Larger: the few lines below 1 % of a coherence in percent are
-/// taken for a noisy measurement. Smaller: a set whose lower lines alone are invalid loses its variance
-/// (`coherence_in_percent_is_not_used`).
+/// Fraction of invalid lines above which no line is used. Larger: the few lines below 1 % of a
+/// coherence in percent are taken for a noisy measurement. Smaller: a set whose lower lines alone
+/// are invalid loses its variance (`coherence_in_percent_is_not_used`).
 const MAX_INVALID_FRACTION: f64 = 0.5;
 
 /// A coherence of which the invalid values are replaced.

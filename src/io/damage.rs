@@ -1,7 +1,9 @@
-//! Damaged parts of a file: the error of each, and what it holds, which decides whose answer needs it.
+//! Damaged parts of a file: the error of each, and what it holds, which decides whose answer needs
+//! it.
 //!
-//! A part that an answer does not need never stops it: its damage is a finding. Frequencies, damping and shapes need FRFs or
-//! mode shapes; neither trace lines, titles, coherence and spectra, nor, without local directions, nodes.
+//! A part that an answer does not need never stops it: its damage is a finding. Frequencies,
+//! damping and shapes need FRFs or mode shapes; neither trace lines, titles, coherence and spectra,
+//! nor, without local directions, nodes.
 
 use std::fmt;
 
@@ -84,7 +86,8 @@ pub enum Need {
 }
 
 impl Need {
-    /// Whether an answer needs a part of the file of this catalogue; `lost` are all parts that are damaged.
+    /// Whether an answer needs a part of the file of this catalogue; `lost` are all parts that are
+    /// damaged.
     fn includes(self, part: Part, lost: &[Part], catalog: &Catalog) -> bool {
         match (self, part) {
             (_, Part::Any)
@@ -98,8 +101,9 @@ impl Need {
     }
 }
 
-/// Whether the directions of shape values at some node are lost with these parts. Nodes name their displacement systems, and systems
-/// describe them: where both are damaged, neither shows that no value was local.
+/// Whether the directions of shape values at some node are lost with these parts. Nodes name their
+/// displacement systems, and systems describe them: where both are damaged, neither shows that no
+/// value was local.
 pub(super) fn directions_lost(lost: &[Part], catalog: &Catalog) -> bool {
     let geometry = &catalog.geometry;
     let is_lost = |part: Part| lost.contains(&part);
@@ -120,7 +124,8 @@ pub(super) fn directions_lost(lost: &[Part], catalog: &Catalog) -> bool {
 /// Takes the damage of a source: whether part of the file is damaged.
 ///
 /// # Errors
-/// The first damage that one of `needs` includes, unless the good part of the file is sufficient (`partial`).
+/// The first damage that one of `needs` includes, unless the good part of the file is sufficient
+/// (`partial`).
 pub fn check_damage(
     source: &mut dyn Source,
     needs: &[Need],

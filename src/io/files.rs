@@ -161,7 +161,8 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Writes a file beside its name and renames it, so that a failure leaves nothing behind. Makes its folder.
+/// Writes a file beside its name and renames it, so that a failure leaves nothing behind. Makes its
+/// folder.
 ///
 /// # Errors
 /// [`IoError::System`], or what `content` returns.
@@ -217,7 +218,8 @@ pub fn writable_extensions() -> Vec<&'static str> {
     all
 }
 
-/// Writes what a source holds in the format that the path's extension asks for, with [`write_atomically`].
+/// Writes what a source holds in the format that the path's extension asks for, with
+/// [`write_atomically`].
 ///
 /// # Errors
 /// [`IoError::Unwritable`] for an extension that no format has; as [`Format::write`].
@@ -302,8 +304,8 @@ pub enum NewFile<'a> {
     CopyOf(&'a Path),
 }
 
-/// Writes files of which none may be there, each beside its name, and renames them when all are written. A failure leaves none of
-/// them, nor a folder that was made for them.
+/// Writes files of which none may be there, each beside its name, and renames them when all are
+/// written. A failure leaves none of them, nor a folder that was made for them.
 ///
 /// # Errors
 /// [`IoError::System`], also when one of the files exists.
@@ -316,7 +318,8 @@ pub fn write_all_new(files: &[(PathBuf, NewFile)]) -> Result<(), IoError> {
     let mut placed = Vec::new();
     let result = place_new(files, &mut placed);
     if result.is_err() {
-        // The failure is what is told; what cannot be removed, or has got other files meanwhile, stays.
+        // The failure is what is told; what cannot be removed, or has got other files meanwhile,
+        // stays.
         for path in placed {
             let _ = std::fs::remove_file(path);
         }
@@ -358,8 +361,8 @@ fn copy(from: &Path, out: &mut dyn WriteSeek) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Writes several files, each beside its name, and renames them when all are written: a failure leaves every file that was there
-/// as it was.
+/// Writes several files, each beside its name, and renames them when all are written: a failure
+/// leaves every file that was there as it was.
 ///
 /// # Errors
 /// [`IoError::System`].

@@ -28,19 +28,22 @@ struct Read {
     finding: Option<Finding>,
 }
 
-/// Number of averages where coherence is given and nobody says how many: the fewest that practice asks of a hammer test.
+/// Number of averages where coherence is given and nobody says how many: the fewest that practice
+/// asks of a hammer test.
 const ASSUMED_AVERAGES: u32 = 3;
 
-/// Collects the FRFs of files into sets of one axis each, in order of appearance; coherence and variance join their
-/// function, also from files that hold them alone.
+/// Collects the FRFs of files into sets of one axis each, in order of appearance; coherence and
+/// variance join their function, also from files that hold them alone.
 ///
-/// A variance that the file does not hold is that of H1 with the coherence and the number of averages,
-/// |H|²(1−γ²)/(γ²(n−1)). A number that neither file nor scene states is taken as 3, with a finding. A coherence of 1
-/// throughout is that of a single average and says nothing; then the variance is unknown. Coherence outside 0 to 1 is ignored,
-/// and a function of another quantity than motion over force is left out, each with a finding.
+/// A variance that the file does not hold is that of H1 with the coherence and the number of
+/// averages, |H|²(1−γ²)/(γ²(n−1)). A number that neither file nor scene states is taken as 3, with
+/// a finding. A coherence of 1 throughout is that of a single average and says nothing; then the
+/// variance is unknown. Coherence outside 0 to 1 is ignored, and a function of another quantity
+/// than motion over force is left out, each with a finding.
 ///
 /// # Errors
-/// [`IoError::NotStated`] for a unit, kind or degree of freedom that neither file nor scene states; reading errors.
+/// [`IoError::NotStated`] for a unit, kind or degree of freedom that neither file nor scene states;
+/// reading errors.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -95,8 +98,8 @@ struct Collecting {
 }
 
 impl Collected {
-    /// Adds a function to the set of its axis and window, which begins with the first one. A repeated measurement of a pair
-    /// gets the next free number.
+    /// Adds a function to the set of its axis and window, which begins with the first one. A
+    /// repeated measurement of a pair gets the next free number.
     fn add(&mut self, read: Read) -> Result<(), IoError> {
         let (axis, note) = (read.axis, &read.note);
         let decay = note.added_damping_rad_s.unwrap_or(0.0);
@@ -119,7 +122,8 @@ impl Collected {
         self.sets[place].add(read)
     }
 
-    /// Leaves a function out whose header states another quantity than motion over force; with --partial any that cannot be used.
+    /// Leaves a function out whose header states another quantity than motion over force; with
+    /// --partial any that cannot be used.
     fn leave_out(&mut self, file: &HitFile, index: usize, error: IoError) -> Result<(), IoError> {
         let entry = &file.source.catalog().entries[index];
         let severity = match (is_other_quantity(entry), file.partial) {
@@ -149,8 +153,8 @@ impl Collected {
     }
 }
 
-/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa than frequency. A unit label that
-/// cannot be read states nothing: the FRF may be needed.
+/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa
+/// than frequency. A unit label that cannot be read states nothing: the FRF may be needed.
 fn is_other_quantity(entry: &Entry) -> bool {
     let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
     let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
@@ -221,8 +225,8 @@ type Occurrence = (Option<Dof>, Option<Dof>, usize);
 struct Occurrences(BTreeMap<(FunctionType, Option<Dof>, Option<Dof>), usize>);
 
 impl Occurrences {
-    /// For each entry of a file which occurrence of its pair it is among those of its type, the files before counted in;
-    /// points that the header leaves open are the scene's.
+    /// For each entry of a file which occurrence of its pair it is among those of its type, the
+    /// files before counted in; points that the header leaves open are the scene's.
     fn of(&mut self, file: &HitFile) -> Vec<Occurrence> {
         let numbered = |entry: &Entry| {
             let response = entry.response.clone().or_else(|| file.response.clone());
@@ -405,7 +409,8 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     let coherence = coherence.filter(|values| !says_nothing(values));
     let stated = of_axis(beside.variance, &axis);
     let averages = note.averages.or(file.averages);
-    // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them too.
+    // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them
+    // too.
     let variance_dof = match &stated {
         Some(_) => note.variance_dof,
         None => averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1)),

@@ -38,8 +38,8 @@ impl Roles<'_> {
         entries.filter(|(_, entry)| entry.function_type == FunctionType::Time)
     }
 
-    /// Records of another quantity than force and motion, where others are forces and motions: no hit needs them. None where
-    /// the scene numbers the records of a hit.
+    /// Records of another quantity than force and motion, where others are forces and motions: no
+    /// hit needs them. None where the scene numbers the records of a hit.
     fn left_out(&self) -> BTreeSet<usize> {
         if !self.overrides.is_empty() {
             return BTreeSet::new();
@@ -48,7 +48,8 @@ impl Roles<'_> {
         times.filter(|index| self.is_other(*index)).collect()
     }
 
-    /// Whether a record states another quantity than force and motion, where others are forces and motions.
+    /// Whether a record states another quantity than force and motion, where others are forces and
+    /// motions.
     pub fn is_other(&self, index: usize) -> bool {
         let has = |wanted: fn(Quantity) -> bool| {
             let mut quantities = self.all_times().filter_map(|(_, entry)| entry.quantity);
@@ -105,8 +106,8 @@ impl Roles<'_> {
         Ok(vec![group])
     }
 
-    /// By identification; where its ID lines tell channels apart instead of hits, by version number and load case; where
-    /// these do not change either, by order.
+    /// By identification; where its ID lines tell channels apart instead of hits, by version number
+    /// and load case; where these do not change either, by order.
     pub fn hits(&self, findings: &mut Vec<Finding>) -> Result<Vec<Group>, IoError> {
         let by_order = self.split(&self.times());
         let numbers =
@@ -142,8 +143,8 @@ impl Roles<'_> {
         Ok(groups)
     }
 
-    /// Leaves out the hits that have another number of records than most, with a finding for each: where a file is cut or
-    /// bad records were left out, a hit lacks records or has a neighbour's.
+    /// Leaves out the hits that have another number of records than most, with a finding for each:
+    /// where a file is cut or bad records were left out, a hit lacks records or has a neighbour's.
     fn keep_whole(&self, groups: &mut Vec<Group>, findings: &mut Vec<Finding>) {
         let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
         for group in groups.iter().filter(|group| self.is_hit(group)) {
@@ -223,8 +224,8 @@ impl Roles<'_> {
             .all(|index| nothing(&self.entries()[*index]))
     }
 
-    /// Cuts a run of records where a second force, a response that is already there, a response of another hit point or
-    /// another axis begins.
+    /// Cuts a run of records where a second force, a response that is already there, a response of
+    /// another hit point or another axis begins.
     fn split(&self, indices: &[usize]) -> Vec<Group> {
         let mut groups: Vec<Group> = Vec::new();
         let named = self.names_hit_points();

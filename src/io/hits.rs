@@ -1,9 +1,11 @@
-//! Time records become hits: which records belong together, which is the force, where the hammer hit.
+//! Time records become hits: which records belong together, which is the force, where the hammer
+//! hit.
 //!
-//! The header decides: records of one file with the same version number, load case and ID lines belong together, and a
-//! further force record (or a response that is already there) opens the next hit. Where headers do not say, the order
-//! in the file, the length and the sampling decide, and a finding says so. Nothing is guessed beyond that: a unit, a
-//! response point or a hit point that neither file nor scene states is an error.
+//! The header decides: records of one file with the same version number, load case and ID lines
+//! belong together, and a further force record (or a response that is already there) opens the next
+//! hit. Where headers do not say, the order in the file, the length and the sampling decide, and a
+//! finding says so. Nothing is guessed beyond that: a unit, a response point or a hit point that
+//! neither file nor scene states is an error.
 
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
@@ -43,8 +45,8 @@ pub struct FileRecording {
 }
 
 impl FileRecording {
-    /// States the range of the converter of the forces, or of the responses at a degree of freedom (at all without one),
-    /// SI unit.
+    /// States the range of the converter of the forces, or of the responses at a degree of freedom
+    /// (at all without one), SI unit.
     pub fn state_full_scale(&mut self, role: Role, dof: Option<&Dof>, full_scale: f64) {
         for hit in &mut self.hits {
             match role {
@@ -91,8 +93,8 @@ impl Recording for FileRecording {
 /// Groups the time records of files into hits; their samples are read when they are asked for.
 ///
 /// # Errors
-/// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a quantity, a response
-/// or a hit point that neither file nor scene states.
+/// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a
+/// quantity, a response or a hit point that neither file nor scene states.
 pub fn group_hits(
     files: Vec<HitFile>,
     grouping: HitGrouping,
@@ -321,7 +323,8 @@ fn channel_info(
     })
 }
 
-/// Quantity and factor to SI; the scene's word goes before the file's. `None` when they are unknown or do not suit the role.
+/// Quantity and factor to SI; the scene's word goes before the file's. `None` when they are unknown
+/// or do not suit the role.
 fn calibration(
     entry: &Entry,
     role: Role,

@@ -1,4 +1,5 @@
-//! One real matrix of a file: Matrix Market, or an array of MATLAB, HDF5, NPZ and NPY, full or sparse.
+//! One real matrix of a file: Matrix Market, or an array of MATLAB, HDF5, NPZ and NPY, full or
+//! sparse.
 //!
 //! | file | full | sparse |
 //! |---|---|---|
@@ -31,11 +32,12 @@ pub struct MatrixEntries {
 /// Bytes by which a file is known.
 const HEAD: u64 = 4096;
 
-/// Reads a matrix from a file, by its name where the file has names; an unnamed one is the only matrix of the file.
+/// Reads a matrix from a file, by its name where the file has names; an unnamed one is the only
+/// matrix of the file.
 ///
 /// # Errors
-/// [`IoError`] with line or byte for damage; [`IoError::UnknownFormat`]; [`IoError::Grouping`] for a name that is not
-/// there or holds no real matrix.
+/// [`IoError`] with line or byte for damage; [`IoError::UnknownFormat`]; [`IoError::Grouping`] for
+/// a name that is not there or holds no real matrix.
 pub fn read_matrix(path: &Path, name: Option<&str>) -> Result<MatrixEntries, IoError> {
     let shown = path.display().to_string();
     let system = |action| {

@@ -1,4 +1,5 @@
-//! Matrix Market files: one real matrix as text, its entries by place (`coordinate`) or all of them (`array`).
+//! Matrix Market files: one real matrix as text, its entries by place (`coordinate`) or all of them
+//! (`array`).
 //!
 //! | line | what it holds |
 //! |---|---|
@@ -7,8 +8,9 @@
 //! | sizes | rows, columns and, of coordinates, the number of entries |
 //! | entries | row and column from 1 and the value; of an array the value, column after column |
 //!
-//! Of a symmetric matrix the entries on and below the diagonal are there, of a skew one those below. A pattern has no
-//! values and is refused, as are complex matrices. Entries of one place add up.
+//! Of a symmetric matrix the entries on and below the diagonal are there, of a skew one those
+//! below. A pattern has no values and is refused, as are complex matrices. Entries of one place add
+//! up.
 //!
 //! # Reference
 //! Boisvert, Pozo and Remington (1996), The Matrix Market exchange formats, NISTIR 5935.

@@ -211,8 +211,8 @@ impl Merged {
         }
     }
 
-    /// Reads every entry once and leaves out those that cannot be read, each with its damage: a text may turn out not to
-    /// be numbers only when it is read.
+    /// Reads every entry once and leaves out those that cannot be read, each with its damage: a
+    /// text may turn out not to be numbers only when it is read.
     pub fn leave_out_unreadable(&mut self) {
         let (mut block, mut abscissa) = (Block::F64(Vec::new()), Vec::new());
         let mut good = vec![true; self.places.len()];

@@ -1,7 +1,8 @@
-//! Files in and out. Readers stream: [`Format::open`] scans headers into a [`Catalog`]; samples are read when asked for.
+//! Files in and out. Readers stream: [`Format::open`] scans headers into a [`Catalog`]; samples are
+//! read when asked for.
 //!
-//! This stage knows types only: it never estimates, windows or identifies. It is one of the three places that touch
-//! files (the others are `scene` and `cli`).
+//! This stage knows types only: it never estimates, windows or identifies. It is one of the three
+//! places that touch files (the others are `scene` and `cli`).
 
 mod array;
 mod assign;
@@ -120,8 +121,8 @@ pub trait Format: Sync {
         &[]
     }
 
-    /// Whether the format is the one of its extension for what a catalogue lists; the first one that is writes
-    /// it.
+    /// Whether the format is the one of its extension for what a catalogue lists; the first one
+    /// that is writes it.
     fn takes(&self, _catalog: &Catalog) -> bool {
         true
     }
@@ -136,12 +137,12 @@ pub trait Format: Sync {
     /// [`Catalog::damage`] says what is missing and where.
     fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError>;
 
-    /// Writes everything that a source holds and the format can; what it cannot is left out with a finding of
-    /// [`crate::finding::Code::NotCarried`].
+    /// Writes everything that a source holds and the format can; what it cannot is left out with a
+    /// finding of [`crate::finding::Code::NotCarried`].
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for a value that the format has no place for although it holds the kind; reading errors of
-    /// the source; [`IoError::System`] when writing fails.
+    /// [`IoError::Unwritable`] for a value that the format has no place for although it holds the
+    /// kind; reading errors of the source; [`IoError::System`] when writing fails.
     fn write(
         &self,
         _out: &mut dyn WriteSeek,
@@ -196,15 +197,16 @@ pub trait Source: Send {
     /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.
     fn take_damage(&mut self) -> Vec<Damage>;
 
-    /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single precision stays single.
+    /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single
+    /// precision stays single.
     ///
     /// # Errors
     /// [`IoError`] with the place when the bytes are not there or are not numbers.
     fn read(&mut self, entry: usize, range: Range<usize>, block: &mut Block)
     -> Result<(), IoError>;
 
-    /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of the file. A source with
-    /// uneven axes has its own.
+    /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of
+    /// the file. A source with uneven axes has its own.
     ///
     /// # Errors
     /// As [`Source::read`].

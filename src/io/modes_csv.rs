@@ -6,9 +6,10 @@
 //! 31.5,,1,0.3,-0.8
 //! ```
 //!
-//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators part the cells, `#` (blanks may
-//! stand before it) begins a line of remarks, a line whose cells are all empty is skipped. An empty cell is a value that is not
-//! known: a degree of freedom without one is not in that shape.
+//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators
+//! part the cells, `#` (blanks may stand before it) begins a line of remarks, a line whose cells
+//! are all empty is skipped. An empty cell is a value that is not known: a degree of freedom
+//! without one is not in that shape.
 //!
 //! | column | meaning |
 //! |---|---|
@@ -93,7 +94,8 @@ impl Format for ModesCsv {
         }))
     }
 
-    /// Writes the modes; records, functions, geometry, residues and what tells of an identification are not carried.
+    /// Writes the modes; records, functions, geometry, residues and what tells of an identification
+    /// are not carried.
     fn write(
         &self,
         out: &mut dyn WriteSeek,
@@ -129,7 +131,8 @@ impl Format for ModesCsv {
     }
 }
 
-/// The lines that hold something, each with its number from 1: no remarks and none whose cells are all empty.
+/// The lines that hold something, each with its number from 1: no remarks and none whose cells are
+/// all empty.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // A text without line feeds may end its lines with carriage returns.
@@ -241,7 +244,8 @@ impl Reader<'_> {
         Ok(Column::Shape(dof, part))
     }
 
-    /// The columns, each once, a real part with its imaginary one, a degree of freedom with one sign.
+    /// The columns, each once, a real part with its imaginary one, a degree of freedom with one
+    /// sign.
     fn columns(&self, names: &[&str]) -> Result<Vec<Column>, IoError> {
         let columns = names.iter().map(|name| self.column(name));
         let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
@@ -269,7 +273,8 @@ impl Reader<'_> {
         Ok(columns)
     }
 
-    /// The values of `1:-Z` are those of `1:+Z` turned: with both there would be two for one degree of freedom.
+    /// The values of `1:-Z` are those of `1:+Z` turned: with both there would be two for one degree
+    /// of freedom.
     fn one_sign(&self, columns: &[Column]) -> Result<(), IoError> {
         let mut signed: BTreeMap<Dof, &Dof> = BTreeMap::new();
         for column in columns {

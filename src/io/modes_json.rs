@@ -15,7 +15,8 @@ use super::IoError;
 /// The schema text.
 pub const MODES_SCHEMA: &str = "modalign-modes/1";
 
-/// Frequency or damping and pole of one mode may differ by this fraction before the file contradicts itself.
+/// Frequency or damping and pole of one mode may differ by this fraction before the file
+/// contradicts itself.
 const REDUNDANCY: f64 = 1e-6;
 
 #[derive(Serialize, Deserialize)]

@@ -2,7 +2,8 @@
 
 use crate::frf::{Estimator, Window};
 
-/// What a file says of how a function was made. Universal files of modalign hold it in their ID lines 4 and 5.
+/// What a file says of how a function was made. Universal files of modalign hold it in their ID
+/// lines 4 and 5.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FunctionNote {
     /// Number of averages.
@@ -15,7 +16,8 @@ pub struct FunctionNote {
     pub record_s: Option<f64>,
     /// Where the function is valid, Hz.
     pub valid_hz: Option<(f64, f64)>,
-    /// Degrees of freedom of the variance that belongs to it; modalign's layout alone holds it, as it does the variance.
+    /// Degrees of freedom of the variance that belongs to it; modalign's layout alone holds it, as
+    /// it does the variance.
     pub variance_dof: Option<f64>,
     /// Window of the records; `None` where there was none or none is stated.
     pub window: Option<Window>,
@@ -27,8 +29,9 @@ const NOTE_MARK: &str = "modalign ";
 const LINE_COLUMNS: usize = 80;
 
 impl FunctionNote {
-    /// ID lines 4 and 5, such as `modalign averages=5 estimator=h1 added_damping_rad_s=12.5 record_s=1.28`, empty where
-    /// nothing is known. A line of a universal file holds 80 characters; what does not fit is left away.
+    /// ID lines 4 and 5, such as `modalign averages=5 estimator=h1 added_damping_rad_s=12.5
+    /// record_s=1.28`, empty where nothing is known. A line of a universal file holds 80
+    /// characters; what does not fit is left away.
     pub fn to_lines(&self) -> [String; 2] {
         let mut lines = [Some(String::new()), Some(String::new())];
         pack_fields(&self.to_fields(), &mut lines);
@@ -79,8 +82,8 @@ pub(super) fn note_fields(lines: &[String]) -> impl Iterator<Item = (&str, &str)
         .filter_map(|field| field.split_once('='))
 }
 
-/// Puts fields into the first line that has room for them (`None` is a line that is taken) and counts those that found
-/// none.
+/// Puts fields into the first line that has room for them (`None` is a line that is taken) and
+/// counts those that found none.
 pub(super) fn pack_fields(fields: &[String], lines: &mut [Option<String>]) -> usize {
     let mut lost = 0;
     for field in fields {

@@ -1,10 +1,11 @@
 //! Decimal numbers from bytes, fast: the one parser of every text format.
 //!
-//! Up to 15 digits with a decimal exponent of at most 22 in magnitude are exact in one multiplication or division (Clinger
-//! 1990, How to read floating point numbers accurately, section 3). Up to 19 digits with one of at most 27 are multiplied by
-//! a power of five of 128 bits, which decides the rounding unless the product lies within its error of a tie (Lemire 2021,
-//! Number parsing at a gigabyte per second). Everything else goes through the standard library, so that every result is
-//! the nearest double.
+//! Up to 15 digits with a decimal exponent of at most 22 in magnitude are exact in one
+//! multiplication or division (Clinger 1990, How to read floating point numbers accurately, section
+//! 3). Up to 19 digits with one of at most 27 are multiplied by a power of five of 128 bits, which
+//! decides the rounding unless the product lies within its error of a tie (Lemire 2021, Number
+//! parsing at a gigabyte per second). Everything else goes through the standard library, so that
+//! every result is the nearest double.
 
 /// Powers of ten that are exact.
 const EXACT_POWERS: [f64; 23] = [
@@ -17,16 +18,18 @@ const EXACT_MANTISSA: u64 = 1_000_000_000_000_000;
 /// Most digits that never overflow 64 bits.
 const SAFE_DIGITS: usize = 19;
 
-/// Reads the longest decimal number at the start of `bytes`: its value and its length; `None` when there is none.
+/// Reads the longest decimal number at the start of `bytes`: its value and its length; `None` when
+/// there is none.
 ///
-/// The exponent letter may be `E`, `e`, `D` or `d`. `decimal` is the decimal mark, `.` or `,`. Digits that overflow a double
-/// are no number; `NaN` and `Inf` are not read here.
+/// The exponent letter may be `E`, `e`, `D` or `d`. `decimal` is the decimal mark, `.` or `,`.
+/// Digits that overflow a double are no number; `NaN` and `Inf` are not read here.
 #[inline(always)]
 pub(super) fn prefix(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> {
     read::<false>(bytes, decimal)
 }
 
-/// As [`prefix`] with a decimal point, where the exponent letter may be missing before a sign and three digits (`1.5-105`).
+/// As [`prefix`] with a decimal point, where the exponent letter may be missing before a sign and
+/// three digits (`1.5-105`).
 pub(super) fn fortran_prefix(bytes: &[u8]) -> Option<(f64, usize)> {
     read::<true>(bytes, b'.')
 }
@@ -79,7 +82,8 @@ fn read<const FORTRAN: bool>(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> 
 /// Whole powers of ten.
 const TENS: [u64; 8] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000];
 
-/// Adds digits that are mostly few, as those before the decimal mark, to `mantissa` and says where they end.
+/// Adds digits that are mostly few, as those before the decimal mark, to `mantissa` and says where
+/// they end.
 #[inline(always)]
 fn few_digits(bytes: &[u8], start: usize, mantissa: &mut u64) -> usize {
     let mut at = start;
@@ -93,8 +97,8 @@ fn few_digits(bytes: &[u8], start: usize, mantissa: &mut u64) -> usize {
     at
 }
 
-/// Adds the digits at `at` to `mantissa` and says where they end: eight bytes at a time, so that no branch depends on how
-/// many digits the last ones hold.
+/// Adds the digits at `at` to `mantissa` and says where they end: eight bytes at a time, so that no
+/// branch depends on how many digits the last ones hold.
 #[inline(always)]
 fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     while let Some(eight) = bytes.get(at..).and_then(<[u8]>::first_chunk::<8>) {
@@ -169,7 +173,8 @@ fn exponent<const FORTRAN: bool>(bytes: &[u8], at: usize) -> (i64, usize) {
 /// Largest power of ten, in magnitude, of [`scaled`]: 5^27 has 63 bits.
 const MOST_POWER: usize = 27;
 
-/// 5^q for q from −27 to 27: the leading 128 bits, rounded down, and the exponent of the first of them.
+/// 5^q for q from −27 to 27: the leading 128 bits, rounded down, and the exponent of the first of
+/// them.
 const FIVES: [(u128, i32); 2 * MOST_POWER + 1] = {
     let mut fives = [(0, 0); 2 * MOST_POWER + 1];
     let (mut q, mut power) = (0, 1u128);
@@ -201,7 +206,8 @@ const fn reciprocal(divisor: u128, exponent: u32) -> u128 {
     quotient
 }
 
-/// The double nearest to mantissa × 10^power, |power| at most 27; `None` where the product of 128 bits cannot tell.
+/// The double nearest to mantissa × 10^power, |power| at most 27; `None` where the product of 128
+/// bits cannot tell.
 fn scaled(mantissa: u64, power: i32) -> Option<f64> {
     if mantissa == 0 {
         return Some(0.0);
@@ -212,7 +218,8 @@ fn scaled(mantissa: u64, power: i32) -> Option<f64> {
     let above = mantissa.leading_zeros();
     let (five, exponent) = FIVES[(power + MOST_POWER as i32) as usize];
     let normal = u128::from(mantissa << above);
-    // What is cut off here, and what the power lacks, is less than 2 in the last place; after the shift less than 4.
+    // What is cut off here, and what the power lacks, is less than 2 in the last place; after the
+    // shift less than 4.
     let product = normal * (five >> 64) + ((normal * (five & u128::from(u64::MAX))) >> 64);
     let gap = product.leading_zeros();
     let product = product << gap;
@@ -250,7 +257,8 @@ fn slow(mantissa: &[u8], decimal: u8, exponent: i64, negative: bool) -> Option<f
         .then_some(if negative { -value } else { value })
 }
 
-/// A whole field as a number, blanks around it left away; `NaN` and `Inf` in any case are taken as such.
+/// A whole field as a number, blanks around it left away; `NaN` and `Inf` in any case are taken as
+/// such.
 pub(super) fn field(bytes: &[u8], decimal: u8) -> Option<f64> {
     whole::<false>(bytes, decimal)
 }

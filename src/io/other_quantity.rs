@@ -1,9 +1,10 @@
 //! Unit labels of quantities that neither FRFs nor modes need, such as sound pressure over force.
 //!
-//! A label outside this list and outside the units of force and motion cannot be read: its function may be one that is needed.
+//! A label outside this list and outside the units of force and motion cannot be read: its function
+//! may be one that is needed.
 
-/// Units of pressure, voltage, current, charge, rotation, strain, stress, temperature, power, moment, mass, speed of rotation, and of
-/// ratios. Compared without case.
+/// Units of pressure, voltage, current, charge, rotation, strain, stress, temperature, power,
+/// moment, mass, speed of rotation, and of ratios. Compared without case.
 const OTHER_UNITS: [&str; 77] = [
     "Pa", "hPa", "kPa", "MPa", "GPa", "uPa", "µPa", "bar", "mbar", "psi", "N/m2", "N/m^2", "N/m²",
     "N/mm2", "N/mm^2", "N/mm²", "V", "mV", "uV", "µV", "kV", "Volt", "Volts", "A", "mA", "C", "pC",
@@ -16,7 +17,8 @@ const OTHER_UNITS: [&str; 77] = [
 /// Units of length.
 const LENGTHS: [&str; 8] = ["m", "cm", "mm", "um", "µm", "in", "ft", "inch"];
 
-/// Whether a unit label names another quantity than force and motion, as the whole, the numerator or the denominator.
+/// Whether a unit label names another quantity than force and motion, as the whole, the numerator
+/// or the denominator.
 pub(super) fn names_other_quantity(label: &str) -> bool {
     let label = label.trim();
     if is_velocity(label) {

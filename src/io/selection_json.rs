@@ -50,7 +50,8 @@ struct SelectedJson {
 /// Reads a choice of poles from a file.
 ///
 /// # Errors
-/// [`IoError::System`] when it cannot be read; [`IoError::Json`] with line and column, or with the pole whose value is impossible.
+/// [`IoError::System`] when it cannot be read; [`IoError::Json`] with line and column, or with the
+/// pole whose value is impossible.
 pub fn read_selection(path: &Path) -> Result<PoleSelection, IoError> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|source| IoError::System {

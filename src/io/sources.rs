@@ -1,4 +1,5 @@
-//! Recorded hits and FRF sets as sources in memory, so that every writer takes them as it takes an opened file.
+//! Recorded hits and FRF sets as sources in memory, so that every writer takes them as it takes an
+//! opened file.
 
 use std::ops::Range;
 
@@ -14,8 +15,9 @@ use crate::record::{Channel, Hit, Role, Samples};
 /// Type of a multiple coherence in dataset 58.
 const MULTIPLE_COHERENCE: i32 = 26;
 
-/// An FRF set as a source, its values where they are: every function (complex, 64 bits), then the coherences that there
-/// are, those of several references, then the variances ([`FunctionType::Variance`], SI unit squared). Values are in SI units; each entry has the note
+/// An FRF set as a source, its values where they are: every function (complex, 64 bits), then the
+/// coherences that there are, those of several references, then the variances
+/// ([`FunctionType::Variance`], SI unit squared). Values are in SI units; each entry has the note
 /// of its function.
 pub struct FrfSource<'a> {
     /// What it holds; geometry may be added.
@@ -116,9 +118,9 @@ impl Source for FrfSource<'_> {
     }
 }
 
-/// Hits as a source: hit after hit the force and then the responses, with the hit's number as version and load case 1.
-/// Samples are as stored, each with its factor to SI. The force record's response is the hit point; the responses'
-/// reference is it too.
+/// Hits as a source: hit after hit the force and then the responses, with the hit's number as
+/// version and load case 1. Samples are as stored, each with its factor to SI. The force record's
+/// response is the hit point; the responses' reference is it too.
 pub fn hit_source(hits: &[Hit], title: &str) -> MemorySource {
     let mut source = titled(title);
     for (i, hit) in hits.iter().enumerate() {

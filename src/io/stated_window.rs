@@ -21,7 +21,8 @@ impl StatedWindows {
             .push((response.clone(), reference.clone(), window));
     }
 
-    /// The window that all functions state, Hann windows for narrow and broad bands being one; `None` where some state none or another.
+    /// The window that all functions state, Hann windows for narrow and broad bands being one;
+    /// `None` where some state none or another.
     pub fn common(&self) -> Option<Window> {
         let first = self.functions.first()?.2;
         let line_shape = |window: Option<Window>| match window {

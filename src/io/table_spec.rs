@@ -115,11 +115,13 @@ pub struct TableSpec {
     pub delimiter: Option<Delimiter>,
     /// Lines that are passed over before the heading is looked for.
     pub skip_lines: usize,
-    /// What the dimensions of an array are, slowest first; `None`: rows are samples and columns are channels.
+    /// What the dimensions of an array are, slowest first; `None`: rows are samples and columns are
+    /// channels.
     pub dimensions: Option<Vec<Dimension>>,
     /// Samples per second, where no time column says.
     pub sampling_rate_hz: Option<f64>,
-    /// Factor of the stated unit of the time or frequency column to s or Hz; `None`: the heading says, or else s or Hz.
+    /// Factor of the stated unit of the time or frequency column to s or Hz; `None`: the heading
+    /// says, or else s or Hz.
     pub axis_to_si: Option<f64>,
     /// Columns.
     pub columns: Vec<TableColumn>,

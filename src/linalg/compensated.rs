@@ -1,17 +1,19 @@
 //! Quadratic forms with little more rounding than that of the result.
 //!
-//! A natural frequency of a slender structure is the small difference of large terms: `phi^T K phi` of the first bending
-//! mode of a beam of 500 elements is 1e-9 of the sum of the magnitudes of its terms. Error-free transformations of
-//! products and sums keep the rounding of the evaluation out of it; what remains is the rounding of the entries of K.
+//! A natural frequency of a slender structure is the small difference of large terms: `phi^T K phi`
+//! of the first bending mode of a beam of 500 elements is 1e-9 of the sum of the magnitudes of its
+//! terms. Error-free transformations of products and sums keep the rounding of the evaluation out
+//! of it; what remains is the rounding of the entries of K.
 //!
-//! Forms of many vectors with a dense matrix are products of matrices, of which the leading one is exact; sparse ones are
-//! summed in twice the working precision.
+//! Forms of many vectors with a dense matrix are products of matrices, of which the leading one is
+//! exact; sparse ones are summed in twice the working precision.
 //!
 //! # Reference
-//! Ogita, Rump and Oishi (2005), Accurate sum and dot product, SIAM J. Sci. Comput. 26, algorithm 5.3 (Dot2); Ozaki, Ogita,
-//! Oishi and Rump (2012), Error-free transformations of matrix multiplication by using fast routines of matrix
-//! multiplication and its applications, Numer. Algorithms 59, algorithm 3; Bunch (1971), Equilibration of symmetric
-//! matrices in the max-norm, J. ACM 18.
+//! Ogita, Rump and Oishi (2005), Accurate sum and dot product, SIAM J. Sci. Comput. 26, algorithm
+//! 5.3 (Dot2); Ozaki, Ogita, Oishi and Rump (2012), Error-free transformations of matrix
+//! multiplication by using fast routines of matrix multiplication and its applications, Numer.
+//! Algorithms 59, algorithm 3; Bunch (1971), Equilibration of symmetric matrices in the max-norm,
+//! J. ACM 18.
 
 use faer::{Mat, MatRef};
 
@@ -19,15 +21,18 @@ use super::scale::exact_reciprocal;
 use super::vectorised::vectorised;
 use super::{RealMatrix, SparseMatrix};
 
-/// Largest power of two of [`equilibration`], and the reciprocal of the smallest: the product of two is a normal number.
+/// Largest power of two of [`equilibration`], and the reciprocal of the smallest: the product of
+/// two is a normal number.
 const LARGEST_SCALE: f64 = f64::from_bits((1023 + 500) << 52);
 
 /// `x^T A x` with the size of its terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QuadraticForm {
-    /// `sum A_ij x_i x_j`, of which the rounding of the evaluation is a small part of that of the entries of A.
+    /// `sum A_ij x_i x_j`, of which the rounding of the evaluation is a small part of that of the
+    /// entries of A.
     pub value: f64,
-    /// `sum |A_ij x_i x_j|`: times the unit roundoff it bounds the change of the value by rounding of the entries of A.
+    /// `sum |A_ij x_i x_j|`: times the unit roundoff it bounds the change of the value by rounding
+    /// of the entries of A.
     pub magnitude: f64,
 }
 
@@ -64,28 +69,31 @@ impl CompensatedSum {
 
 /// `x_j^T A x_j` of every column `x_j` of a block; A is symmetric.
 ///
-/// With a diagonal D of powers of two ([`equilibration`]), `x' = D^-1 x` and `A' = D A D = A_1 + A_2`, `x' = x_1 + x_2`
-/// ([`split`] to b bits):
+/// With a diagonal D of powers of two ([`equilibration`]), `x' = D^-1 x` and `A' = D A D = A_1 +
+/// A_2`, `x' = x_1 + x_2` ([`split`] to b bits):
 ///
 /// `x^T A x = x'^T (A_1 x_1) + x'^T (A_1 x_2 + A_2 x')`.
 ///
-/// The first product of matrices is exact in any order of summation, with fused multiply-add or without: its terms and
-/// their partial sums are multiples of one unit of at most `n 2^2b <= 2^53` of it. The second is rounded, but is about
-/// `2^-b` of the first. The product with `x'^T` is summed in twice the working precision.
+/// The first product of matrices is exact in any order of summation, with fused multiply-add or
+/// without: its terms and their partial sums are multiples of one unit of at most `n 2^2b <= 2^53`
+/// of it. The second is rounded, but is about `2^-b` of the first. The product with `x'^T` is
+/// summed in twice the working precision.
 ///
 /// # Error
 /// With the unit roundoff u, `g = (n + 1) u / (1 - (n + 1) u)` and a positive semidefinite A,
 ///
 /// `|error| <= u |value| + 4 (n sqrt(n) + n) 2^-b g magnitude`
 ///
-/// to first order in u, where a plain evaluation has `2 g magnitude`. The second product and the sum of its two parts
-/// leave `g (|A_1| |x_2| + |A_2| |x'|)` in each row. A' has a diagonal from 1 to 4, so its entries are below 4, by Cauchy
-/// and Schwarz; those of A_1 are at most 4, of A_2 at most `4 2^-b` and of x_2 at most `2^-b |x'|_inf`. In total
-/// `4 2^-b g (n |x'|_1 |x'|_inf + |x'|_1^2)`, of which `|x'|_1 <= sqrt(n) |x'|_2` and `|x'|_inf <= |x'|_2`; and the
-/// terms of the diagonal alone have the magnitude `sum A'_ii x'_i^2 >= |x'|_2^2`.
+/// to first order in u, where a plain evaluation has `2 g magnitude`. The second product and the
+/// sum of its two parts leave `g (|A_1| |x_2| + |A_2| |x'|)` in each row. A' has a diagonal from 1
+/// to 4, so its entries are below 4, by Cauchy and Schwarz; those of A_1 are at most 4, of A_2 at
+/// most `4 2^-b` and of x_2 at most `2^-b |x'|_inf`. In total `4 2^-b g
+/// (n |x'|_1 |x'|_inf + |x'|_1^2)`, of which `|x'|_1 <= sqrt(n) |x'|_2` and `|x'|_inf <= |x'|_2`;
+/// and the terms of the diagonal alone have the magnitude `sum A'_ii x'_i^2 >= |x'|_2^2`.
 ///
-/// `n sqrt(n)` is for a full A' and a vector with one large entry; for a band or a vector without large entries it is
-/// nearer to one. An indefinite A has the same bound with `|x'|_2^2` in the place of the magnitude.
+/// `n sqrt(n)` is for a full A' and a vector with one large entry; for a band or a vector without
+/// large entries it is nearer to one. An indefinite A has the same bound with `|x'|_2^2` in the
+/// place of the magnitude.
 pub fn quadratic_forms(a: MatRef<'_, f64>, block: MatRef<'_, f64>) -> Vec<QuadraticForm> {
     let n = a.nrows();
     let scale = equilibration(a);
@@ -94,7 +102,8 @@ pub fn quadratic_forms(a: MatRef<'_, f64>, block: MatRef<'_, f64>) -> Vec<Quadra
     let bits = exact_bits(n);
     let [a_high, a_low] = split(&a, bits);
     let [x_high, x_low] = split(&x, bits);
-    // A is its transpose, and the columns of one factor with the columns of the other have the units of `split`.
+    // A is its transpose, and the columns of one factor with the columns of the other have the
+    // units of `split`.
     let high = a_high.transpose() * x_high;
     let low = a_high.transpose() * x_low + a_low.transpose() * &x;
     let sizes = magnitudes(&a) * magnitudes(&x);
@@ -106,8 +115,8 @@ pub fn quadratic_forms(a: MatRef<'_, f64>, block: MatRef<'_, f64>) -> Vec<Quadra
         .collect()
 }
 
-/// `x_j^T A x_j` of every column by a plain product, with the bound of its error over the magnitude, `2 g` with `g` as in
-/// [`quadratic_forms`].
+/// `x_j^T A x_j` of every column by a plain product, with the bound of its error over the
+/// magnitude, `2 g` with `g` as in [`quadratic_forms`].
 pub(super) fn plain_forms(a: &RealMatrix, block: &RealMatrix) -> (Vec<QuadraticForm>, f64) {
     let (forces, sizes) = (a * block, magnitudes(a) * magnitudes(block));
     let form = |j: usize| QuadraticForm {
@@ -141,8 +150,8 @@ fn product_with(x: &[f64], [high, low]: [&[f64]; 2], sizes: &[f64]) -> Quadratic
     )
 }
 
-/// `phi^T K phi / phi^T M phi` of every column, with the bound of its change by rounding of the entries of K,
-/// `eps |phi|^T |K| |phi| / phi^T M phi`.
+/// `phi^T K phi / phi^T M phi` of every column, with the bound of its change by rounding of the
+/// entries of K, `eps |phi|^T |K| |phi| / phi^T M phi`.
 pub fn rayleigh_quotients(
     stiffness: &RealMatrix,
     mass: &RealMatrix,
@@ -170,11 +179,11 @@ fn quotient(strain: QuadraticForm, kinetic: QuadraticForm) -> (f64, f64) {
     (strain.value / kinetic.value, rounding)
 }
 
-/// Powers of two `d_i` that bring the entries `d_i d_j A_ij` of a symmetric matrix below 4, and the diagonal of a positive
-/// semidefinite one to at least 1 where it is not zero.
+/// Powers of two `d_i` that bring the entries `d_i d_j A_ij` of a symmetric matrix below 4, and the
+/// diagonal of a positive semidefinite one to at least 1 where it is not zero.
 ///
-/// `1 / d_i` is the root of the diagonal, or half of the largest `d_j |A_ij|`, `j < i`, where that is larger: it is not in
-/// a positive semidefinite matrix, of which `|A_ij| <= sqrt(A_ii A_jj)`.
+/// `1 / d_i` is the root of the diagonal, or half of the largest `d_j |A_ij|`, `j < i`, where that
+/// is larger: it is not in a positive semidefinite matrix, of which `|A_ij| <= sqrt(A_ii A_jj)`.
 ///
 /// # Reference
 /// Bunch (1971), section 2.
@@ -194,14 +203,16 @@ fn equilibration(a: MatRef<'_, f64>) -> Vec<f64> {
     scale
 }
 
-/// Most bits b of the entries of two matrices that leave sums of n products exact: `n 2^2b <= 2^53`.
+/// Most bits b of the entries of two matrices that leave sums of n products exact: `n 2^2b <=
+/// 2^53`.
 fn exact_bits(n: usize) -> u32 {
     let log2 = n.max(1).next_power_of_two().trailing_zeros();
     (f64::MANTISSA_DIGITS - log2) / 2
 }
 
-/// A matrix as the sum of two: the entries of the first are the nearest multiples of a unit of their column of which
-/// `2^bits` are the least power of two above its largest entry; those of the second are the rest, without rounding.
+/// A matrix as the sum of two: the entries of the first are the nearest multiples of a unit of
+/// their column of which `2^bits` are the least power of two above its largest entry; those of the
+/// second are the rest, without rounding.
 fn split(a: &RealMatrix, bits: u32) -> [RealMatrix; 2] {
     // Numbers near 1.5 2^52 units are spaced by one unit.
     let factor = 3.0 * f64::from(f64::MANTISSA_DIGITS - 1 - bits).exp2();
@@ -230,7 +241,8 @@ mod tests {
 
     #[test]
     fn terms_that_cancel_to_sixteen_digits_leave_the_exact_value() {
-        // [1, 1] A [1, 1]^T of a spring of 1e16 between two coordinates with a spring of 1 to ground at the first.
+        // [1, 1] A [1, 1]^T of a spring of 1e16 between two coordinates with a spring of 1 to
+        // ground at the first.
         let a = real_matrix(2, 2, |i, j| match (i, j) {
             (0, 1) | (1, 0) => -1e16,
             (0, 0) => 1e16 + 2.0,
@@ -363,7 +375,8 @@ mod tests {
     #[test]
     fn forms_of_null_vectors_equal_those_in_twice_the_precision_within_a_part_of_the_rounding_of_the_entries()
      {
-        // B B^T and graded D B B^T D of half the rank, with residuals of B z = y, of which the form is rounding alone.
+        // B B^T and graded D B B^T D of half the rank, with residuals of B z = y, of which the form
+        // is rounding alone.
         for n in [20, 100, 300] {
             let mut random = Random(n as u64);
             let factor = random.matrix(n, n / 2);

@@ -1,4 +1,5 @@
-//! Decompositions that fail on purpose in tests of their callers, by the order of the calls on one thread.
+//! Decompositions that fail on purpose in tests of their callers, by the order of the calls on one
+//! thread.
 
 use std::cell::Cell;
 use std::ops::Range;

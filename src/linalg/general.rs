@@ -1,8 +1,9 @@
 //! Eigenvalues of general matrices.
 //!
-//! The eigenvectors that faer 0.24.4 gives for real matrices are wrong where entries are of order 1e-15 and less, and where
-//! they span many decades, as in a state matrix: there the matrix is solved as a complex one. Vectors of a defective matrix
-//! are not finite: it is solved again with entries changed by roundoff.
+//! The eigenvectors that faer 0.24.4 gives for real matrices are wrong where entries are of order
+//! 1e-15 and less, and where they span many decades, as in a state matrix: there the matrix is
+//! solved as a complex one. Vectors of a defective matrix are not finite: it is solved again with
+//! entries changed by roundoff.
 
 use faer::Mat;
 use faer::c64;
@@ -43,7 +44,8 @@ pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgEr
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 ///
 /// # Reference
-/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 7.5.2 (QR iteration with two implicit shifts).
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 7.5.2 (QR iteration with two
+/// implicit shifts).
 pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
     #[cfg(test)]
     super::faults::call("eigenvalues of a general matrix")?;

@@ -1,14 +1,17 @@
-//! The lowest modes of a sparse symmetric pair: block Lanczos on the shifted and inverted pair, held to a count.
+//! The lowest modes of a sparse symmetric pair: block Lanczos on the shifted and inverted pair,
+//! held to a count.
 //!
-//! `(K + s M)^-1 M phi = theta phi` with `theta = 1 / (omega^2 + s)` is self-adjoint in the inner product of M; its
-//! largest eigenvalues are the lowest modes. A block finds as many modes of a repeated root as it is wide, and rounding brings
-//! in the others one by one; how many there are below a limit is counted by the inertia of `K - limit M`, and the iteration
-//! goes on, with new vectors where its space is exhausted, until all are there.
+//! `(K + s M)^-1 M phi = theta phi` with `theta = 1 / (omega^2 + s)` is self-adjoint in the inner
+//! product of M; its largest eigenvalues are the lowest modes. A block finds as many modes of a
+//! repeated root as it is wide, and rounding brings in the others one by one; how many there are
+//! below a limit is counted by the inertia of `K - limit M`, and the iteration goes on, with new
+//! vectors where its space is exhausted, until all are there.
 //!
 //! # Reference
-//! Grimes, Lewis and Simon (1994), A shifted block Lanczos algorithm for solving sparse symmetric generalized
-//! eigenproblems, SIAM Journal on Matrix Analysis and Applications 15, 228; Ericsson and Ruhe (1980), The spectral
-//! transformation Lanczos method, Mathematics of Computation 35, 1251.
+//! Grimes, Lewis and Simon (1994), A shifted block Lanczos algorithm for solving sparse symmetric
+//! generalized eigenproblems, SIAM Journal on Matrix Analysis and Applications 15, 228; Ericsson
+//! and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of Computation
+//! 35, 1251.
 
 use faer::Mat;
 
@@ -21,21 +24,23 @@ use super::ritz::{Goal, Ritz};
 use super::sparse::{Cholesky, Pencil, SparseMatrix};
 use super::{LinalgError, RealMatrix, SymmetricEigen, symmetric_eigen, verify};
 
-/// Width of the block: two and more see the double roots of symmetric structures at once; one to four take about as long,
-/// eight longer.
+/// Width of the block: two and more see the double roots of symmetric structures at once; one to
+/// four take about as long, eight longer.
 const BLOCK: usize = 4;
-/// A pair is converged when its residual is below this part of its theta; the error of theta is the square of it.
+/// A pair is converged when its residual is below this part of its theta; the error of theta is the
+/// square of it.
 const CONVERGED: f64 = 1e-11;
 /// What is left of a vector without its parts along others counts as nothing below this part of it.
 const DEPENDENT: f64 = 1e-12;
 /// The first shift as a part of the least `K_ii / M_ii`, which no lowest eigenvalue exceeds.
 const FIRST_SHIFT: f64 = 1e-9;
-/// Difference of a Ritz value from the Rayleigh quotient of its vector, as a part of the shifted eigenvalue and over the
-/// bound of rounding, beyond which the iteration is not to be trusted.
+/// Difference of a Ritz value from the Rayleigh quotient of its vector, as a part of the shifted
+/// eigenvalue and over the bound of rounding, beyond which the iteration is not to be trusted.
 const RITZ_ERROR: f64 = 1e-7;
 const RITZ_ROUNDINGS: f64 = 100.0;
-/// Part of a limit by which roots may exceed it. Smaller: of a repeated root at the limit a part is counted
-/// (`a_repeated_root_at_the_limit_is_counted_whole`). Larger: modes beyond a band are in it.
+/// Part of a limit by which roots may exceed it. Smaller: of a repeated root at the limit a part is
+/// counted (`a_repeated_root_at_the_limit_is_counted_whole`). Larger: modes beyond a band are in
+/// it.
 const BESIDE_LIMIT: f64 = 1e-9;
 /// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
 const SHIFT_TRIES: usize = 6;
@@ -56,24 +61,26 @@ pub struct SparseModes {
     pub omega_squared: Vec<f64>,
     /// Mass-normalised vectors, one per column.
     pub vectors: RealMatrix,
-    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`, (rad/s)².
+    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`,
+    /// (rad/s)².
     pub rounding: Vec<f64>,
-    /// The limit below which the eigenvalues were counted, (rad/s)²; `None` where these are all there are.
+    /// The limit below which the eigenvalues were counted, (rad/s)²; `None` where these are all
+    /// there are.
     pub counted_below: Option<f64>,
     /// Vectors to which the shifted and inverted pair was applied.
     pub solves: usize,
 }
 
-/// The lowest modes of a sparse symmetric pair, M positive definite and K positive semidefinite; only the lower triangles
-/// are factored, both must be given.
+/// The lowest modes of a sparse symmetric pair, M positive definite and K positive semidefinite;
+/// only the lower triangles are factored, both must be given.
 ///
-/// The vectors are exact to about 1e-11 over the relative gap of their root to the next; the number of modes is that of
-/// the eigenvalues below a limit by inertia ([`SparseModes::counted_below`]).
+/// The vectors are exact to about 1e-11 over the relative gap of their root to the next; the number
+/// of modes is that of the eigenvalues below a limit by inertia ([`SparseModes::counted_below`]).
 ///
 /// # Errors
-/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotPositiveDefinite`] for a stiffness that is not
-/// semidefinite; [`LinalgError::TooManyModes`] when more than `most` are wanted; [`LinalgError::ModesMissing`] when the
-/// iteration does not find as many as are counted.
+/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotPositiveDefinite`] for a stiffness
+/// that is not semidefinite; [`LinalgError::TooManyModes`] when more than `most` are wanted;
+/// [`LinalgError::ModesMissing`] when the iteration does not find as many as are counted.
 pub fn sparse_modes(
     stiffness: &SparseMatrix,
     mass: &SparseMatrix,
@@ -132,7 +139,8 @@ fn with_shift(
     run.checked(stiffness, ended.found)
 }
 
-/// A smaller shift for all modes, where modes that are not 0 lie far below this one, with the lowest of these.
+/// A smaller shift for all modes, where modes that are not 0 lie far below this one, with the
+/// lowest of these.
 fn smaller_shift(modes: &SparseModes, shift: f64) -> Option<(f64, f64)> {
     let pairs = || modes.omega_squared.iter().zip(&modes.rounding);
     let is_low = |pair: &(&f64, &f64)| *pair.0 < MAX_UNSEPARATED_OVER_SHIFT * shift;
@@ -148,7 +156,8 @@ fn smaller_shift(modes: &SparseModes, shift: f64) -> Option<(f64, f64)> {
     (smaller <= MAX_NEXT_SHIFT * shift).then_some((smaller, lowest))
 }
 
-/// The least shift with which the stiffness is positive definite to working precision, with its factor.
+/// The least shift with which the stiffness is positive definite to working precision, with its
+/// factor.
 fn first_factor<'a>(
     pencil: &'a Pencil,
     stiffness: &SparseMatrix,
@@ -173,7 +182,8 @@ fn first_factor<'a>(
 /// How a run ended.
 struct Ended {
     found: SparseModes,
-    /// A shift with which the elastic modes are exact, where rigid-body modes hide them; nothing is found then.
+    /// A shift with which the elastic modes are exact, where rigid-body modes hide them; nothing is
+    /// found then.
     better_shift: Option<f64>,
 }
 
@@ -314,7 +324,8 @@ impl<'a> Run<'a> {
             .collect()
     }
 
-    /// Takes the parts along the basis out of a block, twice, so that the rounding of the first time goes as well.
+    /// Takes the parts along the basis out of a block, twice, so that the rounding of the first
+    /// time goes as well.
     fn project_out(&self, block: &mut RealMatrix) -> RealMatrix {
         let basis = self.basis.subcols(0, self.filled);
         let mut total = Mat::zeros(self.filled, block.ncols());
@@ -326,8 +337,8 @@ impl<'a> Run<'a> {
         total
     }
 
-    /// `block = Q R` with `Q^T M Q = I`; columns that depend on those before, or were such before the projection, are left
-    /// out of Q.
+    /// `block = Q R` with `Q^T M Q = I`; columns that depend on those before, or were such before
+    /// the projection, are left out of Q.
     fn orthonormal(&self, mut block: RealMatrix, before: &[f64]) -> (RealMatrix, RealMatrix) {
         let width = block.ncols();
         let mut moved = self.mass.multiply(&block);

@@ -1,12 +1,13 @@
 //! The lowest modes of a dense pair by shift and invert.
 //!
-//! The eigenvalues of `(K + s M)^-1 M` are `1 / (omega^2 + s)`: the lowest modes are its largest eigenvalues, and their
-//! errors are relative to themselves. Divide and conquer of the whole matrix gives the subspace of these modes (its error
-//! there is `eps` over [`GRADED`]); one product with the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh
-//! quotients, compensated where their terms cancel, give the modes.
+//! The eigenvalues of `(K + s M)^-1 M` are `1 / (omega^2 + s)`: the lowest modes are its largest
+//! eigenvalues, and their errors are relative to themselves. Divide and conquer of the whole matrix
+//! gives the subspace of these modes (its error there is `eps` over [`GRADED`]); one product with
+//! the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh quotients, compensated where
+//! their terms cancel, give the modes.
 //!
-//! Modes far below s are not separated from each other. Where there are such, as with rigid springs or tiny masses, they are
-//! computed again with a smaller shift, level by level.
+//! Modes far below s are not separated from each other. Where there are such, as with rigid springs
+//! or tiny masses, they are computed again with a smaller shift, level by level.
 //!
 //! # Reference
 //! Parlett (1998), The Symmetric Eigenvalue Problem, chapters 11 and 15.
@@ -18,41 +19,52 @@ use faer::{Mat, Par, Side};
 use super::symmetric::{ScaledPair, SymmetricModes, divide_and_conquer};
 use super::{LinalgError, RealMatrix};
 
-/// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger: time without use
-/// (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of divide and conquer, up to 10 eps of the
-/// largest omega², exceeds 1e-9 of the omega² of modes that are not computed again.
+/// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger:
+/// time without use (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of
+/// divide and conquer, up to 10 eps of the largest omega², exceeds 1e-9 of the omega² of modes that
+/// are not computed again.
 const GRADED: f64 = 1e-5;
-/// Part of an omega² that it must be above the one before, for the two to be computed in different ways. Smaller: a repeated root,
-/// known to 2e-10 there, is divided, and its values do not ascend. Larger: modes of a dense spectrum are computed again without use.
+/// Part of an omega² that it must be above the one before, for the two to be computed in different
+/// ways. Smaller: a repeated root, known to 2e-10 there, is divided, and its values do not ascend.
+/// Larger: modes of a dense spectrum are computed again without use.
 const GAP: f64 = 1e-8;
-/// The shift as a part of the largest omega². Larger: modes far below it are not separated from each other. Smaller: the
-/// modes just below [`GRADED`] are not, as the error of a Ritz vector is eps times their omega² over the shift.
+/// The shift as a part of the largest omega². Larger: modes far below it are not separated from
+/// each other. Smaller: the modes just below [`GRADED`] are not, as the error of a Ritz vector is
+/// eps times their omega² over the shift.
 const SHIFT: f64 = 1e-12;
-/// Modes with `omega^2 + s` up to this many shifts get one more product with the inverse by themselves: the Ritz step leaves rounding
-/// of the size of the vectors everywhere, and in the highest modes, which the inverse takes away, its energy is `(n eps)^2` of the
-/// largest omega². Larger: such a product brings rounding of the lowest modes into higher ones, by the ratio of their
-/// `omega^2 + s`. Smaller: rolling balls of the cycloid ball drive are not at 0.
+/// Modes with `omega^2 + s` up to this many shifts get one more product with the inverse by
+/// themselves: the Ritz step leaves rounding of the size of the vectors everywhere, and in the
+/// highest modes, which the inverse takes away, its energy is `(n eps)^2` of the largest omega².
+/// Larger: such a product brings rounding of the lowest modes into higher ones, by the ratio of
+/// their `omega^2 + s`. Smaller: rolling balls of the cycloid ball drive are not at 0.
 pub(super) const NEAR_SHIFT: f64 = 10.0;
-/// Factors of [`SHIFT`] that are tried until `K + s M` is positive definite to working precision; a matrix for which none
-/// suffices is indefinite, and what is relative to its small eigenvalues has no meaning.
+/// Factors of [`SHIFT`] that are tried until `K + s M` is positive definite to working precision; a
+/// matrix for which none suffices is indefinite, and what is relative to its small eigenvalues has
+/// no meaning.
 const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
 
-/// Part of the shift below which modes are computed with a smaller one: the part of one in another is `n eps` over it. Larger: time
-/// without use, and smaller shifts nearer to the rounding of K. Smaller: the lowest modes of a structure on springs 1e20 times as stiff
-/// are mixed, without a word (`modes_beside_rigid_springs_are_those_of_fixed_coordinates`).
+/// Part of the shift below which modes are computed with a smaller one: the part of one in another
+/// is `n eps` over it. Larger: time without use, and smaller shifts nearer to the rounding of K.
+/// Smaller: the lowest modes of a structure on springs 1e20 times as stiff are mixed, without a
+/// word (`modes_beside_rigid_springs_are_those_of_fixed_coordinates`).
 pub(super) const MAX_UNSEPARATED_OVER_SHIFT: f64 = 1e-4;
-/// The same below which modes that no smaller shift separates are an error: their parts in each other reach 1e-6.
+/// The same below which modes that no smaller shift separates are an error: their parts in each
+/// other reach 1e-6.
 pub(super) const MAX_MIXED_OVER_SHIFT: f64 = 1e-8;
-/// Rounding bounds of an omega² up to which it may be 0: no shift separates such modes. Smaller: rigid-body modes, up to 4 bounds,
-/// are computed with shifts of which none is definite. Larger: modes on a soft suspension are not separated.
+/// Rounding bounds of an omega² up to which it may be 0: no shift separates such modes. Smaller:
+/// rigid-body modes, up to 4 bounds, are computed with shifts of which none is definite. Larger:
+/// modes on a soft suspension are not separated.
 pub(super) const ZERO_ROUNDINGS: f64 = 10.0;
-/// Smallest shift over the rounding bounds of the modes that it is for. Smaller: rounding of K shows in the vectors, and bars on
-/// suspensions fail their check (`soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes`).
+/// Smallest shift over the rounding bounds of the modes that it is for. Smaller: rounding of K
+/// shows in the vectors, and bars on suspensions fail their check
+/// (`soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes`).
 pub(super) const MIN_SHIFT_ROUNDINGS: f64 = 1e6;
-/// Smallest shift over the largest omega² that it is for, as of the first shift. Smaller: one solution puts rounding of the lowest mode
-/// into the highest (`rigid_body_modes_beside_a_tiny_mass_pass_their_checks`).
+/// Smallest shift over the largest omega² that it is for, as of the first shift. Smaller: one
+/// solution puts rounding of the lowest mode into the highest
+/// (`rigid_body_modes_beside_a_tiny_mass_pass_their_checks`).
 pub(super) const MIN_SHIFT_OVER_HIGHEST: f64 = SHIFT / GRADED;
-/// Largest smaller shift over the one before. Larger: time without use. Smaller: modes of soft suspensions are an error.
+/// Largest smaller shift over the one before. Larger: time without use. Smaller: modes of soft
+/// suspensions are an error.
 pub(super) const MAX_NEXT_SHIFT: f64 = 1e-2;
 
 /// Shift and invert for the lowest modes of a pair.
@@ -91,12 +103,12 @@ impl<'a> LowModes<'a> {
         self.levels.first().map_or(0, |level| level.count)
     }
 
-    /// Replaces the lowest modes by those of one step of shift and invert, and those far below the shift again by those of a
-    /// smaller one.
+    /// Replaces the lowest modes by those of one step of shift and invert, and those far below the
+    /// shift again by those of a smaller one.
     ///
     /// # Errors
-    /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay independent, and for modes that no shift
-    /// separates.
+    /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] for vectors that do not stay
+    /// independent, and for modes that no shift separates.
     pub fn refine(&mut self, modes: &mut SymmetricModes) -> Result<(), LinalgError> {
         if let Some(level) = self.levels.first() {
             self.refine_level(level, modes)?;
@@ -119,8 +131,8 @@ impl<'a> LowModes<'a> {
         Ok(())
     }
 
-    /// A smaller shift, where modes that are not 0 lie far below the last, and far enough above the rounding of K. None for a
-    /// stiffness that is not semidefinite: no shift makes it definite.
+    /// A smaller shift, where modes that are not 0 lie far below the last, and far enough above the
+    /// rounding of K. None for a stiffness that is not semidefinite: no shift makes it definite.
     fn next_level(&self, modes: &SymmetricModes) -> Result<Option<Level>, LinalgError> {
         let Some(last) = self.levels.last() else {
             return Ok(None);
@@ -179,8 +191,8 @@ impl<'a> LowModes<'a> {
         Ok(())
     }
 
-    /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order, and takes their
-    /// components out of the others.
+    /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order,
+    /// and takes their components out of the others.
     fn take(&self, modes: &mut SymmetricModes, count: usize, [low, moved]: &[RealMatrix; 2]) {
         let n = low.nrows();
         let strain = self.pair.stiffness_forms(low);
@@ -236,8 +248,8 @@ fn count_below(omega_squared: &[f64], limit: f64) -> usize {
     count
 }
 
-/// Vectors X made orthonormal with respect to the mass, `moved` being `M X`, each changed by those before it alone:
-/// `X^T M X = L L^T`, `X L^-T` and `M X L^-T`.
+/// Vectors X made orthonormal with respect to the mass, `moved` being `M X`, each changed by those
+/// before it alone: `X^T M X = L L^T`, `X L^-T` and `M X L^-T`.
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`] for vectors that do not stay independent.

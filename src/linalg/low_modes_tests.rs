@@ -97,7 +97,8 @@ fn modes_of_masses_over_many_decades_are_all_separated() {
     }
 }
 
-/// Omega² of a free chain of equal masses and springs, `4 k/m sin²(j pi/2n)`, from the first elastic mode.
+/// Omega² of a free chain of equal masses and springs, `4 k/m sin²(j pi/2n)`, from the first
+/// elastic mode.
 fn of_free_chain(n: usize, stiffness: f64) -> Vec<f64> {
     let angle = |j: usize| 0.5 * std::f64::consts::PI * j as f64 / n as f64;
     (1..n)
@@ -131,7 +132,8 @@ fn softly_supported_chains_are_exact() {
             (springs[0], springs[n]) = (support, 0.0);
             let exact = of_free_chain(n, 1e5);
             for got in lowest(&chain(&springs), &vec![1.0; n], 8) {
-                // The chain moves as one body, but for the support over the springs; rounding of K is 1.5e-11 N/m.
+                // The chain moves as one body, but for the support over the springs; rounding of K
+                // is 1.5e-11 N/m.
                 let tolerance = 1e-6 + 1.5e-11 / support;
                 let what = format!("{n} masses, {support:e} N/m");
                 assert_equal(&got[..1], &[support / n as f64], tolerance, &what);

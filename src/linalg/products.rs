@@ -10,7 +10,8 @@ use super::{ComplexMatrix, ComplexView};
 /// Columns of a product that one thread forms.
 const COLUMNS: usize = 48;
 
-/// `B − A C` with something done to every column, some columns of it at a time in the caller's pool.
+/// `B − A C` with something done to every column, some columns of it at a time in the caller's
+/// pool.
 pub fn less_product(
     b: ComplexView<'_>,
     (a, c): (&ComplexMatrix, &ComplexMatrix),

@@ -6,8 +6,8 @@ use super::{LinalgError, RealMatrix};
 /// Eigenvalues nearer than this part are not parted by a limit.
 const GAP: f64 = 1e-5;
 
-/// Eigenvalues below this part of the shift are 0 but for rounding: with rigid-body modes the shift is the first elastic
-/// eigenvalue, without them far below it.
+/// Eigenvalues below this part of the shift are 0 but for rounding: with rigid-body modes the shift
+/// is the first elastic eigenvalue, without them far below it.
 const RIGID: f64 = 1e-3;
 
 /// What is still to be found.
@@ -41,7 +41,8 @@ pub(super) struct Ritz {
 }
 
 impl Ritz {
-    /// Where eigenvalues under the shift are rigid-body modes, the first elastic one of them as a shift.
+    /// Where eigenvalues under the shift are rigid-body modes, the first elastic one of them as a
+    /// shift.
     pub fn shift_past_rigid(&self) -> Option<f64> {
         let rigid = self.lambda.first().is_some_and(|first| *first < self.shift);
         let past = |lambda: &&f64| **lambda > 1e3 * self.shift;
@@ -59,8 +60,8 @@ impl Ritz {
         }
     }
 
-    /// The least number of modes from `count` on after which the next of the first `known` is parted by a gap. Rigid-body
-    /// modes, at 0 but for rounding, are one root.
+    /// The least number of modes from `count` on after which the next of the first `known` is
+    /// parted by a gap. Rigid-body modes, at 0 but for rounding, are one root.
     fn parted(&self, count: usize, known: usize) -> Option<usize> {
         let parted = |&j: &usize| {
             let (last, next) = (self.lambda[j - 1], self.lambda[j]);
@@ -69,7 +70,8 @@ impl Ritz {
         (count.max(1)..known).find(parted)
     }
 
-    /// Number of modes and the limit, once as many are converged as are counted below it. Counts when that is due.
+    /// Number of modes and the limit, once as many are converged as are counted below it. Counts
+    /// when that is due.
     pub fn settled(
         &self,
         pencil: &Pencil,

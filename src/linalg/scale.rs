@@ -1,9 +1,9 @@
 //! Powers of two that bring a matrix to entries of order one.
 //!
-//! Two kernels of faer 0.24.4 are not invariant to scale: divide and conquer of symmetric matrices of more than 128
-//! coordinates (it deflates below `8 eps max(|d|, |z|)`, where `z` is of order one whatever the matrix is) and the
-//! eigenvectors of general real matrices (wrong from entries of 1e-15 down). LAPACK scales before both. A power of two
-//! changes no digit of any entry.
+//! Two kernels of faer 0.24.4 are not invariant to scale: divide and conquer of symmetric matrices
+//! of more than 128 coordinates (it deflates below `8 eps max(|d|, |z|)`, where `z` is of order one
+//! whatever the matrix is) and the eigenvectors of general real matrices (wrong from entries of
+//! 1e-15 down). LAPACK scales before both. A power of two changes no digit of any entry.
 
 use faer::MatRef;
 use faer::traits::ComplexField;

@@ -1,23 +1,28 @@
-//! Null space of a symmetric matrix that should be positive definite, to working precision, and solutions with one that is.
+//! Null space of a symmetric matrix that should be positive definite, to working precision, and
+//! solutions with one that is.
 //!
-//! All is judged in the scale of the diagonal: `D^-1/2 A D^-1/2` with `D = diag(A)`, which does not depend on the units of the
-//! coordinates.
+//! All is judged in the scale of the diagonal: `D^-1/2 A D^-1/2` with `D = diag(A)`, which does not
+//! depend on the units of the coordinates.
 
 use super::sparse::{Pencil, SparseMatrix};
 use super::{LinalgError, RealMatrix, real_matrix};
 
-/// Eigenvalues of the scaled matrix below this many `sqrt(n) eps` are 0. Smaller: rounding counts as stiffness or mass
-/// (measured: 7 eps of a mass between two nodes, n = 4; 3 eps of a free beam, n = 202; 2 eps of free chains, n up to 1000).
-/// Larger: a regular matrix counts as singular (a clamped massless beam of 400 elements, n = 800, has 3200 `sqrt(n) eps`).
-/// Tests: `a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale`,
+/// Eigenvalues of the scaled matrix below this many `sqrt(n) eps` are 0. Smaller: rounding counts
+/// as stiffness or mass (measured: 7 eps of a mass between two nodes, n = 4; 3 eps of a free beam,
+/// n = 202; 2 eps of free chains, n up to 1000). Larger: a regular matrix counts as singular (a
+/// clamped massless beam of 400 elements, n = 800, has 3200 `sqrt(n) eps`). Tests:
+/// `a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale`,
 /// `a_long_massless_beam_is_no_mechanism`.
 const NULL_OVER_ROUNDING: f64 = 16.0;
-/// Applications of the shifted inverse: each takes what is not in the null space down by the shift over its eigenvalue.
+/// Applications of the shifted inverse: each takes what is not in the null space down by the shift
+/// over its eigenvalue.
 const APPLICATIONS: usize = 3;
-/// Steps of a hundredfold shift until the shifted matrix is definite; an indefinite one needs more than rounding.
+/// Steps of a hundredfold shift until the shifted matrix is definite; an indefinite one needs more
+/// than rounding.
 const SHIFT_TRIES: usize = 9;
-/// Bisections of the shift of an indefinite matrix, from a factor of 100 to one of 1.005. Fewer: the vector holds others than that of
-/// the lowest eigenvalue, and coordinates at rest are named; test `negative_springs_on_massless_coordinates_are_named`.
+/// Bisections of the shift of an indefinite matrix, from a factor of 100 to one of 1.005. Fewer:
+/// the vector holds others than that of the lowest eigenvalue, and coordinates at rest are named;
+/// test `negative_springs_on_massless_coordinates_are_named`.
 const BISECTIONS: usize = 10;
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
@@ -49,7 +54,8 @@ pub fn null_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
     }
     let pencil = Pencil::new(a, &scale(a)?)?;
     let limit = null_limit(a.size());
-    // A Cholesky factor of the matrix less the limit, whose pivots do not grow, proves that there is none.
+    // A Cholesky factor of the matrix less the limit, whose pivots do not grow, proves that there
+    // is none.
     if pencil.cholesky(1.0, limit).is_ok() {
         return Ok(0);
     }
@@ -72,11 +78,13 @@ pub fn negative_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
     pencil.count_below(-limit)
 }
 
-/// A vector of the null space of a matrix (of its lowest eigenvalue, where that is negative) with a part of every direction
-/// in it, in the scale of the diagonal: squares of its components are shares.
+/// A vector of the null space of a matrix (of its lowest eigenvalue, where that is negative) with a
+/// part of every direction in it, in the scale of the diagonal: squares of its components are
+/// shares.
 ///
 /// # Errors
-/// [`LinalgError::NotConverged`]; [`LinalgError::NotPositiveDefinite`] for a matrix that no shift within reach makes definite.
+/// [`LinalgError::NotConverged`]; [`LinalgError::NotPositiveDefinite`] for a matrix that no shift
+/// within reach makes definite.
 pub fn null_vector(a: &SparseMatrix) -> Result<Vec<f64>, LinalgError> {
     let n = a.size();
     let diagonal = scale(a)?;
@@ -95,8 +103,8 @@ pub fn null_vector(a: &SparseMatrix) -> Result<Vec<f64>, LinalgError> {
         .collect())
 }
 
-/// A shift that makes a matrix definite: the first where it does, else one little above the size of its lowest eigenvalue, so
-/// that the inverse holds hardly more than the vector of that.
+/// A shift that makes a matrix definite: the first where it does, else one little above the size of
+/// its lowest eigenvalue, so that the inverse holds hardly more than the vector of that.
 fn definite_shift(pencil: &Pencil, first: f64) -> f64 {
     let is_definite = |shift: &f64| pencil.cholesky(1.0, -shift).is_ok();
     if is_definite(&first) {

@@ -1,4 +1,5 @@
-//! Square sparse matrices, and factorisations of `K - sigma M` with the count of its negative eigenvalues.
+//! Square sparse matrices, and factorisations of `K - sigma M` with the count of its negative
+//! eigenvalues.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -14,7 +15,8 @@ use super::compensated::{CompensatedSum, QuadraticForm};
 use super::vectorised::vectorised;
 use super::{LinalgError, RealMatrix, real_matrix, verify};
 
-/// Square matrix of which the entries that are not zero are kept, column after column with ascending rows.
+/// Square matrix of which the entries that are not zero are kept, column after column with
+/// ascending rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseMatrix {
     size: usize,
@@ -189,7 +191,8 @@ impl SparseMatrix {
     }
 }
 
-/// A symmetric pair (K, M) prepared for factorisations of `K - sigma M`: the pattern of both and its ordering.
+/// A symmetric pair (K, M) prepared for factorisations of `K - sigma M`: the pattern of both and
+/// its ordering.
 pub(super) struct Pencil {
     size: usize,
     starts: Vec<usize>,
@@ -338,16 +341,19 @@ impl Pencil {
         SparseMatrix::from_entries(self.size, &entries).expect("places of the pencil")
     }
 
-    /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift M` has negative ones.
+    /// Number of eigenvalues of the pair below `shift`, M positive definite: as many as `K - shift
+    /// M` has negative ones.
     ///
-    /// A factor that fails its check is computed again beside the shift, by a billionth of it; the error is that of the first.
+    /// A factor that fails its check is computed again beside the shift, by a billionth of it; the
+    /// error is that of the first.
     ///
     /// # Errors
-    /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to working precision;
-    /// [`LinalgError::Inaccurate`].
+    /// [`LinalgError::NotConverged`] when the factor is not finite: `shift` is an eigenvalue to
+    /// working precision; [`LinalgError::Inaccurate`].
     ///
     /// # Reference
-    /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of inertia).
+    /// Parlett (1998), The Symmetric Eigenvalue Problem, theorem 3.3.1 (Sylvester's law of
+    /// inertia).
     pub fn count_below(&self, shift: f64) -> Result<usize, LinalgError> {
         let beside = |error| self.indefinite(shift * (1.0 + 1e-9)).map_err(|_| error);
         let factor = self.indefinite(shift).or_else(beside)?;
@@ -465,7 +471,8 @@ fn block_diagonal(symbolic: &supernodal::SymbolicSupernodalCholesky<usize>) -> V
     places
 }
 
-/// Negative eigenvalues of a matrix of blocks of one row, or of two where the first has an entry below its diagonal.
+/// Negative eigenvalues of a matrix of blocks of one row, or of two where the first has an entry
+/// below its diagonal.
 fn negative_eigenvalues(diagonal: &[f64], subdiagonal: &[f64]) -> usize {
     let (mut at, mut count) = (0, 0);
     while at < diagonal.len() {

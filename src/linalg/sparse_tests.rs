@@ -1,4 +1,5 @@
-//! Sparse modes against closed forms with exactly repeated roots: products of uniform bars with consistent mass.
+//! Sparse modes against closed forms with exactly repeated roots: products of uniform bars with
+//! consistent mass.
 
 use super::sparse::Pencil;
 use super::*;
@@ -34,8 +35,8 @@ fn kronecker(
     a.iter().flat_map(product).collect()
 }
 
-/// K and M of a unit cube (or square, or bar) of `nodes` to each side in so many dimensions: `K = sum K1 x M1 x M1`,
-/// `M = M1 x M1 x M1`, whose eigenvalues are all sums of those of the bar.
+/// K and M of a unit cube (or square, or bar) of `nodes` to each side in so many dimensions: `K =
+/// sum K1 x M1 x M1`, `M = M1 x M1 x M1`, whose eigenvalues are all sums of those of the bar.
 fn product(nodes: usize, dimensions: u32, free: bool) -> (SparseMatrix, SparseMatrix) {
     let h = spacing(nodes, free);
     let k1 = bar(nodes, free, 2.0 / h, -1.0 / h);
@@ -57,7 +58,8 @@ fn spacing(nodes: usize, free: bool) -> f64 {
     1.0 / if free { nodes - 1 } else { nodes + 1 } as f64
 }
 
-/// Every eigenvalue, ascending: `mu_i = 6/h^2 (1 - cos(i pi h)) / (2 + cos(i pi h))` summed over the dimensions.
+/// Every eigenvalue, ascending: `mu_i = 6/h^2 (1 - cos(i pi h)) / (2 + cos(i pi h))` summed over
+/// the dimensions.
 fn closed_form(nodes: usize, dimensions: u32, free: bool) -> Vec<f64> {
     let h = spacing(nodes, free);
     let first = if free { 0 } else { 1 };
@@ -79,7 +81,8 @@ fn closed_form(nodes: usize, dimensions: u32, free: bool) -> Vec<f64> {
     all
 }
 
-/// Largest residual as a part of `|K| |phi|`, and largest distance of `Phi^T M Phi` from the identity.
+/// Largest residual as a part of `|K| |phi|`, and largest distance of `Phi^T M Phi` from the
+/// identity.
 fn quality(k: &SparseMatrix, m: &SparseMatrix, modes: &SparseModes) -> (f64, f64) {
     let (kv, mv) = (k.multiply(&modes.vectors), m.multiply(&modes.vectors));
     let norm = |column: &dyn Fn(usize) -> f64| {
@@ -348,7 +351,8 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 
-/// The square of the second difference, of condition `0.16 n^4`, with a diagonal of 1 but at its ends.
+/// The square of the second difference, of condition `0.16 n^4`, with a diagonal of 1 but at its
+/// ends.
 fn bending(n: usize) -> SparseMatrix {
     let row = |i: usize| [(i, 2.0), (i.wrapping_sub(1), -1.0), (i + 1, -1.0)];
     let entries = (0..n).flat_map(|k| {
@@ -401,7 +405,8 @@ fn factors_broken_on_purpose_are_caught() {
 
 #[test]
 fn a_repeated_root_at_the_limit_is_counted_whole() {
-    // A square grid of equal oscillators: 4 - 2c (cos a_i + cos a_j), of which a row's number of values are 4.
+    // A square grid of equal oscillators: 4 - 2c (cos a_i + cos a_j), of which a row's number of
+    // values are 4.
     for side in [6, 8, 9] {
         let n = side * side;
         let coupling = 1e-3;
@@ -421,7 +426,8 @@ fn a_repeated_root_at_the_limit_is_counted_whole() {
 
 #[test]
 fn eigenvalues_are_counted_where_diagonal_entries_vanish() {
-    // A chain between walls, and equal oscillators coupled in a row, with the shift at the mean of their eigenvalues.
+    // A chain between walls, and equal oscillators coupled in a row, with the shift at the mean of
+    // their eigenvalues.
     let chain = 1200;
     let angle = |j: f64| 0.5 * std::f64::consts::PI * j / (chain as f64 + 1.0);
     let shift = (2.0 * angle(30.5).sin()).powi(2);
@@ -442,7 +448,8 @@ fn eigenvalues_are_counted_where_diagonal_entries_vanish() {
         let k = SparseMatrix::from_entries(n, &entries).unwrap();
         let m = unit(n);
         let pencil = Pencil::new(&k, &m).unwrap();
-        // An odd number of oscillators has an eigenvalue at their mean. Diagonal entries are 0, or rounding.
+        // An odd number of oscillators has an eigenvalue at their mean. Diagonal entries are 0, or
+        // rounding.
         for part in [0.0, 4e-16, -4e-16, 1e-13] {
             let below = shift * (1.0 + part - 1e-5 * (oscillators % 2) as f64);
             let count = pencil.count_below(below).unwrap();

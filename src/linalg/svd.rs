@@ -1,8 +1,8 @@
 //! Singular values and vectors.
 //!
-//! Divide and conquer of faer 0.24.4 (128 columns and more) fails where many singular values are equal: the residual of a
-//! discrete Fourier matrix of 200 columns is 1e-5 of its norm. Each result is checked; what fails is computed again by
-//! implicit QR iteration.
+//! Divide and conquer of faer 0.24.4 (128 columns and more) fails where many singular values are
+//! equal: the residual of a discrete Fourier matrix of 200 columns is 1e-5 of its norm. Each result
+//! is checked; what fails is computed again by implicit QR iteration.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -1,8 +1,10 @@
-//! Eigenvalues of symmetric matrices and of symmetric pairs (K, M), each result checked before it is returned.
+//! Eigenvalues of symmetric matrices and of symmetric pairs (K, M), each result checked before it
+//! is returned.
 //!
-//! Divide and conquer leaves an error of a few units of roundoff of the *largest* eigenvalue in every eigenvalue. In a
-//! slender structure the lowest is 1e-11 of the largest and less, so the lowest modes of a pair are computed a second
-//! time by shift and invert (`low_modes`), whose error is relative to each eigenvalue.
+//! Divide and conquer leaves an error of a few units of roundoff of the *largest* eigenvalue in
+//! every eigenvalue. In a slender structure the lowest is 1e-11 of the largest and less, so the
+//! lowest modes of a pair are computed a second time by shift and invert (`low_modes`), whose error
+//! is relative to each eigenvalue.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -20,8 +22,9 @@ use super::low_modes::LowModes;
 use super::scale::{power_of_four, power_of_two};
 use super::{LinalgError, RealMatrix, SparseMatrix, verify};
 
-/// Largest bound of the relative rounding of a quadratic form that is summed in the working precision. Larger: the error of a mode
-/// comes near the 1e-9 that it may have. Smaller: time without use; graded matrices have no terms that cancel.
+/// Largest bound of the relative rounding of a quadratic form that is summed in the working
+/// precision. Larger: the error of a mode comes near the 1e-9 that it may have. Smaller: time
+/// without use; graded matrices have no terms that cancel.
 const MAX_PLAIN_ERROR: f64 = 1e-10;
 
 /// Eigenvalues and vectors of `K phi = omega^2 M phi`.
@@ -31,9 +34,9 @@ pub struct SymmetricModes {
     pub omega_squared: Vec<f64>,
     /// Mass-normalised vectors, one per column, `phi^T M phi = I`.
     pub vectors: RealMatrix,
-    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`, (rad/s)²: computed
-    /// for the modes whose omega² is below 1e-5 of the largest, where it may matter; for the others `eps` times the
-    /// largest omega².
+    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`,
+    /// (rad/s)²: computed for the modes whose omega² is below 1e-5 of the largest, where it may
+    /// matter; for the others `eps` times the largest omega².
     pub rounding: Vec<f64>,
 }
 
@@ -48,8 +51,9 @@ pub struct SymmetricEigen {
 
 /// All eigenvalues and vectors of a symmetric matrix, of which the lower triangle counts.
 ///
-/// The error of an eigenvalue is relative to the largest one, as that of every method which works with orthogonal
-/// transformations of the whole matrix. By divide and conquer; where its result fails the check, by QR iteration.
+/// The error of an eigenvalue is relative to the largest one, as that of every method which works
+/// with orthogonal transformations of the whole matrix. By divide and conquer; where its result
+/// fails the check, by QR iteration.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
@@ -65,21 +69,22 @@ pub fn symmetric_eigen(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
         .or_else(|_| qr_iteration(a).and_then(checked))
 }
 
-/// All modes of the symmetric pair (K, M), M positive definite: Cholesky of M, reduction to standard form, and shift and
-/// invert for the lowest.
+/// All modes of the symmetric pair (K, M), M positive definite: Cholesky of M, reduction to
+/// standard form, and shift and invert for the lowest.
 ///
-/// `M = L L^T`, `A = L^-1 K L^-T = Q Lambda Q^T`, `phi = L^-T Q`. Where K is positive semidefinite, each omega² below
-/// 1e-5 of the largest is the Rayleigh quotient, in compensated where its terms cancel, of a vector that was found with
-/// `(K + s M)^-1`. The result is checked as [`verify::symmetric_modes`] says; what fails is computed again
-/// with the QR iteration in place of divide and conquer.
+/// `M = L L^T`, `A = L^-1 K L^-T = Q Lambda Q^T`, `phi = L^-T Q`. Where K is positive semidefinite,
+/// each omega² below 1e-5 of the largest is the Rayleigh quotient, in compensated where its terms
+/// cancel, of a vector that was found with `(K + s M)^-1`. The result is checked as
+/// [`verify::symmetric_modes`] says; what fails is computed again with the QR iteration in place of
+/// divide and conquer.
 ///
 /// # Errors
-/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`] or
-/// [`LinalgError::ModesMissing`] with the figures that failed.
+/// [`LinalgError::MassNotPositiveDefinite`]; [`LinalgError::NotConverged`];
+/// [`LinalgError::Inaccurate`] or [`LinalgError::ModesMissing`] with the figures that failed.
 ///
 /// # Reference
-/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 8.7.1; Parlett (1998), The Symmetric Eigenvalue
-/// Problem, chapter 15.
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 8.7.1; Parlett (1998), The
+/// Symmetric Eigenvalue Problem, chapter 15.
 pub fn symmetric_modes(
     stiffness: &RealMatrix,
     mass: &RealMatrix,
@@ -88,9 +93,10 @@ pub fn symmetric_modes(
 }
 
 impl SymmetricModes {
-    /// Puts the Rayleigh quotients of the modes from `first` on in the place of their eigenvalues, in ascending order: the
-    /// error of a quotient is the square of that of its vector, where reduction by a mass matrix of condition 100 leaves
-    /// 1e-11 in the eigenvalue of a mode at a thousandth of the largest.
+    /// Puts the Rayleigh quotients of the modes from `first` on in the place of their eigenvalues,
+    /// in ascending order: the error of a quotient is the square of that of its vector, where
+    /// reduction by a mass matrix of condition 100 leaves 1e-11 in the eigenvalue of a mode at a
+    /// thousandth of the largest.
     fn take_quotients(&mut self, pair: &ScaledPair, first: usize) {
         let n = self.vectors.nrows();
         let upper = self.vectors.subcols(first, n - first);
@@ -110,7 +116,8 @@ impl SymmetricModes {
 /// A solver of the standard problem.
 pub(super) type Solver = fn(&RealMatrix) -> Result<SymmetricEigen, LinalgError>;
 
-/// [`symmetric_modes`] by the first of these solvers of the reduced problem whose result passes the check.
+/// [`symmetric_modes`] by the first of these solvers of the reduced problem whose result passes the
+/// check.
 pub(super) fn modes_by(
     stiffness: &RealMatrix,
     mass: &RealMatrix,
@@ -149,8 +156,8 @@ fn checked_modes(
     Ok(modes)
 }
 
-/// Most entries that are not zero, as a part of all, of a matrix whose products skip its zeros. Larger: a product with a full
-/// matrix is faster. Smaller: time without use.
+/// Most entries that are not zero, as a part of all, of a matrix whose products skip its zeros.
+/// Larger: a product with a full matrix is faster. Smaller: time without use.
 const MAX_FILL: f64 = 0.05;
 
 /// A pair brought to entries of order one by powers of two.
@@ -198,7 +205,8 @@ impl ScaledPair {
         }
     }
 
-    /// `x^T K x` of every column, with a rounding that is small beside that of the entries of K, or beside 1e-10 of the form.
+    /// `x^T K x` of every column, with a rounding that is small beside that of the entries of K, or
+    /// beside 1e-10 of the form.
     pub fn stiffness_forms(&self, x: &RealMatrix) -> Vec<QuadraticForm> {
         if let Some(sparse) = &self.sparse_stiffness {
             let column = |j: usize| sparse.quadratic_form(x.col_as_slice(j));
@@ -394,7 +402,8 @@ mod tests {
     use super::super::real_matrix;
     use super::*;
 
-    /// Divide and conquer as faer has it: wrong above 128 coordinates for entries of other orders than one.
+    /// Divide and conquer as faer has it: wrong above 128 coordinates for entries of other orders
+    /// than one.
     fn unscaled(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
         let large = scaled(a, 1e12);
         let eigen = large.self_adjoint_eigen(Side::Lower);
@@ -433,7 +442,8 @@ mod tests {
 
     #[test]
     fn rounding_of_the_stiffness_is_bounded_for_the_lowest_modes() {
-        // Two masses on a stiff spring, the first held by a soft one: the lower mode moves both alike.
+        // Two masses on a stiff spring, the first held by a soft one: the lower mode moves both
+        // alike.
         let (soft, stiff) = (1.0, 1e9);
         let k = real_matrix(2, 2, |i, j| match (i, j) {
             (0, 0) => stiff + soft,

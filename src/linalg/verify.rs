@@ -1,13 +1,15 @@
 //! Checks of decompositions, each independent of how the decomposition was computed.
 //!
-//! A product of factors is compared with its matrix by two vectors of random signs: `A z` and `Q (R z)` cost `O(n^2)`, and
-//! an error in any column shows in them. Every limit stands above the largest figure of right results
-//! for the matrices of `tests/suite/linear_algebra.rs`, and below what the results broken on purpose there cause.
+//! A product of factors is compared with its matrix by two vectors of random signs: `A z` and `Q (R
+//! z)` cost `O(n^2)`, and an error in any column shows in them. Every limit stands above the
+//! largest figure of right results for the matrices of `tests/suite/linear_algebra.rs`, and below
+//! what the results broken on purpose there cause.
 //!
 //! # Reference
-//! Freivalds (1979), Fast probabilistic algorithms, MFCS (products by random vectors); Higham (2002), Accuracy and
-//! Stability of Numerical Algorithms, 2nd ed., chapters 7, 10, 19 and 20 (backward errors); Parlett (1998), The Symmetric
-//! Eigenvalue Problem, chapters 3 and 10 (inertia, residual bounds).
+//! Freivalds (1979), Fast probabilistic algorithms, MFCS (products by random vectors); Higham
+//! (2002), Accuracy and Stability of Numerical Algorithms, 2nd ed., chapters 7, 10, 19 and 20
+//! (backward errors); Parlett (1998), The Symmetric Eigenvalue Problem, chapters 3 and 10 (inertia,
+//! residual bounds).
 
 mod modes;
 
@@ -26,13 +28,13 @@ pub(super) use modes::{CHOLESKY, INERTIA, scaled_modes, sparse_factor, sparse_mo
 
 /// Vectors of random signs of one check.
 const PROBES: usize = 2;
-/// Limit of a backward error over `(n + 10) eps`; for QR, whose rows may span decades, over `(m n + 10) eps`, for singular
-/// values over `(m + n + 10) eps`. Larger: an entry off by a hundred of these is not found. Smaller: right results fail; the
-/// largest figures are a third of it.
+/// Limit of a backward error over `(n + 10) eps`; for QR, whose rows may span decades, over `(m
+/// n + 10) eps`, for singular values over `(m + n + 10) eps`. Larger: an entry off by a hundred of
+/// these is not found. Smaller: right results fail; the largest figures are a third of it.
 const BACKWARD: f64 = 20.0;
 
-/// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which together prove that no
-/// eigenvalue is missing.
+/// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which
+/// together prove that no eigenvalue is missing.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].
@@ -71,7 +73,8 @@ pub fn thin_qr<T: ComplexField<Real = f64>>(
     orthonormal(&check, q)
 }
 
-/// Checks least squares: the residual is orthogonal to the columns of A, relative to the terms of `A X` and B.
+/// Checks least squares: the residual is orthogonal to the columns of A, relative to the terms of
+/// `A X` and B.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].
@@ -143,7 +146,8 @@ pub fn square_solution(
     Ok(())
 }
 
-/// Checks `A X = B` of a positive definite A of which the lower triangle counts, relative to its diagonal.
+/// Checks `A X = B` of a positive definite A of which the lower triangle counts, relative to its
+/// diagonal.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].
@@ -187,8 +191,8 @@ pub fn singular_vectors<T: ComplexField<Real = f64>>(
     orthonormal(&check, v)
 }
 
-/// Checks eigenvalues and right eigenvectors of a general matrix: `A X = X Lambda`, relative to the norm of A, and that
-/// the values add up to the trace.
+/// Checks eigenvalues and right eigenvectors of a general matrix: `A X = X Lambda`, relative to the
+/// norm of A, and that the values add up to the trace.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].

@@ -6,10 +6,11 @@ fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(x, y)| x.conj() * y).sum()
 }
 
-/// Modal assurance criterion of two vectors whose components belong to the same degrees of freedom in the same order.
+/// Modal assurance criterion of two vectors whose components belong to the same degrees of freedom
+/// in the same order.
 ///
-/// `|a^H b|^2 / ((a^H a)(b^H b))`, in `[0, 1]`, unchanged by complex scaling. `None` when a vector is zero or the
-/// lengths differ.
+/// `|a^H b|^2 / ((a^H a)(b^H b))`, in `[0, 1]`, unchanged by complex scaling. `None` when a vector
+/// is zero or the lengths differ.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -25,11 +26,12 @@ pub fn mac(a: &[Complex64], b: &[Complex64]) -> Option<f64> {
     (a.len() == b.len() && norms > 0.0).then(|| (inner(a, b).norm_sqr() / norms).min(1.0))
 }
 
-/// Modal scale factor of `a` to `b`: the complex `s` that makes `|s a - b|` smallest, `a^H b / a^H a`.
-/// `None` when `a` is zero or the lengths differ.
+/// Modal scale factor of `a` to `b`: the complex `s` that makes `|s a - b|` smallest, `a^H b / a^H
+/// a`. `None` when `a` is zero or the lengths differ.
 ///
 /// # Reference
-/// Allemang (2003), The modal assurance criterion: twenty years of use and abuse, Sound and Vibration 37(8), eq. 2.
+/// Allemang (2003), The modal assurance criterion: twenty years of use and abuse, Sound and
+/// Vibration 37(8), eq. 2.
 pub fn modal_scale_factor(a: &[Complex64], b: &[Complex64]) -> Option<Complex64> {
     let norm = inner(a, a).re;
     (a.len() == b.len() && norm > 0.0).then(|| inner(a, b) / norm)

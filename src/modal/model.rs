@@ -55,8 +55,8 @@ pub struct Mode {
     pub group: Option<u32>,
     /// Shape at the sensors.
     pub shape: ModeShape,
-    /// Standard deviation of the real and of the imaginary part of each shape component, in the scale of the shape, but for an error of
-    /// that scale, which all components have in common.
+    /// Standard deviation of the real and of the imaginary part of each shape component, in the
+    /// scale of the shape, but for an error of that scale, which all components have in common.
     pub shape_std: Option<BTreeMap<Dof, f64>>,
     /// Receptance residues A of `A/(iω−λ) + conj.`, m/(N s), by (response, reference).
     pub residues: BTreeMap<(Dof, Dof), Complex64>,
@@ -74,18 +74,22 @@ pub struct Mode {
     pub mean_phase_rad: Option<f64>,
     /// Mean phase deviation of the shape, rad.
     pub mean_phase_deviation_rad: Option<f64>,
-    /// Half-power width over the mean distance to the neighbouring modes; `None` for a mode without neighbours.
+    /// Half-power width over the mean distance to the neighbouring modes; `None` for a mode without
+    /// neighbours.
     pub modal_overlap: Option<f64>,
-    /// Frequency lines across the half-power band of the pole as measured, the damping of an exponential window included.
+    /// Frequency lines across the half-power band of the pole as measured, the damping of an
+    /// exponential window included.
     pub half_power_lines: Option<f64>,
-    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data tell; in no standard deviation.
+    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data
+    /// tell; in no standard deviation.
     pub frequency_bias_hz: Option<f64>,
     /// The same of the damping ratio.
     pub damping_bias: Option<f64>,
 }
 
 impl Mode {
-    /// Uncertainty of the frequency, Hz: its standard deviation and the error that modes outside the band leave, `√(σ² + b²)`.
+    /// Uncertainty of the frequency, Hz: its standard deviation and the error that modes outside
+    /// the band leave, `√(σ² + b²)`.
     pub fn frequency_uncertainty_hz(&self) -> Option<f64> {
         let bias = self.frequency_bias_hz.unwrap_or(0.0);
         self.frequency_std_hz.map(|std| std.hypot(bias))
@@ -160,8 +164,8 @@ pub struct ModalModel {
 }
 
 impl ModalModel {
-    /// The modes by root: indices of the modes that share a group number, alone those without one; roots in ascending
-    /// order of their first mode.
+    /// The modes by root: indices of the modes that share a group number, alone those without one;
+    /// roots in ascending order of their first mode.
     pub fn roots(&self) -> Vec<Vec<usize>> {
         let mut roots: Vec<Vec<usize>> = Vec::new();
         let mut of_group: BTreeMap<u32, usize> = BTreeMap::new();

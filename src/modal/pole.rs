@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-/// A pole `lambda = -zeta omega_n + i omega_n sqrt(1 - zeta^2)`, rad/s, with the positive imaginary part kept.
+/// A pole `lambda = -zeta omega_n + i omega_n sqrt(1 - zeta^2)`, rad/s, with the positive imaginary
+/// part kept.
 ///
 /// ```
 /// use modalign::modal::Pole;

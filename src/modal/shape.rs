@@ -25,7 +25,8 @@ impl ModeShape {
         self.values.get(dof).copied()
     }
 
-    /// The value along the positive axis of this degree of freedom, whichever way the sensor there points.
+    /// The value along the positive axis of this degree of freedom, whichever way the sensor there
+    /// points.
     pub fn along_positive(&self, dof: &Dof) -> Option<Complex64> {
         let positive = dof.positive();
         self.get(&positive)

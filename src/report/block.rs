@@ -87,7 +87,8 @@ impl Cell {
         })
     }
 
-    /// A standard deviation, or missing: two digits of it, where fixed decimals would leave fewer or print 0.
+    /// A standard deviation, or missing: two digits of it, where fixed decimals would leave fewer
+    /// or print 0.
     pub fn deviation(value: Option<f64>, decimals: usize) -> Self {
         let second = |std: f64| 1 - std.log10().floor() as i32;
         let wanted = value
@@ -138,8 +139,8 @@ fn without_sign_of_zero(text: String) -> String {
     }
 }
 
-/// A number with at most so many significant digits, none of them a trailing zero: plain between 0.001 and a million, else with a
-/// power of ten.
+/// A number with at most so many significant digits, none of them a trailing zero: plain between
+/// 0.001 and a million, else with a power of ten.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits.max(1) - 1);
     let value = rounded.parse().unwrap_or(value);

@@ -8,7 +8,8 @@ use crate::study::breakdown::{
 use super::json::BreakdownFile;
 use super::{Block, Cell, Column, Table};
 
-/// Every cell of every slice and method: the counted share with its interval, and how often each symptom was seen.
+/// Every cell of every slice and method: the counted share with its interval, and how often each
+/// symptom was seen.
 pub fn breakdown_cells(slices: &[SliceResult]) -> Block {
     let heads = [
         "slice",
@@ -70,7 +71,8 @@ pub fn breakdown_blocks(own: &BreakdownFile) -> Vec<Block> {
         .collect()
 }
 
-/// A slice in words: where each method does, what is seen where it does not, and how far the own modes are from that.
+/// A slice in words: where each method does, what is seen where it does not, and how far the own
+/// modes are from that.
 fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
     let slice = &result.slice;
     let reaches: Vec<Vec<Reach>> = (0..slice.methods.len())
@@ -120,7 +122,8 @@ fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
 /// Modes of which a sentence is printed.
 const TOLD: usize = 6;
 
-/// The modes nearest to where a method fails, each in a sentence, and how many there are beside them.
+/// The modes nearest to where a method fails, each in a sentence, and how many there are beside
+/// them.
 fn own_sentences(points: &[OwnPoint]) -> Vec<String> {
     let (inside, outside): (Vec<&OwnPoint>, Vec<&OwnPoint>) =
         points.iter().partition(|point| point.inside());
@@ -202,7 +205,8 @@ fn reach_text(reach: &Reach, result: &SliceResult) -> String {
     let Some(at) = inner(&reach.inside) else {
         return text;
     };
-    // Failing for certain lies outside of what may be inside; too few draws leave one of both ends open.
+    // Failing for certain lies outside of what may be inside; too few draws leave one of both ends
+    // open.
     let ends = [inner(&reach.not_outside), inner(&reach.known_inside)];
     let end = |value: Option<f64>| value.map_or("?".to_owned(), short);
     let rising = reach.inside.first().is_some_and(|(a, _)| *a >= at);

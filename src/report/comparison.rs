@@ -20,8 +20,8 @@ pub struct TableGroup<'a> {
     pub notes: &'a [String],
 }
 
-/// The tables of a validation section, their summary, and what the model assumes. One test has all its columns; several in
-/// one table have frequency, error and verdict each.
+/// The tables of a validation section, their summary, and what the model assumes. One test has all
+/// its columns; several in one table have frequency, error and verdict each.
 pub fn comparison_blocks(
     table: &ComparisonTable,
     groups: &[TableGroup<'_>],
@@ -222,7 +222,8 @@ fn is_set(spec: &ParameterSpec, value: f64) -> bool {
     value.to_bits() != spec.nominal.to_bits()
 }
 
-/// Where the numbers of the theory come from: what is assumed, and of the parameters how many are what.
+/// Where the numbers of the theory come from: what is assumed, and of the parameters how many are
+/// what.
 pub(super) fn provenance(theory: &Theory) -> Vec<String> {
     let named = |of: &dyn Fn(&ParameterSpec, bool) -> bool| -> Vec<&str> {
         let own = theory.parameters.iter();
@@ -285,7 +286,8 @@ fn short_cells(cell: &TestCell) -> Vec<Cell> {
     ]
 }
 
-/// The evidence on which a pair rests, in the words of `comparison.json`; missing without a partner.
+/// The evidence on which a pair rests, in the words of `comparison.json`; missing without a
+/// partner.
 fn basis_cell(cell: &TestCell) -> Cell {
     cell.basis.map_or(Cell::Missing, |basis| {
         Cell::text(match basis {
@@ -295,7 +297,8 @@ fn basis_cell(cell: &TestCell) -> Cell {
     })
 }
 
-/// The verdict as printed; the words of `comparison.json`, but for a missed mode that could not be judged, which has a key of its own there.
+/// The verdict as printed; the words of `comparison.json`, but for a missed mode that could not be
+/// judged, which has a key of its own there.
 fn status_text(cell: &TestCell) -> &'static str {
     match cell.status {
         _ if !cell.judged() => "missed, not judged",
@@ -309,7 +312,8 @@ fn status_text(cell: &TestCell) -> &'static str {
     }
 }
 
-/// Pairs of a test by the evidence on which they rest: `12 paired: 9 by shape, 3 by frequency alone; 2 ambiguous`.
+/// Pairs of a test by the evidence on which they rest: `12 paired: 9 by shape, 3 by frequency
+/// alone; 2 ambiguous`.
 pub(super) fn headline(test: &TestSummary, named: bool) -> String {
     let name = if named {
         format!("{}: ", test.test)
@@ -371,7 +375,8 @@ fn summary_table(table: &ComparisonTable) -> Table {
 /// As many digits of a parameter as anybody states; an updated one has more.
 const PARAMETER_DIGITS: usize = 8;
 
-/// The model's parameters with the values used and where they come from; `None` for a model without any.
+/// The model's parameters with the values used and where they come from; `None` for a model without
+/// any.
 pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
     let status = |status: ParameterStatus| match status {
         ParameterStatus::Printed => "printed",

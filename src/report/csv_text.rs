@@ -1,8 +1,10 @@
-//! Comma-separated values: every table with its heads, numbers in full precision, missing fields empty.
+//! Comma-separated values: every table with its heads, numbers in full precision, missing fields
+//! empty.
 
 use super::{Block, Renderer, Table};
 
-/// Renders the tables of a report as CSV; headings, paragraphs, footnotes and findings have no place in it.
+/// Renders the tables of a report as CSV; headings, paragraphs, footnotes and findings have no
+/// place in it.
 pub struct CsvText;
 
 impl Renderer for CsvText {

@@ -1,5 +1,5 @@
-//! Headings of the comparison in another language: captions, heads of columns, labels of rows and verdicts; findings. Definitions
-//! and reasons under the tables stay as they are.
+//! Headings of the comparison in another language: captions, heads of columns, labels of rows and
+//! verdicts; findings. Definitions and reasons under the tables stay as they are.
 
 use serde::{Deserialize, Serialize};
 
@@ -249,7 +249,8 @@ const HEADLINES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the columns that hold them.
+/// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the
+/// columns that hold them.
 const LABELS: &[(&str, &[(&str, &str)])] = &[
     (
         "the last of them",
@@ -332,8 +333,8 @@ fn translated_table(mut table: Table) -> Table {
     table
 }
 
-/// The translation of a label in a column with this head, the last line of which names what the column holds; other text, such
-/// as the name of a test, stays as it is.
+/// The translation of a label in a column with this head, the last line of which names what the
+/// column holds; other text, such as the name of a test, stays as it is.
 fn label(head: &str, text: &str) -> String {
     let kind = head.lines().last().unwrap_or_default();
     let mut labels = LABELS

@@ -1,4 +1,5 @@
-//! Measures beside the pairing as tables, each with its definition and the degrees of freedom that it rests on.
+//! Measures beside the pairing as tables, each with its definition and the degrees of freedom that
+//! it rests on.
 
 use crate::correlate::Alignment;
 use crate::correlate::measures::{
@@ -12,7 +13,8 @@ use super::{Block, Cell, Column, Table};
 /// Pairs of modes with less MAC than this have no row in the table of MAC with frequencies.
 const LISTED_MAC: f64 = 0.3;
 
-/// Theory modes within these parts of the lowest and the highest test frequency have a column in a matrix.
+/// Theory modes within these parts of the lowest and the highest test frequency have a column in a
+/// matrix.
 const COLUMNS_WITHIN: [f64; 2] = [0.8, 1.25];
 
 const MAC: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";

@@ -1,7 +1,8 @@
-//! Results as people and programs read them: blocks, one renderer per output format, and the JSON schemas.
+//! Results as people and programs read them: blocks, one renderer per output format, and the JSON
+//! schemas.
 //!
-//! A renderer renders blocks, so that a new result needs no new renderer and a new format no new result.
-//! Nothing here computes: numbers arrive finished and leave rounded.
+//! A renderer renders blocks, so that a new result needs no new renderer and a new format no new
+//! result. Nothing here computes: numbers arrive finished and leave rounded.
 
 mod block;
 mod breakdown;

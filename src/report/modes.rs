@@ -118,7 +118,8 @@ pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
     })
 }
 
-/// Distinct roots of a model inside a band: multiplicity, frequency, class, and where the kinetic energy is.
+/// Distinct roots of a model inside a band: multiplicity, frequency, class, and where the kinetic
+/// energy is.
 pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Block {
     let inside = |root: &&ModelRoot| {
         let hz = root.omega_rad_s / std::f64::consts::TAU;
@@ -155,8 +156,9 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
     })
 }
 
-/// Where the energy of each root inside a band is, percent: every body and every name of springs or groups in a column of its own; of
-/// more than forty bodies the twenty with the largest shares, and the others together. `None` without roots.
+/// Where the energy of each root inside a band is, percent: every body and every name of springs or
+/// groups in a column of its own; of more than forty bodies the twenty with the largest shares, and
+/// the others together. `None` without roots.
 pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
     let inside = |root: &&ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
@@ -221,8 +223,8 @@ fn largest_bodies(roots: &[&ModelRoot], count: usize) -> Vec<usize> {
     told
 }
 
-/// Relative change of the frequency of each root above 0 inside a band by that of every parameter: a row for each
-/// parameter, which has a dash where its value is 0.
+/// Relative change of the frequency of each root above 0 inside a band by that of every parameter:
+/// a row for each parameter, which has a dash where its value is 0.
 pub fn sensitivities_block(
     caption: &str,
     parameters: &[(ParameterSpec, f64)],
@@ -259,7 +261,8 @@ pub fn sensitivities_block(
 /// Bodies named for each root.
 const BODIES_SHOWN: usize = 3;
 
-/// The largest shares of the kinetic energy, as `planet-disc 0.62, ball 0.30`; those that print as 0.00 are left out.
+/// The largest shares of the kinetic energy, as `planet-disc 0.62, ball 0.30`; those that print as
+/// 0.00 are left out.
 pub(super) fn largest_shares(root: &ModelRoot) -> String {
     let shares = root.energy_by_kind();
     let told = shares.iter().filter(|(_, share)| *share >= 0.005);

@@ -1,4 +1,5 @@
-//! Headings of the tables of a run in Chinese: modes, hits, published results, placement, update, limits.
+//! Headings of the tables of a run in Chinese: modes, hits, published results, placement, update,
+//! limits.
 
 /// Headings as written, and in Chinese; `{}` stands for a name.
 pub(super) const PHRASES_OF_RUNS: &[(&str, &str)] = &[

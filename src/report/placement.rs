@@ -5,7 +5,8 @@ use crate::scene::PlacedTest;
 
 use super::{Block, Cell, Column, Table};
 
-/// The points that a test should have, what they make of every root, and what every point that can be hit is worth.
+/// The points that a test should have, what they make of every root, and what every point that can
+/// be hit is worth.
 pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Vec<Block> {
     match &placed.placement {
         Ok(own) => vec![

@@ -1,4 +1,5 @@
-//! A response over time in growing detail as tables: figures of its signals, their harmonics, and which detail suffices.
+//! A response over time in growing detail as tables: figures of its signals, their harmonics, and
+//! which detail suffices.
 
 use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
 
@@ -8,7 +9,8 @@ use super::{Block, Cell, Column, Table};
 /// Harmonics in the table; the file has all.
 const HARMONICS: usize = 12;
 
-/// Signals of every detail, harmonics of the deflections, and the distance of every detail from the last.
+/// Signals of every detail, harmonics of the deflections, and the distance of every detail from the
+/// last.
 pub fn response_blocks(model: &str, response: &TimeResponse) -> Vec<Block> {
     vec![
         signals_block(model, response),

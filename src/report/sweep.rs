@@ -8,7 +8,8 @@ use crate::theory::{Locus, LocusEvent, Sweep, SweepRange};
 use super::published::significant;
 use super::{Block, Cell, Column, Table};
 
-/// The loci of a sweep that enter a band, and the crossings and veerings in it, where loci are followed.
+/// The loci of a sweep that enter a band, and the crossings and veerings in it, where loci are
+/// followed.
 pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block> {
     let inside = |hz: f64| band.is_none_or(|band| band.contains(hz));
     let shown: Vec<(usize, &Locus)> = (1..)
@@ -32,7 +33,8 @@ pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block
     blocks
 }
 
-/// How many modes share a locus, where they are more than one: `, 3 modes`; `, 9 10 11 modes` where their number changes.
+/// How many modes share a locus, where they are more than one: `, 3 modes`; `, 9 10 11 modes` where
+/// their number changes.
 fn multiplicity(locus: &Locus) -> String {
     let mut told: Vec<String> = locus.multiplicity.iter().map(usize::to_string).collect();
     if told.windows(2).all(|pair| pair[0] == pair[1]) {

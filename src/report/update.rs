@@ -1,4 +1,5 @@
-//! An update as tables: parameters, what the data know, convergence, fit before and after, single changes.
+//! An update as tables: parameters, what the data know, convergence, fit before and after, single
+//! changes.
 
 use crate::scene::SceneUpdate;
 use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};

@@ -1,4 +1,5 @@
-//! The chain: files or a synthetic recording to hits, FRFs and modes; the model to modes; both to the comparison table.
+//! The chain: files or a synthetic recording to hits, FRFs and modes; the model to modes; both to
+//! the comparison table.
 
 use std::path::Path;
 
@@ -325,8 +326,8 @@ fn identify_test(
     })
 }
 
-/// The band that was asked for as far as the force excites it, else the usable band; with a finding when it is narrower
-/// than the one wanted.
+/// The band that was asked for as far as the force excites it, else the usable band; with a finding
+/// when it is narrower than the one wanted.
 fn band_to_search(
     set: &FrfSet,
     usable: Band,
@@ -377,7 +378,8 @@ fn known_roots(theory: &Theory) -> Option<&[ModelRoot]> {
 /// Modes of the FRFs of one test, in the band of the options or else in the valid band of the set.
 ///
 /// # Errors
-/// [`SceneError::Axes`] unless all functions have one axis; [`SceneError::Identify`] with the test's name.
+/// [`SceneError::Axes`] unless all functions have one axis; [`SceneError::Identify`] with the
+/// test's name.
 pub fn identify_sets(
     sets: &[FrfSet],
     options: &IdentifyOptions,

@@ -1,5 +1,6 @@
-//! A result held against an earlier one of its kind: what may differ follows from the uncertainties that both state, so that
-//! the rate at which a perfect result is refused is known, or from absolute limits.
+//! A result held against an earlier one of its kind: what may differ follows from the uncertainties
+//! that both state, so that the rate at which a perfect result is refused is known, or from
+//! absolute limits.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +17,15 @@ use super::limits::{LimitCheck, percent};
 pub const FREQUENCY_PERCENT: f64 = 0.05;
 /// The same of a damping ratio.
 pub const DAMPING_PERCENT: f64 = 5.0;
-/// Largest 1 − MAC of a shape whose uncertainty one side does not state, and largest change of a MAC.
+/// Largest 1 − MAC of a shape whose uncertainty one side does not state, and largest change of a
+/// MAC.
 pub const MAC_CHANGE: f64 = 0.01;
 
-/// A difference of this part of a value is rounding: the same input gives the same result elsewhere to 1e-9.
+/// A difference of this part of a value is rounding: the same input gives the same result elsewhere
+/// to 1e-9.
 const ROUNDING: f64 = 1e-6;
-/// Modes farther apart than this part of their frequency are not the same mode, however it has changed.
+/// Modes farther apart than this part of their frequency are not the same mode, however it has
+/// changed.
 const SAME_MODE: f64 = 0.02;
 /// Components below this part of the largest one may have either sign.
 const SIGN_MATTERS: f64 = 0.1;
@@ -33,15 +37,18 @@ pub struct ChangeLimits {
     pub frequency_percent: Option<f64>,
     /// The same of damping ratios.
     pub damping_percent: Option<f64>,
-    /// Largest 1 − MAC of every shape, and largest change of a MAC; by the stated uncertainties when `None`.
+    /// Largest 1 − MAC of every shape, and largest change of a MAC; by the stated uncertainties
+    /// when `None`.
     pub mac: Option<f64>,
-    /// Standard deviation of a frequency that is granted beside the stated ones, a fraction: what no recording repeats.
+    /// Standard deviation of a frequency that is granted beside the stated ones, a fraction: what
+    /// no recording repeats.
     pub frequency_floor: f64,
     /// The same of a damping ratio.
     pub damping_floor: f64,
     /// The same of a shape component, as a part of the root mean square of the shape.
     pub shape_floor: f64,
-    /// Probability that a result which differs from its baseline by these uncertainties alone is refused, over all its values.
+    /// Probability that a result which differs from its baseline by these uncertainties alone is
+    /// refused, over all its values.
     pub false_refusals: f64,
 }
 
@@ -73,7 +80,8 @@ pub struct Change {
 /// How a change is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// A difference of standard deviation `std`, both as parts of the baseline's value: normal, two-sided.
+    /// A difference of standard deviation `std`, both as parts of the baseline's value: normal,
+    /// two-sided.
     Normal {
         /// |difference|, a fraction.
         difference: f64,
@@ -111,11 +119,13 @@ impl RowVerdict {
 
 /// Changes judged together, by row in the order of their first change.
 ///
-/// Each of the `n` changes that are held against stated uncertainties gets the level `1 − (1 − false_refusals)^(1/n)`, which
-/// makes `false_refusals` the rate of all together where they are independent.
+/// Each of the `n` changes that are held against stated uncertainties gets the level `1 − (1 −
+/// false_refusals)^(1/n)`, which makes `false_refusals` the rate of all together where they are
+/// independent.
 ///
 /// # Reference
-/// Šidák (1967), Rectangular confidence regions for the means of multivariate normal distributions, JASA 62(318).
+/// Šidák (1967), Rectangular confidence regions for the means of multivariate normal distributions,
+/// JASA 62(318).
 pub fn judge_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict> {
     let by_uncertainty = |change: &&Change| {
         matches!(
@@ -203,8 +213,9 @@ impl ChangeLimits {
     }
 }
 
-/// A change of a value: against the absolute limit where there is one, else against both sides' uncertainties and the floor, else,
-/// where a side states none, against the limit for that; limits in percent of the baseline's value.
+/// A change of a value: against the absolute limit where there is one, else against both sides'
+/// uncertainties and the floor, else, where a side states none, against the limit for that; limits
+/// in percent of the baseline's value.
 pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allowed) -> Measure {
     let otherwise = allowed.percent.unwrap_or(allowed.unstated_percent);
     let Some(now) = now else {
@@ -221,9 +232,10 @@ pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allow
 
 /// Every mode of a baseline must be there with its frequency, damping and shape, and no other.
 ///
-/// Modes meet one to one, by frequency (within 2 %) and MAC. A shape is compared after its best complex scale: by
-/// `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components where both sides state their deviations, else by 1 − MAC and the number of
-/// components of the opposite sign.
+/// Modes meet one to one, by frequency (within 2 %) and MAC. A shape is compared after its best
+/// complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components where
+/// both sides state their deviations, else by 1 − MAC and the number of components of the opposite
+/// sign.
 pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
     let partner = partners(now, before);
     let mut changes = Vec::new();
@@ -317,7 +329,8 @@ fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
     assign(&costs, 1.0)
 }
 
-/// The components that two shapes have in common, along positive axes, with the deviations of both where they are stated.
+/// The components that two shapes have in common, along positive axes, with the deviations of both
+/// where they are stated.
 type Common = (Vec<Complex64>, Vec<Complex64>, Option<Vec<(f64, f64)>>);
 
 fn common(now: &Mode, before: &Mode) -> Common {
@@ -394,8 +407,8 @@ fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
         .collect()
 }
 
-/// `Σ |own − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest for the weights of its plain
-/// value; the deviations are those of real and imaginary part each.
+/// `Σ |own − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest
+/// for the weights of its plain value; the deviations are those of real and imaginary part each.
 fn misfit(own: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
     let square: f64 = own.iter().map(|value| value.norm_sqr()).sum();
     let granted = floor.max(ROUNDING) * (square / own.len() as f64).sqrt();
@@ -417,7 +430,8 @@ fn misfit(own: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f6
     rests.map(|rest| rest.norm_sqr()).sum()
 }
 
-/// Number of components against the others: those that lie on the other side of the scaled baseline.
+/// Number of components against the others: those that lie on the other side of the scaled
+/// baseline.
 fn reversed(own: &[Complex64], other: &[Complex64]) -> usize {
     let Some(scale) = modal_scale_factor(other, own) else {
         return 0;

@@ -28,8 +28,8 @@ pub(super) struct ClaimTable {
     remark: Option<String>,
 }
 
-/// The kinds of claim, each with the keys that it needs besides `text`; it admits these, `remark`, one of `decimals` and
-/// `significant`, and `model` where it needs a `quantity`.
+/// The kinds of claim, each with the keys that it needs besides `text`; it admits these, `remark`,
+/// one of `decimals` and `significant`, and `model` where it needs a `quantity`.
 pub(super) const KINDS: &[(&str, &[&str])] = &[
     ("largest-error-hz", &["test", "row", "value"]),
     ("largest-error-percent", &["test", "row", "value"]),

@@ -8,7 +8,8 @@ use super::{Scene, SceneError, TestPlan, TestSource};
 /// Findings on the bad parts of the files of a test; none where all were sound.
 ///
 /// # Errors
-/// [`SceneError`] for files that cannot be read, or that are partly bad where the test does not go on with their good part.
+/// [`SceneError`] for files that cannot be read, or that are partly bad where the test does not go
+/// on with their good part.
 pub fn damage(scene: &Scene, test: &TestPlan) -> Result<Vec<Finding>, SceneError> {
     let (findings, partly_bad) = match &test.source {
         TestSource::Synth(_) => (Vec::new(), false),

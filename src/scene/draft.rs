@@ -1,4 +1,5 @@
-//! A scene drafted from exported files: what their headers state is written down, what they leave open is a marked line.
+//! A scene drafted from exported files: what their headers state is written down, what they leave
+//! open is a marked line.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -94,8 +95,8 @@ impl Content {
     }
 }
 
-/// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one, finished modes one for each
-/// file, tables of the same columns one.
+/// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one,
+/// finished modes one for each file, tables of the same columns one.
 pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     let mut text = format!(
         "# Drafted by `modalign new` from the headers of exported files. A line with \"{FILL_IN}\" is what they do not state:\n\
@@ -206,7 +207,8 @@ fn files_line(files: &[&DraftFile]) -> String {
     }
 }
 
-/// What the headers say of recorded hits, and the records whose unit, point or hit point they leave open.
+/// What the headers say of recorded hits, and the records whose unit, point or hit point they leave
+/// open.
 fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let times = || of_type(files, FunctionType::Time);
     let forces = times()
@@ -273,8 +275,8 @@ fn is_unnamed(entry: &Entry) -> bool {
     entry.response.is_none() && entry.quantity != Some(Quantity::Force)
 }
 
-/// Whether one record of a hit alone is a response that names no sensor; one without a unit is a response where another record is
-/// the force.
+/// Whether one record of a hit alone is a response that names no sensor; one without a unit is a
+/// response where another record is the force.
 fn has_one_unnamed(hit: &[&Entry]) -> bool {
     let has_force = hit
         .iter()
@@ -308,7 +310,8 @@ fn record_text(entry: &Entry, stated: Option<&Dof>) -> String {
     lines
 }
 
-/// Whether a file with a force names no hit point: neither its force record nor a reference of the responses.
+/// Whether a file with a force names no hit point: neither its force record nor a reference of the
+/// responses.
 fn hit_point_open(catalog: &Catalog) -> bool {
     let is_force = |entry: &&Entry| entry.quantity == Some(Quantity::Force);
     let mut forces = catalog.entries.iter().filter(is_force);
@@ -402,7 +405,8 @@ fn model_text(model: Option<&DraftModel>) -> String {
     }
 }
 
-/// Where sensors and hits are: positions from the geometry of the files; remarks while there is no model that has bodies.
+/// Where sensors and hits are: positions from the geometry of the files; remarks while there is no
+/// model that has bodies.
 fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftModel>) -> String {
     let stated = model.is_some_and(|own| own.has_sensors || own.bodies.is_empty());
     if stated {

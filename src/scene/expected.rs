@@ -1,8 +1,9 @@
 //! `expected.toml` beside a scene: what a publication printed about the machine, read and checked.
 //!
-//! Natural frequencies are `[[root]]`s, a comparison of theory and tests is `[comparison]`, and what the text says of both
-//! is a list of `[[claim]]`s. Names that a claim or a row uses must be there: a claim about a test that the table does not
-//! have would otherwise look like one that cannot be confirmed.
+//! Natural frequencies are `[[root]]`s, a comparison of theory and tests is `[comparison]`, and
+//! what the text says of both is a list of `[[claim]]`s. Names that a claim or a row uses must be
+//! there: a claim about a test that the table does not have would otherwise look like one that
+//! cannot be confirmed.
 
 use std::path::Path;
 
@@ -69,8 +70,8 @@ pub struct ExpectedResult {
 }
 
 impl Expected {
-    /// Holds the results against the roots of a model and the quantities of the models that claims name; without a model
-    /// they are only held against one another.
+    /// Holds the results against the roots of a model and the quantities of the models that claims
+    /// name; without a model they are only held against one another.
     pub fn judge(
         &self,
         model: Option<&[ModelRoot]>,

@@ -1,4 +1,5 @@
-//! Which degrees of freedom came with which file: a file is a group whose sensors may all be reversed.
+//! Which degrees of freedom came with which file: a file is a group whose sensors may all be
+//! reversed.
 
 use std::collections::BTreeSet;
 

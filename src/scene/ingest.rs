@@ -87,7 +87,8 @@ pub struct IngestOptions<'a> {
 /// Reads the files of a test.
 ///
 /// # Errors
-/// [`SceneError`]: what cannot be read, with its place; the first damage of a partly bad file, unless its good part will do.
+/// [`SceneError`]: what cannot be read, with its place; the first damage of a partly bad file,
+/// unless its good part will do.
 pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Ingested, SceneError> {
     let opened = files.iter().map(|file| open(file, options));
     collect(opened.collect::<Result<Vec<_>, SceneError>>()?, options)
@@ -175,7 +176,8 @@ fn describes_columns(test: &TestTable) -> bool {
     roles.into_iter().any(|role| COLUMN_ROLES.contains(&role))
 }
 
-/// A unit such as (m/s2)/N, times its calibration, is that of every FRF that does not state its own.
+/// A unit such as (m/s2)/N, times its calibration, is that of every FRF that does not state its
+/// own.
 fn stated_frf_unit(channels: &[ChannelTable]) -> Option<FrfUnit> {
     channels.iter().find_map(|channel| {
         let unit: FrfUnit = channel.unit.as_deref()?.parse().ok()?;
@@ -250,7 +252,8 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     Ok(data)
 }
 
-/// Whether a finding of reading FRFs says that part of a file is damaged or was left out for want of what is needed.
+/// Whether a finding of reading FRFs says that part of a file is damaged or was left out for want
+/// of what is needed.
 fn is_lost(finding: &Finding) -> bool {
     match finding.code {
         Code::BadDataset => true,
@@ -259,7 +262,8 @@ fn is_lost(finding: &Finding) -> bool {
     }
 }
 
-/// Whether hits are made of the time records that stand beside FRFs: unless these are asked for, where one is a force.
+/// Whether hits are made of the time records that stand beside FRFs: unless these are asked for,
+/// where one is a force.
 fn makes_hits(files: &[HitFile], options: &IngestOptions) -> bool {
     let is_force = |entry: &Entry| {
         let by_quantity = entry.quantity == Some(Quantity::Force);
@@ -276,7 +280,8 @@ fn count(files: &[HitFile], holds: impl Fn(&Entry) -> bool) -> usize {
     entries.filter(|entry| holds(entry)).count()
 }
 
-/// The ranges of converters that a scene states for the columns of tables; their units were checked when they were opened.
+/// The ranges of converters that a scene states for the columns of tables; their units were checked
+/// when they were opened.
 fn state_full_scales(recording: &mut FileRecording, channels: &[ChannelTable]) {
     for channel in channels {
         let unit = channel
@@ -295,7 +300,8 @@ fn state_full_scales(recording: &mut FileRecording, channels: &[ChannelTable]) {
     }
 }
 
-/// Sensors and hits of records and FRFs at nodes whose displacement system is turned against the global frame.
+/// Sensors and hits of records and FRFs at nodes whose displacement system is turned against the
+/// global frame.
 fn local_directions(catalog: &Catalog) -> Option<Finding> {
     let geometry = &catalog.geometry;
     let is_turned = |node: &&Node| {
@@ -360,7 +366,8 @@ fn passed_over(count: usize, code: Code, unit: &str) -> Option<Finding> {
     (count > 0).then(|| finding.value(count as f64, unit))
 }
 
-/// `[[test.channel]]` for files that are no tables: `column` is the number of the record within its hit.
+/// `[[test.channel]]` for files that are no tables: `column` is the number of the record within its
+/// hit.
 fn overrides(channels: &[ChannelTable], path: &str) -> Result<Vec<ChannelOverride>, SceneError> {
     channels
         .iter()

@@ -12,9 +12,11 @@ pub struct Limits {
     pub max_frequency_error_percent: Option<f64>,
     /// Smallest MAC of a paired mode.
     pub min_mac: Option<f64>,
-    /// Smallest number of paired modes, per test; ambiguous ones count, but not those whose MAC is below the chance level.
+    /// Smallest number of paired modes, per test; ambiguous ones count, but not those whose MAC is
+    /// below the chance level.
     pub min_paired: Option<usize>,
-    /// Largest number of theory modes in the band without partner, per test; those not judged for being observable count.
+    /// Largest number of theory modes in the band without partner, per test; those not judged for
+    /// being observable count.
     pub max_missed: Option<usize>,
     /// Largest number of theory modes in the band that the test could not have seen, per test.
     pub max_not_observable: Option<usize>,
@@ -139,8 +141,8 @@ fn supported(test: &TestSummary) -> usize {
     test.ambiguous.saturating_sub(test.uncorrelated)
 }
 
-/// The pairs that count for `min_paired`, by their evidence where it is not the shape of all: ambiguous ones count, but not
-/// those whose MAC is below the chance level.
+/// The pairs that count for `min_paired`, by their evidence where it is not the shape of all:
+/// ambiguous ones count, but not those whose MAC is below the chance level.
 fn paired_label(test: &TestSummary) -> String {
     let parts = [
         (test.paired_by_frequency, "by frequency alone"),
@@ -155,7 +157,8 @@ fn paired_label(test: &TestSummary) -> String {
     }
 }
 
-/// Every stated mode held against the modes that were found: the nearest one in frequency counts, each once.
+/// Every stated mode held against the modes that were found: the nearest one in frequency counts,
+/// each once.
 pub fn judge_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCheck> {
     let mut free: Vec<&(f64, Option<f64>)> = found.iter().collect();
     let mut checks = Vec::new();

@@ -1,4 +1,5 @@
-//! A `model.toml` of `kind = "matrices"`: which files hold the matrices of a model, and its degrees of freedom.
+//! A `model.toml` of `kind = "matrices"`: which files hold the matrices of a model, and its degrees
+//! of freedom.
 //!
 //! ```toml
 //! schema = "modalign-model/1"
@@ -22,7 +23,8 @@
 //! upper = 5.0
 //! status = "assumed"
 //!
-//! [damping]                         # C = alpha M + beta K beside a matrix of its own, or damping ratios by mode
+//! # C = alpha M + beta K in addition to a damping matrix, or damping ratios by mode.
+//! [damping]
 //! mass_per_s = 0.0
 //! stiffness_s = 1e-6
 //! ```
@@ -93,7 +95,8 @@ struct DampingTable {
     ratios: Vec<f64>,
 }
 
-/// A file, with the name of the matrix in it where it has names: `"m.mtx"` or `{ file = "m.mat", name = "M" }`.
+/// A file, with the name of the matrix in it where it has names: `"m.mtx"` or `{ file = "m.mat",
+/// name = "M" }`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NamedMatrix {
@@ -254,8 +257,8 @@ impl Reader<'_> {
     }
 }
 
-/// A degree of freedom on each line of a file, or several with commas or blanks between; what follows `#` is a remark
-/// where a blank or nothing stands before it.
+/// A degree of freedom on each line of a file, or several with commas or blanks between; what
+/// follows `#` is a remark where a blank or nothing stands before it.
 fn listed_dofs(path: &Path) -> Result<Vec<Dof>, SceneError> {
     let text = read_text(path)?;
     let mut dofs = Vec::new();

@@ -86,7 +86,8 @@ fn matrices_are_solved_at_their_degrees_of_freedom_with_damping_and_sensitivitie
         let theory = model
             .solve(&model.sensors, &ModeOptions::default())
             .unwrap();
-        // Both masses together on 50 N/m each: 5 rad/s; against each other with 2 x 75 N/m, twice: 50 + 2 x 150 over 2.
+        // Both masses together on 50 N/m each: 5 rad/s; against each other with 2 x 75 N/m, twice:
+        // 50 + 2 x 150 over 2.
         let omega: Vec<f64> = theory.roots.iter().map(|root| root.omega_rad_s).collect();
         assert!((omega[0] - 5.0).abs() < 1e-12 && (omega[1] - 175f64.sqrt()).abs() < 1e-12);
         let mode = &theory.modes.modes[1];

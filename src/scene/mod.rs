@@ -1,6 +1,7 @@
 //! Scenes: a test, a model, the options of every stage, and the chain that runs them.
 //!
-//! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene computes nothing itself.
+//! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene
+//! computes nothing itself.
 
 mod chain;
 mod change;

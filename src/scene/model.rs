@@ -47,8 +47,8 @@ pub struct Theory {
     pub assumptions: Vec<Assumption>,
     /// Where the points are, as far as the file or the sensors say it.
     pub geometry: Geometry,
-    /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the indices in them count all
-    /// its modes. None for finished modes.
+    /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the
+    /// indices in them count all its modes. None for finished modes.
     pub roots: Vec<ModelRoot>,
     /// Whether part of a file of finished modes was bad and left out.
     pub partly_bad: bool,
@@ -65,7 +65,8 @@ impl From<LoadedModes> for Theory {
     }
 }
 
-/// The keys that say which kind of model a file holds; a lumped one, and one of matrices, need not say it.
+/// The keys that say which kind of model a file holds; a lumped one, and one of matrices, need not
+/// say it.
 #[derive(Deserialize)]
 struct KindOnly {
     kind: Option<String>,
@@ -79,7 +80,8 @@ struct SensorsOnly {
     sensor: Vec<SensorTable>,
 }
 
-/// The model of a built-in name (`cycloid-ball`, `cycloid-ball/D`) or of a `model.toml`, its parameters set by name.
+/// The model of a built-in name (`cycloid-ball`, `cycloid-ball/D`) or of a `model.toml`, its
+/// parameters set by name.
 ///
 /// # Errors
 /// [`SceneError`] with file, line and column, or the model's own reason.
@@ -136,7 +138,8 @@ pub enum ModelKind {
     File,
 }
 
-/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file or a folder with a scene.
+/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file
+/// or a folder with a scene.
 pub fn model_kind(path: &Path) -> ModelKind {
     let is_plain = path.components().count() == 1;
     if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
@@ -150,7 +153,8 @@ pub fn model_kind(path: &Path) -> ModelKind {
     }
 }
 
-/// The finding that a built-in model was taken where a file, or a folder with a scene, has its name.
+/// The finding that a built-in model was taken where a file, or a folder with a scene, has its
+/// name.
 pub fn built_in_taken(path: &Path) -> Option<Finding> {
     let other = match (path.is_file(), holds_scene(path)) {
         (true, _) => "file",
@@ -210,7 +214,8 @@ fn in_file(path: &str, source: TheoryError) -> SceneError {
 /// Sensors as meant.
 ///
 /// # Errors
-/// [`SceneError::Value`] for a sensor that names neither or both of a body's point and a coordinate, or is named twice.
+/// [`SceneError::Value`] for a sensor that names neither or both of a body's point and a
+/// coordinate, or is named twice.
 pub fn sensors(tables: &[SensorTable], path: &str) -> Result<Vec<Sensor>, SceneError> {
     let mut found: Vec<Sensor> = Vec::with_capacity(tables.len());
     for table in tables {
@@ -237,7 +242,8 @@ pub fn sensors(tables: &[SensorTable], path: &str) -> Result<Vec<Sensor>, SceneE
 }
 
 impl LoadedModel {
-    /// Solves the model at the sensors; without any at its own coordinates, as far as body and axis name them.
+    /// Solves the model at the sensors; without any at its own coordinates, as far as body and axis
+    /// name them.
     ///
     /// # Errors
     /// The model's own reasons.
@@ -265,7 +271,8 @@ impl LoadedModel {
         })
     }
 
-    /// Modes with the damping matrix as it is at sensors, those of the coordinates where there are none.
+    /// Modes with the damping matrix as it is at sensors, those of the coordinates where there are
+    /// none.
     ///
     /// # Errors
     /// [`SceneError::Theory`] with those of [`damped_model`].
@@ -296,8 +303,8 @@ impl LoadedModel {
         Ok(self.model.quantities(&self.values)?)
     }
 
-    /// The roots of the whole model with their sensitivities to its parameters; of a sparse model the roots inside a band, or
-    /// the lowest.
+    /// The roots of the whole model with their sensitivities to its parameters; of a sparse model
+    /// the roots inside a band, or the lowest.
     ///
     /// # Errors
     /// The model's own reasons.
@@ -338,7 +345,8 @@ impl LoadedModel {
         Ok(nonlinear.response(&self.values, ResponseSpan::default())?)
     }
 
-    /// The roots followed over a range of a parameter, by its name; of a sparse model those up to a band's end, or the lowest.
+    /// The roots followed over a range of a parameter, by its name; of a sparse model those up to a
+    /// band's end, or the lowest.
     ///
     /// # Errors
     /// The model's own reasons.
@@ -357,8 +365,8 @@ impl LoadedModel {
         Ok(self.model.sparse(&self.values)?.is_some())
     }
 
-    /// The roots of the whole model, solved again when the options kept part of its modes; of a sparse one those of the
-    /// modes that were computed.
+    /// The roots of the whole model, solved again when the options kept part of its modes; of a
+    /// sparse one those of the modes that were computed.
     fn roots(
         &self,
         solved: &TheoryModes,
@@ -392,10 +400,12 @@ fn sensor_nodes(sensors: &[Sensor]) -> Geometry {
     geometry
 }
 
-/// The theory that a `[model]` table means: a built-in model or a model file solved at the sensors, or finished modes.
+/// The theory that a `[model]` table means: a built-in model or a model file solved at the sensors,
+/// or finished modes.
 ///
 /// # Errors
-/// [`SceneError`] when it names neither or both, a name that is not built in, or a file that cannot be used.
+/// [`SceneError`] when it names neither or both, a name that is not built in, or a file that cannot
+/// be used.
 pub fn theory(
     table: &ModelTable,
     folder: &Path,

@@ -12,8 +12,8 @@ use super::SceneError;
 use super::model::is_built_in;
 use super::toml_text::read_text;
 
-/// Whether a path names a file of modes, and not a model to be solved: whatever is neither a built-in name, nor TOML,
-/// nor a folder.
+/// Whether a path names a file of modes, and not a model to be solved: whatever is neither a
+/// built-in name, nor TOML, nor a folder.
 pub fn is_modes_file(path: &Path) -> bool {
     let is_toml = path
         .extension()
@@ -21,8 +21,8 @@ pub fn is_modes_file(path: &Path) -> bool {
     !is_toml && !is_built_in(path) && !path.is_dir()
 }
 
-/// Whether a file holds functions and no modes, by its headers; `false` for one that cannot be opened, whose reason the
-/// reader of modes tells.
+/// Whether a file holds functions and no modes, by its headers; `false` for one that cannot be
+/// opened, whose reason the reader of modes tells.
 pub fn holds_functions(path: &Path, format: Option<&str>) -> bool {
     let Ok(format) = format_of(path, format) else {
         return false;
@@ -64,7 +64,8 @@ pub struct LoadedModes {
 /// Reads the modes of a file, with the geometry that it holds.
 ///
 /// # Errors
-/// [`SceneError`] with the place, where what is needed of the file is damaged, and for one that holds no modes.
+/// [`SceneError`] with the place, where what is needed of the file is damaged, and for one that
+/// holds no modes.
 pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, SceneError> {
     let name = path.display().to_string();
     let format = format_of(path, options.format)?;

@@ -2,7 +2,8 @@
 
 use super::{Scene, SceneError, SceneResult, run_observed};
 
-/// Hears of the steps of long work. The library has no clock and no terminal: what is shown, and when, is the caller's.
+/// Hears of the steps of long work. The library has no clock and no terminal: what is shown, and
+/// when, is the caller's.
 pub trait Observer: Sync {
     /// Step `number` of `count`, from 1, begins.
     fn step(&self, what: &str, number: usize, count: usize);

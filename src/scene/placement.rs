@@ -58,7 +58,8 @@ pub(super) fn placement_plans(
     stated.into_iter().map(plan).collect()
 }
 
-/// The sensors' degrees of freedom that patterns name, ascending; a `*` at the end stands for anything.
+/// The sensors' degrees of freedom that patterns name, ascending; a `*` at the end stands for
+/// anything.
 fn points(
     patterns: &[String],
     sensors: &[Sensor],

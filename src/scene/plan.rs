@@ -1,4 +1,5 @@
-//! A scene as meant: paths resolved, names turned into options, everything checked that can be before data is read.
+//! A scene as meant: paths resolved, names turned into options, everything checked that can be
+//! before data is read.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -12,7 +12,8 @@ use super::plan::Scene;
 /// Quantities of every model that a claim names, each model once, in the order of the claims.
 ///
 /// # Errors
-/// [`SceneError::Value`] for a claim about a quantity or a built-in model that is not there; the model's own reasons.
+/// [`SceneError::Value`] for a claim about a quantity or a built-in model that is not there; the
+/// model's own reasons.
 pub(super) fn quantities(
     scene: &Scene,
     claims: &[Claim],

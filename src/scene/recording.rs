@@ -42,7 +42,8 @@ pub fn load_synth(path: &Path) -> Result<SynthFile, SceneError> {
 /// The test that a spec means; relative paths are taken from the spec's folder.
 ///
 /// # Errors
-/// [`SceneError`] for a value that cannot be meant, or the model's or the synthetic test's own reason.
+/// [`SceneError`] for a value that cannot be meant, or the model's or the synthetic test's own
+/// reason.
 pub fn hammer_test(spec: &SynthFile, path: &Path) -> Result<HammerTest, SceneError> {
     let name = path.display().to_string();
     let sensors = sensors(&spec.sensor, &name)?;
@@ -103,7 +104,8 @@ fn response_quantity(name: &str, path: &str) -> Result<Quantity, SceneError> {
     })
 }
 
-/// Generates the recording and writes it as a universal file, the truth as `modes.json` with the filter beside.
+/// Generates the recording and writes it as a universal file, the truth as `modes.json` with the
+/// filter beside.
 ///
 /// # Errors
 /// The synthetic test's own reasons, or a degree of freedom that a universal file cannot name.

@@ -11,11 +11,13 @@ use super::SceneError;
 use super::model::LoadedModel;
 
 impl LoadedModel {
-    /// The mass matrix reduced to readings, each named as a comparison names it and a sum of the sensors at which the model was
-    /// solved (without any, of its own coordinates); SEREP keeps the modes of these indices in the solved model's list.
+    /// The mass matrix reduced to readings, each named as a comparison names it and a sum of the
+    /// sensors at which the model was solved (without any, of its own coordinates); SEREP keeps the
+    /// modes of these indices in the solved model's list.
     ///
     /// # Errors
-    /// [`CorrelateError::NotACoordinate`] also for a degree of freedom that no sensor has; the model's own reasons.
+    /// [`CorrelateError::NotACoordinate`] also for a degree of freedom that no sensor has; the
+    /// model's own reasons.
     pub fn reduced_mass(
         &self,
         sensors: &[Sensor],
@@ -58,8 +60,8 @@ impl LoadedModel {
         Ok(reduced_mass(&matrices, &rows, reduction, &kept)?)
     }
 
-    /// The model's coordinates as degrees of freedom, in the order of its matrices; none where a coordinate is not one of a
-    /// body.
+    /// The model's coordinates as degrees of freedom, in the order of its matrices; none where a
+    /// coordinate is not one of a body.
     ///
     /// # Errors
     /// The model's own reasons.

@@ -75,7 +75,8 @@ impl SceneResult {
         self.theory.partly_bad || self.tests.iter().any(|test| test.partly_bad)
     }
 
-    /// Findings by the name of their test, which is empty in a scene of one test and for what belongs to none.
+    /// Findings by the name of their test, which is empty in a scene of one test and for what
+    /// belongs to none.
     pub fn findings_by_test(&self) -> Vec<(String, Vec<Finding>)> {
         let several = self.tests.len() > 1;
         let name = |test: &str| {

@@ -43,7 +43,8 @@ pub struct SynthFile {
     pub hit: Vec<HitTable>,
 }
 
-/// `[truth]`: a model with changed parameters and, where stated, other frequencies; or finished modes.
+/// `[truth]`: a model with changed parameters and, where stated, other frequencies; or finished
+/// modes.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthTable {
@@ -60,7 +61,8 @@ pub struct TruthTable {
     pub damping_ratio: Option<f64>,
     /// Highest mode of a model that takes part, Hz; every mode when not stated.
     pub highest_hz: Option<f64>,
-    /// Roots of a model that are there, at frequencies of their own; every root at its own when none is stated.
+    /// Roots of a model that are there, at frequencies of their own; every root at its own when
+    /// none is stated.
     #[serde(default)]
     pub mode: Vec<TruthModeTable>,
 }
@@ -69,12 +71,13 @@ pub struct TruthTable {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthModeTable {
-    /// Number of the root among the elastic roots of the model, from 1; a repeated root counts once.
+    /// Number of the root among the elastic roots of the model, from 1; a repeated root counts
+    /// once.
     pub root: usize,
     /// Its frequency in the recording, Hz.
     pub frequency_hz: f64,
-    /// Shape at the sensors and hits for unit modal mass (1 kg), instead of that of the model: one mode, whatever the
-    /// multiplicity of the root.
+    /// Shape at the sensors and hits for unit modal mass (1 kg), instead of that of the model: one
+    /// mode, whatever the multiplicity of the root.
     #[serde(default)]
     pub shape: BTreeMap<Dof, f64>,
 }

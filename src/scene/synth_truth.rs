@@ -1,4 +1,5 @@
-//! The truth that a spec's `[truth]` means: modes of a model, some of them moved, or finished modes.
+//! The truth that a spec's `[truth]` means: modes of a model, some of them moved, or finished
+//! modes.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -66,7 +67,8 @@ pub(super) fn truth(
     Ok(Truth::from_real_shapes(&model, &responses, &hits)?)
 }
 
-/// The rigid-body modes of the model, and of its elastic roots those that are named, at their new frequencies.
+/// The rigid-body modes of the model, and of its elastic roots those that are named, at their new
+/// frequencies.
 fn moved_modes(
     model: &ModalModel,
     wanted: &[TruthModeTable],

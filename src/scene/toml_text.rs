@@ -1,4 +1,5 @@
-//! Reads TOML into a typed value; errors carry file, line and column, and an unknown key names the nearest known one.
+//! Reads TOML into a typed value; errors carry file, line and column, and an unknown key names the
+//! nearest known one.
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ use super::SceneError;
 /// Reads a file as UTF-8 text.
 ///
 /// # Errors
-/// [`IoError::System`] when it cannot be read; [`IoError::Binary`] with the byte where it is not UTF-8.
+/// [`IoError::System`] when it cannot be read; [`IoError::Binary`] with the byte where it is not
+/// UTF-8.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|source| IoError::System {
@@ -63,8 +65,8 @@ pub fn open_lines(text: &str) -> Vec<OpenLine> {
 /// Parses TOML text.
 ///
 /// # Errors
-/// [`SceneError::Unfilled`] for a drafted file with a line that is still to be filled in; [`SceneError::Toml`] with line, column,
-/// what was got and expected.
+/// [`SceneError::Unfilled`] for a drafted file with a line that is still to be filled in;
+/// [`SceneError::Toml`] with line, column, what was got and expected.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneError> {
     let open = open_lines(text);
     if let Some(first) = open.first() {

@@ -1,4 +1,5 @@
-//! Continuous recordings to hits: the force is read whole and cut by trigger; the responses are read hit by hit.
+//! Continuous recordings to hits: the force is read whole and cut by trigger; the responses are
+//! read hit by hit.
 
 use std::ops::Range;
 

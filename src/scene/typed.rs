@@ -102,12 +102,13 @@ pub struct TestTable {
     pub sampling_rate_hz: Option<f64>,
     /// `comma`, `semicolon`, `tab` or `blank`, for tables; judged by the content when not stated.
     pub delimiter: Option<String>,
-    /// What the dimensions of an array are, slowest first: `hit`, `channel`, `sample`; rows are samples and columns are
-    /// channels when not stated.
+    /// What the dimensions of an array are, slowest first: `hit`, `channel`, `sample`; rows are
+    /// samples and columns are channels when not stated.
     pub dimensions: Option<Vec<String>>,
     /// Number of averages of FRFs whose file does not say it.
     pub averages: Option<u32>,
-    /// Window of the records of FRFs whose file does not state it, as [`Window::from_name`](crate::frf::Window::from_name) takes it.
+    /// Window of the records of FRFs whose file does not state it, as
+    /// [`Window::from_name`](crate::frf::Window::from_name) takes it.
     pub window: Option<String>,
     /// Lines that are passed over before the heading is looked for, for tables.
     #[serde(default)]
@@ -157,7 +158,8 @@ impl std::fmt::Display for ColumnKey {
 pub struct ChannelTable {
     /// Heading or number from 1 (for a universal file, the record's number within its hit).
     pub column: ColumnKey,
-    /// `time`, `frequency`, `force`, `response`, `real`, `imaginary`, `complex`, `magnitude`, `phase` or `coherence`.
+    /// `time`, `frequency`, `force`, `response`, `real`, `imaginary`, `complex`, `magnitude`,
+    /// `phase` or `coherence`.
     pub role: Option<String>,
     /// Where it measures.
     pub dof: Option<Dof>,
@@ -200,7 +202,8 @@ pub struct SensorTable {
 }
 
 impl SensorTable {
-    /// The sensor that is meant; `None` when it names both a coordinate and a body, or neither in full.
+    /// The sensor that is meant; `None` when it names both a coordinate and a body, or neither in
+    /// full.
     pub fn sensor(&self) -> Option<Sensor> {
         let target = match (&self.coordinate, &self.body, self.at_m) {
             (Some(name), None, None) => Target::Coordinate(name.clone()),
@@ -245,15 +248,18 @@ pub struct FrfTable {
     pub estimator: Option<String>,
     /// Length of the force window after the pulse, s.
     pub force_window_s: Option<f64>,
-    /// `auto` (default: an exponential window where the responses have not decayed when the record ends) or `none`.
+    /// `auto` (default: an exponential window where the responses have not decayed when the record
+    /// ends) or `none`.
     pub response_window: Option<String>,
     /// Value of the exponential window at the record's end (a fraction, e.g. 0.01).
     pub response_window_end: Option<f64>,
-    /// Whether what lies before the pulse of each hit is left out; with an exponential window alone when not stated.
+    /// Whether what lies before the pulse of each hit is left out; with an exponential window alone
+    /// when not stated.
     pub cut_pretrigger: Option<bool>,
     /// Response over force noise variance for `hv`, SI units.
     pub noise_ratio: Option<f64>,
-    /// Whether the mean before the hit is removed from every channel; where it can be measured when not stated.
+    /// Whether the mean before the hit is removed from every channel; where it can be measured when
+    /// not stated.
     pub remove_offset: Option<bool>,
     /// Judge the hits, but use all that `reject` does not name.
     #[serde(default)]
@@ -302,18 +308,20 @@ pub struct ReportTableTable {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UpdateTable {
-    /// Names of the parameters that may change; all of the model that can when neither this nor `[[update.parameter]]`
-    /// is stated.
+    /// Names of the parameters that may change; all of the model that can when neither this nor
+    /// `[[update.parameter]]` is stated.
     pub parameters: Vec<String>,
     /// Parameters with a prior or bounds of their own.
     pub parameter: Vec<UpdateParameterTable>,
     /// Names of the tests that count; all when not stated, none beside `published`.
     pub tests: Option<Vec<String>>,
-    /// Whether the published natural frequencies of `expected.toml` count, those apart from which a parameter was inferred.
+    /// Whether the published natural frequencies of `expected.toml` count, those apart from which a
+    /// parameter was inferred.
     pub published: bool,
     /// Modes in this band alone count, `[lo, hi]` in Hz; the others are held against the result.
     pub band_hz: Option<[f64; 2]>,
-    /// What is compared: `modes` (not stated), `modal-dynamic`, `frf-complex` or `frf-log-magnitude`.
+    /// What is compared: `modes` (not stated), `modal-dynamic`, `frf-complex` or
+    /// `frf-log-magnitude`.
     pub residuals: Option<String>,
     /// Deviation of every frequency that the model is granted, a fraction.
     pub frequency_floor: Option<f64>,
@@ -347,9 +355,11 @@ pub struct UpdateTable {
 pub struct UpdateParameterTable {
     /// Name in the model.
     pub name: String,
-    /// `log-normal` or `normal`; by its value and bounds when not stated, whether `prior_std` is stated or not.
+    /// `log-normal` or `normal`; by its value and bounds when not stated, whether `prior_std` is
+    /// stated or not.
     pub prior: Option<String>,
-    /// Prior deviation as a part of the value; for a value of 0 it is a quarter of the range between the bounds.
+    /// Prior deviation as a part of the value; for a value of 0 it is a quarter of the range
+    /// between the bounds.
     pub prior_std: Option<f64>,
     /// Lower bound, in the parameter's unit.
     pub lower: Option<f64>,

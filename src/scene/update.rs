@@ -47,7 +47,8 @@ pub struct SceneUpdate {
     pub before: ComparisonTable,
     /// The tests against the model after.
     pub after: ComparisonTable,
-    /// The updated `model.toml`, or the `[model]` table of a scene for a model that has no such file.
+    /// The updated `model.toml`, or the `[model]` table of a scene for a model that has no such
+    /// file.
     pub model_toml: String,
     /// What was said on the way.
     pub findings: Vec<Finding>,
@@ -56,7 +57,8 @@ pub struct SceneUpdate {
 /// Updates the model of a scene; one without `[update]` with the defaults of all options.
 ///
 /// # Errors
-/// [`SceneError`]: a scene without a model or without anything measured, options that have no effect; those of the stages.
+/// [`SceneError`]: a scene without a model or without anything measured, options that have no
+/// effect; those of the stages.
 pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let stated = scene.update.clone().unwrap_or_default();
     check_effect(&stated, &scene.path)?;
@@ -167,7 +169,8 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The tests that `[update]` names; all of them where it names none and no published frequencies count.
+/// The tests that `[update]` names; all of them where it names none and no published frequencies
+/// count.
 fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
     let known: Vec<&str> = scene.tests.iter().map(|test| test.name.as_str()).collect();
     for name in stated.tests.iter().flatten() {
@@ -205,7 +208,8 @@ impl Measured {
         }
     }
 
-    /// Published roots apart from which nothing was inferred, numbered as the scene numbers the roots of its model.
+    /// Published roots apart from which nothing was inferred, numbered as the scene numbers the
+    /// roots of its model.
     fn published(expected: &Expected, first_root: usize) -> Self {
         let mut own = Self {
             name: PUBLISHED.to_owned(),

@@ -1,13 +1,13 @@
-//! The model with its updated parameters as text: a `model.toml` with its nominal values replaced and everything else as it
-//! was, or the `[model]` table of a scene for a built-in one.
+//! The model with its updated parameters as text: a `model.toml` with its nominal values replaced
+//! and everything else as it was, or the `[model]` table of a scene for a built-in one.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 
 use crate::theory::ParameterSpec;
 
-/// The `model.toml` with other nominal values, those that updating moved from `start` as inferred ones; `None` where a
-/// parameter's table was not found.
+/// The `model.toml` with other nominal values, those that updating moved from `start` as inferred
+/// ones; `None` where a parameter's table was not found.
 pub(super) fn replaced(
     text: &str,
     specs: &[ParameterSpec],
@@ -37,7 +37,8 @@ pub(super) fn replaced(
     Some(lines.join("\n") + "\n")
 }
 
-/// Lines before an updated `model.toml`: which values of the scene would hide its own. Empty where there are none.
+/// Lines before an updated `model.toml`: which values of the scene would hide its own. Empty where
+/// there are none.
 pub(super) fn overrides_note<'a>(names: impl Iterator<Item = &'a String>) -> String {
     let names: Vec<&str> = names.map(String::as_str).collect();
     if names.is_empty() {

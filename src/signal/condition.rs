@@ -1,5 +1,5 @@
-//! One channel of one hit in SI units, its offset before the hit, and how the hit is framed: which samples are transformed
-//! and under which weights.
+//! One channel of one hit in SI units, its offset before the hit, and how the hit is framed: which
+//! samples are transformed and under which weights.
 //!
 //! Without options all samples come out as they went in.
 
@@ -86,7 +86,8 @@ impl Frame {
         }
     }
 
-    /// The framed samples of a whole record as they are transformed, `(x − offset) w`, in place of the record.
+    /// The framed samples of a whole record as they are transformed, `(x − offset) w`, in place of
+    /// the record.
     pub fn apply(&self, record: &mut Vec<f64>, offset: f64, weights: Option<&[f64]>) {
         record.truncate(self.range.end);
         record.drain(..self.range.start);
@@ -124,7 +125,8 @@ pub fn locate(hit: &HitInfo, force_n: &[f64]) -> Result<Pulse, SignalError> {
 /// The samples of one channel in SI units, in place of what `out` held; their extent.
 ///
 /// # Errors
-/// [`SignalError`] for a sample count that is not the hit's, a calibration factor or a sample that is no finite number.
+/// [`SignalError`] for a sample count that is not the hit's, a calibration factor or a sample that
+/// is no finite number.
 pub fn to_si(
     hit: &HitInfo,
     channel: &ChannelInfo,
@@ -196,8 +198,8 @@ pub fn offset_of(
     Ok((quiet, taken))
 }
 
-/// What a force window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over `sqrt(Σx²)`, the mean before the hit taken off; 0 where
-/// noise explains it all.
+/// What a force window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over `sqrt(Σx²)`, the mean before
+/// the hit taken off; 0 where noise explains it all.
 pub fn force_cut(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (x, w) in force_n.iter().zip(window) {
@@ -206,7 +208,8 @@ pub fn force_cut(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
         noise += lost * quiet.variance;
         all += x * x;
     }
-    // The variance of the noise is known from few samples: what three times as much explains is no ringing.
+    // The variance of the noise is known from few samples: what three times as much explains is no
+    // ringing.
     let beyond = if cut > 3.0 * noise { cut - noise } else { 0.0 };
     (beyond / all).sqrt()
 }

@@ -1,5 +1,5 @@
-//! Sums and bounds of many values, as wide as the processor adds: partial results side by side, in an order that does not depend
-//! on anything, compiled for the vector units that are there.
+//! Sums and bounds of many values, as wide as the processor adds: partial results side by side, in
+//! an order that does not depend on anything, compiled for the vector units that are there.
 
 use crate::linalg::vectorised;
 
@@ -77,8 +77,8 @@ fn lane_first<T: Copy>(values: &[T], start: T, before: impl Fn(T, T) -> bool) ->
     lanes.into_iter().fold(start, first)
 }
 
-/// Sum, smallest and largest of the values of a piece, which are put in `out`, times a factor. With a value that is no number
-/// the sum is none either, and the ends may be any.
+/// Sum, smallest and largest of the values of a piece, which are put in `out`, times a factor. With
+/// a value that is no number the sum is none either, and the ends may be any.
 fn scaled<T: Copy + PartialOrd + Into<f64>>(
     piece: &[T],
     factor: f64,
@@ -167,7 +167,8 @@ impl Extent {
         self.hi - self.lo
     }
 
-    /// How many of the values, which are those that this is the extent of, are not between two limits.
+    /// How many of the values, which are those that this is the extent of, are not between two
+    /// limits.
     pub fn count_beyond(&self, values: &[f64], low: f64, high: f64) -> usize {
         let pieces = values.chunks(PIECE).zip(&self.pieces);
         let reaching = pieces.filter(|(_, (lo, hi))| *lo <= low || *hi >= high);

@@ -1,7 +1,8 @@
-//! Hammer records before they are FRFs: where the pulse is, what the channels do before it, windows.
+//! Hammer records before they are FRFs: where the pulse is, what the channels do before it,
+//! windows.
 //!
-//! Holds what is done to one hit alone, and how far a hit can be trusted. It must not hold an FRF that is kept, or a mode:
-//! that is the FRF stage.
+//! Holds what is done to one hit alone, and how far a hit can be trusted. It must not hold an FRF
+//! that is kept, or a mode: that is the FRF stage.
 
 mod condition;
 mod error;

@@ -1,6 +1,7 @@
 //! Where the hammer pulse is in a force record, and what a channel does before it.
 //!
-//! Works on one force in SI units. It does not judge the hit (double hits, overloads) and changes no sample.
+//! Works on one force in SI units. It does not judge the hit (double hits, overloads) and changes
+//! no sample.
 
 use std::ops::Range;
 
@@ -8,7 +9,8 @@ use super::lane_sum;
 
 /// The force counts as a pulse where it is further from its level than this fraction of the peak.
 ///
-/// Five percent stands well above the noise and the drift of a usable hammer channel (26 dB below the peak).
+/// Five percent stands well above the noise and the drift of a usable hammer channel (26 dB below
+/// the peak).
 pub const ONSET_FRACTION: f64 = 0.05;
 
 /// Fewest quiet samples that give a mean and a variance.
@@ -21,7 +23,8 @@ pub struct Pulse {
     pub onset: usize,
     /// Sample of the largest distance from the level.
     pub peak: usize,
-    /// First sample after the pulse that is below the threshold again (the record length when there is none).
+    /// First sample after the pulse that is below the threshold again (the record length when there
+    /// is none).
     pub end: usize,
     /// Level of the force without the pulse: the median of the samples before the peak, N.
     pub level_n: f64,
@@ -30,11 +33,13 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// Finds the pulse: the peak of `|f - level|`, then both ways to where that falls to `fraction` of the peak.
+    /// Finds the pulse: the peak of `|f - level|`, then both ways to where that falls to `fraction`
+    /// of the peak.
     ///
-    /// The peak is sought about the median of the whole record, so that an offset does not hide a pulse of the
-    /// other sign; the level is then the median before the peak (of the whole record when fewer than 8 samples
-    /// lie before it). `fraction` is used as given, [`ONSET_FRACTION`] by the stages. `None` for a constant force.
+    /// The peak is sought about the median of the whole record, so that an offset does not hide a
+    /// pulse of the other sign; the level is then the median before the peak (of the whole record
+    /// when fewer than 8 samples lie before it). `fraction` is used as given, [`ONSET_FRACTION`] by
+    /// the stages. `None` for a constant force.
     pub fn locate(force_n: &[f64], fraction: f64) -> Option<Self> {
         let middle = median(force_n)?;
         let peak = largest(force_n, middle)?;
@@ -59,8 +64,8 @@ impl Pulse {
         })
     }
 
-    /// The samples before the pulse that are surely quiet: up to the onset less a guard of one rise time
-    /// (onset to peak), at least two samples, because the pulse begins below the threshold.
+    /// The samples before the pulse that are surely quiet: up to the onset less a guard of one rise
+    /// time (onset to peak), at least two samples, because the pulse begins below the threshold.
     pub fn quiet(&self) -> Range<usize> {
         0..self.onset.saturating_sub((self.peak - self.onset).max(2))
     }

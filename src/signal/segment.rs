@@ -1,30 +1,33 @@
 //! Cutting the hits out of one continuous force record by trigger.
 //!
-//! It finds where hits are; it does not judge them and changes no sample. A second contact of the hammer stays within
-//! the record of its hit.
+//! It finds where hits are; it does not judge them and changes no sample. A second contact of the
+//! hammer stays within the record of its hit.
 
 use std::ops::Range;
 
 use super::SignalError;
 use super::pulse::{ONSET_FRACTION, median};
 
-/// Samples over which the level of the force is one median: twenty times the longest usual pulse (200 samples), so that
-/// a pulse moves the median by less than a tenth of the noise.
+/// Samples over which the level of the force is one median: twenty times the longest usual pulse
+/// (200 samples), so that a pulse moves the median by less than a tenth of the noise.
 const LEVEL_SAMPLES: usize = 4096;
 /// Standard deviation of Gaussian noise over its median absolute deviation, `1/Φ⁻¹(3/4)`.
 const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Expected crossings of the trigger level by Gaussian noise alone, over the whole record.
 const FALSE_CROSSINGS: f64 = 1e-3;
-/// Noise deviations above which a sample still belongs to a pulse while walking back to its onset: one sample of noise
-/// in 740 is as far up, and the walk takes no more than a few.
+/// Noise deviations above which a sample still belongs to a pulse while walking back to its onset:
+/// one sample of noise in 740 is as far up, and the walk takes no more than a few.
 const ONSET_DEVIATIONS: f64 = 3.0;
-/// Contacts closer than this are one hit: nobody swings a hammer ten times a second, and it bounces within that time.
+/// Contacts closer than this are one hit: nobody swings a hammer ten times a second, and it bounces
+/// within that time.
 const CLOSEST_HITS_S: f64 = 0.1;
-/// Contacts closer than this share of the median distance are one hit: a hundred times less than between steady hits.
+/// Contacts closer than this share of the median distance are one hit: a hundred times less than
+/// between steady hits.
 const BOUNCE_SHARE: f64 = 0.05;
 /// Share of a record that comes before its pulse.
 const PRETRIGGER_SHARE: f64 = 0.02;
-/// Fewest samples before the pulse: twice what a mean and a variance need, less the guard of a rise time.
+/// Fewest samples before the pulse: twice what a mean and a variance need, less the guard of a rise
+/// time.
 const FEWEST_PRETRIGGER: usize = 16;
 
 /// What a number must be, and between which two it then lies.
@@ -45,8 +48,8 @@ impl TriggerOptions {
     /// Checks the options.
     ///
     /// # Errors
-    /// [`SignalError::WindowParameter`] for a level or length that is not positive, a pre-trigger below zero or not
-    /// shorter than the length.
+    /// [`SignalError::WindowParameter`] for a level or length that is not positive, a pre-trigger
+    /// below zero or not shorter than the length.
     pub fn validate(&self) -> Result<(), SignalError> {
         let longest = self.length_s.unwrap_or(f64::INFINITY);
         parameter("level_n", self.level_n, "N", POSITIVE)?;
@@ -105,19 +108,21 @@ pub struct Segments {
 
 /// Cuts the hits from a continuous force record.
 ///
-/// The force is taken from a running median (offset, drift). Pulses have the sign of the largest sample. The trigger
-/// level is stated, or the larger of 5 % of the largest pulse (a hit ten times weaker stands at twice the level;
-/// cross-talk and the ringing of filters are below it) and `σ√(2 ln(N/0.001))`, which Gaussian noise of `N` samples
-/// reaches less than once in a thousand records. Contacts less than 0.1 s or 5 % of the median distance after the one
-/// before belong to its hit; with a stated length, all within the record of the hit before. Without a stated length the
-/// length is the smallest distance of two hits, or what is left after the last where that uses more of the recording
-/// than leaving the last out. The pre-trigger is stated, or 2 % of the length, at least 16 samples, but no more than
-/// lies between a hit and the contact before it.
+/// The force is taken from a running median (offset, drift). Pulses have the sign of the largest
+/// sample. The trigger level is stated, or the larger of 5 % of the largest pulse (a hit ten times
+/// weaker stands at twice the level; cross-talk and the ringing of filters are below it) and `σ√(2
+/// ln(N/0.001))`, which Gaussian noise of `N` samples reaches less than once in a thousand records.
+/// Contacts less than 0.1 s or 5 % of the median distance after the one before belong to its hit;
+/// with a stated length, all within the record of the hit before. Without a stated length the
+/// length is the smallest distance of two hits, or what is left after the last where that uses more
+/// of the recording than leaving the last out. The pre-trigger is stated, or 2 % of the length, at
+/// least 16 samples, but no more than lies between a hit and the contact before it.
 ///
 /// # Errors
-/// [`SignalError::WindowParameter`] for an option or time step out of range, a length of less than two samples or beyond
-/// the record, and a pre-trigger that reaches back into the contact before; [`SignalError::ForceNotFinite`];
-/// [`SignalError::NoHit`] when nothing stands above the trigger level.
+/// [`SignalError::WindowParameter`] for an option or time step out of range, a length of less than
+/// two samples or beyond the record, and a pre-trigger that reaches back into the contact before;
+/// [`SignalError::ForceNotFinite`]; [`SignalError::NoHit`] when nothing stands above the trigger
+/// level.
 pub fn segments(
     force_n: &[f64],
     step_s: f64,
@@ -219,8 +224,8 @@ impl Trigger {
         contacts
     }
 
-    /// Walking back from where the level is crossed, the last sample above 5 % of the peak and above the noise, not
-    /// before the end of the contact before.
+    /// Walking back from where the level is crossed, the last sample above 5 % of the peak and
+    /// above the noise, not before the end of the contact before.
     fn onset(&self, before: usize, above: Range<usize>) -> usize {
         let peak = self.force[above.clone()]
             .iter()
@@ -232,7 +237,8 @@ impl Trigger {
     }
 }
 
-/// The force less the medians of blocks, interpolated linearly between their middles and continued to the ends.
+/// The force less the medians of blocks, interpolated linearly between their middles and continued
+/// to the ends.
 fn without_level(force_n: &[f64]) -> Vec<f64> {
     let blocks = (force_n.len() / LEVEL_SAMPLES).max(1);
     let length = force_n.len().div_ceil(blocks).max(1);
@@ -248,8 +254,8 @@ fn without_level(force_n: &[f64]) -> Vec<f64> {
     samples.map(|(sample, f)| f - level(sample)).collect()
 }
 
-/// Hits as ranges of contacts: a contact belongs to the hit before when `same(onset of the hit, onset of the contact,
-/// onset of the contact before)`.
+/// Hits as ranges of contacts: a contact belongs to the hit before when `same(onset of the hit,
+/// onset of the contact, onset of the contact before)`.
 fn groups(
     contacts: &[Range<usize>],
     same: impl Fn(usize, usize, usize) -> bool,
@@ -272,7 +278,8 @@ fn groups(
     hits
 }
 
-/// Hits without a stated length: contacts `closest` apart are one, then those much closer than the median distance.
+/// Hits without a stated length: contacts `closest` apart are one, then those much closer than the
+/// median distance.
 fn apart(contacts: &[Range<usize>], closest: usize) -> Vec<Range<usize>> {
     let near = |limit: usize| groups(contacts, move |_, contact, before| contact - before < limit);
     let hits = near(closest);
@@ -300,8 +307,8 @@ struct Plan {
 }
 
 impl Plan {
-    /// The smallest distance of two hits, or what is left after the last where all hits of that length are more samples
-    /// than all but the last of the other.
+    /// The smallest distance of two hits, or what is left after the last where all hits of that
+    /// length are more samples than all but the last of the other.
     fn common_length(&self, pretrigger: Option<usize>) -> usize {
         let left = self.end - self.hits.last().copied().unwrap_or(self.end);
         let pretrigger = pretrigger.unwrap_or_else(|| {

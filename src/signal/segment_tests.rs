@@ -73,7 +73,8 @@ fn hits_of_a_clean_recording_get_one_length_and_do_not_overlap() {
 
 #[test]
 fn the_last_hit_shortens_all_or_is_left_out_whichever_keeps_more_samples() {
-    // Four hits 10,000 apart: three of 10,000 against four of what is left after the last with its 2 %.
+    // Four hits 10,000 apart: three of 10,000 against four of what is left after the last with its
+    // 2 %.
     let last = |len: usize| Recording::clean(len, &[3_000, 13_000, 23_000, 33_000]).cut(&AUTO);
     let cut = last(33_000 + 7_600);
     assert_eq!((cut.segments.len(), cut.cut_off), (4, 0));
@@ -235,8 +236,8 @@ fn options_out_of_range_are_errors() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Every hit is found at its onset, whatever its width, sign, offset, drift, noise and its second contacts. Weak ones are
-    /// a tenth of the strongest where that is above the noise.
+    /// Every hit is found at its onset, whatever its width, sign, offset, drift, noise and its
+    /// second contacts. Weak ones are a tenth of the strongest where that is above the noise.
     #[test]
     fn known_onsets_are_found(
         seed in 0u64..1 << 40,
@@ -274,8 +275,8 @@ proptest! {
         let found = onsets(&cut);
         prop_assert_eq!(found.len() + cut.cut_off, expected.len());
         for (found, expected) in found.iter().zip(&expected) {
-            // The pulse leaves the noise late in its rise, at half its height at worst (asin(1/2)/π of the width);
-            // noise may carry the walk back a few samples beyond it.
+            // The pulse leaves the noise late in its rise, at half its height at worst (asin(1/2)/π
+            // of the width); noise may carry the walk back a few samples beyond it.
             let late = *found as f64 - *expected as f64;
             prop_assert!(late >= -4.0 && late <= 1.0 + width as f64 / 4.0, "{} {}", found, expected);
         }

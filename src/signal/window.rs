@@ -1,9 +1,10 @@
 //! Windows of a hammer test. A window is placed by the pulse and knows nothing of the samples.
 //!
-//! A force window keeps the pulse and silences the noise after it. An exponential window lets the response decay
-//! within the record; it multiplies force and response alike, so that `H` is the true one at `s = iω + a`: every
-//! pole λ appears at λ - a, exactly. That added damping `a` travels with the FRF set (its `added_damping_rad_s`)
-//! and is taken out of the poles, never out of the functions.
+//! A force window keeps the pulse and silences the noise after it. An exponential window lets the
+//! response decay within the record; it multiplies force and response alike, so that `H` is the
+//! true one at `s = iω + a`: every pole λ appears at λ - a, exactly. That added damping `a` travels
+//! with the FRF set (its `added_damping_rad_s`) and is taken out of the poles, never out of the
+//! functions.
 
 use std::f64::consts::PI;
 
@@ -11,15 +12,15 @@ use crate::axis::TimeAxis;
 
 use super::{Pulse, SignalError};
 
-/// Flat from `hold_s` before the pulse to `hold_s` after it, with half a cosine from and to zero over `flank_s` on both
-/// sides.
+/// Flat from `hold_s` before the pulse to `hold_s` after it, with half a cosine from and to zero
+/// over `flank_s` on both sides.
 ///
-/// Everything beyond the flanks is zero. A force with an offset keeps it inside the window alone, which adds a
-/// rectangle to the pulse: remove the offset first ([`super::Offset`]).
+/// Everything beyond the flanks is zero. A force with an offset keeps it inside the window alone,
+/// which adds a rectangle to the pulse: remove the offset first ([`super::Offset`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceWindow {
-    /// Guard between the pulse and either flank, s; the one before the pulse is longer by the pulse's rise time, because it
-    /// begins below the threshold that finds it.
+    /// Guard between the pulse and either flank, s; the one before the pulse is longer by the
+    /// pulse's rise time, because it begins below the threshold that finds it.
     pub hold_s: f64,
     /// Length of each cosine flank, s; 0 for rectangular ends.
     pub flank_s: f64,
@@ -35,8 +36,8 @@ impl ForceWindow {
         not_negative("flank_s of the force window", self.flank_s)
     }
 
-    /// Weight of every sample: `1` up to `hold_s` away from the pulse, then `(1 + cos(π τ / flank)) / 2`, then `0`, with `τ`
-    /// counted from the end of the hold.
+    /// Weight of every sample: `1` up to `hold_s` away from the pulse, then `(1 + cos(π τ / flank))
+    /// / 2`, then `0`, with `τ` counted from the end of the hold.
     pub fn weights(&self, axis: &TimeAxis, pulse: &Pulse) -> Vec<f64> {
         let first = pulse.onset as f64 - (pulse.peak - pulse.onset) as f64;
         let last = pulse.end.saturating_sub(1) as f64;
@@ -60,7 +61,8 @@ impl ForceWindow {
     }
 }
 
-/// `w(t) = exp(-a (t - t_hit))` from the onset of the pulse on, 1 before it; for force and response alike.
+/// `w(t) = exp(-a (t - t_hit))` from the onset of the pulse on, 1 before it; for force and response
+/// alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentialWindow {
     /// Decay rate `a`, rad/s: what it adds to the decay rate of every pole.
@@ -68,10 +70,12 @@ pub struct ExponentialWindow {
 }
 
 impl ExponentialWindow {
-    /// The window that has fallen to `end_value` (such as 0.01) `stretch_s` after the hit: `a = -ln(end_value) / stretch_s`.
+    /// The window that has fallen to `end_value` (such as 0.01) `stretch_s` after the hit: `a =
+    /// -ln(end_value) / stretch_s`.
     ///
     /// # Errors
-    /// [`SignalError::WindowParameter`] unless `0 < end_value < 1` and `stretch_s` is positive and finite.
+    /// [`SignalError::WindowParameter`] unless `0 < end_value < 1` and `stretch_s` is positive and
+    /// finite.
     pub fn from_end_value(end_value: f64, stretch_s: f64) -> Result<Self, SignalError> {
         if !(end_value > 0.0 && end_value < 1.0) {
             return Err(SignalError::WindowParameter {

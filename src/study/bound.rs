@@ -1,14 +1,17 @@
 //! The Cramér-Rao bound of poles from FRFs in white noise of known variance.
 //!
-//! Of the model `H_oi = s^d [Σ_r ψ_or L_ri/(s − λ_r) + conj. + C_oi + D_oi/s²]` at `s = iω` all is unknown: poles, shapes
-//! `ψ`, participation `L` (of one reference: the residues), and a lower and an upper residual of every function. All columns
-//! of the Jacobian matrix are combinations of `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate
-//! partners; one QR decomposition of these makes of every function as many rows as there are such terms, and those of the
-//! residuals come first, so that leaving their rows out leaves them out of everything else. Shapes go output by output in
-//! the same way, participation at the end, and what is left is the triangle `R` of the poles: covariance `(RᵀR)⁻¹`.
+//! Of the model `H_oi = s^d [Σ_r ψ_or L_ri/(s − λ_r) + conj. + C_oi + D_oi/s²]` at `s = iω` all is
+//! unknown: poles, shapes `ψ`, participation `L` (of one reference: the residues), and a lower and
+//! an upper residual of every function. All columns of the Jacobian matrix are combinations of
+//! `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate partners; one QR
+//! decomposition of these makes of every function as many rows as there are such terms, and those
+//! of the residuals come first, so that leaving their rows out leaves them out of everything else.
+//! Shapes go output by output in the same way, participation at the end, and what is left is the
+//! triangle `R` of the poles: covariance `(RᵀR)⁻¹`.
 //!
 //! # Reference
-//! Kay (1993), Fundamentals of statistical signal processing: estimation theory, section 3.9 (Gaussian noise).
+//! Kay (1993), Fundamentals of statistical signal processing: estimation theory, section 3.9
+//! (Gaussian noise).
 
 use std::f64::consts::TAU;
 
@@ -95,7 +98,8 @@ fn propagated(lambda: Complex64, [xx, xy, yy]: [f64; 3]) -> Deviation {
     }
 }
 
-/// The terms that all columns are made of, as columns of a triangle without the rows of the residuals.
+/// The terms that all columns are made of, as columns of a triangle without the rows of the
+/// residuals.
 struct Basis {
     rows: usize,
     triangle: ComplexMatrix,
@@ -160,7 +164,8 @@ impl Basis {
         block
     }
 
-    /// Two real columns, by the real and the imaginary part of what multiplies `factor`: `a u + a* v` and `i a u − i a* v`.
+    /// Two real columns, by the real and the imaginary part of what multiplies `factor`: `a u + a*
+    /// v` and `i a u − i a* v`.
     fn put(
         &self,
         block: &mut ComplexMatrix,
@@ -213,8 +218,9 @@ mod tests {
     use super::*;
     use crate::modal::Pole;
 
-    /// A lone mode far from both ends of the lines: the decay rate and the damped frequency have the variance
-    /// `2 σ³ dω / (π Σ_p |R_p|²/v_p)` each (here `σ = 1`), `v` the variance of a complex value.
+    /// A lone mode far from both ends of the lines: the decay rate and the damped frequency have
+    /// the variance `2 σ³ dω / (π Σ_p |R_p|²/v_p)` each (here `σ = 1`), `v` the variance of a
+    /// complex value.
     #[test]
     fn the_bound_of_a_lone_mode_is_the_closed_form() {
         let lambda = Complex64::new(-1.0, 900.0);
@@ -237,7 +243,8 @@ mod tests {
         let over: f64 = power.sum();
         let expected = (2.0 * step / (std::f64::consts::PI * over)).sqrt();
         let bound = deviations(&[&mode], &lines)[0];
-        // The residuals and what lies beyond the lines cost a little: twice the ratio of the half-power width to their range.
+        // The residuals and what lies beyond the lines cost a little: twice the ratio of the
+        // half-power width to their range.
         let frequency = bound.frequency_hz * TAU / expected;
         let damping = bound.damping * lambda.norm() / expected;
         assert!(frequency > 1.0 && frequency < 1.02, "{frequency}");

@@ -1,4 +1,5 @@
-//! The methods that a study compares: every estimator of [`ESTIMATORS`], those of an order with the orders that are wanted.
+//! The methods that a study compares: every estimator of [`ESTIMATORS`], those of an order with the
+//! orders that are wanted.
 
 use std::fmt;
 
@@ -20,7 +21,8 @@ pub struct Method {
 }
 
 impl Method {
-    /// Every estimator; those that have an order once by their own choice and once with each of these.
+    /// Every estimator; those that have an order once by their own choice and once with each of
+    /// these.
     pub fn all(orders: &[usize]) -> Vec<Self> {
         let mut all = Vec::new();
         for entry in ESTIMATORS {

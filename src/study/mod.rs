@@ -15,8 +15,8 @@
 //! | `twin` | [`System::twin`]: the system of a test's modes |
 //! | `speed_accuracy` | [`speed_accuracy()`]: every method on a scene's tests and on their twins |
 //!
-//! A study reads no clock and no file, and draws from stated seeds alone; work runs in the caller's pool and gives the same numbers for
-//! any number of threads.
+//! A study reads no clock and no file, and draws from stated seeds alone; work runs in the caller's
+//! pool and gives the same numbers for any number of threads.
 
 mod bound;
 pub mod breakdown;

@@ -1,11 +1,13 @@
 //! What a perfect tool could find of a system known by its modes, and what was found of it.
 //!
-//! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the noise of some function,
-//!   and whose Cramér-Rao deviation of the frequency is under a quarter of the distance to the next mode.
-//! - **Found**: a mode within the larger of three such deviations (no more than a half-power width) and a quarter of the
-//!   half-power width, with a MAC of 0.9 or more of what the noise leaves of a shape. Modes that nobody can tell apart
-//!   (within a half-power width, and a deviation of either over a quarter of their distance), and modes that the tool calls
-//!   one repeated root, are held against each other's span.
+//! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the
+//!   noise of some function, and whose Cramér-Rao deviation of the frequency is under a quarter of
+//!   the distance to the next mode.
+//! - **Found**: a mode within the larger of three such deviations (no more than a half-power width)
+//!   and a quarter of the half-power width, with a MAC of 0.9 or more of what the noise leaves of a
+//!   shape. Modes that nobody can tell apart (within a half-power width, and a deviation of either
+//!   over a quarter of their distance), and modes that the tool calls one repeated root, are held
+//!   against each other's span.
 //! - **Spurious**: a found mode without such a partner, in the band or outside.
 
 use std::f64::consts::TAU;
@@ -23,8 +25,8 @@ use super::system::{System, TrueMode};
 const OVER_NOISE: f64 = 10.0;
 /// Deviation over distance from which on two modes are not told apart.
 const OF_SPACING: f64 = 0.25;
-/// Modes outside the band that are nearer to it than so many half-power widths are unknowns of the bound; residuals stand for
-/// those beyond.
+/// Modes outside the band that are nearer to it than so many half-power widths are unknowns of the
+/// bound; residuals stand for those beyond.
 const NEAR_WIDTHS: f64 = 3.0;
 const LEAST_MAC: f64 = 0.9;
 
@@ -37,7 +39,8 @@ pub struct Known {
     pub peak_db: f64,
     /// Distance to the next mode, Hz.
     pub spacing_hz: f64,
-    /// Expected MAC of the best estimate of its shape: `1/(1 + ε²)`, `ε²` the variance of a lone mode's shape over its square.
+    /// Expected MAC of the best estimate of its shape: `1/(1 + ε²)`, `ε²` the variance of a lone
+    /// mode's shape over its square.
     pub mac: f64,
     /// Whether a perfect tool would find it.
     pub observable: bool,
@@ -87,7 +90,8 @@ pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
     bounds
 }
 
-/// Squared height of a mode's own term at the line nearest to its peak over the noise, in the function that shows it best.
+/// Squared height of a mode's own term at the line nearest to its peak over the noise, in the
+/// function that shows it best.
 fn peak(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let Some(line) = system.axis.nearest(mode.pole.damped_frequency_hz()) else {
         return 0.0;
@@ -100,7 +104,8 @@ fn peak(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     height.fold(0.0, f64::max)
 }
 
-/// With a known pole `ψ_o` has the variance `(σ dω/π) / Σ_i |L_i|²/v_oi`, since `∫ dω/|iω − λ|² = π/σ`.
+/// With a known pole `ψ_o` has the variance `(σ dω/π) / Σ_i |L_i|²/v_oi`, since `∫ dω/|iω − λ|² =
+/// π/σ`.
 fn expected_mac(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let order = system.kind.derivative_order();
     let gain = mode.pole.lambda.norm().powi(2 * order);
@@ -264,7 +269,8 @@ impl Court<'_> {
         mac.max(subspace_mac(&truth(r), &repeated).unwrap_or(0.0))
     }
 
-    /// Each true mode with a found one: as many observable modes as can have one, then as many of the others.
+    /// Each true mode with a found one: as many observable modes as can have one, then as many of
+    /// the others.
     fn partners(&self) -> Vec<Option<usize>> {
         let count = self.known.len();
         let offers: Vec<Vec<usize>> = (0..count).map(|r| self.offers(r)).collect();
@@ -343,7 +349,8 @@ impl Court<'_> {
     }
 }
 
-/// Finds a partner for a mode, others giving theirs up for another one where they can (Kuhn 1955, by augmenting paths).
+/// Finds a partner for a mode, others giving theirs up for another one where they can (Kuhn 1955,
+/// by augmenting paths).
 fn claim(r: usize, offers: &[Vec<usize>], owner: &mut [Option<usize>], seen: &mut [bool]) -> bool {
     for &f in &offers[r] {
         if std::mem::replace(&mut seen[f], true) {

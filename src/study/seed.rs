@@ -3,7 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The generator of a cell: a stream of the seed for every list of coordinates, whatever was drawn before.
+/// The generator of a cell: a stream of the seed for every list of coordinates, whatever was drawn
+/// before.
 pub fn cell_random(seed: u64, coordinates: &[u64]) -> ChaCha8Rng {
     let stream = coordinates
         .iter()
@@ -15,8 +16,8 @@ pub fn cell_random(seed: u64, coordinates: &[u64]) -> ChaCha8Rng {
     random
 }
 
-/// A bijection of 64 bits without visible pattern (Steele, Lea and Flood 2014, Fast splittable pseudorandom number generators,
-/// SplitMix64).
+/// A bijection of 64 bits without visible pattern (Steele, Lea and Flood 2014, Fast splittable
+/// pseudorandom number generators, SplitMix64).
 fn mixed(value: u64) -> u64 {
     let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -35,8 +35,8 @@ pub struct StudyFile {
 /// Reads a spec from its text.
 ///
 /// # Errors
-/// [`SceneError::Toml`] with file, line and column, for an unknown key with the nearest known one; [`SceneError::Value`] for another
-/// schema.
+/// [`SceneError::Toml`] with file, line and column, for an unknown key with the nearest known one;
+/// [`SceneError::Value`] for another schema.
 pub fn parse_study(text: &str, path: &str) -> Result<StudyFile, SceneError> {
     let file: StudyFile = parse(text, path)?;
     if file.schema == STUDY_SCHEMA {

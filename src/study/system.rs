@@ -1,12 +1,13 @@
 //! A linear system known by its modes, and its FRFs with and without noise.
 //!
-//! `H_oi(s) = s^d Σ_r [ψ_or L_ri/(s − λ_r) + conj.]` at `s = iω`: `λ` poles, `ψ` shapes at the responses, `L` participation at the
-//! references, `d` 0, 1, 2 for receptance, mobility, accelerance. Where the record ends `T` after the hit, what would have
-//! come then is missing: `H_oi − Σ_r [λ_r^d e^{(λ_r−s)T} ψ_or L_ri/(s − λ_r) + conj.]`, the transform of the response
-//! to a short pulse from the pulse to the end of the record.
+//! `H_oi(s) = s^d Σ_r [ψ_or L_ri/(s − λ_r) + conj.]` at `s = iω`: `λ` poles, `ψ` shapes at the
+//! responses, `L` participation at the references, `d` 0, 1, 2 for receptance, mobility,
+//! accelerance. Where the record ends `T` after the hit, what would have come then is missing:
+//! `H_oi − Σ_r [λ_r^d e^{(λ_r−s)T} ψ_or L_ri/(s − λ_r) + conj.]`, the transform of the response to
+//! a short pulse from the pulse to the end of the record.
 //!
-//! The side of more degrees of freedom carries the shape of a mode ([`crate::identify`]): a roving hammer with one sensor is stated
-//! as its reciprocal, with the hit points as responses.
+//! The side of more degrees of freedom carries the shape of a mode ([`crate::identify`]): a roving
+//! hammer with one sensor is stated as its reciprocal, with the hit points as responses.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +35,8 @@ pub struct TrueMode {
 }
 
 impl TrueMode {
-    /// A mode of unit modal mass (1 kg) with real normal coordinates: `L = φ/(2 i ω_d)` of the shape `φ` at the references.
+    /// A mode of unit modal mass (1 kg) with real normal coordinates: `L = φ/(2 i ω_d)` of the
+    /// shape `φ` at the references.
     pub fn of_unit_mass(pole: Pole, shape: Vec<Complex64>, at_references: &[Complex64]) -> Self {
         let divisor = Complex64::new(0.0, 2.0 * pole.lambda.im);
         Self {
@@ -75,7 +77,8 @@ pub struct System {
     pub responses: Vec<Dof>,
     /// Where the system is hit.
     pub references: Vec<Dof>,
-    /// Time from the hit to the end of the record, s; `None` for a record that ends when all has decayed.
+    /// Time from the hit to the end of the record, s; `None` for a record that ends when all has
+    /// decayed.
     pub record_end_s: Option<f64>,
 }
 
@@ -84,7 +87,8 @@ pub struct System {
 pub struct FrfNoise {
     /// Rms of a function over the band over the rms noise of a line, dB.
     pub snr_db: f64,
-    /// Averages that the stated variances are estimated from, with `2(n − 1)` degrees of freedom; exact variances without.
+    /// Averages that the stated variances are estimated from, with `2(n − 1)` degrees of freedom;
+    /// exact variances without.
     pub averages: Option<u32>,
 }
 
@@ -158,8 +162,8 @@ impl System {
             .sum()
     }
 
-    /// True variance `E|H − E H|²` of a line of each function of [`Self::exact`]: its mean square over the band over the
-    /// signal-to-noise ratio.
+    /// True variance `E|H − E H|²` of a line of each function of [`Self::exact`]: its mean square
+    /// over the band over the signal-to-noise ratio.
     pub fn variances(&self, exact: &FrfSet, snr_db: f64) -> Vec<f64> {
         let lines = self.axis.lines(&self.band);
         let share = 10f64.powf(-snr_db / 10.0) / lines.len() as f64;
@@ -181,7 +185,8 @@ impl System {
     }
 }
 
-/// A set with white noise of these variances added, and the variances stated as exact or as estimated from so many averages.
+/// A set with white noise of these variances added, and the variances stated as exact or as
+/// estimated from so many averages.
 ///
 /// # Errors
 /// [`StudyError::Value`] for fewer than two averages.
@@ -254,7 +259,8 @@ mod tests {
         }
     }
 
-    /// The transform of the acceleration to an impulse, from it to the end of the record: what comes after is left out.
+    /// The transform of the acceleration to an impulse, from it to the end of the record: what
+    /// comes after is left out.
     #[test]
     fn a_record_that_ends_early_has_the_transform_of_what_it_holds() {
         let (end_s, omega) = (0.4, TAU * 23.0);
@@ -307,7 +313,8 @@ mod tests {
         }
         let square: f64 = exact.values(1).iter().map(Complex64::norm_sqr).sum();
         let expected = 1e-4 * square * f64::from(draws);
-        // 16,200 exponential values: five deviations are 4 %; the stated ones have 16 degrees of freedom each, 1.4 %.
+        // 16,200 exponential values: five deviations are 4 %; the stated ones have 16 degrees of
+        // freedom each, 1.4 %.
         assert!(
             (power / expected - 1.0).abs() < 0.04,
             "{}",

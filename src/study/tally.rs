@@ -5,7 +5,8 @@ use crate::modal::{ModalModel, Mode, mac};
 use super::score::{Judge, components};
 use super::system::TrueMode;
 
-/// What identifications of one system came to. An error is over observable modes that were found; it is `None` where there is none.
+/// What identifications of one system came to. An error is over observable modes that were found;
+/// it is `None` where there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Identifications.
@@ -154,7 +155,8 @@ mod tests {
     use crate::study::System;
     use num_complex::Complex64;
 
-    /// Three modes; of what is found one lies where it should but for 0.1 % and 10 % of its damping, one nowhere, one is not found.
+    /// Three modes; of what is found one lies where it should but for 0.1 % and 10 % of its
+    /// damping, one nowhere, one is not found.
     #[test]
     fn errors_are_counted_over_what_is_found() {
         let dofs = ["1:+Z", "2:+Z"].map(|text| text.parse().unwrap());

@@ -1,4 +1,5 @@
-//! The synthetic twin of a test: a [`System`] of its modes, seen at its degrees of freedom on its lines.
+//! The synthetic twin of a test: a [`System`] of its modes, seen at its degrees of freedom on its
+//! lines.
 
 use num_complex::Complex64;
 
@@ -11,11 +12,12 @@ use super::StudyError;
 use super::system::{System, TrueMode};
 
 impl System {
-    /// The twin of a test: these modes at the degrees of freedom of these functions, on their lines in a band. Of a roving hammer the
-    /// hit points become the responses (reciprocity).
+    /// The twin of a test: these modes at the degrees of freedom of these functions, on their lines
+    /// in a band. Of a roving hammer the hit points become the responses (reciprocity).
     ///
     /// # Errors
-    /// [`StudyError::Value`] for a mode without damping or without the residue of a pair, for a band without lines, and for no mode.
+    /// [`StudyError::Value`] for a mode without damping or without the residue of a pair, for a
+    /// band without lines, and for no mode.
     pub fn twin(model: &ModalModel, set: &FrfSet, band: Band) -> Result<Self, StudyError> {
         let lines = set.axis().lines(&band);
         let (mut responses, mut references) = (set.responses(), set.references());
@@ -54,7 +56,8 @@ impl System {
         twin.on_lines(*set.axis(), band)
     }
 
-    /// The same system on the lines of an axis inside a band, which then ends at the first and the last of them.
+    /// The same system on the lines of an axis inside a band, which then ends at the first and the
+    /// last of them.
     ///
     /// # Errors
     /// [`StudyError::Value`] for fewer than two lines.

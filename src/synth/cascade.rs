@@ -1,8 +1,10 @@
-//! Partial fractions of filter and structure in series, driven by a half sine and evaluated at the sampling instants.
+//! Partial fractions of filter and structure in series, driven by a half sine and evaluated at the
+//! sampling instants.
 //!
-//! With the filter `G(s) = sum B_k/(s - q_k)` and the structure `s^m H(s)`, the series has simple poles only:
-//! `lambda_r` with `lambda_r^m A_r G(lambda_r)`, and `q_k` with `B_k q_k^m H(q_k)`; a filter of two poles or more leaves no
-//! direct term. Each pole answers a half sine in closed form ([`super::pulse::Convolution`]). No noise and no sampling effects here.
+//! With the filter `G(s) = sum B_k/(s - q_k)` and the structure `s^m H(s)`, the series has simple
+//! poles only: `lambda_r` with `lambda_r^m A_r G(lambda_r)`, and `q_k` with `B_k q_k^m H(q_k)`; a
+//! filter of two poles or more leaves no direct term. Each pole answers a half sine in closed form
+//! ([`super::pulse::Convolution`]). No noise and no sampling effects here.
 
 use num_complex::Complex64;
 
@@ -12,12 +14,14 @@ use super::filter::LowPass;
 use super::pulse::{Convolution, HalfSine};
 use super::truth::Pair;
 
-/// Samples between two exact exponentials; in between each is the previous one times a constant, which loses less than 64 roundings.
+/// Samples between two exact exponentials; in between each is the previous one times a constant,
+/// which loses less than 64 roundings.
 const BLOCK: usize = 64;
 /// A term is left out once it has decayed by e^-80 = 2e-35.
 const NEGLIGIBLE_EXPONENT: f64 = -80.0;
 
-/// One term `c/(s - p)`, real part taken: a pair of conjugate poles is one term with twice its coefficient.
+/// One term `c/(s - p)`, real part taken: a pair of conjugate poles is one term with twice its
+/// coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Term {
     pole: Complex64,
@@ -125,7 +129,8 @@ mod tests {
             } else {
                 (decay.start * (decay.pole * t).exp()).re
             };
-            // Products of a block, and on both sides the rounding of the time that the phase magnifies.
+            // Products of a block, and on both sides the rounding of the time that the phase
+            // magnifies.
             let phase = decay.pole.norm() * n as f64 / rate_hz;
             let bound = f64::EPSILON * (4.0 * BLOCK as f64 + phase);
             assert!((sample - exact).abs() < bound, "{n}");

@@ -1,4 +1,5 @@
-//! What happens to the samples of one channel after the filter, in this order: noise, offset, quantisation.
+//! What happens to the samples of one channel after the filter, in this order: noise, offset,
+//! quantisation.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -6,7 +7,8 @@ use rand_distr::StandardNormal;
 
 /// White Gaussian noise of each channel as a signal-to-noise ratio; `None` is a clean channel.
 ///
-/// The rms of the noise is that of the clean signal divided by `10^(dB/20)`. A silent channel stays silent.
+/// The rms of the noise is that of the clean signal divided by `10^(dB/20)`. A silent channel stays
+/// silent.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Noise {
     /// Force: peak of the clean record over rms of the noise, dB.
@@ -24,7 +26,8 @@ pub struct Offsets {
     pub response: f64,
 }
 
-/// A converter of `2^bits` codes from -full scale up to one step below +full scale; what lies outside is clipped.
+/// A converter of `2^bits` codes from -full scale up to one step below +full scale; what lies
+/// outside is clipped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantisation {
     /// Bits of the converter, 2 to 32.

@@ -1,6 +1,8 @@
-//! The analogue anti-alias low-pass that force and responses share, with its poles and partial fractions.
+//! The analogue anti-alias low-pass that force and responses share, with its poles and partial
+//! fractions.
 //!
-//! It holds no sampling: the filter acts on the continuous signals. Being the same on every channel it cancels in an FRF.
+//! It holds no sampling: the filter acts on the continuous signals. Being the same on every channel
+//! it cancels in an FRF.
 
 use std::f64::consts::{PI, TAU};
 
@@ -36,7 +38,8 @@ pub struct LowPassOptions {
 }
 
 impl Default for LowPassOptions {
-    /// Order 16, 0.1 dB, 0.4 of the sampling rate: 111 dB down at 0.6 of the sampling rate, where aliases into the pass band begin.
+    /// Order 16, 0.1 dB, 0.4 of the sampling rate: 111 dB down at 0.6 of the sampling rate, where
+    /// aliases into the pass band begin.
     fn default() -> Self {
         Self {
             order: 16,
@@ -48,13 +51,14 @@ impl Default for LowPassOptions {
 
 /// A Chebyshev type I low-pass in Hz, as it stands in the file beside a synthetic test.
 ///
-/// `H(s) = prod_k -q_k / (s - q_k)`, so that the gain at 0 Hz is exactly 1. With
-/// `epsilon^2 = 10^(ripple/10) - 1` and `T_n` the Chebyshev polynomial,
-/// `|H(i w)|^2 = g / (1 + epsilon^2 T_n(w/w_edge)^2)`, `g = 1 + epsilon^2` for an even order (the pass band then lies
-/// between 0 and +ripple) and `g = 1` for an odd one (between -ripple and 0).
+/// `H(s) = prod_k -q_k / (s - q_k)`, so that the gain at 0 Hz is exactly 1. With `epsilon^2 =
+/// 10^(ripple/10) - 1` and `T_n` the Chebyshev polynomial, `|H(i w)|^2 = g / (1 + epsilon^2
+/// T_n(w/w_edge)^2)`, `g = 1 + epsilon^2` for an even order (the pass band then lies between 0 and
+/// +ripple) and `g = 1` for an odd one (between -ripple and 0).
 ///
 /// # Reference
-/// Parks and Burrus (1987), Digital Filter Design, section 7.2.2 (Chebyshev I: poles in closed form).
+/// Parks and Burrus (1987), Digital Filter Design, section 7.2.2 (Chebyshev I: poles in closed
+/// form).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LowPass {
     /// Shape of the magnitude.
@@ -69,7 +73,8 @@ pub struct LowPass {
     pub poles_rad_s: Vec<Complex64>,
 }
 
-/// One term `B / (s - q)` of the partial fractions; a term above the real axis stands for its conjugate too.
+/// One term `B / (s - q)` of the partial fractions; a term above the real axis stands for its
+/// conjugate too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fraction {
     /// q, rad/s, imaginary part not negative.
@@ -82,7 +87,8 @@ impl LowPass {
     /// The filter for a sampling rate.
     ///
     /// # Errors
-    /// [`SynthError::OutOfRange`] for an option outside its range or a sampling rate that is not positive.
+    /// [`SynthError::OutOfRange`] for an option outside its range or a sampling rate that is not
+    /// positive.
     pub fn new(options: &LowPassOptions, sampling_rate_hz: f64) -> Result<Self, SynthError> {
         check(options, sampling_rate_hz)?;
         let edge_hz = options.edge_over_sampling_rate * sampling_rate_hz;
@@ -100,7 +106,8 @@ impl LowPass {
         self.poles_rad_s.iter().map(|q| -q / (s - q)).product()
     }
 
-    /// Partial fractions: `B_k = -q_k prod_{j != k} -q_j / (q_k - q_j)`, for the poles on and above the real axis.
+    /// Partial fractions: `B_k = -q_k prod_{j != k} -q_j / (q_k - q_j)`, for the poles on and above
+    /// the real axis.
     pub(super) fn fractions(&self) -> Vec<Fraction> {
         let poles = &self.poles_rad_s;
         let residue = |k: usize| {
@@ -145,7 +152,8 @@ fn check(options: &LowPassOptions, sampling_rate_hz: f64) -> Result<(), SynthErr
     Ok(())
 }
 
-/// `q_k = w_edge (-sinh(mu) sin(theta_k) + i cosh(mu) cos(theta_k))`, `mu = asinh(1/epsilon)/n`, `theta_k = pi (2k-1)/(2n)`.
+/// `q_k = w_edge (-sinh(mu) sin(theta_k) + i cosh(mu) cos(theta_k))`, `mu = asinh(1/epsilon)/n`,
+/// `theta_k = pi (2k-1)/(2n)`.
 fn chebyshev_poles(order: usize, ripple_db: f64, edge_rad_s: f64) -> Vec<Complex64> {
     let n = order as f64;
     let epsilon = (10f64.powf(ripple_db / 10.0) - 1.0).sqrt();

@@ -1,10 +1,11 @@
-//! End to end: H1 = X/F of one clean hit against the true FRF, over the lines a test would use (force within 20 dB of its
-//! maximum, up to 0.4 of the sampling rate, not 0 Hz).
+//! End to end: H1 = X/F of one clean hit against the true FRF, over the lines a test would use
+//! (force within 20 dB of its maximum, up to 0.4 of the sampling rate, not 0 Hz).
 //!
-//! What is left is the truncation. The part of a mode after the record's end is `e^((lambda - i w) T)` of its term
-//! `lambda^2 A/(i w - lambda)`, so that the error is e^-n of the sum of these magnitudes, n the slowest mode's time constants
-//! in the record. Against the terms as they stand in an accelerance, `(i w)^2 A/(i w - lambda)`, the same error is
-//! `(f_r/f)^2` larger: below its lowest mode a held structure hardly accelerates, and a truncated record says little there.
+//! What is left is the truncation. The part of a mode after the record's end is `e^((lambda - i w)
+//! T)` of its term `lambda^2 A/(i w - lambda)`, so that the error is e^-n of the sum of these
+//! magnitudes, n the slowest mode's time constants in the record. Against the terms as they stand
+//! in an accelerance, `(i w)^2 A/(i w - lambda)`, the same error is `(f_r/f)^2` larger: below its
+//! lowest mode a held structure hardly accelerates, and a truncated record says little there.
 
 use std::f64::consts::TAU;
 
@@ -87,7 +88,8 @@ fn worst_of_peak(lines: &[Vec<Line>]) -> f64 {
 const LOWEST_HZ: f64 = 100.0;
 const CONTACTS_S: [f64; 2] = [3e-4, 1e-3];
 
-/// Three modes of which the lowest, the slowest too, passes `n` time constants after the hit; `above` adds one beyond the filter.
+/// Three modes of which the lowest, the slowest too, passes `n` time constants after the hit;
+/// `above` adds one beyond the filter.
 fn ringing(n: f64, above_hz: Option<f64>) -> HammerTest {
     let zeta = |hz: f64, n: f64| n / (TAU * hz * 0.99);
     let mut modes = vec![
@@ -157,7 +159,8 @@ fn h1_of_a_free_structure_with_a_mode_above_the_filter_is_true_too() {
     }
 }
 
-/// With 14 and with 20 time constants the error falls on as e^-n; only aliasing through a filter of low order holds it up.
+/// With 14 and with 20 time constants the error falls on as e^-n; only aliasing through a filter of
+/// low order holds it up.
 #[test]
 fn beyond_the_truncation_only_the_filter_order_limits() {
     for n in [14.0, 20.0] {

@@ -1,4 +1,5 @@
-//! A checked plan becomes hits: closed form, then noise and faults, each channel with its own random numbers.
+//! A checked plan becomes hits: closed form, then noise and faults, each channel with its own
+//! random numbers.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +65,8 @@ impl HammerTest {
         LowPass::new(&self.filter, self.sampling_rate_hz)
     }
 
-    /// The elastic modes of the truth with the hit points as references and the finding that all of it is synthetic.
+    /// The elastic modes of the truth with the hit points as references and the finding that all of
+    /// it is synthetic.
     pub fn truth_model(&self) -> ModalModel {
         let mut model = self.truth.model.clone();
         model.producer = format!("modalign {} synth", env!("CARGO_PKG_VERSION"));
@@ -102,7 +104,8 @@ impl HammerTest {
         std::iter::once(first).chain(again).collect()
     }
 
-    /// The generator of one stream of one hit: its 256-bit key is (seed, plan entry, average, channel).
+    /// The generator of one stream of one hit: its 256-bit key is (seed, plan entry, average,
+    /// channel).
     fn random(&self, i: usize, stream: Stream) -> ChaCha8Rng {
         let channel = match stream {
             Stream::Pulse => 0,

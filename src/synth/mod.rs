@@ -1,8 +1,10 @@
-//! Synthetic hammer tests with exact truth: time histories computed in closed form from any modal model.
+//! Synthetic hammer tests with exact truth: time histories computed in closed form from any modal
+//! model.
 //!
-//! The chain is `half sine -> structure -> analogue low-pass -> sampling -> noise -> faults`. Up to the sampling it is
-//! linear and time invariant with a rational transfer function, so that every sample is a finite sum of exponentials:
-//! there is no time stepping, no oversampling and no resampling, and the truth (poles and residues) is exact.
+//! The chain is `half sine -> structure -> analogue low-pass -> sampling -> noise -> faults`. Up to
+//! the sampling it is linear and time invariant with a rational transfer function, so that every
+//! sample is a finite sum of exponentials: there is no time stepping, no oversampling and no
+//! resampling, and the truth (poles and residues) is exact.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -46,8 +48,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Nothing here estimates, writes a file, or draws an unseeded number. What it makes is never called a measurement:
-//! [`HammerTest::truth_model`] carries the finding [`crate::finding::Code::Synthetic`].
+//! Nothing here estimates, writes a file, or draws an unseeded number. What it makes is never
+//! called a measurement: [`HammerTest::truth_model`] carries the finding
+//! [`crate::finding::Code::Synthetic`].
 
 mod cascade;
 mod channel;

@@ -1,4 +1,5 @@
-//! The test plan: who is hit, who listens, how often and with what; and the checks of every argument.
+//! The test plan: who is hit, who listens, how often and with what; and the checks of every
+//! argument.
 
 use std::collections::BTreeSet;
 
@@ -11,8 +12,9 @@ use super::filter::{LowPass, LowPassOptions};
 use super::pulse::Pulse;
 use super::truth::{Pair, Truth, checked_pole};
 
-/// A pole of the structure nearer than this to one of the filter, relative to the latter, is refused: the two partial
-/// fractions grow like the inverse distance and cancel, and would leave fewer than 12 digits.
+/// A pole of the structure nearer than this to one of the filter, relative to the latter, is
+/// refused: the two partial fractions grow like the inverse distance and cancel, and would leave
+/// fewer than 12 digits.
 const LEAST_POLE_DISTANCE: f64 = 1e-4;
 
 /// What a test may hold in memory, samples.
@@ -21,7 +23,8 @@ const MOST_SAMPLES: f64 = 1e9;
 /// One hit point with the responses that are sampled with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HitPlan {
-    /// Where the hammer hits; the sign is the direction of the push, which the force channel records as positive.
+    /// Where the hammer hits; the sign is the direction of the push, which the force channel
+    /// records as positive.
     pub hit: Dof,
     /// The responses, in the order of the channels.
     pub responses: Vec<Dof>,
@@ -69,9 +72,11 @@ pub struct Faults {
 
 /// A synthetic hammer test as stated. Nothing physical has a default.
 ///
-/// Hit `i` (from 0) is average `i % averages_per_point` of plan entry `i / averages_per_point`. The record starts at time 0
-/// and the pulse begins inside the sample interval after `pretrigger_s`. Every random number is drawn from a generator
-/// of its own for (seed, plan entry, average, channel), so that a sample depends neither on the number of threads nor on what else is generated.
+/// Hit `i` (from 0) is average `i % averages_per_point` of plan entry `i / averages_per_point`. The
+/// record starts at time 0 and the pulse begins inside the sample interval after `pretrigger_s`.
+/// Every random number is drawn from a generator of its own for (seed, plan entry, average,
+/// channel), so that a sample depends neither on the number of threads nor on what else is
+/// generated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HammerTest {
     /// The structure.
@@ -136,8 +141,9 @@ impl HammerTest {
     /// Checks every argument.
     ///
     /// # Errors
-    /// [`SynthError`]: a number outside its range, an empty plan, a pair or mode that the truth does not hold, a force that may
-    /// last beyond the record, a filter below the lowest mode or with a pole on one of the structure's, a free body without acceleration.
+    /// [`SynthError`]: a number outside its range, an empty plan, a pair or mode that the truth
+    /// does not hold, a force that may last beyond the record, a filter below the lowest mode or
+    /// with a pole on one of the structure's, a free body without acceleration.
     pub fn validate(&self) -> Result<(), SynthError> {
         self.check().map(|_| ())
     }

@@ -7,7 +7,8 @@ use rand::Rng;
 use rand::distr::Open01;
 use rand_chacha::ChaCha8Rng;
 
-/// Half-sine pulses as stated: every hit draws its own peak and duration, uniformly within `value (1 ± spread)`.
+/// Half-sine pulses as stated: every hit draws its own peak and duration, uniformly within `value
+/// (1 ± spread)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
     /// Mean peak force, N.
@@ -21,7 +22,8 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// Draws the pulse of one hit. It begins inside the sample interval that follows the pre-trigger.
+    /// Draws the pulse of one hit. It begins inside the sample interval that follows the
+    /// pre-trigger.
     pub(super) fn draw(&self, pretrigger_s: f64, step_s: f64, random: &mut ChaCha8Rng) -> HalfSine {
         let mut around = |value: f64, spread: f64| {
             let u: f64 = random.sample(Open01);
@@ -38,7 +40,8 @@ impl Pulse {
     }
 }
 
-/// One force pulse `f(t) = peak sin(pi (t - start)/duration)` on `[start, start + duration]`, 0 elsewhere, before the filter.
+/// One force pulse `f(t) = peak sin(pi (t - start)/duration)` on `[start, start + duration]`, 0
+/// elsewhere, before the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSine {
     /// First contact on the record's time axis, s.
@@ -57,7 +60,8 @@ impl HalfSine {
 
     /// Laplace transform at s, N s: `peak e^(-s start) w (1 + e^(-s T)) / (s^2 + w^2)`, `w = pi/T`.
     pub fn transform(&self, s: Complex64) -> Complex64 {
-        // sin(w tau) is the same read backwards, so the transform is a convolution taken at the end.
+        // sin(w tau) is the same read backwards, so the transform is a convolution taken at the
+        // end.
         self.peak_n * (-s * self.start_s).exp() * Convolution::new(-s, self.duration_s).at_end()
     }
 }
@@ -85,8 +89,8 @@ impl Convolution {
         }
     }
 
-    /// g at t: `(w e^(p t) - p sin(w t) - w cos(w t)) / (p^2 + w^2)`, and near p = ±iw, where that is 0/0,
-    /// half the difference of `(e^(±i w t) - e^(p t))/(±i w - p)` over i.
+    /// g at t: `(w e^(p t) - p sin(w t) - w cos(w t)) / (p^2 + w^2)`, and near p = ±iw, where that
+    /// is 0/0, half the difference of `(e^(±i w t) - e^(p t))/(±i w - p)` over i.
     pub fn at(&self, t: f64) -> Complex64 {
         let (p, omega) = (self.pole, self.omega);
         if self.resonant {
@@ -127,7 +131,8 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// Nodes and weights of five-point Gauss-Legendre on [-1, 1] (Abramowitz and Stegun 1964, section 25.4.29 in closed form).
+    /// Nodes and weights of five-point Gauss-Legendre on [-1, 1] (Abramowitz and Stegun 1964,
+    /// section 25.4.29 in closed form).
     fn gauss_legendre() -> [(f64, f64); 5] {
         let root = (10.0f64 / 7.0).sqrt();
         let (inner, outer) = (

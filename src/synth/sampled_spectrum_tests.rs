@@ -1,6 +1,7 @@
-//! Every sample at once against theory: the discrete transform of a record that has wholly decayed is, by Poisson's sum,
-//! the continuous spectrum with its aliases. That spectrum is a product of transfer functions, not a sum of exponentials,
-//! so that poles, coefficients, the closed forms in time and the block recursion are all on trial.
+//! Every sample at once against theory: the discrete transform of a record that has wholly decayed
+//! is, by Poisson's sum, the continuous spectrum with its aliases. That spectrum is a product of
+//! transfer functions, not a sum of exponentials, so that poles, coefficients, the closed forms in
+//! time and the block recursion are all on trial.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +13,8 @@ use crate::dof::Dof;
 use crate::fourier::ForwardPlan;
 use crate::quantity::{FrfKind, Quantity};
 
-/// Spectrum of a channel as sampled: `rate sum_j X(s + 2 pi i j rate)`, the response being `None` for the force.
+/// Spectrum of a channel as sampled: `rate sum_j X(s + 2 pi i j rate)`, the response being `None`
+/// for the force.
 fn aliased(test: &HammerTest, response: Option<&Dof>, line: usize) -> Complex64 {
     let pulses = test.pulses(0).unwrap();
     let filter = test.low_pass().unwrap();
@@ -33,7 +35,8 @@ fn aliased(test: &HammerTest, response: Option<&Dof>, line: usize) -> Complex64 
     rate * (-16..=16).map(alias).sum::<Complex64>()
 }
 
-/// Largest error over every seventh line relative to the largest line, of the force and of each response.
+/// Largest error over every seventh line relative to the largest line, of the force and of each
+/// response.
 fn worst_errors(test: &HammerTest) -> Vec<f64> {
     let hit = test.generate_hit(0).unwrap();
     let responses = hit.responses.iter().map(|c| (c, Some(&c.dof)));
@@ -49,7 +52,8 @@ fn worst_errors(test: &HammerTest) -> Vec<f64> {
     worst.collect()
 }
 
-/// Decay within the second of the record by more than e^-45; the last mode is above the sampling rate's half.
+/// Decay within the second of the record by more than e^-45; the last mode is above the sampling
+/// rate's half.
 const MODES: [(f64, f64, f64); 3] = [(90.0, 0.08, 0.7), (410.0, 0.03, -1.2), (2900.0, 0.01, 0.4)];
 
 #[test]

@@ -12,7 +12,8 @@ pub fn dof(text: &str) -> Dof {
     text.parse().unwrap()
 }
 
-/// Modes of 1 kg modal mass each, driven at `1:+Z` and seen at `1:+Z` and `2:+Z`, with the sign of their shape at the latter.
+/// Modes of 1 kg modal mass each, driven at `1:+Z` and seen at `1:+Z` and `2:+Z`, with the sign of
+/// their shape at the latter.
 pub fn truth(modes: &[(f64, f64, f64)]) -> Truth {
     let mode = |&(hz, zeta, far): &(f64, f64, f64)| {
         let shape = ModeShape::new([(dof("1:+Z"), 1.0.into()), (dof("2:+Z"), far.into())]);

@@ -1,4 +1,5 @@
-//! The truth of a synthetic test: modes with their residues, and what a free body does without them.
+//! The truth of a synthetic test: modes with their residues, and what a free body does without
+//! them.
 
 use std::collections::BTreeMap;
 use std::ops::Mul;
@@ -13,29 +14,35 @@ use super::SynthError;
 
 /// A structure whose response to a hit is known exactly.
 ///
-/// Receptance `H(s) = sum_r A_r/(s - lambda_r) + conj. + D/s^2` at each (response, hit) pair; `lambda_r` comes from the
-/// mode's natural frequency and damping ratio, `A_r` from its residues, D from `rigid_accelerance`.
+/// Receptance `H(s) = sum_r A_r/(s - lambda_r) + conj. + D/s^2` at each (response, hit) pair;
+/// `lambda_r` comes from the mode's natural frequency and damping ratio, `A_r` from its residues, D
+/// from `rigid_accelerance`.
 ///
-/// A pair is looked up as it stands, and otherwise by point and axis alone: the value is then multiplied by the signs of
-/// all four degrees of freedom, and repeats (`#2`) share the value of the first measurement. So the hit `1:-Z` pushes
-/// against z and the sensor `2:-Z` reads the negative of `2:+Z`.
+/// A pair is looked up as it stands, and otherwise by point and axis alone: the value is then
+/// multiplied by the signs of all four degrees of freedom, and repeats (`#2`) share the value of
+/// the first measurement. So the hit `1:-Z` pushes against z and the sensor `2:-Z` reads the
+/// negative of `2:+Z`.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Truth {
-    /// Elastic modes with frequency, damping and residues; shapes are carried along for the comparison.
+    /// Elastic modes with frequency, damping and residues; shapes are carried along for the
+    /// comparison.
     pub model: ModalModel,
-    /// `D = sum_j phi_j(response) phi_j(hit) / m_j` over the rigid-body modes, 1/kg, by (response, hit). Empty for a held structure.
+    /// `D = sum_j phi_j(response) phi_j(hit) / m_j` over the rigid-body modes, 1/kg, by (response,
+    /// hit). Empty for a held structure.
     pub rigid_accelerance: BTreeMap<(Dof, Dof), f64>,
 }
 
 impl Truth {
-    /// The truth of a model with real shapes and modal (proportional) damping, at all pairs of the given responses and hits.
+    /// The truth of a model with real shapes and modal (proportional) damping, at all pairs of the
+    /// given responses and hits.
     ///
-    /// `A = phi(response) phi(hit) / (2 i m omega_d)`, `omega_d` the damped frequency, m the modal mass for the shape as
-    /// scaled. Modes at 0 Hz become the rigid-body term and leave the model.
+    /// `A = phi(response) phi(hit) / (2 i m omega_d)`, `omega_d` the damped frequency, m the modal
+    /// mass for the shape as scaled. Modes at 0 Hz become the rigid-body term and leave the model.
     ///
     /// # Errors
-    /// [`SynthError::Mode`] for an elastic mode without damping, a mode without modal mass, or a complex shape;
-    /// [`SynthError::MissingShape`] for a degree of freedom that a shape does not have.
+    /// [`SynthError::Mode`] for an elastic mode without damping, a mode without modal mass, or a
+    /// complex shape; [`SynthError::MissingShape`] for a degree of freedom that a shape does not
+    /// have.
     ///
     /// # Reference
     /// Ewins (2000), Modal Testing, 2nd ed., section 2.4 (proportional damping).
@@ -88,10 +95,12 @@ impl Truth {
         Ok(())
     }
 
-    /// The true FRF of a pair at the complex frequency s, rad/s (`s = i omega` on the frequency axis).
+    /// The true FRF of a pair at the complex frequency s, rad/s (`s = i omega` on the frequency
+    /// axis).
     ///
     /// # Errors
-    /// [`SynthError::Mode`], [`SynthError::MissingResidue`], [`SynthError::MissingRigidBody`] when the truth does not hold the pair.
+    /// [`SynthError::Mode`], [`SynthError::MissingResidue`], [`SynthError::MissingRigidBody`] when
+    /// the truth does not hold the pair.
     pub fn transfer(
         &self,
         response: &Dof,

@@ -1,26 +1,32 @@
 //! One basis, always the same, for modes that share a root.
 //!
-//! Any rotation of the vectors of a repeated root is as good a set of modes. What a solver returns depends on rounding; what
-//! is returned here depends on the subspace alone, up to signs, which [`fix_sign`] settles.
+//! Any rotation of the vectors of a repeated root is as good a set of modes. What a solver returns
+//! depends on rounding; what is returned here depends on the subspace alone, up to signs, which
+//! [`fix_sign`] settles.
 
 use crate::linalg::RealMatrix;
 
-/// A coordinate that carries less than this share of its squared motion in the span counts as at rest there: far above
-/// rounding (1e-18), far below a rotation in a fine mesh (1e-9).
+/// A coordinate that carries less than this share of its squared motion in the span counts as at
+/// rest there: far above rounding (1e-18), far below a rotation in a fine mesh (1e-9).
 const AT_REST: f64 = 1e-14;
-/// A coordinate is independent of the pivots before it when this part of its squared row in the span is left of it.
+/// A coordinate is independent of the pivots before it when this part of its squared row in the
+/// span is left of it.
 const INDEPENDENT: f64 = 1e-3;
-/// Components within this part of the largest count as equally large, so that a symmetric shape's sign does not hang on rounding.
+/// Components within this part of the largest count as equally large, so that a symmetric shape's
+/// sign does not hang on rounding.
 const EQUAL_MAGNITUDE: f64 = 1e-6;
 
-/// Replaces the columns `first..first + count`, orthonormal with respect to the mass, by the canonical basis of their span.
+/// Replaces the columns `first..first + count`, orthonormal with respect to the mass, by the
+/// canonical basis of their span.
 ///
-/// The reduced row echelon basis of the span (the j-th vector 1 at the j-th pivot coordinate and 0 at the others, pivots
-/// in the order of the coordinates), orthonormalised in order. `total[i]` is the sum of squares of coordinate `i` over all
-/// mass-normalised modes, `(M^-1)_ii`, in which the unit of the coordinate cancels.
+/// The reduced row echelon basis of the span (the j-th vector 1 at the j-th pivot coordinate and 0
+/// at the others, pivots in the order of the coordinates), orthonormalised in order. `total[i]` is
+/// the sum of squares of coordinate `i` over all mass-normalised modes, `(M^-1)_ii`, in which the
+/// unit of the coordinate cancels.
 ///
-/// With `A` the rows at the pivots, the echelon basis has the coefficients `A^-1`; orthonormalising its columns in order
-/// is orthonormalising the rows of `A` in reverse order, which is what is done: nothing is inverted.
+/// With `A` the rows at the pivots, the echelon basis has the coefficients `A^-1`; orthonormalising
+/// its columns in order is orthonormalising the rows of `A` in reverse order, which is what is
+/// done: nothing is inverted.
 pub(super) fn canonicalise(vectors: &mut RealMatrix, first: usize, count: usize, total: &[f64]) {
     let rows: Vec<Vec<f64>> = (0..vectors.nrows())
         .map(|i| (first..first + count).map(|j| vectors[(i, j)]).collect())
@@ -38,7 +44,8 @@ pub(super) fn canonicalise(vectors: &mut RealMatrix, first: usize, count: usize,
     }
 }
 
-/// The first coordinates, in order, that move and are independent of those before; failing one, the best there is.
+/// The first coordinates, in order, that move and are independent of those before; failing one, the
+/// best there is.
 fn pivots(rows: &[Vec<f64>], count: usize, total: &[f64]) -> Vec<usize> {
     let mut chosen = Vec::new();
     let mut directions: Vec<Vec<f64>> = Vec::new();
@@ -67,7 +74,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// `row` without its parts along orthonormal directions, twice, so that rounding of the first pass is removed as well.
+/// `row` without its parts along orthonormal directions, twice, so that rounding of the first pass
+/// is removed as well.
 fn rest(row: &[f64], directions: &[Vec<f64>]) -> Vec<f64> {
     let mut rest = row.to_vec();
     for direction in directions.iter().chain(directions) {
@@ -119,8 +127,9 @@ mod tests {
 
     #[test]
     fn every_rotation_of_a_basis_gives_the_echelon_vector_first() {
-        // Echelon basis of the span: (1, 1, 0, 1) and (0, 0, 1, 1); the second coordinate repeats the first, so that the
-        // pivots are 0 and 2. Orthonormalised in order: (1, 1, 0, 1)/sqrt 3 and (-1, -1, 3, 2)/sqrt 15.
+        // Echelon basis of the span: (1, 1, 0, 1) and (0, 0, 1, 1); the second coordinate repeats
+        // the first, so that the pivots are 0 and 2. Orthonormalised in order: (1, 1, 0, 1)/sqrt 3
+        // and (-1, -1, 3, 2)/sqrt 15.
         let expected = turned(0.0);
         for angle in [0.3, 1.0, 2.5, 4.0] {
             let mut vectors = turned(angle);

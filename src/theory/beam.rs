@@ -1,7 +1,9 @@
-//! Euler-Bernoulli beams with point masses and springs to ground, by cubic Hermite elements with consistent mass.
+//! Euler-Bernoulli beams with point masses and springs to ground, by cubic Hermite elements with
+//! consistent mass.
 //!
-//! Several beams may stand in one model; they do not touch one another. A mass, a spring, a sensor or a hit may be
-//! anywhere on a beam: the element's own interpolation carries it, so that nothing is snapped to a node.
+//! Several beams may stand in one model; they do not touch one another. A mass, a spring, a sensor
+//! or a hit may be anywhere on a beam: the element's own interpolation carries it, so that nothing
+//! is snapped to a node.
 //!
 //! # Reference
 //! Przemieniecki (1968), Theory of Matrix Structural Analysis, chapters 5 and 11.
@@ -35,9 +37,9 @@ impl BeamModel {
     ///
     /// # Errors
     /// [`TheoryError::Schema`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`],
-    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`], [`TheoryError::ZeroDirection`],
-    /// [`TheoryError::DeflectionNotAcross`], [`TheoryError::UnknownBody`], [`TheoryError::PointOutside`],
-    /// [`TheoryError::NoStiffness`].
+    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`],
+    /// [`TheoryError::ZeroDirection`], [`TheoryError::DeflectionNotAcross`],
+    /// [`TheoryError::UnknownBody`], [`TheoryError::PointOutside`], [`TheoryError::NoStiffness`].
     pub fn new(file: BeamFile) -> Result<Self, TheoryError> {
         check_file(&file)?;
         let mut coordinates = Vec::new();
@@ -61,7 +63,8 @@ impl BeamModel {
         Ok(model)
     }
 
-    /// M and K, or their derivatives by the parameter of `values`: both are sums of what is taken out of each number.
+    /// M and K, or their derivatives by the parameter of `values`: both are sums of what is taken
+    /// out of each number.
     fn sum(&self, values: &Values<'_>) -> Result<SystemMatrices, TheoryError> {
         check_values(self.name(), self.parameters(), values.values)?;
         let n = self.coordinates.len();
@@ -221,8 +224,8 @@ impl TheoreticalModel for BeamModel {
         })
     }
 
-    /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the cosine to the
-    /// deflection: a sensor across the plane of bending reads 0.
+    /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the
+    /// cosine to the deflection: a sensor across the plane of bending reads 0.
     fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
         let mut row = vec![0.0; self.coordinates.len()];
         match target {

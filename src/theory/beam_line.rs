@@ -12,12 +12,15 @@ use super::{Coordinate, Motion, TheoryError, hermite};
 /// Dense matrices of the coordinates of more would not fit a desk.
 const MOST_ELEMENTS: usize = 2000;
 
-/// How far beyond an end a point may lie and still be at the end, as a share of the length: rounding of coordinates.
+/// How far beyond an end a point may lie and still be at the end, as a share of the length:
+/// rounding of coordinates.
 const END_TOLERANCE: f64 = 1e-9;
-/// Largest cosine between deflection and axis that still counts as a right angle: three written decimals of a direction.
+/// Largest cosine between deflection and axis that still counts as a right angle: three written
+/// decimals of a direction.
 const ACROSS_TOLERANCE: f64 = 1e-3;
 
-/// The geometry of one beam and the model columns of its nodes' (w, theta); `None` where it is held.
+/// The geometry of one beam and the model columns of its nodes' (w, theta); `None` where it is
+/// held.
 #[derive(Clone, Debug)]
 pub(super) struct BeamLine {
     name: String,
@@ -103,7 +106,8 @@ impl BeamLine {
         }
     }
 
-    /// Coordinates `NAME.wN` and `NAME.thetaN` of a node, nodes numbered from 0, as far as its end lets them move.
+    /// Coordinates `NAME.wN` and `NAME.thetaN` of a node, nodes numbered from 0, as far as its end
+    /// lets them move.
     fn add_node(&mut self, node: usize, end: End, all: &mut Vec<Coordinate>) {
         let x_m = self.length_m * node as f64 / self.elements as f64;
         let at_m = (self.origin + self.tangent * x_m).into();

@@ -1,4 +1,5 @@
-//! Beams against the closed forms of the Euler-Bernoulli theory: frequencies, convergence and shapes.
+//! Beams against the closed forms of the Euler-Bernoulli theory: frequencies, convergence and
+//! shapes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +17,8 @@ const YOUNGS_PA: f64 = 2.06e11;
 const SECOND_MOMENT_M4: f64 = 1.7e-9;
 const MASS_PER_LENGTH: f64 = 7830.0 * 2.4e-4;
 
-/// Roots beta L of `cos cosh = 1`, Blevins (1979), Formulas for Natural Frequency and Mode Shape, table 8-1.
+/// Roots beta L of `cos cosh = 1`, Blevins (1979), Formulas for Natural Frequency and Mode Shape,
+/// table 8-1.
 const FREE_FREE: [f64; 4] = [
     4.730_040_744_862_704,
     7.853_204_624_095_838,
@@ -94,8 +96,8 @@ fn elastic_hz(result: &TheoryModes) -> Vec<f64> {
     modes.iter().map(|mode| mode.frequency_hz).collect()
 }
 
-/// The finite-element frequency lies above the exact one by `(beta h)^4 / 1440` to leading order, within one per cent of it
-/// here; 1e-10 is the rounding of the lowest eigenvalues.
+/// The finite-element frequency lies above the exact one by `(beta h)^4 / 1440` to leading order,
+/// within one per cent of it here; 1e-10 is the rounding of the lowest eigenvalues.
 fn assert_roots(start: End, end: End, roots: &[f64]) {
     let elements = 40;
     let got = elastic_hz(&modes_of(bar(elements, start, end), &[]));
@@ -171,7 +173,8 @@ fn a_tip_mass_gives_the_roots_of_its_characteristic_equation() {
     for (mode, bracket) in result.model.modes.iter().zip(brackets) {
         let root = tip_mass_root(mu, bracket.0, bracket.1);
         let error = (beta_l(mode.frequency_hz) / root).powi(2) - 1.0;
-        // Only the beam is discretised: its part of the kinetic energy is what the tip leaves of the unit modal mass.
+        // Only the beam is discretised: its part of the kinetic energy is what the tip leaves of
+        // the unit modal mass.
         let (_, tip) = mode.shape.largest().unwrap();
         let leading = (1.0 - tip_kg * tip.re * tip.re) * (root / 40.0).powi(4) / 1440.0;
         assert!(
@@ -195,7 +198,8 @@ fn clamped_free_shape(root: f64, x: f64) -> f64 {
 
 #[test]
 fn shapes_between_nodes_are_the_analytic_ones() {
-    // 17 positions, most of them inside elements; the analytic shapes have a mean square of 1 over the length.
+    // 17 positions, most of them inside elements; the analytic shapes have a mean square of 1 over
+    // the length.
     let positions: Vec<f64> = (0..17).map(|i| LENGTH_M * f64::from(i) / 16.0).collect();
     type Shape = fn(f64, f64) -> f64;
     let cases: [(End, [f64; 4], Shape); 2] = [
@@ -218,7 +222,8 @@ fn shapes_between_nodes_are_the_analytic_ones() {
     }
 }
 
-/// Element numbers of a refinement; above 64 elements a model has more coordinates than divide and conquer begins with.
+/// Element numbers of a refinement; above 64 elements a model has more coordinates than divide and
+/// conquer begins with.
 const REFINEMENT: [usize; 9] = [10, 20, 40, 65, 80, 100, 150, 250, 500];
 
 /// Lowest elastic frequencies with the relative bound of each by rounding of the stiffness,
@@ -267,7 +272,8 @@ fn refined_bars_follow_the_error_of_their_elements_down_to_rounding() {
                     .all(|mode| mode.frequency_hz.abs() < f64::MIN_POSITIVE)
             );
             for (j, (hz, bound)) in rows.into_iter().enumerate() {
-                // The first root of cos cosh = -1 lies above pi / 2, that of cos cosh = 1 above 3 pi / 2.
+                // The first root of cos cosh = -1 lies above pi / 2, that of cos cosh = 1 above 3
+                // pi / 2.
                 let number = if start == End::Free { j + 1 } else { j };
                 let root = characteristic_root(number, sign);
                 let width = root / elements as f64;
@@ -303,8 +309,8 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
     let (bending, mass) = (YOUNGS_PA * SECOND_MOMENT_M4, MASS_PER_LENGTH * LENGTH_M);
     for suspended_hz in [0.1, 2.0] {
         let stiffness = 0.5 * mass * (TAU * suspended_hz).powi(2);
-        // Half the bar, `b = beta L / 2`, with EI w''' = k w and w'' = 0 at its end: w = cosh b cos + cos b cosh moves up and
-        // down, w = sinh b sin + sin b sinh rocks.
+        // Half the bar, `b = beta L / 2`, with EI w''' = k w and w'' = 0 at its end: w = cosh b
+        // cos + cos b cosh moves up and down, w = sinh b sin + sin b sinh rocks.
         let cube = |b: f64| bending * (2.0 * b / LENGTH_M).powi(3);
         let heave = first_root(|b| cube(b) * (b.tan() + b.tanh()) - 2.0 * stiffness);
         let rocking = first_root(|b| cube(b) * (1.0 / b.tanh() - 1.0 / b.tan()) - 2.0 * stiffness);
@@ -325,7 +331,8 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
                 let omega = (2.0 * b / LENGTH_M).powi(2) * (bending / MASS_PER_LENGTH).sqrt();
                 let (hz, bound) = rows[j];
                 let error = TAU * hz / omega - 1.0;
-                // The bar bends a little under its inertia, and that follows the elements: 60 Hz is its first bending mode.
+                // The bar bends a little under its inertia, and that follows the elements: 60 Hz is
+                // its first bending mode.
                 let bent = 2e-4 * (suspended_hz / 60.0).powi(2) * (10.0 / elements as f64).powi(4);
                 assert!(
                     error.abs() <= bound.max(1e-9) + bent,
@@ -336,7 +343,8 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
             let warned: Vec<_> = warned
                 .filter(|own| own.code == Code::StiffnessRounding)
                 .collect();
-            // The finding is at the mode of the largest bound; the others above the limit are in its detail.
+            // The finding is at the mode of the largest bound; the others above the limit are in
+            // its detail.
             let above: Vec<_> = rows.iter().filter(|(_, bound)| *bound > 1e-6).collect();
             assert_eq!(warned.len(), usize::from(!above.is_empty()));
             let largest = above.iter().max_by(|a, b| a.1.total_cmp(&b.1));

@@ -86,7 +86,8 @@ fn a_stiff_bar_on_two_springs_bounces_and_pitches() {
     assert_eq!(result.rigid, 0);
     let bounce = 2.0 * k / (BEAM_KG + kg);
     let pitch = 0.5 * k * LENGTH_M.powi(2) / (BEAM_KG * LENGTH_M.powi(2) / 12.0 + inertia);
-    // First bending omega^2 = 500 EI/(rho A L^4) = 1.4e10, so that bending lowers these by about 1e-7.
+    // First bending omega^2 = 500 EI/(rho A L^4) = 1.4e10, so that bending lowers these by about
+    // 1e-7.
     for (omega, expected) in result.omega_rad_s.iter().zip([bounce, pitch]) {
         assert!((omega * omega / expected - 1.0).abs() < 1e-6, "{omega}");
     }

@@ -1,8 +1,10 @@
-//! Models of growing detail of one machine held against each other: which is the simplest within a stated error.
+//! Models of growing detail of one machine held against each other: which is the simplest within a
+//! stated error.
 //!
-//! A model's small bodies can be left without mass: with `b` their coordinates and `a` the others, statics gives
-//! `x_b = -K_bb^+ K_ba x_a` and `K = K_aa - K_ab K_bb^+ K_ba`, where directions in which nothing holds a small body drop out of the
-//! pseudo-inverse. Roots are then held against those of the whole model by their shapes, with `x_b` put back.
+//! A model's small bodies can be left without mass: with `b` their coordinates and `a` the others,
+//! statics gives `x_b = -K_bb^+ K_ba x_a` and `K = K_aa - K_ab K_bb^+ K_ba`, where directions in
+//! which nothing holds a small body drop out of the pseudo-inverse. Roots are then held against
+//! those of the whole model by their shapes, with `x_b` put back.
 //!
 //! # Reference
 //! Guyan (1965), Reduction of stiffness and mass matrices, AIAA Journal 3, 380.
@@ -26,12 +28,14 @@ pub struct SimplerModel {
     pub name: String,
     /// Its coordinates.
     pub coordinates: usize,
-    /// Angular frequency of each root of the whole model in this one, rad/s; `None` for a root that it does not have.
+    /// Angular frequency of each root of the whole model in this one, rad/s; `None` for a root that
+    /// it does not have.
     pub omega_rad_s: Vec<Option<f64>>,
 }
 
 impl SimplerModel {
-    /// Work of the eigenproblem as a part of that of a model with so many coordinates: it grows with the third power.
+    /// Work of the eigenproblem as a part of that of a model with so many coordinates: it grows
+    /// with the third power.
     pub fn cost(&self, whole: usize) -> f64 {
         (self.coordinates as f64 / whole as f64).powi(3)
     }
@@ -61,7 +65,8 @@ impl DetailComparison {
         fit.next().map(|model| &self.models[model])
     }
 
-    /// The model with the fewest coordinates that has every root up to an angular frequency within this error.
+    /// The model with the fewest coordinates that has every root up to an angular frequency within
+    /// this error.
     pub fn simplest_up_to(&self, omega_rad_s: f64, within: f64) -> Option<&SimplerModel> {
         let asked: Vec<usize> = (0..self.roots.len())
             .filter(|&root| self.roots[root].omega_rad_s <= omega_rad_s)
@@ -76,8 +81,8 @@ impl DetailComparison {
     }
 }
 
-/// The simplest detail of a response whose signal is within this distance of the last one's; `None` where the last has no
-/// such signal.
+/// The simplest detail of a response whose signal is within this distance of the last one's; `None`
+/// where the last has no such signal.
 pub fn simplest_detail<'a>(
     response: &'a TimeResponse,
     signal: &str,

@@ -1,13 +1,14 @@
 //! Static condensation of motions without mass, which is exact.
 //!
-//! With `a` the motions that carry mass and `o` those that do not, `M = diag(M_aa, 0)`, the rows `o` of
-//! `K phi = omega^2 M phi` are statics: `phi_o = -K_oo^-1 K_oa phi_a`. The modes of
-//! `K_c = K_aa - K_ao K_oo^-1 K_oa` with `M_aa` are all finite modes of the whole. Their derivatives need no more:
-//! `dK_c = T^T dK T` with `T = [I; -K_oo^-1 K_oa]`, and `(K - lambda M)^-1 = T (K_c - lambda M_aa)^-1 T^T + G` with
-//! `G = diag(0, K_oo^-1)` ([`Condensation::relax`]).
+//! With `a` the motions that carry mass and `o` those that do not, `M = diag(M_aa, 0)`, the rows
+//! `o` of `K phi = omega^2 M phi` are statics: `phi_o = -K_oo^-1 K_oa phi_a`. The modes of `K_c =
+//! K_aa - K_ao K_oo^-1 K_oa` with `M_aa` are all finite modes of the whole. Their derivatives need
+//! no more: `dK_c = T^T dK T` with `T = [I; -K_oo^-1 K_oa]`, and `(K - lambda M)^-1 = T (K_c -
+//! lambda M_aa)^-1 T^T + G` with `G = diag(0, K_oo^-1)` ([`Condensation::relax`]).
 //!
 //! # Reference
-//! Géradin and Rixen (2015), Mechanical Vibrations, 3rd ed., section 2.8; Guyan (1965), AIAA Journal 3, 380.
+//! Géradin and Rixen (2015), Mechanical Vibrations, 3rd ed., section 2.8; Guyan (1965), AIAA
+//! Journal 3, 380.
 
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::{
@@ -18,12 +19,14 @@ use super::few_masses;
 use super::massless::{Division, without_zeros};
 use super::{Coordinate, MassError, SystemMatrices, TheoryError};
 
-/// Coordinates whose share in a motion is above this part of the largest take part in it. Smaller: coordinates at rest are
-/// named (rounding leaves 1e-10). Larger: the soft end of a mechanism is not. Test: `massless_coordinates_that_nothing_holds_are_named`.
+/// Coordinates whose share in a motion is above this part of the largest take part in it. Smaller:
+/// coordinates at rest are named (rounding leaves 1e-10). Larger: the soft end of a mechanism is
+/// not. Test: `massless_coordinates_that_nothing_holds_are_named`.
 const TAKES_PART: f64 = 1e-6;
-/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion, `1/(1 + tau lambda)` of others, which
-/// is not below 1e-5 where the mass of a coordinate is its own. Where fewer modes are left than there must be, an error says so.
-/// Test: `all_finite_modes_of_a_small_sparse_model_are_found`.
+/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion,
+/// `1/(1 + tau lambda)` of others, which is not below 1e-5 where the mass of a coordinate is its
+/// own. Where fewer modes are left than there must be, an error says so. Test:
+/// `all_finite_modes_of_a_small_sparse_model_are_found`.
 const CARRIES_MASS: f64 = 1e-9;
 
 /// The motions of a model that carry no mass, and the stiffness that holds them.
@@ -36,7 +39,8 @@ pub struct Condensation {
 }
 
 impl Condensation {
-    /// Of matrices; `None` where every motion carries mass. The stiffness is asked for only where one does not.
+    /// Of matrices; `None` where every motion carries mass. The stiffness is asked for only where
+    /// one does not.
     ///
     /// # Errors
     /// [`TheoryError::Mass`], [`TheoryError::Linalg`].
@@ -75,8 +79,9 @@ impl Condensation {
         self.division.massless.len()
     }
 
-    /// Stiffness must hold every massless motion where those with mass are at rest. A motion of negative stiffness could be
-    /// condensed as well, but has no stable equilibrium: a model that holds it is refused, as it is where the motion has mass.
+    /// Stiffness must hold every massless motion where those with mass are at rest. A motion of
+    /// negative stiffness could be condensed as well, but has no stable equilibrium: a model that
+    /// holds it is refused, as it is where the motion has mass.
     fn check_held(&self, coordinates: &[Coordinate]) -> Result<(), TheoryError> {
         if linalg::null_dimension(&self.held)? == 0 {
             return Ok(());
@@ -100,8 +105,9 @@ impl Condensation {
         .into())
     }
 
-    /// Checks that no damping force acts on a massless motion in any mode, `(C Phi)_o = 0` within rounding: so it is without
-    /// damping there, and with damping proportional to stiffness. Statics then holds with damping as well.
+    /// Checks that no damping force acts on a massless motion in any mode, `(C Phi)_o = 0` within
+    /// rounding: so it is without damping there, and with damping proportional to stiffness.
+    /// Statics then holds with damping as well.
     ///
     /// `forces` is `C Phi`, `magnitudes` the same product of the sizes of all entries.
     ///
@@ -138,8 +144,8 @@ impl Condensation {
         finding.value(self.massless() as f64, &of)
     }
 
-    /// `G f` with `G = diag(0, K_oo^-1)`: how massless motions give way to forces where those with mass are at rest. Rows are
-    /// all coordinates.
+    /// `G f` with `G = diag(0, K_oo^-1)`: how massless motions give way to forces where those with
+    /// mass are at rest. Rows are all coordinates.
     ///
     /// # Errors
     /// [`TheoryError::Linalg`].
@@ -224,9 +230,10 @@ impl Condensation {
     /// The lowest modes of sparse matrices, over all coordinates.
     ///
     /// With `tau > 0` the pair `(K, M + tau K)` has the vectors of `(K, M)`, and the eigenvalues
-    /// `mu = lambda/(1 + tau lambda)` in the same order; of every massless motion `1/tau`. `M + tau K` is positive
-    /// definite where `K_oo` is, and as sparse as `K`; `K_c`, which is full for a frame, is not made. `tau` is the least
-    /// `M_ii/K_ii`, so that `1/tau` is about the highest eigenvalue. Massless motions then follow the others once more.
+    /// `mu = lambda/(1 + tau lambda)` in the same order; of every massless motion `1/tau`. `M + tau
+    /// K` is positive definite where `K_oo` is, and as sparse as `K`; `K_c`, which is full for a
+    /// frame, is not made. `tau` is the least `M_ii/K_ii`, so that `1/tau` is about the highest
+    /// eigenvalue. Massless motions then follow the others once more.
     ///
     /// Where few motions carry mass, `K_c` is made and all its modes are computed ([`few_masses`]).
     ///
@@ -234,7 +241,8 @@ impl Condensation {
     /// [`TheoryError::Linalg`]; [`MassError::Indistinct`].
     ///
     /// # Reference
-    /// Ericsson and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of Computation 35, 1251.
+    /// Ericsson and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of
+    /// Computation 35, 1251.
     pub(super) fn lowest_modes(
         &self,
         stiffness: &SparseMatrix,

@@ -1,4 +1,5 @@
-//! Static condensation of coordinates without mass against closed forms, dense and sparse, and what it refuses.
+//! Static condensation of coordinates without mass against closed forms, dense and sparse, and what
+//! it refuses.
 
 use crate::finding::Code;
 use crate::linalg::{SparseMatrix, real_matrix, solve_definite};
@@ -70,8 +71,8 @@ pub(super) fn errors(matrices: &SystemMatrices) -> [TheoryError; 2] {
     ]
 }
 
-/// Masses of 3 kg with a massless node before each of them: springs of 4e5 N/m into the node and 1e5 N/m out of it, between
-/// walls or free at both ends (then from the first mass to the last).
+/// Masses of 3 kg with a massless node before each of them: springs of 4e5 N/m into the node and
+/// 1e5 N/m out of it, between walls or free at both ends (then from the first mass to the last).
 pub(super) const MASS: f64 = 3.0;
 pub(super) const SPRINGS: [f64; 2] = [4e5, 1e5];
 
@@ -126,7 +127,8 @@ fn a_chain_of_alternate_massless_nodes_is_the_chain_of_its_series_springs() {
             let exact = 2.0 * (series() / MASS).sqrt() * angle.sin();
             assert!((omega / exact - 1.0).abs() < 1e-12, "{j}: {omega} {exact}");
         }
-        // A massless node divides the stretch of its two springs as their compliances: u_o = (k1 u_1 + k2 u_2)/(k1 + k2).
+        // A massless node divides the stretch of its two springs as their compliances: u_o = (k1
+        // u_1 + k2 u_2)/(k1 + k2).
         for (node, j) in (1..masses).flat_map(|i| [(2 * i, 0), (2 * i, 7), (2 * i, 39)]) {
             let phi = |i: usize| own.vectors[(i, j)];
             let weighed = SPRINGS[0] * phi(node - 1) + SPRINGS[1] * phi(node + 1);
@@ -240,8 +242,9 @@ fn a_mass_between_the_nodes_of_a_massless_beam_is_condensed_in_the_axes_of_its_n
 
 #[test]
 fn a_mass_off_its_node_without_rotary_inertia_is_condensed_in_the_axes_of_its_null_space() {
-    // A mass on an arm r: M = m [[1, r], [r, r^2]] over deflection and rotation, springs at both: the spring at the node k,
-    // the rotational one q, in series over the arm: 1/k_e = 1/k + r^2/q. Arms at which r * r rounds.
+    // A mass on an arm r: M = m [[1, r], [r, r^2]] over deflection and rotation, springs at both:
+    // the spring at the node k, the rotational one q, in series over the arm: 1/k_e = 1/k + r^2/q.
+    // Arms at which r * r rounds.
     for r in [0.1, 0.3, 0.7, 1.0 / 3.0, 1e-3, 17.3] {
         let (m, k, q) = (2.7, 5e4, 80.0);
         let mass = vec![(0, 0, m), (0, 1, m * r), (1, 0, m * r), (1, 1, m * r * r)];
@@ -353,7 +356,8 @@ fn massless_coordinates_that_nothing_holds_are_named() {
 
 #[test]
 fn a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale() {
-    // A free chain of massless nodes beside a held mass, with springs of a wide range, and the same chain held softly.
+    // A free chain of massless nodes beside a held mass, with springs of a wide range, and the same
+    // chain held softly.
     for (nodes, unit) in [(3, 1.0), (40, 1e-9), (300, 1e12)] {
         let k = |i: usize| unit * 10f64.powi((i * 7 % 6) as i32) * (1.0 + 0.37 * i as f64);
         let between = (1..nodes).flat_map(|i| spring(i, i + 1, k(i)));
@@ -372,7 +376,8 @@ fn a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale() {
         }
         stiffness.extend(spring(0, nodes, 1e-3 * unit));
         let own = solve(&system(nodes + 1, &mass, &stiffness));
-        // Nothing pulls at the far end of the chain: it follows the mass, but for the rounding of its stiff springs.
+        // Nothing pulls at the far end of the chain: it follows the mass, but for the rounding of
+        // its stiff springs.
         let found = own.omega_rad_s[0].powi(2);
         assert!((found / (0.5 * unit) - 1.0).abs() < 1e-5, "{nodes} {found}");
     }

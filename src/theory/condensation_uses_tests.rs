@@ -126,8 +126,8 @@ fn reduction_to_the_coordinates_with_mass_keeps_every_frequency() {
     assert_eq!(same.omega_rad_s.len(), 6);
 }
 
-/// The alternating chain with parameters: `into` scales every spring into a node, `mass` every mass, `added` is a mass at the
-/// third coordinate, which has none at 0.
+/// The alternating chain with parameters: `into` scales every spring into a node, `mass` every
+/// mass, `added` is a mass at the third coordinate, which has none at 0.
 fn parameterised(masses: usize) -> ExternalModel {
     let matrices = alternating(masses, false);
     let size = matrices.coordinates.len();

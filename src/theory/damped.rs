@@ -1,7 +1,8 @@
-//! Modes of a viscously damped model with any damping matrix: complex shapes, and the residues they give.
+//! Modes of a viscously damped model with any damping matrix: complex shapes, and the residues they
+//! give.
 //!
-//! Held models only, and only roots that swing: a rigid-body mode or a real root is an error. Shapes are over the
-//! model's coordinates; nothing here knows a sensor.
+//! Held models only, and only roots that swing: a rigid-body mode or a real root is an error.
+//! Shapes are over the model's coordinates; nothing here knows a sensor.
 
 use num_complex::Complex64;
 
@@ -15,13 +16,14 @@ use super::{
     Coordinate, ModeOptions, SystemMatrices, TheoreticalModel, TheoryError, modes_of_matrices,
 };
 
-/// Roots nearer to each other than this part of their size are one: far below what separates roots that differ.
+/// Roots nearer to each other than this part of their size are one: far below what separates roots
+/// that differ.
 const REPEATED: f64 = 1e-9;
 /// What the solver rounds, as a part of the highest root: low roots are known no better.
 const ROUNDING: f64 = 1e-12;
 
-/// Least `|b(q, q)|` over `2 |lambda| |q|^2` of a vector that can be scaled: where two roots meet in one shape it is the
-/// root of the rounding, about 1e-8.
+/// Least `|b(q, q)|` over `2 |lambda| |q|^2` of a vector that can be scaled: where two roots meet
+/// in one shape it is the root of the rounding, about 1e-8.
 const INDEPENDENT: f64 = 1e-6;
 
 /// Complex modes of a damped model.
@@ -29,9 +31,11 @@ const INDEPENDENT: f64 = 1e-6;
 /// Receptance `H(s) = sum_r phi_r phi_r^T / (s - lambda_r) + conj.`, an `n` by `n` matrix.
 #[derive(Clone, Debug)]
 pub struct DampedModes {
-    /// Poles with positive imaginary part, ascending by size, rad/s; roots that are repeated are equal.
+    /// Poles with positive imaginary part, ascending by size, rad/s; roots that are repeated are
+    /// equal.
     pub poles_rad_s: Vec<Complex64>,
-    /// Vectors over the coordinates, one per column, `phi^T (2 lambda M + C) phi = 1`; free up to the sign.
+    /// Vectors over the coordinates, one per column, `phi^T (2 lambda M + C) phi = 1`; free up to
+    /// the sign.
     pub vectors: ComplexMatrix,
     /// Modes of one repeated root share a number.
     pub groups: Vec<Option<u32>>,
@@ -49,23 +53,26 @@ impl DampedModes {
     }
 }
 
-/// Modes of `M x'' + C x' + K x = 0`; a model without a damping matrix counts as undamped. Undamped roots within a millionth of
-/// each other count as one ([`modes_of_matrices`]).
+/// Modes of `M x'' + C x' + K x = 0`; a model without a damping matrix counts as undamped. Undamped
+/// roots within a millionth of each other count as one ([`modes_of_matrices`]).
 ///
-/// Motions without mass on which no damping force acts follow by statics, with damping as without ([`super::Condensation`]).
+/// Motions without mass on which no damping force acts follow by statics, with damping as without
+/// ([`super::Condensation`]).
 ///
-/// In the coordinates `q` of the undamped modes, `x = Phi q` with `Phi^T M Phi = I`, the state `(Omega q, q')` follows the
-/// matrix `[[0, Omega], [-Omega, -Phi^T C Phi]]`, all of whose entries are frequencies. Of each conjugate pair of its
-/// roots the one with positive imaginary part is kept. Distinct roots are orthogonal with respect to
-/// `b(q, p) = q^T ((lambda_q + lambda_p) I + Phi^T C Phi) p`; vectors of a repeated root are made so.
+/// In the coordinates `q` of the undamped modes, `x = Phi q` with `Phi^T M Phi = I`, the state
+/// `(Omega q, q')` follows the matrix `[[0, Omega], [-Omega, -Phi^T C Phi]]`, all of whose entries
+/// are frequencies. Of each conjugate pair of its roots the one with positive imaginary part is
+/// kept. Distinct roots are orthogonal with respect to `b(q, p) = q^T ((lambda_q + lambda_p) I +
+/// Phi^T C Phi) p`; vectors of a repeated root are made so.
 ///
 /// # Errors
 /// Those of [`modes_of_matrices`]; [`TheoryError::RigidBody`], [`TheoryError::Overdamped`],
 /// [`TheoryError::DefectiveRoot`].
 ///
 /// # Reference
-/// Foss (1958), Co-ordinates which uncouple the equations of motion of damped linear dynamic systems, J. Appl. Mech. 25;
-/// Ewins (2000), Modal Testing, 2nd ed., section 2.6 (general viscous damping).
+/// Foss (1958), Co-ordinates which uncouple the equations of motion of damped linear dynamic
+/// systems, J. Appl. Mech. 25; Ewins (2000), Modal Testing, 2nd ed., section 2.6 (general viscous
+/// damping).
 pub fn damped_modes(matrices: &SystemMatrices) -> Result<DampedModes, TheoryError> {
     let undamped = modes_of_matrices(matrices, &ModeOptions::default())?;
     if undamped.rigid > 0 {
@@ -101,14 +108,16 @@ pub fn damped_modes(matrices: &SystemMatrices) -> Result<DampedModes, TheoryErro
     Ok(solution)
 }
 
-/// Modes of a model with its damping matrix as it is, read by sensors, ascending in frequency, inside the band if one is given.
+/// Modes of a model with its damping matrix as it is, read by sensors, ascending in frequency,
+/// inside the band if one is given.
 ///
-/// Shapes are scaled as those of unit modal mass are: the residue of a pair is `phi_r phi_k/(2 i omega_d)`, so that real ones come out
-/// where the damping does not couple the undamped modes. Of the two signs the one that makes the largest component's real part positive.
+/// Shapes are scaled as those of unit modal mass are: the residue of a pair is `phi_r phi_k/(2 i
+/// omega_d)`, so that real ones come out where the damping does not couple the undamped modes. Of
+/// the two signs the one that makes the largest component's real part positive.
 ///
 /// # Errors
-/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and [`damped_modes`]; [`TheoryError::Undamped`] without
-/// a damping matrix.
+/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and
+/// [`damped_modes`]; [`TheoryError::Undamped`] without a damping matrix.
 pub fn damped_model(
     model: &dyn TheoreticalModel,
     values: &[f64],
@@ -214,8 +223,9 @@ fn roots(omega: &[f64], damping: &RealMatrix) -> Result<Vec<Root>, TheoryError> 
     Ok(roots)
 }
 
-/// The roots gathered by value, each group where its first root stood. Roots of one size need not be one root: equal
-/// oscillators with different dampers all have `|lambda| = omega`, in an order that rounding decides.
+/// The roots gathered by value, each group where its first root stood. Roots of one size need not
+/// be one root: equal oscillators with different dampers all have `|lambda| = omega`, in an order
+/// that rounding decides.
 fn groups(roots: Vec<Root>) -> Vec<Vec<Root>> {
     let largest = roots.iter().map(|r| r.lambda.norm()).fold(0.0, f64::max);
     let mut groups: Vec<Vec<Root>> = Vec::new();
@@ -241,8 +251,9 @@ fn form(q: &[Complex64], p: &[Complex64], lambda: Complex64, damping: &RealMatri
 
 /// Vectors of one root with `b(q, q) = 1` and, where it is repeated, `b(q, p) = 0`.
 ///
-/// Gram and Schmidt with respect to a form that is not definite: the vector that goes first is the one of largest
-/// `|b|` among what is left and its sums and differences in pairs, one of which is not zero unless the form is.
+/// Gram and Schmidt with respect to a form that is not definite: the vector that goes first is the
+/// one of largest `|b|` among what is left and its sums and differences in pairs, one of which is
+/// not zero unless the form is.
 fn scaled(
     group: &[Root],
     lambda: Complex64,
@@ -277,8 +288,8 @@ fn scaled(
     Ok(done)
 }
 
-/// The vector of largest share among the given ones and their sums and differences, and the number of the one it
-/// replaces.
+/// The vector of largest share among the given ones and their sums and differences, and the number
+/// of the one it replaces.
 fn best(left: &[Vec<Complex64>], share: impl Fn(&[Complex64]) -> f64) -> (usize, Vec<Complex64>) {
     let mut candidates: Vec<(usize, Vec<Complex64>)> = left.iter().cloned().enumerate().collect();
     for (i, a) in left.iter().enumerate() {

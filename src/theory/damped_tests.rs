@@ -121,7 +121,8 @@ fn proportional_damping_gives_back_its_ratio() {
     }
 }
 
-/// A ring of equal masses on equal springs, each also tied to ground: every root but the first and last is double.
+/// A ring of equal masses on equal springs, each also tied to ground: every root but the first and
+/// last is double.
 fn ring(n: usize) -> SystemMatrices {
     let line = Chain::new(&vec![1.5; n], &vec![2e5; n + 1]).matrices();
     let mut stiffness = line.stiffness;
@@ -167,7 +168,8 @@ fn two_equal_oscillators_with_their_own_dampers_are_one_double_root() {
 
 #[test]
 fn equal_roots_are_found_among_others_of_the_same_size() {
-    // Four equal oscillators, not tied to one another: |lambda| is omega for all, and two dampers are equal.
+    // Four equal oscillators, not tied to one another: |lambda| is omega for all, and two dampers
+    // are equal.
     let mut four = Chain::new(&[1.0; 4], &[0.0; 5]);
     let dampers = [12.0, 20.0, 12.0, 16.0];
     four.damping = real_matrix(4, 4, |i, j| if i == j { dampers[i] } else { 0.0 });
@@ -193,7 +195,8 @@ fn free_overdamped_and_defective_models_are_errors() {
         other => panic!("{other}"),
     }
 
-    // (s^2 + 20 s + 10100)(s^2 + 10000) - 1000^2 = (s^2 + 10 s + 10000)^2: both pairs of roots meet, in one shape.
+    // (s^2 + 20 s + 10100)(s^2 + 10000) - 1000^2 = (s^2 + 10 s + 10000)^2: both pairs of roots
+    // meet, in one shape.
     let mut meeting = Chain::new(&[1.0, 1.0], &[9.1e3, 1e3, 9e3]);
     meeting.damping[(0, 0)] = 20.0;
     let error = damped_modes(&meeting.matrices());

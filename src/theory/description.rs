@@ -1,7 +1,7 @@
 //! The typed contents of a `model.toml`: what a person wrote, before it is a model.
 //!
-//! The `kind` key says which model it is; each kind has its own struct, and a key that the kind does not know is an error.
-//! Text is parsed elsewhere; nothing here is assembled.
+//! The `kind` key says which model it is; each kind has its own struct, and a key that the kind
+//! does not know is an error. Text is parsed elsewhere; nothing here is assembled.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -12,7 +12,8 @@ use super::{ParameterSpec, TheoryError};
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-model/1";
 
-/// `kind = "beam"`: one or more Euler-Bernoulli beams with point masses and springs to ground. They do not touch one another.
+/// `kind = "beam"`: one or more Euler-Bernoulli beams with point masses and springs to ground. They
+/// do not touch one another.
 ///
 /// ```
 /// # use modalign::theory::{BeamFile, BeamModel, TheoreticalModel};

@@ -6,15 +6,16 @@ use crate::linalg::{ComplexMatrix, complex_matrix, solve_square};
 
 use super::{SystemMatrices, TheoryError};
 
-/// Receptances at `s = i omega` (or any other point of the plane), one row for each response, one column for each hit:
-/// `B_y (s^2 M + s C + K)^-1 B_f^T` with the observation rows of responses and hits, m/N.
+/// Receptances at `s = i omega` (or any other point of the plane), one row for each response, one
+/// column for each hit: `B_y (s^2 M + s C + K)^-1 B_f^T` with the observation rows of responses and
+/// hits, m/N.
 ///
-/// It costs a solution of all equations at every line, where a sum over modes costs one number for each; it needs no damping that
-/// modes uncouple, and lacks no mode above the band.
+/// It costs a solution of all equations at every line, where a sum over modes costs one number for
+/// each; it needs no damping that modes uncouple, and lacks no mode above the band.
 ///
 /// # Errors
-/// [`TheoryError::MatrixSize`] of matrices that are not square over the coordinates; [`TheoryError::RowLength`] of an
-/// observation row without one entry for each coordinate.
+/// [`TheoryError::MatrixSize`] of matrices that are not square over the coordinates;
+/// [`TheoryError::RowLength`] of an observation row without one entry for each coordinate.
 ///
 /// # Reference
 /// Ewins (2000), Modal Testing, 2nd ed., section 2.6.
@@ -89,7 +90,8 @@ mod tests {
         }
     }
 
-    /// Two masses on springs to the ground with a damper between them: `H` by the adjugate of two rows, written out.
+    /// Two masses on springs to the ground with a damper between them: `H` by the adjugate of two
+    /// rows, written out.
     #[test]
     fn two_masses_with_a_damper_between_them_are_the_closed_form() {
         let (m, k, c) = ([2.0, 3.0], [500.0, 800.0], 4.0);
@@ -101,7 +103,8 @@ mod tests {
             coordinates: vec![coordinate("a"), coordinate("b")],
             springs: Vec::new(),
         };
-        // The second response is half of the first mass less the second one, as a sensor with a lever would read it.
+        // The second response is half of the first mass less the second one, as a sensor with a
+        // lever would read it.
         let responses = [vec![1.0, 0.0], vec![0.5, -1.0]];
         let hits = [vec![0.0, 2.0]];
         for omega in [3.0, 15.8, 40.0] {

@@ -1,7 +1,8 @@
-//! Numbers that carry their derivative by one parameter: geometry written once gives matrices and their derivatives.
+//! Numbers that carry their derivative by one parameter: geometry written once gives matrices and
+//! their derivatives.
 //!
-//! A dual number `a + b e` with `e² = 0` follows `f(a + b e) = f(a) + f'(a) b e`, so that arithmetic on it is exact
-//! differentiation. Nothing here knows a model.
+//! A dual number `a + b e` with `e² = 0` follows `f(a + b e) = f(a) + f'(a) b e`, so that
+//! arithmetic on it is exact differentiation. Nothing here knows a model.
 //!
 //! # Reference
 //! Griewank and Walther (2008), Evaluating Derivatives, 2nd ed., chapter 3 (forward mode).
@@ -112,7 +113,8 @@ pub(super) struct Values<'a> {
 }
 
 impl Values<'_> {
-    /// What a sum of numbers is made of: the number, or its derivative where there is a parameter to differentiate by.
+    /// What a sum of numbers is made of: the number, or its derivative where there is a parameter
+    /// to differentiate by.
     pub fn part(&self, number: Dual) -> f64 {
         match self.by {
             Some(_) => number.slope,
@@ -136,7 +138,8 @@ mod tests {
 
     #[test]
     fn arithmetic_differentiates() {
-        // f(x) = (x sin x - 3 / x) / (2 - cos x): value and slope against the quotient rule written out.
+        // f(x) = (x sin x - 3 / x) / (2 - cos x): value and slope against the quotient rule written
+        // out.
         let x = Dual {
             value: 0.7,
             slope: 1.0,

@@ -1,7 +1,8 @@
 //! Undamped modes of a model, observed at the sensors of a test.
 //!
-//! Rigid-body modes are exactly 0 Hz; repeated roots share a group number; bases and signs are made canonical, so that the
-//! same matrices give the same modes on any machine. Nothing here knows what kind of model it solves.
+//! Rigid-body modes are exactly 0 Hz; repeated roots share a group number; bases and signs are made
+//! canonical, so that the same matrices give the same modes on any machine. Nothing here knows what
+//! kind of model it solves.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -22,20 +23,24 @@ use super::{
     Condensation, Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError,
 };
 
-/// Neighbours closer than this part of their frequency are one repeated root: far above the rounding of a solver (about
-/// 1e-10 for a machine of a hundred coordinates), far below what a test can tell apart.
+/// Neighbours closer than this part of their frequency are one repeated root: far above the
+/// rounding of a solver (about 1e-10 for a machine of a hundred coordinates), far below what a test
+/// can tell apart.
 const REPEATED_SPACING: f64 = 1e-6;
-/// Part of a frequency within which repeated roots are equal: the accuracy that natural frequencies have. Larger: the closest
-/// pair of Wilkinson's matrix of 201 coordinates is off by 1e-8. Smaller: roots of a symmetric machine differ by rounding.
+/// Part of a frequency within which repeated roots are equal: the accuracy that natural frequencies
+/// have. Larger: the closest pair of Wilkinson's matrix of 201 coordinates is off by 1e-8. Smaller:
+/// roots of a symmetric machine differ by rounding.
 const EQUAL_SPACING: f64 = 1e-9;
 /// The same as a multiple of the rounding bound of `omega^2`, where that is larger.
 const EQUAL_ROUNDINGS: f64 = 4.0;
-/// Rounding bounds of K within which an omega² counts as 0: this many over the number of coordinates, within the range of
-/// [`ZERO_RANGE`]. Entries that sum many springs are rounded many times, up to 4 bounds with the 37 coordinates of the cycloid ball
-/// drive; those of a mesh are rounded a few times each, and many cancel.
+/// Rounding bounds of K within which an omega² counts as 0: this many over the number of
+/// coordinates, within the range of [`ZERO_RANGE`]. Entries that sum many springs are rounded many
+/// times, up to 4 bounds with the 37 coordinates of the cycloid ball drive; those of a mesh are
+/// rounded a few times each, and many cancel.
 const ZERO_ROUNDINGS: f64 = 150.0;
-/// Smaller: the rigid-body modes of free plates are not at 0 (0.11 bounds), nor the rolling balls of the drive. Larger: a bar of 500
-/// elements on a suspension of 0.1 Hz, at 0.34 bounds, is taken for free, and a stiffness that is not semidefinite for one that is.
+/// Smaller: the rigid-body modes of free plates are not at 0 (0.11 bounds), nor the rolling balls
+/// of the drive. Larger: a bar of 500 elements on a suspension of 0.1 Hz, at 0.34 bounds, is taken
+/// for free, and a stiffness that is not semidefinite for one that is.
 const ZERO_RANGE: [f64; 2] = [0.25, 4.0];
 /// Part of a natural frequency above which the bound of its change by rounding of K is a finding.
 const ROUNDING_REPORTED: f64 = 1e-6;
@@ -49,14 +54,16 @@ pub struct ModeOptions {
     pub band: Option<Band>,
     /// Keep at most this many of them, from the lowest, rigid-body modes counted.
     pub count: Option<usize>,
-    /// Damping ratio of every elastic mode. `None`: from the model's damping matrix, or unknown where it has none.
+    /// Damping ratio of every elastic mode. `None`: from the model's damping matrix, or unknown
+    /// where it has none.
     pub damping_ratio: Option<f64>,
 }
 
 /// Modes of a model: at the sensors as a [`ModalModel`], and over all coordinates.
 #[derive(Clone, Debug)]
 pub struct TheoryModes {
-    /// The modes at the sensors, shapes real and of unit modal mass, on the positive axes of the sensors.
+    /// The modes at the sensors, shapes real and of unit modal mass, on the positive axes of the
+    /// sensors.
     pub model: ModalModel,
     /// The same modes over the coordinates, one per column, `phi^T M phi = I`.
     pub vectors: RealMatrix,
@@ -68,12 +75,14 @@ pub struct TheoryModes {
     pub rigid: usize,
     /// The coordinates, in the order of the rows of `vectors`.
     pub coordinates: Vec<Coordinate>,
-    /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column adds up to 1.
+    /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column
+    /// adds up to 1.
     pub kinetic_shares: RealMatrix,
-    /// Where the strain energy is, by the names of the springs, or of the parts of the stiffness matrix.
+    /// Where the strain energy is, by the names of the springs, or of the parts of the stiffness
+    /// matrix.
     pub strain_shares: StrainShares,
-    /// Static condensation of the motions without mass, which have no mode; `None` where every motion carries mass, and of a
-    /// sparse system.
+    /// Static condensation of the motions without mass, which have no mode; `None` where every
+    /// motion carries mass, and of a sparse system.
     pub condensation: Option<Arc<Condensation>>,
 }
 
@@ -82,8 +91,9 @@ pub struct TheoryModes {
 /// Parameters whose status is assumed come back as findings of the modal model.
 ///
 /// # Errors
-/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and [`modes_of_matrices`];
-/// [`TheoryError::RotationAtPoint`], [`TheoryError::Duplicate`] for a sensor given twice.
+/// Those of [`TheoreticalModel::assemble`], [`TheoreticalModel::observation_row`] and
+/// [`modes_of_matrices`]; [`TheoryError::RotationAtPoint`], [`TheoryError::Duplicate`] for a sensor
+/// given twice.
 pub fn modes(
     model: &dyn TheoreticalModel,
     values: &[f64],
@@ -129,22 +139,25 @@ fn state_damping(model: &dyn TheoreticalModel, options: &ModeOptions, result: &m
 
 /// Modes of given matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
 ///
-/// `K phi = omega^2 M phi`, solved and checked by [`crate::linalg::symmetric_modes`]. Rounding of the entries of K alone moves
-/// each `omega^2` by up to `eps |phi|^T |K| |phi|` (entries without their signs), mostly by far less in a mesh: a mode within four of these bounds of 0, or
-/// a quarter of one in a model of 600 coordinates and more, is a rigid-body mode at exactly 0. A suspension below it (0.05 Hz of a bar of 500 elements whose first
-/// bending mode is at 148 Hz) is not distinguished from none. Where the bound exceeds a millionth of a natural frequency, a
+/// `K phi = omega^2 M phi`, solved and checked by [`crate::linalg::symmetric_modes`]. Rounding of
+/// the entries of K alone moves each `omega^2` by up to `eps |phi|^T |K| |phi|` (entries without
+/// their signs), mostly by far less in a mesh: a mode within four of these bounds of 0, or a
+/// quarter of one in a model of 600 coordinates and more, is a rigid-body mode at exactly 0. A
+/// suspension below it (0.05 Hz of a bar of 500 elements whose first bending mode is at 148 Hz) is
+/// not distinguished from none. Where the bound exceeds a millionth of a natural frequency, a
 /// finding states it.
 ///
-/// Neighbours within a millionth of their frequency share a group number and one canonical basis. Those that differ by less than
-/// 1e-9 of it, or by what rounding of K may do, have their mean `omega^2`. Damping from a damping
-/// matrix is `phi^T C phi / (2 omega)`: exact where the modes uncouple C, else of first order in it.
+/// Neighbours within a millionth of their frequency share a group number and one canonical basis.
+/// Those that differ by less than 1e-9 of it, or by what rounding of K may do, have their mean
+/// `omega^2`. Damping from a damping matrix is `phi^T C phi / (2 omega)`: exact where the modes
+/// uncouple C, else of first order in it.
 ///
-/// Motions without mass are condensed statically, which keeps all finite modes as they are ([`Condensation`]); a finding says
-/// how many.
+/// Motions without mass are condensed statically, which keeps all finite modes as they are
+/// ([`Condensation`]); a finding says how many.
 ///
 /// # Errors
-/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
-/// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
+/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`],
+/// [`TheoryError::MatrixEntry`], [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
 ///
 /// # Reference
 /// Parlett (1998), The Symmetric Eigenvalue Problem, chapters 4 and 15.
@@ -186,8 +199,8 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    /// Mass-normalised vectors with their eigenvalues, in any order; `total` is the squared motion of each coordinate
-    /// in all modes, or what stands for its scale.
+    /// Mass-normalised vectors with their eigenvalues, in any order; `total` is the squared motion
+    /// of each coordinate in all modes, or what stands for its scale.
     pub fn arranged(raw: &RealMatrix, eigenvalues: &[Root], total: &[f64]) -> Self {
         let n = eigenvalues.len();
         let value = |j: usize| eigenvalues[j].omega_squared;
@@ -221,8 +234,9 @@ impl Solution {
         }
     }
 
-    /// The part of the natural frequency that rounding of K may move, `d omega / omega = d omega^2 / (2 omega^2)`, of the modes
-    /// where it is one to report: the finding is at the mode of the largest part and lists the others.
+    /// The part of the natural frequency that rounding of K may move, `d omega / omega = d omega^2
+    /// / (2 omega^2)`, of the modes where it is one to report: the finding is at the mode of the
+    /// largest part and lists the others.
     fn rounding_finding(&self, kept: &[usize]) -> Option<Finding> {
         let elastic = kept.iter().filter(|&&j| j >= self.rigid);
         let part = |&j: &usize| {
@@ -249,8 +263,8 @@ impl Solution {
         })
     }
 
-    /// The modes that the options keep. `damping` gives the ratio of an elastic mode from the matrices, `moved` is `M Phi`.
-    /// Coordinates and springs are left to the caller.
+    /// The modes that the options keep. `damping` gives the ratio of an elastic mode from the
+    /// matrices, `moved` is `M Phi`. Coordinates and springs are left to the caller.
     pub fn kept(
         &self,
         options: &ModeOptions,
@@ -311,7 +325,8 @@ fn solve(
         Some(own) => own.modes(matrices)?,
     };
     let mut total = row_squares(&raw.vectors);
-    // A coordinate without mass is never a pivot, here as in sparse systems: its motion in all modes has no bound.
+    // A coordinate without mass is never a pivot, here as in sparse systems: its motion in all
+    // modes has no bound.
     let massless = (0..total.len()).filter(|&i| matrices.mass[(i, i)].abs() <= 0.0);
     massless.for_each(|i| total[i] = f64::INFINITY);
     let pairs = raw.omega_squared.iter().zip(raw.rounding);
@@ -332,7 +347,8 @@ impl Root {
     /// Of a model of so many coordinates; exactly 0 within [`ZERO_ROUNDINGS`] over their number.
     ///
     /// # Errors
-    /// [`TheoryError::NegativeStiffness`] for a value below 0 by more than the most of [`ZERO_RANGE`].
+    /// [`TheoryError::NegativeStiffness`] for a value below 0 by more than the most of
+    /// [`ZERO_RANGE`].
     pub fn new(omega_squared: f64, rounding: f64, size: usize) -> Result<Self, TheoryError> {
         let [least, most] = ZERO_RANGE;
         let limit = most * rounding;
@@ -364,7 +380,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Runs of two or more neighbours, each within [`REPEATED_SPACING`] of the one before, in ascending order.
+/// Runs of two or more neighbours, each within [`REPEATED_SPACING`] of the one before, in ascending
+/// order.
 fn repeated_roots(omega_squared: &[f64]) -> Vec<std::ops::Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
@@ -461,8 +478,8 @@ fn check_matrix(
     check_entries((name, expected), size, places, |i, j| matrix[(i, j)])
 }
 
-/// Rows and columns as expected, at least one; the entries of these places finite, each equal to its mirror image up to the
-/// rounding of a sum.
+/// Rows and columns as expected, at least one; the entries of these places finite, each equal to
+/// its mirror image up to the rounding of a sum.
 pub(super) fn check_entries(
     (name, expected): (&'static str, usize),
     (got_rows, got_columns): (usize, usize),
@@ -480,7 +497,8 @@ pub(super) fn check_entries(
     let diagonal: Vec<f64> = (0..expected).map(|i| entry(i, i).abs().sqrt()).collect();
     for (row, column) in places {
         let (got, mirror) = (entry(row, column), entry(column, row));
-        // Sums of the same terms in another order differ by a few units in the last place of the largest term.
+        // Sums of the same terms in another order differ by a few units in the last place of the
+        // largest term.
         let scale = (diagonal[row] * diagonal[column]).max(got.abs());
         let symmetric = (got - mirror).abs() <= 1e-12 * scale;
         if !(got.is_finite() && mirror.is_finite() && symmetric) {

@@ -33,7 +33,8 @@ fn a_free_bar_has_two_rigid_modes_translation_and_turn_about_its_centre() {
         assert_eq!(mode.frequency_hz.to_bits(), 0, "exactly 0 Hz");
         assert_eq!((mode.group, mode.damping_ratio), (Some(1), None));
     }
-    // The two highest are edge modes of the elements at the two ends, alike to rounding: a true repeated root.
+    // The two highest are edge modes of the elements at the two ends, alike to rounding: a true
+    // repeated root.
     let resolved = &result.model.modes[2..80];
     assert!(resolved.iter().all(|mode| mode.group.is_none()));
     for (i, x) in positions.iter().enumerate() {

@@ -13,20 +13,21 @@ pub struct ModelRoot {
     pub modes: Vec<usize>,
     /// Angular frequency, rad/s; 0 for the rigid-body modes.
     pub omega_rad_s: f64,
-    /// Share of the kinetic energy in each body, bodies in the order of the model; the shares add up to 1. For a repeated
-    /// root the mean over its modes, which does not depend on the basis.
+    /// Share of the kinetic energy in each body, bodies in the order of the model; the shares add
+    /// up to 1. For a repeated root the mean over its modes, which does not depend on the basis.
     pub kinetic_energy: Vec<(String, f64)>,
-    /// Share of the strain energy in the springs, or the parts of the stiffness matrix, of each name, in the order of the
-    /// model; the shares add up to 1. Of a repeated root the mean over its modes. Empty for a root at 0 and for a model
-    /// without springs or named parts.
+    /// Share of the strain energy in the springs, or the parts of the stiffness matrix, of each
+    /// name, in the order of the model; the shares add up to 1. Of a repeated root the mean over
+    /// its modes. Empty for a root at 0 and for a model without springs or named parts.
     pub strain_energy: Vec<(String, f64)>,
-    /// What kind of motion it is, in the words of the model; `None` for a model that has no such words.
+    /// What kind of motion it is, in the words of the model; `None` for a model that has no such
+    /// words.
     pub class: Option<String>,
 }
 
 impl ModelRoot {
-    /// The kinetic energy with bodies that differ only in their number (`ball-1`, `ball-2`, ...) taken together under
-    /// their common name, largest share first.
+    /// The kinetic energy with bodies that differ only in their number (`ball-1`, `ball-2`, ...)
+    /// taken together under their common name, largest share first.
     pub fn energy_by_kind(&self) -> Vec<(String, f64)> {
         let mut kinds: Vec<(String, f64)> = Vec::new();
         for (body, share) in &self.kinetic_energy {
@@ -44,7 +45,8 @@ impl ModelRoot {
     }
 }
 
-/// Share of the strain energy of a mode (column) in the springs, or the parts of the stiffness matrix, of one name (row).
+/// Share of the strain energy of a mode (column) in the springs, or the parts of the stiffness
+/// matrix, of one name (row).
 #[derive(Clone, Debug)]
 pub struct StrainShares {
     /// The names, each once, in the order of the springs or parts.
@@ -53,8 +55,8 @@ pub struct StrainShares {
     pub shares: RealMatrix,
 }
 
-/// `k (b^T phi)^2` of every spring in every mode over its sum. Rounding strains a rigid-body mode a little, by which its
-/// shares mean nothing.
+/// `k (b^T phi)^2` of every spring in every mode over its sum. Rounding strains a rigid-body mode a
+/// little, by which its shares mean nothing.
 pub(super) fn strain_shares(springs: &[Spring], vectors: &RealMatrix) -> StrainShares {
     shares(
         springs,
@@ -68,7 +70,8 @@ pub(super) fn strain_shares(springs: &[Spring], vectors: &RealMatrix) -> StrainS
     )
 }
 
-/// `theta_j phi^T K_j phi` of every part of the stiffness matrix in every mode over its sum, which is `phi^T K phi`.
+/// `theta_j phi^T K_j phi` of every part of the stiffness matrix in every mode over its sum, which
+/// is `phi^T K phi`.
 pub(super) fn part_shares(parts: &[StiffnessPart<'_>], vectors: &RealMatrix) -> StrainShares {
     shares(
         parts,
@@ -129,8 +132,8 @@ pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<Mod
     modes.model.roots().into_iter().map(root).collect()
 }
 
-/// `phi_i (M phi)_i` of every coordinate (row) in every mode (column) of unit modal mass, from `moved = M Phi`; each column
-/// adds up to 1.
+/// `phi_i (M phi)_i` of every coordinate (row) in every mode (column) of unit modal mass, from
+/// `moved = M Phi`; each column adds up to 1.
 pub(super) fn kinetic_shares(moved: &RealMatrix, vectors: &RealMatrix) -> RealMatrix {
     crate::linalg::real_matrix(vectors.nrows(), vectors.ncols(), |i, j| {
         vectors[(i, j)] * moved[(i, j)]

@@ -180,7 +180,8 @@ pub enum TheoryError {
         /// How many there are.
         count: usize,
     },
-    /// A point or an angle of a body whose coordinate is a radius times an angle, the radius not known.
+    /// A point or an angle of a body whose coordinate is a radius times an angle, the radius not
+    /// known.
     #[error(
         "{used_by}: `{body}` moves by `{coordinate}`, a radius times an angle; expected the coordinate instead of a point"
     )]

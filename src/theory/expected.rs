@@ -1,6 +1,7 @@
 //! What would have been accepted, in the words of an error.
 
-/// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or more).
+/// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or
+/// more).
 pub(super) fn nearest_name<'a>(
     got: &str,
     known: impl IntoIterator<Item = &'a str>,

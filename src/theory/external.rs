@@ -1,7 +1,8 @@
 //! A model of given matrices: sums of a fixed part and of named groups that parameters scale.
 //!
-//! `M = M_0 + sum theta_j M_j`, `K = K_0 + sum theta_j K_j`, `C = C_0 + sum theta_j C_j + alpha M + beta K`, so that the
-//! derivative by a parameter is its own group. Where the matrices come from is not known here; they are in SI units.
+//! `M = M_0 + sum theta_j M_j`, `K = K_0 + sum theta_j K_j`, `C = C_0 + sum theta_j C_j + alpha M +
+//! beta K`, so that the derivative by a parameter is its own group. Where the matrices come from is
+//! not known here; they are in SI units.
 
 use std::collections::BTreeMap;
 
@@ -46,7 +47,8 @@ pub struct StatedDamping {
     pub mass_per_s: f64,
     /// `beta`, s.
     pub stiffness_s: f64,
-    /// Damping ratios of the elastic modes from the lowest; it stands for what the matrices say of a mode.
+    /// Damping ratios of the elastic modes from the lowest; it stands for what the matrices say of
+    /// a mode.
     pub ratios: Vec<f64>,
 }
 
@@ -88,7 +90,8 @@ impl ExternalModel {
     /// The model of these matrices.
     ///
     /// # Errors
-    /// [`TheoryError::NoCoordinates`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`], [`TheoryError::OutOfBounds`],
+    /// [`TheoryError::NoCoordinates`], [`TheoryError::Duplicate`],
+    /// [`TheoryError::UnknownParameter`], [`TheoryError::OutOfBounds`],
     /// [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`], [`TheoryError::DampingRatio`],
     /// [`TheoryError::PropertyOutOfRange`].
     pub fn new(mut matrices: ExternalMatrices) -> Result<Self, TheoryError> {

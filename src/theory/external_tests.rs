@@ -63,8 +63,8 @@ fn two_masses(second: &str) -> ExternalMatrices {
     }
 }
 
-/// A square of bilinear elements with consistent mass, 40 x 40 nodes inside held edges; `theta` scales its stiffness along y:
-/// `lambda = mu_i + theta mu_j`.
+/// A square of bilinear elements with consistent mass, 40 x 40 nodes inside held edges; `theta`
+/// scales its stiffness along y: `lambda = mu_i + theta mu_j`.
 fn membrane(damping: StatedDamping) -> (ExternalModel, Vec<f64>) {
     let nodes = 40;
     let h = 1.0 / (nodes + 1) as f64;

@@ -1,8 +1,9 @@
 //! All modes of a sparse model of which few motions carry mass, from the full condensed pair.
 //!
-//! `K_c = T^T K T` with `T = [I; -K_oo^-1 K_oa]`. `K T` is summed in twice the working precision; its rows without mass are the
-//! residual of `T`, so that `K_c` has the square of the error of `T` only, where `K_aa - K_ao K_oo^-1 K_oa` would have its
-//! error and the rounding of `K_aa`, which is 1e9 of `K_c` for a mass on a mesh of 800 beam elements.
+//! `K_c = T^T K T` with `T = [I; -K_oo^-1 K_oa]`. `K T` is summed in twice the working precision;
+//! its rows without mass are the residual of `T`, so that `K_c` has the square of the error of `T`
+//! only, where `K_aa - K_ao K_oo^-1 K_oa` would have its error and the rounding of `K_aa`, which is
+//! 1e9 of `K_c` for a mass on a mesh of 800 beam elements.
 
 use crate::linalg::{
     self, LinalgError, RealMatrix, SparseMatrix, SparseModes, Wanted, real_matrix,
@@ -11,11 +12,13 @@ use crate::linalg::{
 use super::massless::rows_of;
 use super::{Condensation, TheoryError};
 
-/// Most motions with mass that are condensed into full matrices. Smaller: 200 masses at 1e-10 of the stiffness of their coordinates
-/// are found (`modes_far_below_the_stiffness_of_their_coordinates_are_found`), 201 end in an error of block Lanczos. Larger: time
-/// and memory, which are those of as many solutions.
+/// Most motions with mass that are condensed into full matrices. Smaller: 200 masses at 1e-10 of
+/// the stiffness of their coordinates are found
+/// (`modes_far_below_the_stiffness_of_their_coordinates_are_found`), 201 end in an error of block
+/// Lanczos. Larger: time and memory, which are those of as many solutions.
 pub(super) const MOST: usize = 200;
-/// Part of an omega² within which it is one root with the one before; rounding bounds of K within which it is 0.
+/// Part of an omega² within which it is one root with the one before; rounding bounds of K within
+/// which it is 0.
 const REPEATED: f64 = 1e-5;
 const ZERO_ROUNDINGS: f64 = 4.0;
 

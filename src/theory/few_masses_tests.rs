@@ -1,4 +1,5 @@
-//! Sparse models of which few motions carry mass, and massless motions that stiffness does not hold, against closed forms.
+//! Sparse models of which few motions carry mass, and massless motions that stiffness does not
+//! hold, against closed forms.
 
 use super::condensation_tests::{Entries, errors, massless_beam, solve, sparse, spring, system};
 use super::*;
@@ -14,7 +15,8 @@ fn lowest(system: &SparseSystem, count: Option<usize>) -> Result<TheoryModes, Th
     modes_of_sparse(system, &options)
 }
 
-/// Largest part of its value that rounding of the stiffness may change an omega² by, as stated; 2e-6 where none is.
+/// Largest part of its value that rounding of the stiffness may change an omega² by, as stated;
+/// 2e-6 where none is.
 fn stated_rounding(modes: &TheoryModes) -> f64 {
     let findings = modes.model.findings.iter();
     let mut stated = findings.filter(|own| own.code == crate::finding::Code::StiffnessRounding);
@@ -54,7 +56,8 @@ fn a_free_fine_mesh_with_three_masses_has_two_rigid_modes_and_its_closed_form() 
     }
 }
 
-/// Masses of 1 kg, each on a stiff spring to a massless node that a soft spring of 1 to 2 N/m holds.
+/// Masses of 1 kg, each on a stiff spring to a massless node that a soft spring of 1 to 2 N/m
+/// holds.
 fn soft_supports(masses: usize, stiff: f64) -> SystemMatrices {
     let mut stiffness = Entries::new();
     for i in 0..masses {
@@ -71,7 +74,8 @@ fn soft(i: usize, masses: usize) -> f64 {
 
 #[test]
 fn modes_far_below_the_stiffness_of_their_coordinates_are_found() {
-    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MOST` the count of modes ends in an error of its factor.
+    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MOST` the count of modes ends in an error
+    // of its factor.
     for masses in [10, 200] {
         let own = lowest(&sparse(&soft_supports(masses, 1e10)), Some(8)).unwrap();
         assert_eq!((own.rigid, own.omega_rad_s.len()), (0, 8));
@@ -103,7 +107,8 @@ fn a_band_of_a_model_with_few_masses_holds_the_modes_below_its_end() {
 
 #[test]
 fn negative_springs_on_massless_coordinates_are_named() {
-    // Mass, 100 N/m, node with -300 N/m to ground, 100 N/m, mass; a chain of massless nodes beside it is at rest.
+    // Mass, 100 N/m, node with -300 N/m to ground, 100 N/m, mass; a chain of massless nodes beside
+    // it is at rest.
     let mut stiffness: Entries = spring(0, 1, 100.0).to_vec();
     stiffness.extend(spring(1, 2, 100.0));
     stiffness.push((1, 1, -300.0));
@@ -128,7 +133,8 @@ fn negative_springs_on_massless_coordinates_are_named() {
     }
     // Less than the other springs of the node: the motion is held, with 100 + 100 - 150 N/m.
     stiffness[8] = (1, 1, -150.0);
-    // K_c = [100 - 200, -200; -200, 100 - 200] is not stable: the modes say so, not the massless node.
+    // K_c = [100 - 200, -200; -200, 100 - 200] is not stable: the modes say so, not the massless
+    // node.
     for error in errors(&system(41, &vec![(0, 0, 1.0), (2, 2, 1.0)], &stiffness)) {
         assert!(
             matches!(error, TheoryError::NegativeStiffness { .. }),
@@ -137,8 +143,8 @@ fn negative_springs_on_massless_coordinates_are_named() {
     }
 }
 
-/// `omega` of point masses on a clamped beam without mass, from the compliance `x^2 (3 y - x)/(6 EI)` at y of a force at
-/// `x < y`.
+/// `omega` of point masses on a clamped beam without mass, from the compliance `x^2 (3 y - x)/(6
+/// EI)` at y of a force at `x < y`.
 fn exact_clamped(masses: &[(f64, f64)]) -> Vec<f64> {
     let compliance = |i: usize, j: usize| {
         let (x, y) = (masses[i].0.min(masses[j].0), masses[i].0.max(masses[j].0));
@@ -152,8 +158,8 @@ fn exact_clamped(masses: &[(f64, f64)]) -> Vec<f64> {
 
 #[test]
 fn masses_off_their_nodes_by_rounding_have_the_modes_of_masses_there() {
-    // Twelve masses on a clamped beam of 120 elements, on the nodes and beside them: the own mass of a neighbouring coordinate
-    // is the sixth power of the offset.
+    // Twelve masses on a clamped beam of 120 elements, on the nodes and beside them: the own mass
+    // of a neighbouring coordinate is the sixth power of the offset.
     for off_m in [
         0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3,
     ] {
@@ -173,7 +179,8 @@ fn masses_off_their_nodes_by_rounding_have_the_modes_of_masses_there() {
 
 #[test]
 fn a_small_mass_beside_a_large_one_within_one_element_is_kept() {
-    // 1 kg at the end and 1e-9 kg at the middle of the last of two elements: rows and columns of one block, of rank 2.
+    // 1 kg at the end and 1e-9 kg at the middle of the last of two elements: rows and columns of
+    // one block, of rank 2.
     let masses = [(0.5 * LENGTH_M + 0.2, 1e-9), (LENGTH_M, 1.0)];
     let model = massless_beam(2, [End::Clamped, End::Free], &masses);
     let matrices = model.assemble(&[]).unwrap();

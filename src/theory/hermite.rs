@@ -1,10 +1,11 @@
 //! The cubic Hermite beam element: its matrices and its interpolation.
 //!
-//! Over one element of length `h` the deflection is `w(x) = N(xi) (w_1, theta_1, w_2, theta_2)` with `xi = x/h` and
-//! `theta = dw/dx`. Nothing here knows of coordinates of a model.
+//! Over one element of length `h` the deflection is `w(x) = N(xi) (w_1, theta_1, w_2, theta_2)`
+//! with `xi = x/h` and `theta = dw/dx`. Nothing here knows of coordinates of a model.
 //!
 //! # Reference
-//! Przemieniecki (1968), Theory of Matrix Structural Analysis, chapters 5 and 11, without shear and rotary inertia.
+//! Przemieniecki (1968), Theory of Matrix Structural Analysis, chapters 5 and 11, without shear and
+//! rotary inertia.
 
 /// A symmetric 4 × 4 element matrix over (w_1, theta_1, w_2, theta_2).
 pub(super) type ElementMatrix = [[f64; 4]; 4];
@@ -24,7 +25,8 @@ pub(super) fn stiffness(bending: f64, h: f64) -> ElementMatrix {
     )
 }
 
-/// `rho A h / 420` times the integral of the products of shapes (consistent mass); `mass_per_length` is rho A, kg/m.
+/// `rho A h / 420` times the integral of the products of shapes (consistent mass);
+/// `mass_per_length` is rho A, kg/m.
 pub(super) fn mass(mass_per_length: f64, h: f64) -> ElementMatrix {
     let scale = mass_per_length * h / 420.0;
     scaled(
@@ -71,7 +73,8 @@ pub(super) fn slope(xi: f64, h: f64) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    /// Three-point Gauss-Legendre would not do: products of cubics are of degree 6 and need four points.
+    /// Three-point Gauss-Legendre would not do: products of cubics are of degree 6 and need four
+    /// points.
     const GAUSS: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
         (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),

@@ -1,7 +1,9 @@
-//! Ordinary differential equations `y' = f(t, y)`, with two integrators that share nothing, so that each can check the other.
+//! Ordinary differential equations `y' = f(t, y)`, with two integrators that share nothing, so that
+//! each can check the other.
 //!
 //! # Reference
-//! Hairer, Nørsett and Wanner (1993), Solving Ordinary Differential Equations I, 2nd ed., sections II.1 and II.9.
+//! Hairer, Nørsett and Wanner (1993), Solving Ordinary Differential Equations I, 2nd ed., sections
+//! II.1 and II.9.
 
 /// A system of first-order equations.
 pub(super) trait Equations {
@@ -55,8 +57,8 @@ impl Integrator for RungeKutta4 {
 /// Stages of the extrapolation: order 16.
 const COLUMNS: usize = 8;
 
-/// Gragg's modified midpoint rule, extrapolated to a step of 0 by the Aitken-Neville scheme: of order 16 with 2, 4, ... 16
-/// substeps, where the rates are smooth within the step.
+/// Gragg's modified midpoint rule, extrapolated to a step of 0 by the Aitken-Neville scheme: of
+/// order 16 with 2, 4, ... 16 substeps, where the rates are smooth within the step.
 #[derive(Default)]
 pub(super) struct ExtrapolatedMidpoint {
     columns: Vec<Vec<f64>>,

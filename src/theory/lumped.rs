@@ -21,7 +21,8 @@ const GROUND: &str = "ground";
 
 /// A model of rigid bodies and springs, made from a [`LumpedFile`].
 ///
-/// `M = diag(m, J)`, `K = sum k b b^T` with `b` the stretch (or twist) of a spring per unit of each coordinate.
+/// `M = diag(m, J)`, `K = sum k b b^T` with `b` the stretch (or twist) of a spring per unit of each
+/// coordinate.
 #[derive(Clone, Debug)]
 pub struct LumpedModel {
     file: LumpedFile,
@@ -42,9 +43,9 @@ impl LumpedModel {
     ///
     /// # Errors
     /// [`TheoryError::Schema`], [`TheoryError::Duplicate`], [`TheoryError::UnknownParameter`],
-    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`], [`TheoryError::MissingProperty`],
-    /// [`TheoryError::ZeroDirection`], [`TheoryError::UnknownBody`], [`TheoryError::UnknownPoint`],
-    /// [`TheoryError::NoStiffness`].
+    /// [`TheoryError::OutOfBounds`], [`TheoryError::PropertyOutOfRange`],
+    /// [`TheoryError::MissingProperty`], [`TheoryError::ZeroDirection`],
+    /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownPoint`], [`TheoryError::NoStiffness`].
     pub fn new(file: LumpedFile) -> Result<Self, TheoryError> {
         check_file(&file)?;
         let bodies = RigidBodies {
@@ -91,7 +92,8 @@ impl LumpedModel {
         Ok(inertia)
     }
 
-    /// M and K, or their derivatives by a parameter: both are sums, since no parameter moves a point.
+    /// M and K, or their derivatives by a parameter: both are sums, since no parameter moves a
+    /// point.
     fn sum(&self, values: &[f64], by: Option<usize>) -> Result<SystemMatrices, TheoryError> {
         check_values(self.name(), self.parameters(), values)?;
         let specs = &self.file.parameters;

@@ -1,4 +1,5 @@
-//! The typed contents of a lumped `model.toml`: rigid bodies, points on them, springs between points.
+//! The typed contents of a lumped `model.toml`: rigid bodies, points on them, springs between
+//! points.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -88,7 +89,8 @@ pub struct BodyDescription {
     pub at_m: [f64; 3],
     /// Mass, kg; needed when the body may be displaced.
     pub mass_kg: Option<Value>,
-    /// Moment of inertia about its centre, kg m²: one number for every axis about which it may turn, or three.
+    /// Moment of inertia about its centre, kg m²: one number for every axis about which it may
+    /// turn, or three.
     pub inertia_kg_m2: Option<Inertia>,
     /// How it may move: `x`, `y`, `z`, `rx`, `ry`, `rz`. A body with an empty list is held.
     pub free: Vec<Free>,
@@ -180,8 +182,8 @@ pub struct LinkDescription {
     pub from: String,
     /// A point, or `ground`.
     pub to: String,
-    /// Direction in which it acts, or the axis against rotation about which it acts; of any length. The line between the
-    /// two points when not stated.
+    /// Direction in which it acts, or the axis against rotation about which it acts; of any length.
+    /// The line between the two points when not stated.
     pub direction: Option<[f64; 3]>,
     /// Stiffness along the direction, N/m.
     pub stiffness_n_per_m: Option<Value>,

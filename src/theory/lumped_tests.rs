@@ -50,7 +50,8 @@ const BAR: &str = r#"
 
 #[test]
 fn a_bar_on_two_springs_has_the_roots_of_its_two_by_two_problem() {
-    // Arms -0.6 m and 0.9 m: K = [k1 + k2, -0.6 k1 + 0.9 k2; ., 0.36 k1 + 0.81 k2], M = diag(2, 0.5).
+    // Arms -0.6 m and 0.9 m: K = [k1 + k2, -0.6 k1 + 0.9 k2; ., 0.36 k1 + 0.81 k2], M = diag(2,
+    // 0.5).
     let (a, b, c) = (8000.0 / 2.0, 2700.0 / 1.0, 5130.0 / 0.5);
     let mean: f64 = 0.5 * (a + c);
     let root = (0.25f64 * (a - c) * (a - c) + b * b).sqrt();
@@ -62,7 +63,8 @@ fn a_bar_on_two_springs_has_the_roots_of_its_two_by_two_problem() {
 
 #[test]
 fn a_spring_between_bodies_acts_along_the_line_of_its_points_and_against_rotation() {
-    // Two free discs of 1 kg and 3 kg along x, tied by 1200 N/m; about x by 20 N m/rad with 0.2 and 0.6 kg m2.
+    // Two free discs of 1 kg and 3 kg along x, tied by 1200 N/m; about x by 20 N m/rad with 0.2 and
+    // 0.6 kg m2.
     let text = r#"
         [[parameter]]
         name = "tie"

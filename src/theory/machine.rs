@@ -1,14 +1,17 @@
-//! A machine of bodies and springs as its built-in model builds it: every number with its derivative by one parameter.
+//! A machine of bodies and springs as its built-in model builds it: every number with its
+//! derivative by one parameter.
 //!
-//! `M = diag(inertia)`, `K = sum k b b^T` with `b` the stretch of a spring per unit of each coordinate; the derivatives are
-//! `dK = sum dk b b^T + k (db b^T + b db^T)`. Here are sums alone: what the bodies and springs are is the model's.
+//! `M = diag(inertia)`, `K = sum k b b^T` with `b` the stretch of a spring per unit of each
+//! coordinate; the derivatives are `dK = sum dk b b^T + k (db b^T + b db^T)`. Here are sums alone:
+//! what the bodies and springs are is the model's.
 
 use crate::linalg::{RealMatrix, real_matrix};
 
 use super::dual::Dual;
 use super::{Coordinate, Motion, Spring, SystemDerivative, SystemMatrices};
 
-/// Stretch per unit of the coordinates that take part, by their index; one that stands twice counts twice.
+/// Stretch per unit of the coordinates that take part, by their index; one that stands twice counts
+/// twice.
 pub(super) type Stretch = Vec<(usize, Dual)>;
 
 /// A spring with its numbers.
@@ -45,8 +48,8 @@ impl Machine {
         });
     }
 
-    /// Displacement of a point of a body along a direction, per unit of the body's coordinates: `arm` is the point seen
-    /// from the body's centre.
+    /// Displacement of a point of a body along a direction, per unit of the body's coordinates:
+    /// `arm` is the point seen from the body's centre.
     pub fn point(&self, body: &str, arm: [Dual; 3], direction: [Dual; 3]) -> Stretch {
         self.read(body, |coordinate, axis| match coordinate.motion {
             Motion::Translation => dot(axis, direction),

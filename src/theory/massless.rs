@@ -1,24 +1,29 @@
 //! Which motions of a model carry mass.
 //!
-//! Massless is a coordinate whose row and column of the mass matrix are exactly 0. A mass matrix of lower rank whose null
-//! space is no set of coordinates (a mass off its node without rotary inertia, a mass between the nodes of a massless beam) is
-//! turned, block by block, into the axes of its null space: `x = Q y`.
+//! Massless is a coordinate whose row and column of the mass matrix are exactly 0. A mass matrix of
+//! lower rank whose null space is no set of coordinates (a mass off its node without rotary
+//! inertia, a mass between the nodes of a massless beam) is turned, block by block, into the axes
+//! of its null space: `x = Q y`.
 
 use crate::linalg::{self, LinalgError, RealMatrix, SparseMatrix, real_matrix};
 
 use super::{Coordinate, MassError, TheoryError};
 
-/// Largest block of coordinates coupled by mass whose null space is looked for: a full eigenproblem of less than a second.
+/// Largest block of coordinates coupled by mass whose null space is looked for: a full eigenproblem
+/// of less than a second.
 const MOST_BLOCK: usize = 500;
-/// Most mass that a motion which counts as massless may keep, over that of its coordinate; what it keeps is left out. Larger: a
-/// small mass beside a large one is left out. Smaller: rounding, 1e-16 of the diagonal times the growth of the elimination.
+/// Most mass that a motion which counts as massless may keep, over that of its coordinate; what it
+/// keeps is left out. Larger: a small mass beside a large one is left out. Smaller: rounding, 1e-16
+/// of the diagonal times the growth of the elimination.
 const LEFT_OVER: f64 = 1e-8;
-/// Smallest mass over the largest: the root of the smallest normal number, so that the product of two masses is one. Smaller:
-/// natural frequencies overflow (test `a_mass_matrix_that_is_not_semidefinite_is_named`). Larger: time without use, as no machine
-/// has such masses.
+/// Smallest mass over the largest: the root of the smallest normal number, so that the product of
+/// two masses is one. Smaller: natural frequencies overflow (test
+/// `a_mass_matrix_that_is_not_semidefinite_is_named`). Larger: time without use, as no machine has
+/// such masses.
 const MIN_MASS_RATIO: f64 = 1.5e-154;
 
-/// The motions `y` of a model that carry mass and those that do not; `Q` is the identity outside the blocks.
+/// The motions `y` of a model that carry mass and those that do not; `Q` is the identity outside
+/// the blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Division {
     blocks: Vec<Block>,
@@ -34,7 +39,8 @@ struct Block {
 }
 
 impl Division {
-    /// Division by the rows and columns of a mass matrix that are exactly 0, and by the null spaces of its blocks.
+    /// Division by the rows and columns of a mass matrix that are exactly 0, and by the null spaces
+    /// of its blocks.
     ///
     /// # Errors
     /// [`TheoryError::Mass`], [`TheoryError::Linalg`].
@@ -110,10 +116,11 @@ impl Division {
         Ok(())
     }
 
-    /// The rank is that of `D^-1/2 M D^-1/2` with `D` the diagonal. Of as many pivots p, the largest that are left on the
-    /// diagonal, `M_rr = M_rp M_pp^-1 M_pr`: a massless motion moves one other coordinate r, and p with it by
-    /// `-M_pp^-1 M_pr`. Null vectors of the scaled matrix would be `D^-1/2` times a basis without order, which for a mass
-    /// within rounding of its node is 1e16 of one coordinate in each of them.
+    /// The rank is that of `D^-1/2 M D^-1/2` with `D` the diagonal. Of as many pivots p, the
+    /// largest that are left on the diagonal, `M_rr = M_rp M_pp^-1 M_pr`: a massless motion moves
+    /// one other coordinate r, and p with it by `-M_pp^-1 M_pr`. Null vectors of the scaled matrix
+    /// would be `D^-1/2` times a basis without order, which for a mass within rounding of its node
+    /// is 1e16 of one coordinate in each of them.
     fn turn_block(
         &mut self,
         block: &SparseMatrix,
@@ -188,7 +195,8 @@ impl Division {
         Ok(SparseMatrix::from_entries(a.size(), &entries)?)
     }
 
-    /// `Q y`, from rows of the motions named to rows of all coordinates; the other motions are at rest.
+    /// `Q y`, from rows of the motions named to rows of all coordinates; the other motions are at
+    /// rest.
     pub fn lifted(&self, parts: &[(&[usize], &RealMatrix)], size: usize) -> RealMatrix {
         let columns = parts.first().map_or(0, |(_, own)| own.ncols());
         let mut y = real_matrix(size, columns, |_, _| 0.0);
@@ -240,8 +248,8 @@ impl Division {
     }
 }
 
-/// As many pivots of a semidefinite matrix as its rank, each the largest that is left on the diagonal where more than rounding
-/// of its entry is left, and the other rows.
+/// As many pivots of a semidefinite matrix as its rank, each the largest that is left on the
+/// diagonal where more than rounding of its entry is left, and the other rows.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`] where more is left of the other rows than [`LEFT_OVER`].

@@ -1,8 +1,9 @@
-//! Theory: a parameterised model, its matrices, its modes at the sensors of a test, and its residues.
+//! Theory: a parameterised model, its matrices, its modes at the sensors of a test, and its
+//! residues.
 //!
-//! A [`TheoreticalModel`] turns parameter values into [`SystemMatrices`]; [`modes`] turns those into the same
-//! [`ModalModel`](crate::modal::ModalModel) in which a test ends. This module must not know what a test measured, read a
-//! file or compare anything.
+//! A [`TheoreticalModel`] turns parameter values into [`SystemMatrices`]; [`modes`] turns those
+//! into the same [`ModalModel`](crate::modal::ModalModel) in which a test ends. This module must
+//! not know what a test measured, read a file or compare anything.
 
 mod basis;
 mod beam;
@@ -113,8 +114,8 @@ pub enum Motion {
     Translation,
     /// A rotation, rad.
     Rotation,
-    /// A rotation times a radius that the model does not name, m: the displacement along a circle of a torsional model; or
-    /// a displacement without a direction.
+    /// A rotation times a radius that the model does not name, m: the displacement along a circle
+    /// of a torsional model; or a displacement without a direction.
     Arc,
 }
 
@@ -127,8 +128,8 @@ pub struct Coordinate {
     pub body: String,
     /// Displacement or rotation.
     pub motion: Motion,
-    /// Unit vector of the displacement, or of the rotation by the right-hand rule (that of an arc, too), in the model's
-    /// frame.
+    /// Unit vector of the displacement, or of the rotation by the right-hand rule (that of an arc,
+    /// too), in the model's frame.
     pub axis: [f64; 3],
     /// Where on the body it is, m, in the model's frame.
     pub at_m: [f64; 3],
@@ -137,7 +138,8 @@ pub struct Coordinate {
 /// A spring of a model: `K = sum k b b^T` over them where the model has no other elasticity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
-    /// The name that its share of the strain energy goes by; springs of one name are counted together.
+    /// The name that its share of the strain energy goes by; springs of one name are counted
+    /// together.
     pub name: String,
     /// Stretch (or twist) per unit of each coordinate, `b`.
     pub row: Vec<f64>,
@@ -148,7 +150,8 @@ pub struct Spring {
 /// A term `theta K_j` of a stiffness matrix.
 #[derive(Clone, Debug)]
 pub struct StiffnessPart<'a> {
-    /// The name that its share of the strain energy goes by; parts of one name are counted together.
+    /// The name that its share of the strain energy goes by; parts of one name are counted
+    /// together.
     pub name: &'a str,
     /// `theta`, in the unit of its parameter.
     pub factor: f64,
@@ -168,7 +171,8 @@ pub struct SystemMatrices {
     pub stiffness: RealMatrix,
     /// The coordinates, in the order of rows and columns.
     pub coordinates: Vec<Coordinate>,
-    /// The springs, where they are all of the elasticity; none for a model with elasticity of another kind.
+    /// The springs, where they are all of the elasticity; none for a model with elasticity of
+    /// another kind.
     pub springs: Vec<Spring>,
 }
 
@@ -205,8 +209,8 @@ impl Assumption {
 
 /// A parameterised linear model of a machine.
 ///
-/// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation of a sensor depends on
-/// the nominal geometry, and of the values on the numbers of parts alone.
+/// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation
+/// of a sensor depends on the nominal geometry, and of the values on the numbers of parts alone.
 pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// What the model calls itself.
     fn name(&self) -> &str;
@@ -217,26 +221,27 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// The matrices for these values.
     ///
     /// # Errors
-    /// [`TheoryError::ValueCount`], [`TheoryError::OutOfBounds`], or [`TheoryError::PropertyOutOfRange`] when a value
-    /// gives a part an impossible property.
+    /// [`TheoryError::ValueCount`], [`TheoryError::OutOfBounds`], or
+    /// [`TheoryError::PropertyOutOfRange`] when a value gives a part an impossible property.
     fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError>;
 
-    /// The row `b` that turns coordinates into the reading of a sensor, `y = b^T x`; equally the distribution of a unit
-    /// force at a hit, `f = b`.
+    /// The row `b` that turns coordinates into the reading of a sensor, `y = b^T x`; equally the
+    /// distribution of a unit force at a hit, `f = b`.
     ///
     /// # Errors
-    /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownCoordinate`], [`TheoryError::PointOutside`],
-    /// [`TheoryError::ZeroDirection`].
+    /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownCoordinate`],
+    /// [`TheoryError::PointOutside`], [`TheoryError::ZeroDirection`].
     fn observation_row(&self, values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError>;
 
     /// Derivative of the matrices by parameter `j`, in closed form.
     ///
     /// # Errors
-    /// As [`assemble`](TheoreticalModel::assemble); [`TheoryError::NoDerivative`] for a number of parts.
+    /// As [`assemble`](TheoreticalModel::assemble); [`TheoryError::NoDerivative`] for a number of
+    /// parts.
     fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError>;
 
-    /// The matrices without their zeros, for a model that is solved so ([`modes_of_sparse`]): the lowest modes alone. `None`
-    /// for a model that is solved with full matrices.
+    /// The matrices without their zeros, for a model that is solved so ([`modes_of_sparse`]): the
+    /// lowest modes alone. `None` for a model that is solved with full matrices.
     ///
     /// # Errors
     /// As [`assemble`](TheoreticalModel::assemble).
@@ -244,7 +249,8 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Derivative of the sparse matrices by parameter `j`; `None` as for [`sparse`](TheoreticalModel::sparse).
+    /// Derivative of the sparse matrices by parameter `j`; `None` as for
+    /// [`sparse`](TheoreticalModel::sparse).
     ///
     /// # Errors
     /// As [`assemble`](TheoreticalModel::assemble).
@@ -256,7 +262,8 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The stiffness matrix as a sum of named parts, for a model whose elasticity is not springs; none for any other.
+    /// The stiffness matrix as a sum of named parts, for a model whose elasticity is not springs;
+    /// none for any other.
     ///
     /// # Errors
     /// As [`assemble`](TheoreticalModel::assemble).
@@ -264,27 +271,31 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         Ok(Vec::new())
     }
 
-    /// Damping ratio that the model states for an elastic mode, by its number from 0, in place of what its matrices say.
+    /// Damping ratio that the model states for an elastic mode, by its number from 0, in place of
+    /// what its matrices say.
     fn stated_damping(&self, _elastic: usize) -> Option<f64> {
         None
     }
 
-    /// What kind of motion a root is, in words that mean something for this machine, from its angular
-    /// frequency and the share of the kinetic energy of each coordinate (of a repeated root the mean over its modes). `None` for a model without such words.
+    /// What kind of motion a root is, in words that mean something for this machine, from its
+    /// angular frequency and the share of the kinetic energy of each coordinate (of a repeated root
+    /// the mean over its modes). `None` for a model without such words.
     fn mode_class(&self, _omega_rad_s: f64, _shares: &[f64]) -> Option<&'static str> {
         None
     }
 
-    /// Numbers that the theory of this machine gives beside its matrices: closed forms, places of veering, static
-    /// balances. None for a model without such a theory.
+    /// Numbers that the theory of this machine gives beside its matrices: closed forms, places of
+    /// veering, static balances. None for a model without such a theory.
     ///
     /// # Errors
-    /// As [`assemble`](TheoreticalModel::assemble), and those of the modes where a quantity needs them.
+    /// As [`assemble`](TheoreticalModel::assemble), and those of the modes where a quantity needs
+    /// them.
     fn quantities(&self, _values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         Ok(Vec::new())
     }
 
-    /// Kinds of bodies (`ball` of `ball-1`, `ball-2`, ...) that a simpler model may leave without mass.
+    /// Kinds of bodies (`ball` of `ball-1`, `ball-2`, ...) that a simpler model may leave without
+    /// mass.
     fn small_bodies(&self) -> &'static [&'static str] {
         &[]
     }

@@ -1,4 +1,5 @@
-//! Parameters of a model: what each is, where its value comes from, and vectors of values over a list of them.
+//! Parameters of a model: what each is, where its value comes from, and vectors of values over a
+//! list of them.
 
 use std::collections::BTreeMap;
 
@@ -37,7 +38,8 @@ pub struct ParameterSpec {
     pub upper: Option<f64>,
     /// Where the nominal value comes from.
     pub status: ParameterStatus,
-    /// A number of parts: whole values alone, no derivative by it. The parameters of a model file are none.
+    /// A number of parts: whole values alone, no derivative by it. The parameters of a model file
+    /// are none.
     #[serde(skip)]
     pub whole: bool,
 }
@@ -84,8 +86,8 @@ pub fn nominal_values(specs: &[ParameterSpec]) -> Vec<f64> {
     specs.iter().map(|spec| spec.nominal).collect()
 }
 
-/// Checks a vector of values against the specifications: one finite value for each, inside its bounds (edges included),
-/// whole where it is a number of parts.
+/// Checks a vector of values against the specifications: one finite value for each, inside its
+/// bounds (edges included), whole where it is a number of parts.
 ///
 /// # Errors
 /// [`TheoryError::ValueCount`]; [`TheoryError::OutOfBounds`]; [`TheoryError::NotWhole`].
@@ -112,8 +114,8 @@ pub fn check_values(
 /// ```
 /// use modalign::theory::{ParameterSpec, ParameterStatus, override_values};
 /// let spec = |name: &str, nominal| ParameterSpec {
-///     name: name.into(), unit: "N/m".into(), nominal, lower: Some(0.0), upper: None, status: ParameterStatus::Assumed,
-///     whole: false,
+///     name: name.into(), unit: "N/m".into(), nominal, lower: Some(0.0), upper: None,
+///     status: ParameterStatus::Assumed, whole: false,
 /// };
 /// let specs = [spec("mesh", 1.0), spec("bearing", 2.0)];
 /// let values = override_values("gear", &specs, &[("bearing".to_owned(), 5.0)].into()).unwrap();

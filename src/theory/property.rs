@@ -56,7 +56,8 @@ impl Property<'_> {
         Ok(Dual { value, slope })
     }
 
-    /// A parameter is in the unit of the property that it stands for: nothing is converted, and nothing guessed.
+    /// A parameter is in the unit of the property that it stands for: nothing is converted, and
+    /// nothing guessed.
     fn check_unit(&self, specs: &[ParameterSpec]) -> Result<(), TheoryError> {
         let Value::Parameter(name) = self.value else {
             return Ok(());

@@ -7,7 +7,8 @@ use super::TheoryError;
 pub struct ModelQuantity {
     /// Name, unique in its model, by which a claim of a publication asks for it.
     pub name: &'static str,
-    /// The value; `None` where it does not exist for these parameters, such as a crossing of roots that do not cross.
+    /// The value; `None` where it does not exist for these parameters, such as a crossing of roots
+    /// that do not cross.
     pub value: Option<f64>,
     /// Unit; empty for a pure number.
     pub unit: &'static str,

@@ -1,12 +1,12 @@
-//! Fewer coordinates for the same modes: static (Guyan) reduction, and SEREP, by which shapes measured at some coordinates
-//! expand to all of them.
+//! Fewer coordinates for the same modes: static (Guyan) reduction, and SEREP, by which shapes
+//! measured at some coordinates expand to all of them.
 
 use crate::linalg::{RealMatrix, complex_matrix, real_matrix, singular_vectors, solve_definite};
 
 use super::{SystemMatrices, TheoryError};
 
-/// Least singular value, as a part of the largest, of the modes at the measured coordinates: below it they do not tell
-/// the modes apart.
+/// Least singular value, as a part of the largest, of the modes at the measured coordinates: below
+/// it they do not tell the modes apart.
 const INDEPENDENT: f64 = 1e-10;
 
 /// A model over fewer coordinates.
@@ -20,13 +20,13 @@ pub struct ReducedModel {
 
 /// Static reduction to the coordinates `kept`: the others follow them without inertia.
 ///
-/// `T = [I; -K_ss^-1 K_sm]` with `m` the coordinates kept and `s` the others; `K_ss` must be positive definite, that is,
-/// the model with the kept coordinates held must be held. Frequencies come out too high, the static deflection under forces
-/// on the kept coordinates exact.
+/// `T = [I; -K_ss^-1 K_sm]` with `m` the coordinates kept and `s` the others; `K_ss` must be
+/// positive definite, that is, the model with the kept coordinates held must be held. Frequencies
+/// come out too high, the static deflection under forces on the kept coordinates exact.
 ///
 /// # Errors
-/// [`TheoryError::KeptCoordinates`] for none, one twice or one that is not there; [`TheoryError::Linalg`] for a `K_ss` that
-/// is not definite.
+/// [`TheoryError::KeptCoordinates`] for none, one twice or one that is not there;
+/// [`TheoryError::Linalg`] for a `K_ss` that is not definite.
 ///
 /// # Reference
 /// Guyan (1965), Reduction of stiffness and mass matrices, AIAA Journal 3, 380.
@@ -53,16 +53,18 @@ pub fn guyan(matrices: &SystemMatrices, kept: &[usize]) -> Result<ReducedModel, 
 
 /// Expansion from readings to all coordinates through modes of the model: `T = Phi (B Phi)^+`.
 ///
-/// `modes` has a mode in each column; `rows` are the observation rows `b` of the readings, of which there must be as many as
-/// modes or more. A motion that is a sum of these modes comes back exactly; any other as the sum that is nearest at the
-/// readings in the sense of least squares.
+/// `modes` has a mode in each column; `rows` are the observation rows `b` of the readings, of which
+/// there must be as many as modes or more. A motion that is a sum of these modes comes back
+/// exactly; any other as the sum that is nearest at the readings in the sense of least squares.
 ///
 /// # Errors
-/// [`TheoryError::MatrixSize`] for rows of another length or fewer than modes; [`TheoryError::ModesNotTold`] where the
-/// readings do not tell the modes apart; [`TheoryError::Linalg`].
+/// [`TheoryError::MatrixSize`] for rows of another length or fewer than modes;
+/// [`TheoryError::ModesNotTold`] where the readings do not tell the modes apart;
+/// [`TheoryError::Linalg`].
 ///
 /// # Reference
-/// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process (SEREP), IMAC 7, 29.
+/// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process (SEREP),
+/// IMAC 7, 29.
 pub fn serep_expansion(modes: &RealMatrix, rows: &[Vec<f64>]) -> Result<RealMatrix, TheoryError> {
     let (n, m) = (modes.nrows(), modes.ncols());
     let wrong = rows.iter().find(|row| row.len() != n);
@@ -98,8 +100,8 @@ pub fn serep_expansion(modes: &RealMatrix, rows: &[Vec<f64>]) -> Result<RealMatr
 
 /// Reduction to the coordinates `kept` that has these modes of the full model exactly: SEREP.
 ///
-/// The reduced matrices have the rank of the modes, so that they are definite only where as many coordinates are kept as
-/// there are modes.
+/// The reduced matrices have the rank of the modes, so that they are definite only where as many
+/// coordinates are kept as there are modes.
 ///
 /// # Errors
 /// As [`serep_expansion`]; [`TheoryError::KeptCoordinates`].

@@ -12,7 +12,8 @@ use super::{TheoryError, TheoryModes};
 
 /// The parts of the function between one response and one hit.
 ///
-/// Receptance `H(s) = sum A/(s - lambda) + conj(A)/(s - conj(lambda)) + R/s^2`, accelerance `s^2 H`.
+/// Receptance `H(s) = sum A/(s - lambda) + conj(A)/(s - conj(lambda)) + R/s^2`, accelerance `s^2
+/// H`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairResidues {
     /// Response degree of freedom, with its sign.
@@ -21,21 +22,25 @@ pub struct PairResidues {
     pub hit: Dof,
     /// Pole and residue (m/(N s)) of each elastic mode, in the order of the modes.
     pub elastic: Vec<(Pole, Complex64)>,
-    /// Accelerance constant R of the rigid-body modes, the sum of `phi_j phi_k`, 1/kg; 0 for a model that is held.
+    /// Accelerance constant R of the rigid-body modes, the sum of `phi_j phi_k`, 1/kg; 0 for a
+    /// model that is held.
     pub rigid_body_accelerance_per_kg: f64,
 }
 
-/// Residues `A_jk = phi_j phi_k / (2 i omega_d)` with `omega_d = omega_n sqrt(1 - zeta^2)`, shapes of unit modal mass.
+/// Residues `A_jk = phi_j phi_k / (2 i omega_d)` with `omega_d = omega_n sqrt(1 - zeta^2)`, shapes
+/// of unit modal mass.
 ///
-/// `damping_ratios` has one value for each elastic mode in `modes`, in order. Degrees of freedom must be among the sensors
-/// at which the modes were computed; one whose sign is negative reads (or hits) with a minus. A pair with both ends at motions
-/// without mass has a constant static compliance besides ([`Condensation::relax`](super::Condensation::relax)).
+/// `damping_ratios` has one value for each elastic mode in `modes`, in order. Degrees of freedom
+/// must be among the sensors at which the modes were computed; one whose sign is negative reads (or
+/// hits) with a minus. A pair with both ends at motions without mass has a constant static
+/// compliance besides ([`Condensation::relax`](super::Condensation::relax)).
 ///
 /// # Errors
 /// [`TheoryError::DampingCount`], [`TheoryError::DampingRatio`], [`TheoryError::NotObserved`].
 ///
 /// # Reference
-/// Ewins (2000), Modal Testing: Theory, Practice and Application, 2nd ed., section 2.4 (proportional damping).
+/// Ewins (2000), Modal Testing: Theory, Practice and Application, 2nd ed., section 2.4
+/// (proportional damping).
 pub fn residues(
     modes: &TheoryModes,
     damping_ratios: &[f64],

@@ -1,13 +1,16 @@
-//! Responses over time of models that move nonlinearly, in growing detail, as signals with their figures.
+//! Responses over time of models that move nonlinearly, in growing detail, as signals with their
+//! figures.
 
 use super::TheoryError;
 
 /// A model whose equations of motion are more than its matrices.
 pub trait Nonlinear: Send + Sync {
-    /// The steady response under the machine's own excitation, once for each detail of the model, from the simplest.
+    /// The steady response under the machine's own excitation, once for each detail of the model,
+    /// from the simplest.
     ///
     /// # Errors
-    /// As [`TheoreticalModel::assemble`](super::TheoreticalModel::assemble); [`TheoryError::NoPeriods`].
+    /// As [`TheoreticalModel::assemble`](super::TheoreticalModel::assemble);
+    /// [`TheoryError::NoPeriods`].
     fn response(&self, values: &[f64], span: ResponseSpan) -> Result<TimeResponse, TheoryError>;
 }
 
@@ -118,8 +121,8 @@ impl ResponseSignal {
         above.count()
     }
 
-    /// Distance from another signal of the same times as a part of that one, `|a - b|/|b|`; `None` unless both have as
-    /// many samples and the other is not zero.
+    /// Distance from another signal of the same times as a part of that one, `|a - b|/|b|`; `None`
+    /// unless both have as many samples and the other is not zero.
     pub fn difference(&self, other: &Self) -> Option<f64> {
         let own = norm(other.samples.iter().copied());
         let pairs = self.samples.iter().zip(&other.samples);
@@ -162,8 +165,8 @@ pub struct DetailResponse {
     pub coordinates: usize,
     /// Evaluations of its equations in one period.
     pub evaluations_per_period: usize,
-    /// Additions, multiplications and functions are not counted; a varying angle costs an inverse cosine, a tangent and an
-    /// arc tangent more in each mesh.
+    /// Additions, multiplications and functions are not counted; a varying angle costs an inverse
+    /// cosine, a tangent and an arc tangent more in each mesh.
     pub functions_per_evaluation: usize,
     /// The signals that this detail has.
     pub signals: Vec<ResponseSignal>,

@@ -1,7 +1,9 @@
-//! Rigid bodies on massless springs: what a point of a body does when the body moves, and the matrices that follow.
+//! Rigid bodies on massless springs: what a point of a body does when the body moves, and the
+//! matrices that follow.
 //!
-//! The velocity of a point p of a body with centre c is `v + w x (p - c)`; a spring stretches by the difference of the
-//! velocities of its two ends along its direction. All motions are small, all directions are those of the model's frame.
+//! The velocity of a point p of a body with centre c is `v + w x (p - c)`; a spring stretches by
+//! the difference of the velocities of its two ends along its direction. All motions are small, all
+//! directions are those of the model's frame.
 
 use std::collections::BTreeSet;
 
@@ -175,7 +177,8 @@ impl RigidBodies {
         Ok(difference)
     }
 
-    /// A coordinate that is a radius times an angle says nothing of a point of its body, nor of its angle.
+    /// A coordinate that is a radius times an angle says nothing of a point of its body, nor of its
+    /// angle.
     fn check_radius(&self, used_by: &str, body: &str) -> Result<(), TheoryError> {
         let mut own = self.coordinates.iter().filter(|c| c.body == body);
         match own.find(|c| c.motion == Motion::Arc) {
@@ -226,8 +229,9 @@ pub(super) fn coordinate_index(
         })
 }
 
-/// A sensor on every coordinate, named after its body and axis (`output:+Y`); none for a model whose coordinates these do
-/// not name, such as the nodes of a beam. A displacement along a circle is a scalar (`sun:+S`).
+/// A sensor on every coordinate, named after its body and axis (`output:+Y`); none for a model
+/// whose coordinates these do not name, such as the nodes of a beam. A displacement along a circle
+/// is a scalar (`sun:+S`).
 pub fn coordinate_sensors(coordinates: &[Coordinate]) -> Vec<Sensor> {
     let sensor = |coordinate: &Coordinate| {
         Some(Sensor {

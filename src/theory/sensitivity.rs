@@ -1,13 +1,15 @@
 //! Sensitivities of eigenvalues to the parameters of a model, repeated roots included.
 //!
-//! For a root `lambda` with the mass-normalised modes `Phi`, the derivatives by a parameter p are the eigenvalues of
-//! `Phi^T (dK/dp - lambda dM/dp) Phi`: one for a single root; of a repeated root, which splits, one for each branch as p
-//! grows, and the same ones, taken with the branches in the reverse order, as it falls. The mean of the branches is the
-//! derivative of the cluster's mean, to both sides. None of them depends on the choice of basis.
+//! For a root `lambda` with the mass-normalised modes `Phi`, the derivatives by a parameter p are
+//! the eigenvalues of `Phi^T (dK/dp - lambda dM/dp) Phi`: one for a single root; of a repeated
+//! root, which splits, one for each branch as p grows, and the same ones, taken with the branches
+//! in the reverse order, as it falls. The mean of the branches is the derivative of the cluster's
+//! mean, to both sides. None of them depends on the choice of basis.
 //!
 //! # Reference
-//! Fox and Kapoor (1968), Rates of change of eigenvalues and eigenvectors, AIAA Journal 6, 2426; Mills-Curran (1988),
-//! Calculation of eigenvector derivatives for structures with repeated eigenvalues, AIAA Journal 26, 867.
+//! Fox and Kapoor (1968), Rates of change of eigenvalues and eigenvectors, AIAA Journal 6, 2426;
+//! Mills-Curran (1988), Calculation of eigenvector derivatives for structures with repeated
+//! eigenvalues, AIAA Journal 26, 867.
 
 use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 
@@ -21,21 +23,23 @@ use super::{
 pub struct RootSensitivity {
     /// Angular frequency of the root, rad/s.
     pub omega_rad_s: f64,
-    /// For every parameter, in the order of the model, the derivatives of `lambda = omega^2`, (rad/s)² per unit of the
-    /// parameter, of the branches into which the root splits, ascending; as many as the root has modes. None of a number of
-    /// parts ([`ParameterSpec::whole`](super::ParameterSpec::whole)).
+    /// For every parameter, in the order of the model, the derivatives of `lambda = omega^2`,
+    /// (rad/s)² per unit of the parameter, of the branches into which the root splits, ascending;
+    /// as many as the root has modes. None of a number of parts
+    /// ([`ParameterSpec::whole`](super::ParameterSpec::whole)).
     pub branches: Vec<Vec<f64>>,
 }
 
 impl RootSensitivity {
-    /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit; `None` for a number of parts.
+    /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit; `None` for a
+    /// number of parts.
     pub fn mean(&self, j: usize) -> Option<f64> {
         let own = &self.branches[j];
         (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
     }
 
-    /// Relative change of the frequency per relative change of parameter `j` with this value, `p/(2 lambda) dlambda/dp`;
-    /// `None` for a root at 0 and for a number of parts.
+    /// Relative change of the frequency per relative change of parameter `j` with this value, `p/(2
+    /// lambda) dlambda/dp`; `None` for a root at 0 and for a number of parts.
     pub fn scaled(&self, j: usize, value: f64) -> Option<f64> {
         let lambda = self.omega_rad_s * self.omega_rad_s;
         let mean = self.mean(j).filter(|_| lambda > 0.0)?;
@@ -64,7 +68,8 @@ fn by_each<T>(
     all.map(derivative).collect()
 }
 
-/// Sensitivities of the roots of these modes, which must be those of the matrices that were differentiated.
+/// Sensitivities of the roots of these modes, which must be those of the matrices that were
+/// differentiated.
 ///
 /// # Errors
 /// [`TheoryError::Linalg`] when the eigenvalues of a projection do not converge.
@@ -84,7 +89,8 @@ pub fn sensitivities(
     of_roots(modes, roots, &applied.collect::<Vec<_>>())
 }
 
-/// Sensitivities of the roots of these modes, which are those of the model with these values, dense or sparse.
+/// Sensitivities of the roots of these modes, which are those of the model with these values, dense
+/// or sparse.
 ///
 /// # Errors
 /// As [`system_derivatives`] and [`sensitivities`].
@@ -132,21 +138,25 @@ fn of_roots(
 /// How the modes of one root change with a parameter.
 #[derive(Clone, Debug)]
 pub struct ModeDerivatives {
-    /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with its own eigenvalue: derivatives of the
-    /// eigenvalues on the diagonal, (rad/s)² per unit of the parameter.
+    /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with its own
+    /// eigenvalue: derivatives of the eigenvalues on the diagonal, (rad/s)² per unit of the
+    /// parameter.
     pub projected: RealMatrix,
-    /// Derivatives of the vectors over all coordinates, one column per mode, without their parts along the modes
-    /// themselves: those scale a vector or turn the basis, and leave the subspace what it is.
+    /// Derivatives of the vectors over all coordinates, one column per mode, without their parts
+    /// along the modes themselves: those scale a vector or turn the basis, and leave the subspace
+    /// what it is.
     pub vectors: RealMatrix,
 }
 
-/// Derivatives of the modes of several roots by one parameter, by expansion in all modes of the model, which must all be
-/// there; one for each entry of `roots`, which holds the modes of a root.
+/// Derivatives of the modes of several roots by one parameter, by expansion in all modes of the
+/// model, which must all be there; one for each entry of `roots`, which holds the modes of a root.
 ///
-/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that are not of its root:
-/// neither in its list nor of the same frequency, which a list of part of a repeated root leaves out. Motions without mass, which
-/// have no mode, add `-G (dK - lambda dM) phi` with their static compliance `G` ([`Condensation::relax`](super::Condensation::relax)),
-/// also where `dM` gives them mass: the sum and `G` together are `(K - lambda M)^-1` without the root.
+/// `dphi = sum_k phi_k (phi_k^T (dK - lambda dM) phi)/(lambda - lambda_k)` over the modes `k` that
+/// are not of its root: neither in its list nor of the same frequency, which a list of part of a
+/// repeated root leaves out. Motions without mass, which have no mode, add `-G (dK - lambda dM)
+/// phi` with their static compliance `G` ([`Condensation::relax`](super::Condensation::relax)),
+/// also where `dM` gives them mass: the sum and `G` together are `(K - lambda M)^-1` without the
+/// root.
 ///
 /// # Errors
 /// [`TheoryError::Linalg`] where the stiffness of motions without mass is not positive definite.

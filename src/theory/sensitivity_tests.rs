@@ -1,5 +1,6 @@
-//! Sensitivities against differences extrapolated to a step of 0, for every parameter of every built-in model; and against
-//! an independent computation for the torsional gear, to its printed digits.
+//! Sensitivities against differences extrapolated to a step of 0, for every parameter of every
+//! built-in model; and against an independent computation for the torsional gear, to its printed
+//! digits.
 
 use crate::linalg::{RealMatrix, real_matrix, symmetric_modes};
 
@@ -195,8 +196,9 @@ fn parameters(all: &[(&str, &str, f64)]) -> String {
     all.iter().map(table).collect()
 }
 
-/// A block on springs with every kind of number that a lumped file can name: a mass for two bodies, an inertia for one
-/// axis and for all, a stiffness along and about a direction, and one for two springs.
+/// A block on springs with every kind of number that a lumped file can name: a mass for two bodies,
+/// an inertia for one axis and for all, a stiffness along and about a direction, and one for two
+/// springs.
 const LUMPED: &str = r#"
     title = "block"
     [[body]]
@@ -340,7 +342,8 @@ fn sensitivities_of_all_roots_are_extrapolated_differences_repeated_ones_by_bran
         let own = solved(name);
         let model = own.model.as_ref();
         for (j, &value) in own.values.iter().enumerate() {
-            // Where the value is 0 there is no scale: angles, and supports that may not be negative.
+            // Where the value is 0 there is no scale: angles, and supports that may not be
+            // negative.
             if value.abs() <= 0.0 || model.parameters()[j].whole {
                 continue;
             }

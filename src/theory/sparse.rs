@@ -37,16 +37,18 @@ pub struct SparseDerivative {
     pub stiffness: SparseMatrix,
 }
 
-/// The lowest modes of sparse matrices, with empty shapes: all coordinates are in [`TheoryModes::vectors`].
+/// The lowest modes of sparse matrices, with empty shapes: all coordinates are in
+/// [`TheoryModes::vectors`].
 ///
-/// With a band all modes up to its end, else as many as the options ask for, else the lowest thirty; none of them is
-/// missing ([`crate::linalg::sparse_modes`]). A finding says up to which frequency they were counted. Rigid-body modes,
-/// repeated roots, damping and the bound of rounding are those of [`super::modes_of_matrices`]. Motions without mass are
-/// condensed statically there as here.
+/// With a band all modes up to its end, else as many as the options ask for, else the lowest
+/// thirty; none of them is missing ([`crate::linalg::sparse_modes`]). A finding says up to which
+/// frequency they were counted. Rigid-body modes, repeated roots, damping and the bound of rounding
+/// are those of [`super::modes_of_matrices`]. Motions without mass are condensed statically there
+/// as here.
 ///
 /// # Errors
-/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`], [`TheoryError::MatrixEntry`],
-/// [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
+/// [`TheoryError::DampingRatio`], [`TheoryError::Mass`], [`TheoryError::MatrixSize`],
+/// [`TheoryError::MatrixEntry`], [`TheoryError::NegativeStiffness`], [`TheoryError::Linalg`].
 pub fn modes_of_sparse(
     system: &SparseSystem,
     options: &ModeOptions,

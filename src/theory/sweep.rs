@@ -1,12 +1,13 @@
-//! Roots of a model over one of its parameters, each followed by its shape, and where their loci cross or veer.
+//! Roots of a model over one of its parameters, each followed by its shape, and where their loci
+//! cross or veer.
 //!
-//! The values to be told are joined by as many more as the shapes need (`sweep_track`); where two loci meet or come nearest
-//! is then found between the samples (`sweep_events`).
+//! The values to be told are joined by as many more as the shapes need (`sweep_track`); where two
+//! loci meet or come nearest is then found between the samples (`sweep_events`).
 //!
 //! # Reference
-//! Perkins and Mote (1986), Comments on curve veering in eigenvalue problems, Journal of Sound and Vibration 106, 451; du
-//! Bois, Adhikari and Lieven (2011), On the quantification of eigenvalue curve veering: a veering index, Journal of
-//! Applied Mechanics 78, 041007.
+//! Perkins and Mote (1986), Comments on curve veering in eigenvalue problems, Journal of Sound and
+//! Vibration 106, 451; du Bois, Adhikari and Lieven (2011), On the quantification of eigenvalue
+//! curve veering: a veering index, Journal of Applied Mechanics 78, 041007.
 
 use std::f64::consts::TAU;
 
@@ -91,9 +92,11 @@ impl SweepRange {
 /// A root through a sweep, with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locus {
-    /// How many modes share it at each value: the same number at all, where they are followed by their shapes.
+    /// How many modes share it at each value: the same number at all, where they are followed by
+    /// their shapes.
     pub multiplicity: Vec<usize>,
-    /// Angular frequency at each value, rad/s; `None` where the model has fewer roots, over a number of parts alone.
+    /// Angular frequency at each value, rad/s; `None` where the model has fewer roots, over a
+    /// number of parts alone.
     pub omega_rad_s: Vec<Option<f64>>,
     /// What kind of motion it is at the first value, in the words of the model.
     pub class: Option<String>,
@@ -131,10 +134,12 @@ pub struct LocusEvent {
     pub frequency_hz: [f64; 2],
     /// Distance of their frequencies there, Hz; 0 at a crossing.
     pub gap_hz: f64,
-    /// Coupling factor there, 0 (none) to 1: `c^2/(c^2 + (s_a - s_b)^2/4)` with the slopes `s = dlambda/dp` and the coupling
-    /// `c = phi_a^T (dK/dp - lambda dM/dp) phi_b`, lambda the mean of both (the cross-sensitivity quotient).
+    /// Coupling factor there, 0 (none) to 1: `c^2/(c^2 + (s_a - s_b)^2/4)` with the slopes `s =
+    /// dlambda/dp` and the coupling `c = phi_a^T (dK/dp - lambda dM/dp) phi_b`, lambda the mean of
+    /// both (the cross-sensitivity quotient).
     pub coupling: f64,
-    /// The change of the parameter over which a veering takes place, `gap in lambda / 2 c`; `None` for a crossing.
+    /// The change of the parameter over which a veering takes place, `gap in lambda / 2 c`; `None`
+    /// for a crossing.
     pub width: Option<f64>,
 }
 
@@ -151,21 +156,24 @@ pub struct Sweep {
     pub events: Vec<LocusEvent>,
     /// Eigenproblems solved.
     pub solved: usize,
-    /// Whether the loci are followed by their shapes. Not over a number of parts, by which the coordinates change: there a
-    /// locus is the root of one number, counted from the lowest, and no event is told.
+    /// Whether the loci are followed by their shapes. Not over a number of parts, by which the
+    /// coordinates change: there a locus is the root of one number, counted from the lowest, and no
+    /// event is told.
     pub followed: bool,
 }
 
 /// Sweeps a parameter of a model, by its name, over a range, the other parameters at `values`.
 ///
-/// Modes at neighbouring values belong together by their shapes: the share of one in the other, weighted by the mass, must be
-/// 0.9 at least, or values between are taken. Modes of one root are followed as a subspace. Loci that change their order are
-/// held to cross only once the shapes next to the meeting point say so; roots nearer than a millionth of their
-/// frequency count as one there, so that a veering narrower than this is called a crossing. Over a number of parts
+/// Modes at neighbouring values belong together by their shapes: the share of one in the other,
+/// weighted by the mass, must be 0.9 at least, or values between are taken. Modes of one root are
+/// followed as a subspace. Loci that change their order are held to cross only once the shapes next
+/// to the meeting point say so; roots nearer than a millionth of their frequency count as one
+/// there, so that a veering narrower than this is called a crossing. Over a number of parts
 /// ([`ParameterSpec::whole`]) the roots are numbered instead.
 ///
-/// All modes are followed; of a model that is solved sparse as many as it takes for those up to the end of the band, or for
-/// the lowest thirty without a band, to be among them at every value. Such modes as come from above make it more.
+/// All modes are followed; of a model that is solved sparse as many as it takes for those up to the
+/// end of the band, or for the lowest thirty without a band, to be among them at every value. Such
+/// modes as come from above make it more.
 ///
 /// # Errors
 /// [`TheoryError::UnknownParameter`]; [`TheoryError::SweepRange`]; [`TheoryError::SweepNotWhole`];
@@ -206,7 +214,8 @@ pub fn sweep(
     })
 }
 
-/// The modes that lie in the band at the first value, or the lowest, with so many above them that none comes in unseen.
+/// The modes that lie in the band at the first value, or the lowest, with so many above them that
+/// none comes in unseen.
 fn whole_trail(
     follower: &Follower<'_>,
     grid: &[f64],

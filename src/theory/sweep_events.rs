@@ -8,9 +8,11 @@ use super::TheoryError;
 use super::sweep::{EventKind, LocusEvent};
 use super::sweep_track::{Follower, Sample, Trail, pairs, zero_between};
 
-/// The least veering index: more than half of how a shape changes comes from the other one of the pair.
+/// The least veering index: more than half of how a shape changes comes from the other one of the
+/// pair.
 const VEERING_INDEX: f64 = 0.5;
-/// On both sides a pair must part to this multiple of its least distance in lambda: half of the exchange of shapes lies within.
+/// On both sides a pair must part to this multiple of its least distance in lambda: half of the
+/// exchange of shapes lies within.
 const PARTED: f64 = std::f64::consts::SQRT_2;
 
 /// Crossings and veerings of families of modes, in the order of their places.
@@ -120,8 +122,8 @@ fn veerings(
     Ok(found)
 }
 
-/// Rate of the distance of two frequencies over the parameter, below 0 where they come nearer; `None` for modes of one root
-/// and for roots at 0, which stay there.
+/// Rate of the distance of two frequencies over the parameter, below 0 where they come nearer;
+/// `None` for modes of one root and for roots at 0, which stay there.
 fn approach(sample: &Sample, couplings: &RealMatrix, [a, b]: [usize; 2]) -> Option<f64> {
     let [x, y] = [a, b].map(|mode| sample.omega_rad_s[mode]);
     let apart = sample.root[a] != sample.root[b];
@@ -129,7 +131,8 @@ fn approach(sample: &Sample, couplings: &RealMatrix, [a, b]: [usize; 2]) -> Opti
     (apart && x > 0.0 && y > 0.0).then(|| rate * sample.distance(a, b).signum())
 }
 
-/// Whether two modes, coming from the least distance between samples `i` and `i + 1`, part on both sides.
+/// Whether two modes, coming from the least distance between samples `i` and `i + 1`, part on both
+/// sides.
 fn parted(trail: &Trail, i: usize, [a, b]: [usize; 2]) -> bool {
     let gap =
         |sample: &Sample| (sample.omega_rad_s[b].powi(2) - sample.omega_rad_s[a].powi(2)).abs();
@@ -200,7 +203,8 @@ impl Pair {
         }
     }
 
-    /// The veering index: the quotient times the modal dependence factor of both (the same, their geometric mean).
+    /// The veering index: the quotient times the modal dependence factor of both (the same, their
+    /// geometric mean).
     fn index(&self) -> f64 {
         self.quotient() * (self.dependence[0] * self.dependence[1]).sqrt()
     }

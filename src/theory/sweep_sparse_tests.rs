@@ -1,5 +1,6 @@
-//! Loci of a model that is solved sparse, against closed forms: two equal chains, whose roots are double, and two masses on
-//! springs with a third between them, whose roots veer where the springs are equal and cross those of the chains.
+//! Loci of a model that is solved sparse, against closed forms: two equal chains, whose roots are
+//! double, and two masses on springs with a third between them, whose roots veer where the springs
+//! are equal and cross those of the chains.
 
 use std::f64::consts::{PI, TAU};
 
@@ -117,7 +118,8 @@ fn swept(model: &ExternalModel, count: usize, band_rad_s: Option<f64>) -> Sweep 
     sweep(model, &[own.nominal], "own", range, band).expect("a range within the bounds")
 }
 
-/// Every locus is a chain's root, or one of the two masses', through all values; how many of the chains' there are.
+/// Every locus is a chain's root, or one of the two masses', through all values; how many of the
+/// chains' there are.
 fn check_loci(own: &Sweep, p: impl Fn(f64) -> f64) -> usize {
     let mut chains = 0;
     let mut pairs = Vec::new();
@@ -238,8 +240,8 @@ fn without_a_band_the_lowest_thirty_are_followed() {
     assert_eq!(check_loci(&own, |p| p), 14);
 }
 
-/// Masses of 1 kg, each alone on its spring: the first ones at `roots_rad_s`, the last of these with a spring less by `own`,
-/// all others above them, `SPACING` apart.
+/// Masses of 1 kg, each alone on its spring: the first ones at `roots_rad_s`, the last of these
+/// with a spring less by `own`, all others above them, `SPACING` apart.
 fn masses(roots_rad_s: &[f64], (lower, upper): (f64, f64)) -> ExternalModel {
     let above = |i: usize| SPACING * (10 + i) as f64;
     let root = |i: usize| roots_rad_s.get(i).copied().unwrap_or(above(i));
@@ -250,7 +252,8 @@ fn masses(roots_rad_s: &[f64], (lower, upper): (f64, f64)) -> ExternalModel {
 
 #[test]
 fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
-    // Followed at 40 Hz with nothing up to the end of the band, 100 Hz; the next from 105 to 80 Hz, never within 5/4 of it.
+    // Followed at 40 Hz with nothing up to the end of the band, 100 Hz; the next from 105 to 80 Hz,
+    // never within 5/4 of it.
     let squares = [40.0, 105.0, 80.0].map(|hz: f64| (TAU * hz).powi(2));
     let range = (1.0, squares[1] - squares[2]);
     let at = |value: f64| (squares[1] - value).sqrt();
@@ -266,7 +269,8 @@ fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
             let expected = first.iter().copied().chain([at(value)]);
             for (locus, wanted) in told.iter().zip(expected) {
                 let got = locus[i].expect("a mode at every value");
-                // Vectors are exact to 1e-11, their quotients to the square of it times the spread of the squares, 1e6.
+                // Vectors are exact to 1e-11, their quotients to the square of it times the spread
+                // of the squares, 1e6.
                 assert!((got / wanted - 1.0).abs() < 1e-9, "{got} {wanted}");
             }
         }

@@ -1,5 +1,5 @@
-//! Loci followed through crossings and veerings: two-degree models in closed form, the torsional gear and the cycloid ball
-//! transmission against their references.
+//! Loci followed through crossings and veerings: two-degree models in closed form, the torsional
+//! gear and the cycloid ball transmission against their references.
 
 use std::f64::consts::TAU;
 
@@ -54,8 +54,8 @@ fn check_complete(model: &dyn TheoreticalModel, own: &Sweep) {
     }
 }
 
-/// Two masses of 1 kg on springs of `left` and 100 N/m, joined by one of `joint`: with a = left + joint and b = 100 + joint
-/// the eigenvalues are (a + b)/2 -+ sqrt((a - b)^2/4 + joint^2).
+/// Two masses of 1 kg on springs of `left` and 100 N/m, joined by one of `joint`: with a = left +
+/// joint and b = 100 + joint the eigenvalues are (a + b)/2 -+ sqrt((a - b)^2/4 + joint^2).
 fn pair(joint: f64) -> LumpedModel {
     let body = |name: &str, x: f64| {
         format!(
@@ -91,8 +91,8 @@ fn two_masses_veer_where_their_springs_are_equal_however_weak_the_joint_and_howe
                 panic!("{joint} {count}: {:?}", own.events);
             };
             assert_eq!(event.kind, EventKind::Veering, "{joint} {count}");
-            // d(omega_2 - omega_1)/da = 0: the difference of the eigenvalues is least at a = b, and that of their
-            // roots at da = 2 joint^2/(a + b), to the next power of the joint.
+            // d(omega_2 - omega_1)/da = 0: the difference of the eigenvalues is least at a = b, and
+            // that of their roots at da = 2 joint^2/(a + b), to the next power of the joint.
             let nearest = 100.0 + joint * joint / 100.0;
             assert!(
                 (event.place - nearest).abs() < 0.05 * joint * joint,
@@ -197,7 +197,8 @@ fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_
         assert!(veering.coupling > 0.99, "{}", veering.coupling);
         // The paper's criterion (7) lies inside the width of the veering.
         assert!((veering.place - 2.512238e9).abs() < 0.1 * veering.width.unwrap());
-        // The rotational locus that comes from below crosses the planet modes on both sides; the other one never does.
+        // The rotational locus that comes from below crosses the planet modes on both sides; the
+        // other one never does.
         let planet = own
             .loci
             .iter()

@@ -9,14 +9,17 @@ use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 use super::system::{System, SystemSlope};
 use super::{ModeOptions, TheoreticalModel, TheoryError};
 
-/// The least share of a shape in the root that it goes over into: a rotation by 18 degrees from one value to the next.
+/// The least share of a shape in the root that it goes over into: a rotation by 18 degrees from one
+/// value to the next.
 const SAME_SHAPE: f64 = 0.9;
-/// Values nearer than this part of their interval's ends are not divided further: a thousand times the rounding.
+/// Values nearer than this part of their interval's ends are not divided further: a thousand times
+/// the rounding.
 const NEAREST_VALUES: f64 = 1e-13;
 /// Steps to a zero between two values; bisection alone would need 52.
 const ZERO_STEPS: usize = 80;
-/// Of a sparse model the modes up to this multiple of the highest followed frequency are computed at the next value, among
-/// which the followed ones are sought; one that goes beyond is met again at a value nearer by.
+/// Of a sparse model the modes up to this multiple of the highest followed frequency are computed
+/// at the next value, among which the followed ones are sought; one that goes beyond is met again
+/// at a value nearer by.
 const HEADROOM: f64 = 1.25;
 /// As many modes where all that are followed are at 0, and no band has an end.
 const BESIDE_RIGID: usize = 8;
@@ -46,8 +49,9 @@ impl Sample {
         self.omega_rad_s[b] - self.omega_rad_s[a]
     }
 
-    /// Distance of the Rayleigh quotients of two shapes, (rad/s)²: tells modes of one root apart, whose frequency is the mean
-    /// of the root, by shapes that were followed from where they were apart.
+    /// Distance of the Rayleigh quotients of two shapes, (rad/s)²: tells modes of one root apart,
+    /// whose frequency is the mean of the root, by shapes that were followed from where they were
+    /// apart.
     fn quotient_distance(&self, a: usize, b: usize) -> f64 {
         let quotient = |mode: usize| -> f64 {
             let parts = (0..self.vectors.nrows()).map(|i| (i, mode));
@@ -119,7 +123,8 @@ pub(super) struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    /// Of a sparse model all modes up to the end of the band are seen at every value, followed or not.
+    /// Of a sparse model all modes up to the end of the band are seen at every value, followed or
+    /// not.
     pub fn new(
         model: &'a dyn TheoreticalModel,
         values: &'a [f64],
@@ -184,8 +189,8 @@ impl<'a> Follower<'a> {
         }))
     }
 
-    /// The modes among which those of a sample nearby are to be found, where not all are computed, and all up to the end of the
-    /// band, so that one that comes into it from above is seen.
+    /// The modes among which those of a sample nearby are to be found, where not all are computed,
+    /// and all up to the end of the band, so that one that comes into it from above is seen.
     fn near(&self, from: &Sample) -> ModeOptions {
         let highest = from.omega_rad_s.iter().copied().fold(0.0, f64::max);
         let end_hz = self.band.map_or(0.0, |band| band.hi_hz);
@@ -198,7 +203,8 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell it.
+    /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell
+    /// it.
     pub fn follow(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
         let system = System::of(self.model, &self.values_at(value))?;
         let found = self.solve(&system, value, &self.near(from))?;
@@ -251,7 +257,8 @@ impl<'a> Follower<'a> {
         }))
     }
 
-    /// The modes through all values of a grid; of a sparse model those that the options ask for at the first value.
+    /// The modes through all values of a grid; of a sparse model those that the options ask for at
+    /// the first value.
     pub fn trail(&self, grid: &[f64], options: &ModeOptions) -> Result<Trail, TheoryError> {
         let system = System::of(self.model, &self.values_at(grid[0]))?;
         let first = self.solve(&system, grid[0], options)?;
@@ -332,7 +339,8 @@ impl<'a> Follower<'a> {
         Ok(Step::Taken(Box::new(to), meetings))
     }
 
-    /// Where two modes meet between two samples; the value at which their shapes are not to be told apart from others.
+    /// Where two modes meet between two samples; the value at which their shapes are not to be told
+    /// apart from others.
     fn meeting(
         &self,
         before: &Sample,
@@ -359,8 +367,9 @@ pub(super) fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)))
 }
 
-/// Zero of a function between two values at which it has opposite signs, by the Illinois rule; the value at which it has
-/// none, if it meets such a one. Ends at a function value of exactly 0, or when the values are neighbours.
+/// Zero of a function between two values at which it has opposite signs, by the Illinois rule; the
+/// value at which it has none, if it meets such a one. Ends at a function value of exactly 0, or
+/// when the values are neighbours.
 ///
 /// # Reference
 /// Dowell and Jarratt (1971), A modified regula falsi method, BIT 11, 168.
@@ -397,8 +406,8 @@ pub(super) fn zero_between<E>(
     Ok(Ok(place))
 }
 
-/// The root that each mode (row) goes over into: the one that has most of it, of its square `phi^T M phi`. `None`
-/// where there is none, or a root would get more modes than it has.
+/// The root that each mode (row) goes over into: the one that has most of it, of its square `phi^T
+/// M phi`. `None` where there is none, or a root would get more modes than it has.
 fn roots_of_modes(overlap: &RealMatrix, squares: &[f64], root: &[usize]) -> Option<Vec<usize>> {
     let n = root.len();
     let mut left = vec![0usize; n];
@@ -416,10 +425,12 @@ fn roots_of_modes(overlap: &RealMatrix, squares: &[f64], root: &[usize]) -> Opti
     Some(own)
 }
 
-/// The matrix of orthonormal rows nearest to one whose rows nearly are so, `(A A^T)^(-1/2) A`; a rotation for a square one.
+/// The matrix of orthonormal rows nearest to one whose rows nearly are so, `(A A^T)^(-1/2) A`; a
+/// rotation for a square one.
 ///
 /// # Reference
-/// Higham (1986), Computing the polar decomposition, SIAM Journal on Scientific and Statistical Computing 7, 1160.
+/// Higham (1986), Computing the polar decomposition, SIAM Journal on Scientific and Statistical
+/// Computing 7, 1160.
 fn nearest_rotation(a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
     let m = a.nrows();
     if m == 1 && a.ncols() == 1 {

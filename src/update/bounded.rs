@@ -10,8 +10,8 @@ enum Place {
     Upper,
 }
 
-/// `min |A x - b|` with `lower <= x <= upper`, by an active set: QR of the free columns, a step as far as the first bound,
-/// and release of the bounded unknown whose gradient points inside most.
+/// `min |A x - b|` with `lower <= x <= upper`, by an active set: QR of the free columns, a step as
+/// far as the first bound, and release of the bounded unknown whose gradient points inside most.
 ///
 /// `A` is tall with full column rank; 0 lies between all bounds.
 ///
@@ -19,8 +19,8 @@ enum Place {
 /// [`LinalgError::Inaccurate`].
 ///
 /// # Reference
-/// Stark and Parker (1995), Bounded-variable least squares: an algorithm and applications, Computational Statistics 10,
-/// 129.
+/// Stark and Parker (1995), Bounded-variable least squares: an algorithm and applications,
+/// Computational Statistics 10, 129.
 pub(super) fn bounded_least_squares(
     a: &RealMatrix,
     b: &[f64],
@@ -29,7 +29,8 @@ pub(super) fn bounded_least_squares(
     let n = a.ncols();
     let mut x = vec![0.0; n];
     let mut place = vec![Place::Free; n];
-    // Every pass binds or releases one unknown; in exact arithmetic no set of bound ones comes twice.
+    // Every pass binds or releases one unknown; in exact arithmetic no set of bound ones comes
+    // twice.
     for _ in 0..10 * (n + 1) {
         let free: Vec<usize> = (0..n).filter(|&j| place[j] == Place::Free).collect();
         let goal = unbounded(a, b, &x, &free)?;

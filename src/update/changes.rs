@@ -1,11 +1,12 @@
-//! Which single change explains the misfit: parameters freed alone, in pairs and in growing sets, ranked; and whether the
-//! set that is proposed foretells a mode that was left out.
+//! Which single change explains the misfit: parameters freed alone, in pairs and in growing sets,
+//! ranked; and whether the set that is proposed foretells a mode that was left out.
 //!
-//! Every trial solves the problem with some parameters free and all others where they are. It is a fit to the data alone: what
-//! explains a misfit may lie far outside the prior, and BIC asks for the maximum of the likelihood. The prior's rows weigh a
-//! thousandth, which pulls a parameter that the data know by a millionth, and leaves one that they do not know where it was.
-//! Its remaining error is `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 + k ln N` with
-//! `k` free parameters and `N` residuals, the deviations being taken as known.
+//! Every trial solves the problem with some parameters free and all others where they are. It is a
+//! fit to the data alone: what explains a misfit may lie far outside the prior, and BIC asks for
+//! the maximum of the likelihood. The prior's rows weigh a thousandth, which pulls a parameter that
+//! the data know by a millionth, and leaves one that they do not know where it was. Its remaining
+//! error is `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 +
+//! k ln N` with `k` free parameters and `N` residuals, the deviations being taken as known.
 //!
 //! # Reference
 //! Schwarz (1978), Estimating the dimension of a model, Annals of Statistics 6, 461.
@@ -41,7 +42,8 @@ pub struct Change {
 }
 
 impl Change {
-    /// Whether the residual is down to its uncertainty: `chi^2` at most `nu + 2 sqrt(2 nu)`, `nu = N - k`.
+    /// Whether the residual is down to its uncertainty: `chi^2` at most `nu + 2 sqrt(2 nu)`, `nu =
+    /// N - k`.
     pub fn explains(&self) -> bool {
         let nu = self.fit.data_count.saturating_sub(self.free).max(1) as f64;
         self.fit.chi_square <= largest_chi_square(nu)
@@ -68,18 +70,21 @@ pub struct Explanation {
     pub single: Vec<Change>,
     /// Pairs among the best of them, smallest remaining error first.
     pub pairs: Vec<Change>,
-    /// The smallest set that brings the residual to its uncertainty; where none does, the one of smallest BIC.
+    /// The smallest set that brings the residual to its uncertainty; where none does, the one of
+    /// smallest BIC.
     pub proposed: Change,
     /// Leave-one-out check of that set.
     pub foretold: Vec<Foretold>,
 }
 
-/// Tries all free parameters of the problem but those named in `always`, which are free in every trial.
+/// Tries all free parameters of the problem but those named in `always`, which are free in every
+/// trial.
 ///
 /// Sets of more than two grow from the best pair by the parameter that leaves least.
 ///
 /// # Errors
-/// [`UpdateError::Parameter`] for an unknown name or one that stands twice; as [`solve_from_starts`].
+/// [`UpdateError::Parameter`] for an unknown name or one that stands twice; as
+/// [`solve_from_starts`].
 pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explanation, UpdateError> {
     let trials = Trials::new(problem, always)?;
     let none = trials.change(&[])?;
@@ -117,7 +122,8 @@ pub fn single_changes(
     Ok(ranked.into_iter().map(|(_, change)| change).collect())
 }
 
-/// Whether every name is that of a free parameter, and none stands twice: what [`explain`] asks of `always`.
+/// Whether every name is that of a free parameter, and none stands twice: what [`explain`] asks of
+/// `always`.
 ///
 /// # Errors
 /// [`UpdateError::Parameter`].
@@ -201,7 +207,8 @@ impl<'b> Trials<'b> {
         Ok(changes)
     }
 
-    /// The smallest set that explains the misfit, of equal size the one that leaves least; else the one of smallest BIC.
+    /// The smallest set that explains the misfit, of equal size the one that leaves least; else the
+    /// one of smallest BIC.
     fn proposed(
         &self,
         none: &Change,

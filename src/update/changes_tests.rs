@@ -39,7 +39,8 @@ fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out()
 
 #[test]
 fn a_change_far_outside_the_prior_is_found_as_large_as_it_is() {
-    // 30 % more of one stiffness, to which the prior gives 2 %: an update is pulled back, what explains the misfit is not.
+    // 30 % more of one stiffness, to which the prior gives 2 %: an update is pulled back, what
+    // explains the misfit is not.
     let (start, truth) = ([100.0, 200.0], [100.0, 260.0]);
     let model = chain(&start);
     let test = measured(&model, &truth, 1e-2, false);

@@ -1,4 +1,5 @@
-//! The cycloid paper's Table 2: which of its printed parameters explains that the printed model misses it.
+//! The cycloid paper's Table 2: which of its printed parameters explains that the printed model
+//! misses it.
 
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::theory::{built_in, nominal_values};
@@ -68,7 +69,8 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     let values = nominal_values(model.parameters());
     let test = printed();
     let own = [MeasuredModes::new("table 2", &test)];
-    // Those that follow from two printed frequencies, two angles that change none, and the number of balls.
+    // Those that follow from two printed frequencies, two angles that change none, and the number
+    // of balls.
     let skipped = [
         "cos2_beta",
         "cos2_beta_1",
@@ -85,8 +87,9 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     assert_eq!((problem.targets.len(), problem.left_out.len()), (15, 0));
     let found = single_changes(&problem, &GEOMETRY.map(str::to_owned)).unwrap();
     assert_eq!(found.len(), names.len() - GEOMETRY.len());
-    // An independent computation found 37.6 g with a largest error of 1.15 %, and 5.5 % for the next best parameter with
-    // one more free number for the geometry; the deviations here are relative and equal.
+    // An independent computation found 37.6 g with a largest error of 1.15 %, and 5.5 % for the
+    // next best parameter with one more free number for the geometry; the deviations here are
+    // relative and equal.
     let best = &found[0];
     assert_eq!(best.parameters, ["m_3"]);
     assert!(

@@ -1,4 +1,5 @@
-//! Which residuals of the data a problem has: those of modes, of the equations of motion, or of FRFs; and their derivatives.
+//! Which residuals of the data a problem has: those of modes, of the equations of motion, or of
+//! FRFs; and their derivatives.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -47,7 +48,8 @@ impl UpdateProblem<'_> {
     /// Derivatives of the residuals (rows) by the free parameters `z` (columns).
     ///
     /// # Errors
-    /// [`UpdateError::Theory`], [`UpdateError::Linalg`]; [`UpdateError::Derivative`] where one is not finite.
+    /// [`UpdateError::Theory`], [`UpdateError::Linalg`]; [`UpdateError::Derivative`] where one is
+    /// not finite.
     pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
         let columns = if self.compares_frfs {
             let by = self.system_derivatives(at)?;
@@ -109,8 +111,8 @@ impl UpdateProblem<'_> {
             return self.frfs.iter().map(FrfTarget::len).sum();
         }
         if self.options.residuals == Residuals::ModalDynamic {
-            // The motion of all coordinates is free, and takes as many residuals as the force has: what is left is the shape
-            // where the root's modes do not reach, and its one frequency.
+            // The motion of all coordinates is free, and takes as many residuals as the force has:
+            // what is left is the shape where the root's modes do not reach, and its one frequency.
             return self.targets.iter().map(Target::informative).sum();
         }
         let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
@@ -185,8 +187,8 @@ impl UpdateProblem<'_> {
         Ok(())
     }
 
-    /// Whether a function of a test is at a reversed sensor, where its sign counts. Sensors are the side with more DOFs, as in
-    /// identification.
+    /// Whether a function of a test is at a reversed sensor, where its sign counts. Sensors are the
+    /// side with more DOFs, as in identification.
     fn at_reversed_sensor(
         &self,
         test: usize,
@@ -226,7 +228,8 @@ impl UpdateProblem<'_> {
         })
     }
 
-    /// A damping ratio for every mode of the model: that of what it meets in a test, else their mean.
+    /// A damping ratio for every mode of the model: that of what it meets in a test, else their
+    /// mean.
     fn damping_ratios(&self, test: usize, at: &Evaluation) -> Result<Vec<f64>, UpdateError> {
         let of_test = |t: &&usize| self.targets[**t].test == test;
         let mean = |targets: &mut dyn Iterator<Item = &usize>| {
@@ -265,8 +268,8 @@ fn choice(options: &UpdateOptions, own: &MeasuredModes<'_>) -> Choice {
     }
 }
 
-/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes with a MAC of 0, which is
-/// more than any partner leaves.
+/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes
+/// with a MAC of 0, which is more than any partner leaves.
 fn unexplained(target: &Target) -> impl Iterator<Item = f64> {
     let vectors = target.shapes.iter().flat_map(|shapes| &shapes.vectors);
     std::iter::once(target.relative_std.recip()).chain(vectors.flatten().copied())

@@ -1,25 +1,28 @@
 //! Modal dynamic residuals: what a measured mode leaves of the equations of motion.
 //!
-//! A measured shape `psi` at the sensors `B` and its `lambda = (2 pi f)^2` belong to some motion `u` of all coordinates. The
-//! residual is what the best `u` leaves of
+//! A measured shape `psi` at the sensors `B` and its `lambda = (2 pi f)^2` belong to some motion
+//! `u` of all coordinates. The residual is what the best `u` leaves of
 //!
 //! ```text
 //! [ W (K - lambda M) ]       [ 0   ]
 //! [ S^-1 B           ] u  -  [ S^-1 psi ]
 //! ```
 //!
-//! with the deviations `S` of the shape: the force that no motion near the measured shape does without, and the part of the
-//! shape that no motion without force explains. `W = Phi0^T/(2 lambda sigma s)` with the modes `Phi0` of the model at the start
-//! (the norm of `M0^-1`), the relative deviation `sigma` of the frequency, and the length `s` of `u` there, the root of the sum
-//! of squares over the shapes of a repeated root, whose one frequency counts once; a root of the model that is off by `e`
-//! leaves `e/sigma` in all. Motions without mass follow the others by statics, `u = T u_a` ([`Condensation`]): a force on
-//! them is infinitely large in the norm of `M0^-1`. No mode of the model is asked for: repeated and crossing roots are no
-//! matter, and nothing is expanded beforehand.
+//! with the deviations `S` of the shape: the force that no motion near the measured shape does
+//! without, and the part of the shape that no motion without force explains. `W = Phi0^T/(2 lambda
+//! sigma s)` with the modes `Phi0` of the model at the start (the norm of `M0^-1`), the relative
+//! deviation `sigma` of the frequency, and the length `s` of `u` there, the root of the sum of
+//! squares over the shapes of a repeated root, whose one frequency counts once; a root of the model
+//! that is off by `e` leaves `e/sigma` in all. Motions without mass follow the others by statics,
+//! `u = T u_a` ([`Condensation`]): a force on them is infinitely large in the norm of `M0^-1`. No
+//! mode of the model is asked for: repeated and crossing roots are no matter, and nothing is
+//! expanded beforehand.
 //!
 //! # Reference
-//! Friswell and Mottershead (1995), Finite Element Model Updating in Structural Dynamics, section 5.1 (equation error);
-//! Ladevèze, Nedjar and Reynier (1994), AIAA Journal 32, 1485 (shape and force weighed together); Golub and Pereyra (1973),
-//! SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
+//! Friswell and Mottershead (1995), Finite Element Model Updating in Structural Dynamics, section
+//! 5.1 (equation error); Ladevèze, Nedjar and Reynier (1994), AIAA Journal 32, 1485 (shape and
+//! force weighed together); Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7
+//! (derivative of a projection).
 
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::{Condensation, SystemDerivative, SystemMatrices, TheoryModes};
@@ -37,7 +40,8 @@ pub(super) struct DynamicTarget {
 }
 
 impl DynamicTarget {
-    /// Of a target whose shapes the modes `own` of the model are nearest to; `None` where these say nothing of its length.
+    /// Of a target whose shapes the modes `own` of the model are nearest to; `None` where these say
+    /// nothing of its length.
     pub fn new(
         (hz, relative_std): (f64, f64),
         shapes: &TargetShapes,
@@ -105,7 +109,8 @@ impl DynamicTarget {
         Ok(rests.flatten().collect())
     }
 
-    /// Their derivatives by parameters, one column for each: with `dT = -G dK T` of motions without mass.
+    /// Their derivatives by parameters, one column for each: with `dT = -G dK T` of motions without
+    /// mass.
     ///
     /// # Errors
     /// As [`DynamicTarget::values`].

@@ -22,7 +22,8 @@ fn options() -> UpdateOptions {
 
 #[test]
 fn a_frequency_that_is_off_leaves_its_error_over_its_deviation() {
-    // Shapes as they are, frequencies 0.1 % too high with a deviation of 0.1 %; chi-square of one for each mode.
+    // Shapes as they are, frequencies 0.1 % too high with a deviation of 0.1 %; chi-square of one
+    // for each mode.
     let start = [100.0, 200.0, 300.0];
     let model = chain(&start);
     let mut test = measured(&model, &start, 1e-3, true);
@@ -113,7 +114,8 @@ fn the_equations_of_motion_give_the_stiffnesses_back() {
     }
 }
 
-/// Springs on both sides of a massless node are told apart by the shapes there: with modes and with equations of motion.
+/// Springs on both sides of a massless node are told apart by the shapes there: with modes and with
+/// equations of motion.
 #[test]
 fn massless_nodes_follow_by_statics_in_residuals_and_their_derivatives() {
     let (start, truth) = ([100.0, 200.0, 300.0, 150.0], [130.0, 180.0, 310.0, 160.0]);
@@ -133,7 +135,8 @@ fn massless_nodes_follow_by_statics_in_residuals_and_their_derivatives() {
         assert!(worst < 1e-6, "{residuals:?}: {worst}");
         let result = update(&problem).unwrap();
         for (own, truth) in result.parameters.iter().zip(truth) {
-            // The prior pulls by the square of its ratio to the posterior deviation, 0.5 % of the largest.
+            // The prior pulls by the square of its ratio to the posterior deviation, 0.5 % of the
+            // largest.
             assert!(
                 (own.updated / truth - 1.0).abs() < 5e-3,
                 "{residuals:?} {own:?}"

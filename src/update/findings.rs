@@ -6,8 +6,8 @@ use crate::finding::{Code, Finding, Place, Severity};
 use super::{KNOWN, UpdateResult, UpdatedParameter, Verdict};
 
 impl UpdateResult {
-    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured roots that changed or lost
-    /// their partner, an iteration that did not converge.
+    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured
+    /// roots that changed or lost their partner, an iteration that did not converge.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings: Vec<Finding> = self.parameters.iter().filter_map(of_parameter).collect();
         if !self.fits() {

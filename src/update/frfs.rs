@@ -1,19 +1,21 @@
 //! Residuals of FRFs: measured functions against those of the model, line by line.
 //!
-//! The model's are `H = s^d b_y Z^-1 b_f^T` with `Z = s^2 M + s C + K`, the observation rows of response and hit, and
-//! `s = a + i omega` for an exponential window of rate `a` that the functions still carry. Damping is not updated: `C` is
-//! `M Phi diag(2 zeta omega) Phi^T M` of the model where modes alone are brought to the test, with the measured ratios (of a mode
-//! that was not measured their mean), and stays. With the motions `X = Z^-1 B^T` the derivatives are
-//! `dH = -s^d x_y^T (dK + s^2 dM) x_f`.
+//! The model's are `H = s^d b_y Z^-1 b_f^T` with `Z = s^2 M + s C + K`, the observation rows of
+//! response and hit, and `s = a + i omega` for an exponential window of rate `a` that the functions
+//! still carry. Damping is not updated: `C` is `M Phi diag(2 zeta omega) Phi^T M` of the model
+//! where modes alone are brought to the test, with the measured ratios (of a mode that was not
+//! measured their mean), and stays. With the motions `X = Z^-1 B^T` the derivatives are `dH = -s^d
+//! x_y^T (dK + s^2 dM) x_f`.
 //!
-//! Complex residuals are `(H - H_t)/sigma` in real and imaginary part, `sigma^2 = (var + (floor |H_t|)^2)/2`; residuals of the
-//! logarithm are `ln|H/H_t|/sigma`, `sigma^2 = (var/|H_t|^2 + floor^2)/2`. The floor stands for errors of damping and calibration,
-//! which a whole function shares, and counts at every line as if it were independent: where it is more than the variance,
+//! Complex residuals are `(H - H_t)/sigma` in real and imaginary part, `sigma^2 = (var +
+//! (floor |H_t|)^2)/2`; residuals of the logarithm are `ln|H/H_t|/sigma`, `sigma^2 = (var/|H_t|^2 +
+//! floor^2)/2`. The floor stands for errors of damping and calibration, which a whole function
+//! shares, and counts at every line as if it were independent: where it is more than the variance,
 //! posterior deviations are too small.
 //!
 //! # Reference
-//! Lin and Ewins (1990), Proc. IMAC 8, 141 (sensitivity of receptances); Friswell and Mottershead (1995), sections 5.2 and 8.2
-//! (FRF residuals, logarithms).
+//! Lin and Ewins (1990), Proc. IMAC 8, 141 (sensitivity of receptances); Friswell and Mottershead
+//! (1995), sections 5.2 and 8.2 (FRF residuals, logarithms).
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -28,8 +30,8 @@ use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
 
 use super::UpdateError;
 
-/// Lines at which a function stands less than this over its variance (a power, 10 dB) have no logarithm to speak of: noise
-/// biases it.
+/// Lines at which a function stands less than this over its variance (a power, 10 dB) have no
+/// logarithm to speak of: noise biases it.
 const OVER_NOISE: f64 = 10.0;
 
 /// The functions of one set that the model's sensors read, at the lines that count.
@@ -68,10 +70,12 @@ pub(super) struct Choice {
 }
 
 impl FrfTarget {
-    /// `None` where no function has both ends at sensors of the model, or no line counts. FRFs at reversed sensors are left out.
+    /// `None` where no function has both ends at sensors of the model, or no line counts. FRFs at
+    /// reversed sensors are left out.
     ///
     /// # Errors
-    /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of noise.
+    /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of
+    /// noise.
     pub fn new(
         test: usize,
         set: &FrfSet,
@@ -204,7 +208,8 @@ impl FrfTarget {
         });
         let rows = &self.rows;
         let forces = complex_matrix(n, rows.nrows(), |i, j| rows[(j, i)].into());
-        // A line at which the model is singular has no residual; the update reports what is not finite.
+        // A line at which the model is singular has no residual; the update reports what is not
+        // finite.
         solve_square(&dynamic, &forces).unwrap_or_else(|_| not_a_number(n, forces.ncols()))
     }
 

@@ -1,4 +1,5 @@
-//! Residuals of FRFs against closed forms, their derivatives against differences, and round trips without noise.
+//! Residuals of FRFs against closed forms, their derivatives against differences, and round trips
+//! without noise.
 
 use num_complex::Complex64;
 
@@ -16,8 +17,9 @@ use super::*;
 const RATIO: f64 = 0.01;
 const RATE: f64 = 0.05;
 
-/// Functions of a chain with the same damping ratio for all modes, hit at the first mass (against its axis) and read at all of
-/// them, carrying an exponential window of rate [`RATE`]; with a variance of `(noise rms)^2`, and without noise.
+/// Functions of a chain with the same damping ratio for all modes, hit at the first mass (against
+/// its axis) and read at all of them, carrying an exponential window of rate [`RATE`]; with a
+/// variance of `(noise rms)^2`, and without noise.
 fn functions(model: &LumpedModel, values: &[f64], kind: FrfKind, noise: f64) -> FrfSet {
     let sensors = sensors(model, values);
     let theory = modes(model, values, &sensors, &ModeOptions::default()).unwrap();
@@ -244,8 +246,8 @@ fn functions_know_stiffnesses_better_than_the_modes_they_start_from() {
     };
     assert!(error(Residuals::Modes) > 1e-3);
     for residuals in KINDS {
-        // Damping ratios are held as a matrix at the modes' end, 0.3 % off in frequency: that part of the ratio of 1 % is wrong,
-        // which moves a resonance by less than a hundredth of it.
+        // Damping ratios are held as a matrix at the modes' end, 0.3 % off in frequency: that part
+        // of the ratio of 1 % is wrong, which moves a resonance by less than a hundredth of it.
         let error = error(residuals);
         assert!(error < 1e-4, "{residuals:?}: {error}");
     }

@@ -1,8 +1,10 @@
-//! Other ways from a start whose end leaves a misfit: frequencies first, and the pairs of the model as it stands.
+//! Other ways from a start whose end leaves a misfit: frequencies first, and the pairs of the model
+//! as it stands.
 //!
-//! Shapes make the objective rough: far from the optimum a mode may look like another, and the iteration ends beside the point
-//! or at bounds. Frequencies are smooth. Here shapes begin with little weight, which grows to what they have; with the pairs
-//! of the start, and with those of the model as it stands, followed by shape along the line from there to the start.
+//! Shapes make the objective rough: far from the optimum a mode may look like another, and the
+//! iteration ends beside the point or at bounds. Frequencies are smooth. Here shapes begin with
+//! little weight, which grows to what they have; with the pairs of the start, and with those of the
+//! model as it stands, followed by shape along the line from there to the start.
 //!
 //! # Reference
 //! Blake and Zisserman (1987), Visual Reconstruction, chapter 7 (graduated non-convexity).
@@ -32,8 +34,9 @@ pub(super) fn with_own_pairs(
     graduated(problem, start)
 }
 
-/// With the pairs of the model as it stands, followed by shape; `None` where its modes cannot be followed, or these are the pairs of
-/// the start. The numbers of the modes would not do: modes that the test does not see cross those that it does.
+/// With the pairs of the model as it stands, followed by shape; `None` where its modes cannot be
+/// followed, or these are the pairs of the start. The numbers of the modes would not do: modes that
+/// the test does not see cross those that it does.
 pub(super) fn with_pairs_of_the_model(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,

@@ -44,7 +44,8 @@ pub struct Iteration {
     pub chi_square: f64,
     /// Values of the free parameters after it.
     pub values: Vec<f64>,
-    /// Radius of the region in which the next step is trusted, in parts of each parameter's first step.
+    /// Radius of the region in which the next step is trusted, in parts of each parameter's first
+    /// step.
     pub radius: f64,
     /// Whether it was taken; a refused one leaves everything as it was.
     pub accepted: bool,
@@ -61,6 +62,7 @@ pub struct PairingChange {
     pub from: Vec<usize>,
     /// Numbers after; empty when it lost its partner.
     pub to: Vec<usize>,
-    /// Whether the modes changed their order while they were followed by shape (else they were paired anew).
+    /// Whether the modes changed their order while they were followed by shape (else they were
+    /// paired anew).
     pub followed: bool,
 }

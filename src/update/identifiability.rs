@@ -1,13 +1,15 @@
-//! What the data can tell of the parameters: singular values of the weighted sensitivity, combinations, posterior
-//! deviations, and a verdict for each parameter.
+//! What the data can tell of the parameters: singular values of the weighted sensitivity,
+//! combinations, posterior deviations, and a verdict for each parameter.
 //!
-//! With `J` the derivatives of the data's residuals by `z`, in which every prior deviation is 1, the posterior covariance
-//! of `z` is `(J^T J + I)^-1 = V diag(1/(1 + s^2)) V^T` for `J = U diag(s) V^T`. A combination `v^T z` of the parameters
-//! with singular value `s` is known to `1/sqrt(1 + s^2)` of what was known before the test.
+//! With `J` the derivatives of the data's residuals by `z`, in which every prior deviation is 1,
+//! the posterior covariance of `z` is `(J^T J + I)^-1 = V diag(1/(1 + s^2)) V^T` for `J = U diag(s)
+//! V^T`. A combination `v^T z` of the parameters with singular value `s` is known to `1/sqrt(1 +
+//! s^2)` of what was known before the test.
 //!
 //! # Reference
-//! Tarantola (2005), Inverse Problem Theory, section 3.2.3 (posterior of a linearised problem); Friswell and Mottershead
-//! (1995), Finite Element Model Updating in Structural Dynamics, chapter 8 (regularisation, parameter choice).
+//! Tarantola (2005), Inverse Problem Theory, section 3.2.3 (posterior of a linearised problem);
+//! Friswell and Mottershead (1995), Finite Element Model Updating in Structural Dynamics, chapter 8
+//! (regularisation, parameter choice).
 
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +28,8 @@ pub enum Verdict {
     /// Its posterior deviation is at most half of the prior one.
     #[serde(rename = "identified")]
     Identified,
-    /// It is not: the test does not see it, and it stays where it was; or the test sees it only together with others, and
-    /// it moves as far as their combination asks.
+    /// It is not: the test does not see it, and it stays where it was; or the test sees it only
+    /// together with others, and it moves as far as their combination asks.
     #[serde(rename = "not supported by the data")]
     NotSupported,
     /// It ended at one of its bounds: the data ask for a value beyond.
@@ -49,14 +51,15 @@ impl Verdict {
 /// A combination of the parameters, in the order of what the data know of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
-    /// Singular value of the weighted sensitivity: by how many deviations of the data the residuals change when the
-    /// combination changes by a prior deviation.
+    /// Singular value of the weighted sensitivity: by how many deviations of the data the residuals
+    /// change when the combination changes by a prior deviation.
     pub singular_value: f64,
     /// Posterior over prior deviation, `1/sqrt(1 + s^2)`.
     pub posterior_over_prior: f64,
     /// Whether that is at most a half.
     pub known: bool,
-    /// Parameters with their parts, largest first; the squares of all parts add up to 1, those below 0.1 are left out.
+    /// Parameters with their parts, largest first; the squares of all parts add up to 1, those
+    /// below 0.1 are left out.
     pub parts: Vec<(String, f64)>,
     /// In words and figures.
     pub text: String,

@@ -1,4 +1,5 @@
-//! Which measured modes are which modes of the model: decided at a start, followed by shape from there.
+//! Which measured modes are which modes of the model: decided at a start, followed by shape from
+//! there.
 
 use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
 use crate::linalg::RealMatrix;
@@ -19,7 +20,8 @@ const UNSEEN: f64 = 1e-6;
 pub struct Link {
     /// Indices of the targets, ascending in frequency.
     pub targets: Vec<usize>,
-    /// Indices, ascending, of the modes of the model; several where they are one repeated root at the start.
+    /// Indices, ascending, of the modes of the model; several where they are one repeated root at
+    /// the start.
     pub modes: Vec<usize>,
 }
 
@@ -100,8 +102,8 @@ impl PairedModes {
         Ok(links)
     }
 
-    /// Without shapes: the assignment with the smallest sum of `ln^2(f_model/f_test)` inside the gate, a root of stated
-    /// multiplicity to roots of that multiplicity alone.
+    /// Without shapes: the assignment with the smallest sum of `ln^2(f_model/f_test)` inside the
+    /// gate, a root of stated multiplicity to roots of that multiplicity alone.
     fn by_frequency(&self, theory: &ModalModel, targets: &[Target], gate: f64) -> Vec<Link> {
         let mut own = self.target.clone();
         own.dedup();
@@ -109,7 +111,8 @@ impl PairedModes {
         let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > rigid_hz;
         let roots: Vec<Vec<usize>> = theory.roots().into_iter().filter(elastic).collect();
         let states_groups = own.iter().any(|&t| targets[t].modes.len() > 1);
-        // A root takes as many measured ones as it has modes where the list does not say which belong together.
+        // A root takes as many measured ones as it has modes where the list does not say which
+        // belong together.
         let places = |r: usize| if states_groups { 1 } else { roots[r].len() };
         let columns: Vec<usize> = (0..roots.len())
             .flat_map(|r| std::iter::repeat_n(r, places(r)))
@@ -139,8 +142,8 @@ impl PairedModes {
     }
 }
 
-/// The same links with all modes of every repeated root of which they hold some: part of one has no shapes and no
-/// derivatives of its own. Links of one test that meet in a root become one.
+/// The same links with all modes of every repeated root of which they hold some: part of one has no
+/// shapes and no derivatives of its own. Links of one test that meet in a root become one.
 pub(super) fn with_whole_roots(
     links: Vec<Link>,
     targets: &[Target],
@@ -171,8 +174,8 @@ pub(super) fn with_whole_roots(
     whole
 }
 
-/// The same links without modes that no sensor of their targets reads, where others are read: those came with a root that is one no
-/// more.
+/// The same links without modes that no sensor of their targets reads, where others are read: those
+/// came with a root that is one no more.
 pub(super) fn without_unseen(
     mut links: Vec<Link>,
     targets: &[Target],
@@ -193,9 +196,9 @@ pub(super) fn without_unseen(
     links
 }
 
-/// The same links after the modes of the model have changed: every mode goes where most of its shape goes, `(phi^T M
-/// phi')^2` with `M` the mass matrix of before, of a repeated root the share inside its subspace; all modes together, so
-/// that none is taken twice.
+/// The same links after the modes of the model have changed: every mode goes where most of its
+/// shape goes, `(phi^T M phi')^2` with `M` the mass matrix of before, of a repeated root the share
+/// inside its subspace; all modes together, so that none is taken twice.
 pub(super) fn follow(
     links: &[Link],
     before: &TheoryModes,

@@ -1,9 +1,11 @@
-//! Updating: which parameters of a model would bring it to a test, and which of them the test can know.
+//! Updating: which parameters of a model would bring it to a test, and which of them the test can
+//! know.
 //!
-//! An [`UpdateProblem`] holds the model, its free parameters with their bounds and priors, and what was measured: natural
-//! frequencies and shapes, each with its uncertainty. Every free parameter is a number `z` of its prior deviations from
-//! where it starts; the objective is `sum r^2 + sum z^2` over residuals that are divided by their deviations.
-//! This module must not read a file, identify modes or print.
+//! An [`UpdateProblem`] holds the model, its free parameters with their bounds and priors, and what
+//! was measured: natural frequencies and shapes, each with its uncertainty. Every free parameter is
+//! a number `z` of its prior deviations from where it starts; the objective is `sum r^2 + sum z^2`
+//! over residuals that are divided by their deviations. This module must not read a file, identify
+//! modes or print.
 
 mod bounded;
 mod changes;

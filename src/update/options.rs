@@ -55,21 +55,23 @@ impl Residuals {
 pub struct UpdateOptions {
     /// What is held against the model.
     pub residuals: Residuals,
-    /// Deviation of every frequency that the model itself is granted beside the test's, a fraction: what no value of its
-    /// parameters mends. 0 trusts the model as far as the test.
+    /// Deviation of every frequency that the model itself is granted beside the test's, a fraction:
+    /// what no value of its parameters mends. 0 trusts the model as far as the test.
     pub frequency_floor: f64,
-    /// The same of every shape component, as a part of the root mean square of the shape's components; `None` leaves
-    /// shapes out of the objective (they still pair and follow modes).
+    /// The same of every shape component, as a part of the root mean square of the shape's
+    /// components; `None` leaves shapes out of the objective (they still pair and follow modes).
     pub shape_floor: Option<f64>,
     /// Deviation of a shape component for which the test states none, as such a part.
     pub assumed_shape_std: f64,
-    /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the damping, which is not updated, and
-    /// the calibration. These are errors of whole functions, and count as independent at every line: where they are more than
-    /// the noise, posterior deviations are too small.
+    /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the
+    /// damping, which is not updated, and the calibration. These are errors of whole functions, and
+    /// count as independent at every line: where they are more than the noise, posterior deviations
+    /// are too small.
     pub frf_floor: f64,
     /// Most lines of a function that count, evenly thinned.
     pub frf_lines: usize,
-    /// Prior deviation of a parameter for which none is stated: of its logarithm, or of its value as a part of it.
+    /// Prior deviation of a parameter for which none is stated: of its logarithm, or of its value
+    /// as a part of it.
     pub prior_std: f64,
     /// Number of starts; the first one is the model as it stands.
     pub starts: usize,
@@ -82,9 +84,9 @@ pub struct UpdateOptions {
 }
 
 impl Default for UpdateOptions {
-    /// Modes; floors of 0.1 % in frequency, 2 % in shape and FRFs (to which sensors are calibrated), 5 % for shapes without deviations,
-    /// 400 lines,
-    /// priors of 30 %, 20 starts of at most 100 iterations.
+    /// Modes; floors of 0.1 % in frequency, 2 % in shape and FRFs (to which sensors are
+    /// calibrated), 5 % for shapes without deviations, 400 lines, priors of 30 %, 20 starts of at
+    /// most 100 iterations.
     fn default() -> Self {
         Self {
             residuals: Residuals::Modes,

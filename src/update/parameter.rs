@@ -27,8 +27,9 @@ pub enum Prior {
 pub struct ParameterChoice {
     /// Name in the model.
     pub name: String,
-    /// `None` for the default: log-normal with the stated deviation where value and bounds are not below 0; a normal one
-    /// with that part of the value otherwise; for a value of 0 a normal one with a quarter of the range between its bounds.
+    /// `None` for the default: log-normal with the stated deviation where value and bounds are not
+    /// below 0; a normal one with that part of the value otherwise; for a value of 0 a normal one
+    /// with a quarter of the range between its bounds.
     pub prior: Option<Prior>,
     /// Deviation of the default prior, instead of the options'; a value of 0 has no use for it.
     pub prior_std: Option<f64>,
@@ -38,8 +39,8 @@ pub struct ParameterChoice {
     pub upper: Option<f64>,
 }
 
-/// A parameter that updating may change. With `z` its distance from the start in prior deviations `sigma`, its value is
-/// `p0 exp(sigma z)` (log-normal) or `p0 + sigma z` (normal).
+/// A parameter that updating may change. With `z` its distance from the start in prior deviations
+/// `sigma`, its value is `p0 exp(sigma z)` (log-normal) or `p0 + sigma z` (normal).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeParameter {
     /// Place in the model's list.

@@ -24,7 +24,8 @@ use super::{
     UpdateError, UpdateOptions,
 };
 
-/// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within twice the frequency.
+/// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within
+/// twice the frequency.
 const START_GATE: f64 = 1.0;
 
 /// A model to be brought to measured modes.
@@ -40,7 +41,8 @@ pub struct UpdateProblem<'a> {
     pub targets: Vec<Target>,
     /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
     pub left_out: Vec<(String, f64)>,
-    /// Sensors of each test with the opposite sign of the model at the start; their values take no part.
+    /// Sensors of each test with the opposite sign of the model at the start; their values take no
+    /// part.
     pub reversed: Vec<ReversedSensors>,
     /// Options.
     pub options: UpdateOptions,
@@ -59,7 +61,8 @@ impl<'a> UpdateProblem<'a> {
     /// A problem that starts from these values. Modes at 0 Hz play no part.
     ///
     /// # Errors
-    /// [`UpdateError`] for an option, a parameter or a mode that cannot be meant, and when nothing was paired.
+    /// [`UpdateError`] for an option, a parameter or a mode that cannot be meant, and when nothing
+    /// was paired.
     pub fn new(
         model: &'a dyn TheoreticalModel,
         values: &[f64],
@@ -103,7 +106,8 @@ impl<'a> UpdateProblem<'a> {
         Ok(problem)
     }
 
-    /// Frequencies and shapes with their deviations, the model's floor shared by the tests that measure a root.
+    /// Frequencies and shapes with their deviations, the model's floor shared by the tests that
+    /// measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         let links = self.links(&self.initial, &self.options.pair)?;
         let place = (self.model, self.initial.as_slice());
@@ -131,8 +135,8 @@ impl<'a> UpdateProblem<'a> {
         Ok(())
     }
 
-    /// Sensors of each test with the opposite sign of the model at the start, where values of sensors take part. A sensor that is
-    /// reversed twice, by itself and with its group, is not.
+    /// Sensors of each test with the opposite sign of the model at the start, where values of
+    /// sensors take part. A sensor that is reversed twice, by itself and with its group, is not.
     fn reversed_sensors(
         &self,
         measured: &[MeasuredModes<'_>],
@@ -253,7 +257,8 @@ impl<'a> UpdateProblem<'a> {
                 .iter()
                 .map(|&k| theory.model.modes[k].frequency_hz);
             let hz = hz.sum::<f64>() / link.modes.len() as f64;
-            // Pairing may take errors as parts of the model's frequency, which then has no upper limit.
+            // Pairing may take errors as parts of the model's frequency, which then has no upper
+            // limit.
             let near = |t: &usize| (hz / self.targets[*t].hz).ln().abs() <= gate;
             link.targets.retain(near);
         }
@@ -270,8 +275,8 @@ impl<'a> UpdateProblem<'a> {
         Ok(modes(self.model, values, self.sensors, &options)?)
     }
 
-    /// From 0 to the highest frequency that a partner can have: of a sparse model so many modes are computed. `None` without
-    /// a target, or for one at a frequency without bounds.
+    /// From 0 to the highest frequency that a partner can have: of a sparse model so many modes are
+    /// computed. `None` without a target, or for one at a frequency without bounds.
     fn reach(&self) -> Option<Band> {
         let highest = self.targets.iter().map(|target| target.hz).reduce(f64::max);
         highest.and_then(|hz| Band::new(0.0, hz * (1.0 + self.start_gate())).ok())
@@ -281,8 +286,8 @@ impl<'a> UpdateProblem<'a> {
         self.options.pair.max_frequency_error.max(START_GATE)
     }
 
-    /// The model at `z`, paired with the test there; where that leaves a target alone, from half the frequency to twice: a start
-    /// may be far off.
+    /// The model at `z`, paired with the test there; where that leaves a target alone, from half
+    /// the frequency to twice: a start may be far off.
     ///
     /// # Errors
     /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
@@ -299,7 +304,8 @@ impl<'a> UpdateProblem<'a> {
         self.evaluate(z, |_| links)
     }
 
-    /// The model at `z` with its modes followed from a point nearby; `None` where it has no modes there.
+    /// The model at `z` with its modes followed from a point nearby; `None` where it has no modes
+    /// there.
     ///
     /// # Errors
     /// [`UpdateError::Linalg`].

@@ -123,7 +123,8 @@ fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
         let sizes: Vec<usize> = at.links.iter().map(|link| link.targets.len()).collect();
         (at.chi_square(), sizes)
     };
-    // Each is (1 - s)/0.001 of a deviation off, s = 1, 1.01, 1.02; mean and splits have the same sum of squares.
+    // Each is (1 - s)/0.001 of a deviation off, s = 1, 1.01, 1.02; mean and splits have the same
+    // sum of squares.
     let (chi, sizes) = chi_square(&test);
     assert!((chi - 500.0).abs() < 1e-6, "{chi}");
     assert_eq!(sizes, [1, 3, 1, 1]);
@@ -185,7 +186,8 @@ fn a_measured_mode_that_loses_its_partner_costs_more_than_any_partner_leaves() {
     let mut links = at.links.clone();
     links.remove(1);
     let lost = problem.at_links(&[0.0; 3], links).unwrap();
-    // A frequency off by all of itself at 0.5 %; three components of root mean square 1 at the assumed 5 % and a floor of 2 %.
+    // A frequency off by all of itself at 0.5 %; three components of root mean square 1 at the
+    // assumed 5 % and a floor of 2 %.
     let expected = 1.0 / 0.005f64.powi(2) + 3.0 / 0.0029;
     let cost = lost.chi_square() - at.chi_square();
     assert!((cost / expected - 1.0).abs() < 1e-9, "{cost}");
@@ -279,7 +281,8 @@ fn parameters_that_cannot_be_meant_are_named() {
     assert!(matches!(error, Err(UpdateError::NoUncertainty { .. })));
 }
 
-/// Oscillators of 1 kg at 10, 20, 30 ... Hz, whose stiffnesses one parameter scales: more than are solved with full matrices.
+/// Oscillators of 1 kg at 10, 20, 30 ... Hz, whose stiffnesses one parameter scales: more than are
+/// solved with full matrices.
 fn oscillators() -> ExternalModel {
     let size = 1100;
     let diagonal = |value: &dyn Fn(usize) -> f64| {

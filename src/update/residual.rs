@@ -1,16 +1,19 @@
 //! Residuals of one link and their derivatives, each divided by its deviation.
 //!
-//! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where the measured roots of a link are as many as its modes,
-//! they meet in ascending order, and what counts is their mean `sum e/sqrt(k)` and their splits, the orthonormal contrasts
-//! `(e_1 + ... + e_j - j e_(j+1))/sqrt(j (j+1))`; the sum of squares is that of the single `e`. Where fewer were measured,
-//! their mean meets the mean of all modes of the root.
+//! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where the measured roots of a link are as
+//! many as its modes, they meet in ascending order, and what counts is their mean `sum e/sqrt(k)`
+//! and their splits, the orthonormal contrasts `(e_1 + ... + e_j - j e_(j+1))/sqrt(j (j+1))`; the
+//! sum of squares is that of the single `e`. Where fewer were measured, their mean meets the mean
+//! of all modes of the root.
 //!
-//! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at the sensors, both divided
-//! by the deviations: what is left of a shape when the scale is free. With equal deviations `sigma` of all `d` components,
-//! whose root mean square is 1, its square is `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
+//! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at
+//! the sensors, both divided by the deviations: what is left of a shape when the scale is free.
+//! With equal deviations `sigma` of all `d` components, whose root mean square is 1, its square is
+//! `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
 //!
 //! # Reference
-//! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a projection).
+//! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a
+//! projection).
 
 use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 use crate::theory::{ModeDerivatives, TheoryModes};
@@ -21,8 +24,8 @@ use super::{Link, Target, UpdateError};
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// A vector of which less than this part is independent of those before adds no direction.
 const DEPENDENT: f64 = 1e-8;
-/// Measured shapes tell the branches of a root apart when the smallest singular value of their coefficients is not below this
-/// part of the largest.
+/// Measured shapes tell the branches of a root apart when the smallest singular value of their
+/// coefficients is not below this part of the largest.
 const TOLD_APART: f64 = 0.2;
 
 /// One link with what it needs.
@@ -83,7 +86,8 @@ impl<'a> LinkResidual<'a> {
         self.branches().iter().map(|b| self.model_hz(b)).collect()
     }
 
-    /// Mean and splits of numbers that belong to the targets; the mean alone where not all of the root was measured.
+    /// Mean and splits of numbers that belong to the targets; the mean alone where not all of the
+    /// root was measured.
     fn contrasts(&self, e: &[f64]) -> Vec<f64> {
         let k = e.len();
         let mean = e.iter().sum::<f64>() / (k as f64).sqrt();
@@ -139,10 +143,11 @@ impl<'a> LinkResidual<'a> {
         self.branches().iter().map(mean).collect()
     }
 
-    /// Turns the derivatives of a repeated root by all parameters, each with its weight, to one basis, so that the
-    /// diagonals of `projected` are those of its branches: those whose shapes the targets measured, in their order, where the
-    /// shapes tell; else, ascending, as a mixture of all parameters grows. Where the parameters split the root into the same
-    /// shapes, these are the branches of each parameter by itself, too.
+    /// Turns the derivatives of a repeated root by all parameters, each with its weight, to one
+    /// basis, so that the diagonals of `projected` are those of its branches: those whose shapes
+    /// the targets measured, in their order, where the shapes tell; else, ascending, as a mixture
+    /// of all parameters grows. Where the parameters split the root into the same shapes, these are
+    /// the branches of each parameter by itself, too.
     pub fn split(&self, by: &mut [(&mut ModeDerivatives, f64)]) -> Result<(), UpdateError> {
         let m = self.own.len();
         let bits = |k: usize| self.modes.omega_rad_s[self.own[k]].to_bits();
@@ -171,8 +176,9 @@ impl<'a> LinkResidual<'a> {
         Ok(())
     }
 
-    /// The orthonormal basis of a root next to the measured shapes, one column for each of them: `C (C^T C)^(-1/2)` with
-    /// the shapes' coefficients `C` over the modes. `None` unless as many were measured as there are modes, and told apart.
+    /// The orthonormal basis of a root next to the measured shapes, one column for each of them: `C
+    /// (C^T C)^(-1/2)` with the shapes' coefficients `C` over the modes. `None` unless as many were
+    /// measured as there are modes, and told apart.
     fn measured_basis(&self) -> Result<Option<RealMatrix>, UpdateError> {
         let m = self.own.len();
         let of_shapes = |(shapes, projection): (&TargetShapes, &Projection)| {
@@ -206,7 +212,8 @@ impl<'a> LinkResidual<'a> {
         pairs.filter_map(|(target, own)| target.shapes.as_ref().zip(own.as_ref()))
     }
 
-    /// How many residuals say something: a shape has lost one for every direction of the model that is free.
+    /// How many residuals say something: a shape has lost one for every direction of the model that
+    /// is free.
     pub fn informative(&self) -> usize {
         let e = vec![0.0; self.targets.len()];
         let vectors = self.shapes().flat_map(|(shapes, _)| &shapes.vectors);
@@ -214,7 +221,8 @@ impl<'a> LinkResidual<'a> {
         self.contrasts(&e).len() + shapes.sum::<usize>()
     }
 
-    /// Smallest MAC of a target's shapes with the link's modes, at the deviations' weights; `None` without shapes.
+    /// Smallest MAC of a target's shapes with the link's modes, at the deviations' weights; `None`
+    /// without shapes.
     pub fn mac(&self, target: usize) -> Option<f64> {
         let shapes = self.targets[target].shapes.as_ref()?;
         let projection = self.projections[target].as_ref()?;
@@ -224,7 +232,8 @@ impl<'a> LinkResidual<'a> {
     }
 }
 
-/// The model's shapes `Phi = Q R` at the sensors; columns without a direction of their own are left out.
+/// The model's shapes `Phi = Q R` at the sensors; columns without a direction of their own are left
+/// out.
 pub(super) struct Projection {
     q: Vec<Vec<f64>>,
     /// Columns of the upper triangle.

@@ -1,4 +1,5 @@
-//! The result of updating, and what makes it: starts, what the data can tell, the parameters held that they cannot.
+//! The result of updating, and what makes it: starts, what the data can tell, the parameters held
+//! that they cannot.
 
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
@@ -10,7 +11,8 @@ use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProble
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
-/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)` above `nu`.
+/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)`
+/// above `nu`.
 const DEVIATIONS: f64 = 2.0;
 /// How often FRFs are fitted, each time with the damping that fits the frequencies found before.
 const FRF_ROUNDS: usize = 2;
@@ -30,8 +32,9 @@ pub struct UpdatedParameter {
     pub initial: f64,
     /// Where it ended.
     pub updated: f64,
-    /// Its posterior deviation, with all free parameters uncertain. It takes the model for right but for the floors: where
-    /// it does not fit, the root of [`UpdateResult::reduced_chi_square`] times it is nearer to what is known.
+    /// Its posterior deviation, with all free parameters uncertain. It takes the model for right
+    /// but for the floors: where it does not fit, the root of [`UpdateResult::reduced_chi_square`]
+    /// times it is nearer to what is known.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -104,7 +107,8 @@ pub struct FrfCount {
     pub lines: usize,
 }
 
-/// How the starts ended; those of the modes, where FRFs were compared: these are fitted from the best end alone.
+/// How the starts ended; those of the modes, where FRFs were compared: these are fitted from the
+/// best end alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Starts {
     /// How many there were.
@@ -155,14 +159,16 @@ pub struct UpdateResult {
     pub after: Fit,
     /// What had no partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
-    /// Sensors with the opposite sign of the model as it stood, of each test that has some; their values took no part.
+    /// Sensors with the opposite sign of the model as it stood, of each test that has some; their
+    /// values took no part.
     pub reversed: Vec<ReversedSensors>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
 }
 
 impl UpdateResult {
-    /// `nu = N - sum s^2/(1 + s^2)`: residuals of data less the combinations of parameters that they determine, at least 1.
+    /// `nu = N - sum s^2/(1 + s^2)`: residuals of data less the combinations of parameters that
+    /// they determine, at least 1.
     pub fn degrees_of_freedom(&self) -> f64 {
         let share = |own: &Combination| 1.0 - own.posterior_over_prior.powi(2);
         let determined: f64 = self.combinations.iter().map(share).sum();
@@ -191,8 +197,8 @@ pub(super) fn largest_chi_square(nu: f64) -> f64 {
     nu + DEVIATIONS * (2.0 * nu).sqrt()
 }
 
-/// Updates a model: the best of several starts; a parameter that the test does not see goes back to where it started
-/// and is held there while the others settle.
+/// Updates a model: the best of several starts; a parameter that the test does not see goes back to
+/// where it started and is held there while the others settle.
 ///
 /// # Errors
 /// As [`solve_from_starts`].
@@ -205,8 +211,8 @@ pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> 
     from_best(problem, found.best, starts)
 }
 
-/// From where the modes end, with FRFs for residuals: twice, the damping of the second time being that of the frequencies
-/// which the first time found.
+/// From where the modes end, with FRFs for residuals: twice, the damping of the second time being
+/// that of the frequencies which the first time found.
 fn of_frfs(
     problem: &UpdateProblem<'_>,
     mut best: Solution,
@@ -315,7 +321,8 @@ fn data_jacobian(solution: &Solution) -> RealMatrix {
     real_matrix(solution.at.data_rows, own.ncols(), |i, j| own[(i, j)])
 }
 
-/// An end belongs to the best optimum when no parameter is further off than a tenth of its posterior deviation.
+/// An end belongs to the best optimum when no parameter is further off than a tenth of its
+/// posterior deviation.
 fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, UpdateError> {
     let known = Identifiability::new(&data_jacobian(&found.best), &problem.free)?;
     let near = |a: &[f64], b: &[f64]| {
@@ -395,7 +402,8 @@ fn parameters(
     own.collect()
 }
 
-/// The model at a point against the targets; with what is known of the parameters also its own deviation.
+/// The model at a point against the targets; with what is known of the parameters also its own
+/// deviation.
 pub(super) fn fit(
     problem: &UpdateProblem<'_>,
     at: &Evaluation,

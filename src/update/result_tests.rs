@@ -1,4 +1,5 @@
-//! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed case.
+//! What the data can tell: verdicts, combinations, deviations against closed forms; an ill-posed
+//! case.
 
 use crate::correlate::ErrorReference;
 use crate::correlate::measures::turned;
@@ -29,7 +30,8 @@ fn the_posterior_deviation_of_one_spring_is_that_of_its_frequency_twice() {
     let found = update(&problem).unwrap();
     let k = &found.parameters[0];
     assert_eq!((k.verdict, k.held), (Verdict::Identified, false));
-    // f is known to 0.5 %, so k to 1 %; with the prior of 30 % in parallel 1/sqrt(1/0.01^2 + 1/0.3^2).
+    // f is known to 0.5 %, so k to 1 %; with the prior of 30 % in parallel 1/sqrt(1/0.01^2 +
+    // 1/0.3^2).
     let expected = (1.0f64 / 1e-4 + 1.0 / 0.09).sqrt().recip();
     assert!((k.std / k.updated - expected).abs() < 1e-3 * expected);
     let row = &found.after.rows[0];
@@ -85,7 +87,8 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
         "{}",
         unknown.text
     );
-    // k2 hardly moves the first mode, but both are seen; only k1, which does most of it, is told from the prior.
+    // k2 hardly moves the first mode, but both are seen; only k1, which does most of it, is told
+    // from the prior.
     assert!(
         found
             .parameters

@@ -1,13 +1,15 @@
 //! Bounded Gauss-Newton with a trust region, from one start and from several.
 //!
-//! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the parameters stay between
-//! their bounds; the box grows where the model foretells the decrease and shrinks where it does not. The prior's rows
-//! give `J` full column rank. When no step is left and a misfit remains, test and model are paired anew at the result; where
-//! the iteration from there ends lower, that is taken. Where it still remains, `graduated` tries from the same start in other
-//! ways.
+//! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the
+//! parameters stay between their bounds; the box grows where the model foretells the decrease and
+//! shrinks where it does not. The prior's rows give `J` full column rank. When no step is left and
+//! a misfit remains, test and model are paired anew at the result; where the iteration from there
+//! ends lower, that is taken. Where it still remains, `graduated` tries from the same start in
+//! other ways.
 //!
 //! # Reference
-//! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and bounds).
+//! Conn, Gould and Toint (2000), Trust-Region Methods, chapters 6 and 12 (box-shaped regions and
+//! bounds).
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,8 +22,8 @@ use super::graduated::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model}
 use super::history::{Iteration, PairingChange, StopReason};
 use super::{Evaluation, Link, UpdateError, UpdateProblem};
 
-/// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no parameter by more than a
-/// ten-thousandth of its posterior deviation.
+/// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no
+/// parameter by more than a ten-thousandth of its posterior deviation.
 const LEAST_DECREASE: f64 = 1e-8;
 /// A radius below this is as small as rounding of `z` allows.
 const LEAST_RADIUS: f64 = 1e-9;
@@ -35,7 +37,8 @@ const LARGEST_RADIUS: f64 = 10.0;
 const PAIRINGS: usize = 10;
 /// Starts are drawn inside the bounds and within this many prior deviations.
 const START_RANGE: f64 = 3.0;
-/// Optima are the same where no parameter differs by more than this part of its posterior deviation.
+/// Optima are the same where no parameter differs by more than this part of its posterior
+/// deviation.
 pub(super) const SAME_OPTIMUM: f64 = 0.1;
 
 /// Where the iteration from one start ended.
@@ -58,7 +61,8 @@ pub struct Solution {
 pub struct MultiStart {
     /// The one with the smallest objective; the first of equals.
     pub best: Solution,
-    /// Objective from every start; `None` where the model has no modes at the start, or no derivatives on the way.
+    /// Objective from every start; `None` where the model has no modes at the start, or no
+    /// derivatives on the way.
     pub objectives: Vec<Option<f64>>,
     /// `z` from every start.
     pub ends: Vec<Option<Vec<f64>>>,
@@ -67,7 +71,8 @@ pub struct MultiStart {
 /// Lowest objective from one start.
 ///
 /// # Errors
-/// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] and [`UpdateError::Derivative`] on the way.
+/// Those of [`UpdateProblem::start`] at the start, [`UpdateError::Linalg`] and
+/// [`UpdateError::Derivative`] on the way.
 pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateError> {
     let start = problem.start(z)?;
     let mut best = solve_from(problem, start.clone())?;
@@ -85,7 +90,8 @@ pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateE
     Ok(best)
 }
 
-/// The lowest objective from a point with its pairs, and with those that test and model have where that ends.
+/// The lowest objective from a point with its pairs, and with those that test and model have where
+/// that ends.
 pub(super) fn solve_from(
     problem: &UpdateProblem<'_>,
     at: Evaluation,
@@ -110,12 +116,14 @@ pub(super) fn solve_from(
     })
 }
 
-/// From the model as it stands and from points that are drawn evenly between the bounds, at most three prior deviations
-/// away; in the caller's pool, with the same result for any number of threads.
+/// From the model as it stands and from points that are drawn evenly between the bounds, at most
+/// three prior deviations away; in the caller's pool, with the same result for any number of
+/// threads.
 ///
 /// # Errors
-/// As [`solve`] from the first start; of the others only [`UpdateError::Linalg`] and the like are errors, and a start from
-/// which the model cannot be built or differentiated counts as one that ended nowhere.
+/// As [`solve`] from the first start; of the others only [`UpdateError::Linalg`] and the like are
+/// errors, and a start from which the model cannot be built or differentiated counts as one that
+/// ended nowhere.
 pub fn solve_from_starts(problem: &UpdateProblem<'_>) -> Result<MultiStart, UpdateError> {
     let starts = starts(problem);
     let from = |z: &Vec<f64>| solve(problem, z);
@@ -240,7 +248,8 @@ impl<'a, 'b> Run<'a, 'b> {
         Ok(StopReason::IterationLimit)
     }
 
-    /// The step of the linear model inside the box and the bounds, and the objective that the model foretells after it.
+    /// The step of the linear model inside the box and the bounds, and the objective that the model
+    /// foretells after it.
     fn step(&self, radius: f64) -> Result<(Vec<f64>, f64), UpdateError> {
         let bounds: Vec<(f64, f64)> = self
             .problem
@@ -267,7 +276,8 @@ impl<'a, 'b> Run<'a, 'b> {
         Ok((step, foretold))
     }
 
-    /// From the result with test and model paired anew there; `None` unless that is another pairing and ends lower.
+    /// From the result with test and model paired anew there; `None` unless that is another pairing
+    /// and ends lower.
     fn paired_anew(&self) -> Result<Option<(Self, StopReason)>, UpdateError> {
         let paired = self.problem.start(&self.at.z)?;
         if paired.links == self.at.links {

@@ -64,7 +64,8 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
         for own in &found.parameters {
             // Roots nearer than 1e-6 are one, so that their stiffnesses may differ by 2e-6.
             assert!((own.updated / 110.0 - 1.0).abs() < 3e-6, "{own:?}");
-            // Either frequency is known to sqrt(2) 1e-4, so either stiffness to twice that; the prior is wide.
+            // Either frequency is known to sqrt(2) 1e-4, so either stiffness to twice that; the
+            // prior is wide.
             let expected = 2.0 * 2.0f64.sqrt() * 1e-4;
             assert!(
                 (own.std / own.updated / expected - 1.0).abs() < 1e-3,
@@ -95,7 +96,8 @@ fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
 
 #[test]
 fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
-    // Planet modes and a rotational mode of the torsional gear with a fixed carrier cross at k_r = 4.308891e7.
+    // Planet modes and a rotational mode of the torsional gear with a fixed carrier cross at k_r =
+    // 4.308891e7.
     let model = built_in("torsional-planetary/carrier-fixed").expect("a built-in model");
     let specs = model.parameters();
     let at = |k_r: f64| {
@@ -118,7 +120,8 @@ fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
 
 #[test]
 fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
-    // Table 2 of Wang et al. (2005), 4 planets: three rotational roots and the planet modes (3 of one root).
+    // Table 2 of Wang et al. (2005), 4 planets: three rotational roots and the planet modes (3 of
+    // one root).
     let model = built_in("torsional-planetary").expect("a built-in model");
     let mut start = nominal_values(model.parameters());
     for (spec, value) in model.parameters().iter().zip(&mut start) {
@@ -151,7 +154,8 @@ fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
         .iter()
         .map(|own| found.best.at.values[own.index])
         .collect();
-    // As an independent computation found them to 4 digits; the planets' 5.81 from 2088.00 printed with 6.
+    // As an independent computation found them to 4 digits; the planets' 5.81 from 2088.00 printed
+    // with 6.
     for (got, expected) in values.iter().zip([7.54, 1.50, 0.28, 5.81]) {
         assert!((got - expected).abs() < 0.0005, "{values:?}");
     }

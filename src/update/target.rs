@@ -14,8 +14,8 @@ use crate::theory::TheoreticalModel;
 use super::dynamic::DynamicTarget;
 use super::{UpdateError, UpdateOptions};
 
-/// The modes of a test, or a list of published frequencies: modes without shapes, several of one group number for a root
-/// of higher multiplicity.
+/// The modes of a test, or a list of published frequencies: modes without shapes, several of one
+/// group number for a root of higher multiplicity.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredModes<'a> {
     /// Name.
@@ -68,8 +68,9 @@ pub struct Target {
     pub damping_ratio: Option<f64>,
     /// Deviation of that as the test states it, Hz.
     pub hz_std: Option<f64>,
-    /// Deviation that the residual is divided by, a fraction: the test's and the floor's, as independent. The floor is the
-    /// model's, so that its variance is shared by all tests that measure the root: each of `k` is given `k` times it.
+    /// Deviation that the residual is divided by, a fraction: the test's and the floor's, as
+    /// independent. The floor is the model's, so that its variance is shared by all tests that
+    /// measure the root: each of `k` is given `k` times it.
     pub relative_std: f64,
     /// Where the deviations of its shapes come from; `None` where shapes take no part.
     pub shape_weights: Option<ShapeWeights>,
@@ -101,8 +102,8 @@ impl Target {
         Err(UpdateError::NoUncertainty { label })
     }
 
-    /// How many of its residuals say something where it has as many modes of the model as its own: its frequency, and its
-    /// shapes less their free directions.
+    /// How many of its residuals say something where it has as many modes of the model as its own:
+    /// its frequency, and its shapes less their free directions.
     pub(super) fn informative(&self) -> usize {
         let vectors = self.shapes.iter().flat_map(|shapes| &shapes.vectors);
         let of_shape = vectors.map(|v| v.len().saturating_sub(self.modes.len()));
@@ -110,7 +111,8 @@ impl Target {
     }
 }
 
-/// Shapes of a target at the degrees of freedom that test and model share, everything divided by the deviations.
+/// Shapes of a target at the degrees of freedom that test and model share, everything divided by
+/// the deviations.
 #[derive(Clone, Debug)]
 pub(super) struct TargetShapes {
     /// One row for each degree of freedom, one column for each coordinate of the model.
@@ -151,8 +153,8 @@ struct ShapeRow {
 }
 
 impl ShapeRows {
-    /// The common degrees of freedom of a test and the sensors, each with its sign and weight and its observation row; without
-    /// the test's reversed sensors.
+    /// The common degrees of freedom of a test and the sensors, each with its sign and weight and
+    /// its observation row; without the test's reversed sensors.
     pub fn new(
         (model, values): (&dyn TheoreticalModel, &[f64]),
         sensors: &[Sensor],
@@ -192,8 +194,9 @@ impl ShapeRows {
         self.pairs.iter().any(|own| own.sensor == *sensor)
     }
 
-    /// The shapes of some modes of one root; `None` where fewer than two degrees of freedom are common to all of them and
-    /// the model: a MAC over one says nothing. `tests` counts the tests that measure the root at a sensor.
+    /// The shapes of some modes of one root; `None` where fewer than two degrees of freedom are
+    /// common to all of them and the model: a MAC over one says nothing. `tests` counts the tests
+    /// that measure the root at a sensor.
     pub fn of(
         &self,
         modes: &[&Mode],
@@ -247,8 +250,8 @@ fn stated_std(mode: &Mode, dof: &Dof) -> Option<f64> {
     mode.shape_std.as_ref()?.get(dof).copied()
 }
 
-/// A complex shape turned to where it is most real and scaled to components of root mean square 1, with that scale: an
-/// undamped model has nothing to say of the rest. `None` for a zero shape.
+/// A complex shape turned to where it is most real and scaled to components of root mean square 1,
+/// with that scale: an undamped model has nothing to say of the rest. `None` for a zero shape.
 fn real_shape(values: &[Complex64]) -> Option<(Vec<f64>, f64)> {
     let square: Complex64 = values.iter().map(|v| v * v).sum();
     let turn = Complex64::from_polar(1.0, -0.5 * square.arg());

@@ -8,8 +8,8 @@ use crate::theory::{
 
 use super::{ParameterChoice, UpdateProblem};
 
-/// A chain of masses of 1 kg on springs `k1`, `k2`, ..., fixed at the first: `stiffness` of each, N/m, and a spring named
-/// `extra` of 0 mean effect where it is asked for.
+/// A chain of masses of 1 kg on springs `k1`, `k2`, ..., fixed at the first: `stiffness` of each,
+/// N/m, and a spring named `extra` of 0 mean effect where it is asked for.
 pub fn chain(stiffness: &[f64]) -> LumpedModel {
     chain_of(&vec![1.0; stiffness.len()], stiffness)
 }
@@ -59,8 +59,8 @@ pub fn sensors(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<Sensor> {
     coordinate_sensors(&model.assemble(values).unwrap().coordinates)
 }
 
-/// The elastic modes of a model as a test that measured them, each frequency with a relative deviation; `shapes`: at all
-/// sensors or at none.
+/// The elastic modes of a model as a test that measured them, each frequency with a relative
+/// deviation; `shapes`: at all sensors or at none.
 pub fn measured(
     model: &dyn TheoreticalModel,
     values: &[f64],
@@ -97,7 +97,8 @@ pub fn free(names: &[&str]) -> Vec<ParameterChoice> {
     names.iter().map(choice).collect()
 }
 
-/// Largest distance of the derivatives from central differences, as a part of the column's largest entry.
+/// Largest distance of the derivatives from central differences, as a part of the column's largest
+/// entry.
 pub fn against_differences(problem: &UpdateProblem<'_>, z: &[f64]) -> f64 {
     let at = problem.start(z).unwrap();
     let jacobian = problem.jacobian(&at).unwrap();

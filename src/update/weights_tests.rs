@@ -1,9 +1,11 @@
-//! Deviations of what was measured: stated ones, assumed ones, and the floor that several tests share.
+//! Deviations of what was measured: stated ones, assumed ones, and the floor that several tests
+//! share.
 
 use super::test_models::{chain, free, measured, sensors, two_directions};
 use super::*;
 
-/// One spring, measured by some tests to 0.3 % with a floor of 0.4 %: the posterior deviation of its stiffness.
+/// One spring, measured by some tests to 0.3 % with a floor of 0.4 %: the posterior deviation of
+/// its stiffness.
 fn std_of(tests: usize) -> f64 {
     let model = chain(&[100.0]);
     let test = measured(&model, &[100.0], 3e-3, false);
@@ -23,8 +25,8 @@ fn std_of(tests: usize) -> f64 {
 
 #[test]
 fn tests_of_one_machine_share_the_error_of_its_model() {
-    // A stiffness is known to twice the deviation of the frequency. That of the mean of k tests is 0.3 % over sqrt(k); the
-    // model's 0.4 % is the same in all of them.
+    // A stiffness is known to twice the deviation of the frequency. That of the mean of k tests is
+    // 0.3 % over sqrt(k); the model's 0.4 % is the same in all of them.
     for tests in [1, 2, 9] {
         let expected = 2.0 * (3e-3f64.powi(2) / tests as f64 + 4e-3f64.powi(2)).sqrt();
         let got = std_of(tests);
@@ -40,7 +42,8 @@ fn shapes_weigh_what_the_test_says_and_the_assumption_stands_in_where_it_says_no
     let start = [100.0, 200.0, 300.0];
     let model = chain(&start);
     let mut test = measured(&model, &start, 1e-4, true);
-    // Deviations of the first mode alone, 1 % of each component; the second has none, the third not of all.
+    // Deviations of the first mode alone, 1 % of each component; the second has none, the third not
+    // of all.
     for (mode, count) in [(0, 3), (2, 2)] {
         let shape = test.modes[mode].shape.clone();
         let stds = shape
@@ -65,7 +68,8 @@ fn shapes_weigh_what_the_test_says_and_the_assumption_stands_in_where_it_says_no
         .collect();
     let (stated, assumed) = (Some(ShapeWeights::Test), Some(ShapeWeights::Assumed));
     assert_eq!(weights, [stated, assumed, assumed]);
-    // Components over their deviations: 1 over 1 %, and of those of root mean square 1 over the assumed 7 %.
+    // Components over their deviations: 1 over 1 %, and of those of root mean square 1 over the
+    // assumed 7 %.
     let sizes = |target: usize| -> Vec<f64> {
         let shapes = problem.targets[target].shapes.as_ref().unwrap();
         shapes.vectors[0].iter().map(|x| x.abs()).collect()

@@ -1,9 +1,10 @@
-//! Time of all modes of dense pairs, checks included, beside numpy's LAPACK on the same matrices, and the part of the time
-//! that the checks take. Prints ratios; asserts no timing.
+//! Time of all modes of dense pairs, checks included, beside numpy's LAPACK on the same matrices,
+//! and the part of the time that the checks take. Prints ratios; asserts no timing.
 //!
-//! `cargo bench --bench dense_modes`; with `-- 2000` a table of all specimens up to 2,000 coordinates follows. numpy is
-//! run with the Python that `MODALIGN_PYTHON` names, else `python3`, by `tests/reference/dense_eigh.py`, on one thread;
-//! without it the bench prints the time of this library alone.
+//! `cargo bench --bench dense_modes`; with `-- 2000` a table of all specimens up to 2,000
+//! coordinates follows. numpy is run with the Python that `MODALIGN_PYTHON` names, else `python3`,
+//! by `tests/reference/dense_eigh.py`, on one thread; without it the bench prints the time of this
+//! library alone.
 
 #[path = "../support/extended_precision.rs"]
 #[allow(dead_code)]

@@ -1,17 +1,20 @@
-//! Speed and memory of FRF estimation on a large hammer test, beside a bare transform of as many samples. Prints ratios;
-//! asserts nothing.
+//! Speed and memory of FRF estimation on a large hammer test, beside a bare transform of as many
+//! samples. Prints ratios; asserts nothing.
 //!
-//! `cargo bench --bench frf_estimate [-- CHANNELS HITS SAMPLES]` writes the test (200 channels, 10 hits, 65,536 single
-//! precision samples, 0.5 GB a file) into a temporary folder: dataset 58b hit after hit (`hits.uff`) and channel after
-//! channel (`channels.uff`), and HDF5 hit after hit (`hits.h5`). Of each it estimates H1 with coherence and variance
-//! (`estimate`), and the same with every hit judged and the set checked (`judged`).
+//! `cargo bench --bench frf_estimate [-- CHANNELS HITS SAMPLES]` writes the test (200 channels, 10
+//! hits, 65,536 single precision samples, 0.5 GB a file) into a temporary folder: dataset 58b hit
+//! after hit (`hits.uff`) and channel after channel (`channels.uff`), and HDF5 hit after hit
+//! (`hits.h5`). Of each it estimates H1 with coherence and variance (`estimate`), and the same with
+//! every hit judged and the set checked (`judged`).
 //!
-//! The bare loop is a transform in double precision of the same samples, which are in memory as they are stored: one thread, one
-//! plan, buffers reused. It runs in the same process before every estimate, so that both meet the same load of the machine, and its
-//! samples are gone before the estimate begins. What is printed is the median of the ratios, by the clock and by processor time
-//! (of all threads, as the system counts it, in steps of 10 ms), the median throughput by the clock, and the largest resident
-//! memory of the process during an estimate. Beside it the ratio to a bare loop over one record again and again, which need not
-//! come from memory: it has less to do than any program that is given samples.
+//! The bare loop is a transform in double precision of the same samples, which are in memory as
+//! they are stored: one thread, one plan, buffers reused. It runs in the same process before every
+//! estimate, so that both meet the same load of the machine, and its samples are gone before the
+//! estimate begins. What is printed is the median of the ratios, by the clock and by processor time
+//! (of all threads, as the system counts it, in steps of 10 ms), the median throughput by the
+//! clock, and the largest resident memory of the process during an estimate. Beside it the ratio to
+//! a bare loop over one record again and again, which need not come from memory: it has less to do
+//! than any program that is given samples.
 
 use std::path::Path;
 use std::process::Command;
@@ -304,7 +307,8 @@ fn open(path: &Path) -> FileRecording {
     set.expect("hits").recording
 }
 
-/// Begins the largest resident memory anew, where the system can; else it holds the samples of the bare loop.
+/// Begins the largest resident memory anew, where the system can; else it holds the samples of the
+/// bare loop.
 fn forget_peak() {
     drop(std::fs::write("/proc/self/clear_refs", "5"));
 }
@@ -317,10 +321,12 @@ fn peak_kibibytes() -> u64 {
         .unwrap_or(0)
 }
 
-/// Processor time of this process so far, s, user and system; not a number where the system does not say.
+/// Processor time of this process so far, s, user and system; not a number where the system does
+/// not say.
 fn processor_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // The second field is a name in brackets; user and system time are fields 14 and 15, in hundredths.
+    // The second field is a name in brackets; user and system time are fields 14 and 15, in
+    // hundredths.
     let fields = stat.rsplit_once(')').map_or("", |(_, fields)| fields);
     let ticks = fields.split_whitespace().skip(11).take(2);
     let ticks: Vec<f64> = ticks.filter_map(|field| field.parse().ok()).collect();

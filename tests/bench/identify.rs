@@ -1,14 +1,18 @@
-//! Time of the identification of 40 known modes from FRFs of 8192 lines, stage by stage, beside the LSCF of sdypy-EMA on the same
-//! FRFs. Prints times, ratios and how many of the modes each has among its poles; asserts no timing.
+//! Time of the identification of 40 known modes from FRFs of 8192 lines, stage by stage, beside the
+//! LSCF of sdypy-EMA on the same FRFs. Prints times, ratios and how many of the modes each has
+//! among its poles; asserts no timing.
 //!
-//! `cargo bench --bench identify [-- 90]`, with a number of functions for that case alone. sdypy-EMA is run with the Python that
-//! `MODALIGN_PYTHON` names, else `python3`, by `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of our own;
-//! without it the bench prints our times alone. Times are those of the fastest run by the clock; where the machine has other work,
-//! processor time (of all threads, as Linux counts it, in steps of 10 ms) says more, and is printed beside them.
+//! `cargo bench --bench identify [-- 90]`, with a number of functions for that case alone.
+//! sdypy-EMA is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
+//! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of our own; without it the
+//! bench prints our times alone. Times are those of the fastest run by the clock; where the machine
+//! has other work, processor time (of all threads, as Linux counts it, in steps of 10 ms) says
+//! more, and is printed beside them.
 //!
-//! sdypy-EMA takes every order from 1 to the highest. Our LSCF is timed at these (`every order`) and at those that an
-//! identification looks at, some 20 from a sixth of the highest on (`20 orders`). An order is a number of poles with positive
-//! frequency in both. The conversion of the FRFs to receptances with their noise is no part of an LSCF, and has a line of its own.
+//! sdypy-EMA takes every order from 1 to the highest. Our LSCF is timed at these (`every order`)
+//! and at those that an identification looks at, some 20 from a sixth of the highest on (`20
+//! orders`). An order is a number of poles with positive frequency in both. The conversion of the
+//! FRFs to receptances with their noise is no part of an LSCF, and has a line of its own.
 
 use std::fs::File;
 use std::path::Path;
@@ -174,8 +178,8 @@ impl Stages {
     }
 }
 
-/// The automatic identification, and its shares: the stages of its LSCF, which explains these data, and the residues once by themselves,
-/// the rest refinement.
+/// The automatic identification, and its shares: the stages of its LSCF, which explains these data,
+/// and the residues once by themselves, the rest refinement.
 fn whole(
     (set, modes): (&FrfSet, &[Mode]),
     (band, references, threads): (Band, usize, usize),

@@ -1,8 +1,10 @@
-//! Time of the lowest modes of sparse structures with exactly repeated roots and consistent mass, factorisations and the
-//! count included, beside scipy's shift-invert eigsh on the same matrices. Prints ratios; asserts no timing.
+//! Time of the lowest modes of sparse structures with exactly repeated roots and consistent mass,
+//! factorisations and the count included, beside scipy's shift-invert eigsh on the same matrices.
+//! Prints ratios; asserts no timing.
 //!
-//! `cargo bench --bench sparse_modes`. scipy is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
-//! `tests/reference/sparse_eigsh.py`; without it the bench prints its own time alone.
+//! `cargo bench --bench sparse_modes`. scipy is run with the Python that `MODALIGN_PYTHON` names,
+//! else `python3`, by `tests/reference/sparse_eigsh.py`; without it the bench prints its own time
+//! alone.
 
 use std::process::Command;
 use std::time::Instant;

@@ -1,6 +1,8 @@
-//! Speed of reading a text table: four columns of 9 to 17 digits, against a plain read of the same file.
+//! Speed of reading a text table: four columns of 9 to 17 digits, against a plain read of the same
+//! file.
 //!
-//! `cargo bench --bench table_read [-- MEGABYTES [FILE]]` prints the figures and asserts none; FILE keeps the table.
+//! `cargo bench --bench table_read [-- MEGABYTES [FILE]]` prints the figures and asserts none; FILE
+//! keeps the table.
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
@@ -45,7 +47,8 @@ fn fastest(mut run: impl FnMut()) -> f64 {
     seconds.fold(f64::INFINITY, f64::min)
 }
 
-/// Time, force and two responses: printed with 9 digits, with 12, and as short as gives the double back.
+/// Time, force and two responses: printed with 9 digits, with 12, and as short as gives the double
+/// back.
 fn write_table(path: &Path, bytes: usize) {
     let mut out = BufWriter::new(File::create(path).expect("a new file"));
     let mut written = 0;

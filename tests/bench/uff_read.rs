@@ -1,7 +1,9 @@
-//! Reading speed of universal files beside plain reads of the same bytes. Prints ratios; asserts no timing.
+//! Reading speed of universal files beside plain reads of the same bytes. Prints ratios; asserts no
+//! timing.
 //!
-//! `cargo bench --bench uff_read`. Files are made in a temporary folder, 128 MiB each; the one with many functions has
-//! 1 GiB where the folder has room for it (`UFF_READ_MIB` in the environment gives another size).
+//! `cargo bench --bench uff_read`. Files are made in a temporary folder, 128 MiB each; the one with
+//! many functions has 1 GiB where the folder has room for it (`UFF_READ_MIB` in the environment
+//! gives another size).
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};

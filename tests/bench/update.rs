@@ -1,6 +1,8 @@
-//! Updating: time to converge, and analytic sensitivities beside differences. Prints times and ratios; asserts no timing.
+//! Updating: time to converge, and analytic sensitivities beside differences. Prints times and
+//! ratios; asserts no timing.
 //!
-//! `cargo bench --bench update`. The tests are the models' own modes with other parameter values, without noise.
+//! `cargo bench --bench update`. The tests are the models' own modes with other parameter values,
+//! without noise.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -106,7 +108,8 @@ fn converge(name: &str, model: &dyn TheoreticalModel, names: &[&str]) -> Result<
     Ok(())
 }
 
-/// Derivatives of the residuals of 10 modes by 10 parameters, in closed form and by one further solution for each.
+/// Derivatives of the residuals of 10 modes by 10 parameters, in closed form and by one further
+/// solution for each.
 fn sensitivities(model: &LumpedModel, count: usize, names: &[&str]) -> Result<(), Failure> {
     let values = nominal_values(model.parameters());
     let test = changed(model, names, &[], 10)?;
@@ -136,7 +139,8 @@ fn sensitivities(model: &LumpedModel, count: usize, names: &[&str]) -> Result<()
     Ok(())
 }
 
-/// Bodies of 1 kg on springs in a row, the first on the ground; each of 10 parameters is the stiffness of a tenth of them.
+/// Bodies of 1 kg on springs in a row, the first on the ground; each of 10 parameters is the
+/// stiffness of a tenth of them.
 fn chain(count: usize) -> Result<LumpedModel, Failure> {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
     for n in 1..=10 {

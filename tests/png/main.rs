@@ -1,4 +1,5 @@
-//! Figures as PNG, in a program that was built with them: `cargo test --release --features png --test png`.
+//! Figures as PNG, in a program that was built with them: `cargo test --release --features png
+//! --test png`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -101,7 +102,8 @@ fn letters_of_figures_are_in_the_font_and_as_wide_as_those_of_helvetica() {
         let [first, last] = drawn(text(&format!("|{letters}|"))).inked();
         f64::from(last - first) / (300.0 / 96.0)
     };
-    // Advances of Helvetica in thousandths of the size (Adobe Core 14 font metrics): a 556, M 833, i 222; the size is 11 px.
+    // Advances of Helvetica in thousandths of the size (Adobe Core 14 font metrics): a 556, M 833,
+    // i 222; the size is 11 px.
     let bare = width("");
     for (letters, thousandths) in [("aaaa", 2224.0), ("MM", 1666.0), ("iiiiii", 1332.0)] {
         let advance = width(letters) - bare;

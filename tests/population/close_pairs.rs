@@ -17,8 +17,9 @@ use super::systems::{Drawn, component, dofs, mode};
 /// Draws of each cell, each with shapes, damping and noise of its own.
 const DRAWS: u64 = 60;
 const RESPONSES: usize = 10;
-/// Distance in half-power widths, angle between the participation vectors in degrees, and least chance to find two: the
-/// bound allows it in every draw of every cell. Shapes, damping and noise of a draw are the same in all cells.
+/// Distance in half-power widths, angle between the participation vectors in degrees, and least
+/// chance to find two: the bound allows it in every draw of every cell. Shapes, damping and noise
+/// of a draw are the same in all cells.
 const CELLS: [(f64, f64, f64); 9] = [
     (0.5, 90.0, 1.0),
     (0.5, 30.0, 1.0),
@@ -30,7 +31,8 @@ const CELLS: [(f64, f64, f64); 9] = [
     (0.05, 30.0, 0.9),
     (0.05, 10.0, 0.9),
 ];
-/// Most angle between the subspaces of the shapes of a pair, degrees: five times what 95 % stay under in the last cell.
+/// Most angle between the subspaces of the shapes of a pair, degrees: five times what 95 % stay
+/// under in the last cell.
 const MOST_PAIR_ANGLE_DEG: f64 = 0.5;
 /// Natural frequency of the lower of the two, Hz.
 const PAIR_HZ: f64 = 200.0;
@@ -121,7 +123,8 @@ struct Outcome {
     found: usize,
     /// Modes found elsewhere.
     others: usize,
-    /// Largest principal angle between the two shapes and those found, degrees; `None` unless there are two.
+    /// Largest principal angle between the two shapes and those found, degrees; `None` unless there
+    /// are two.
     angle_deg: Option<f64>,
     /// Whether those found are one repeated root.
     grouped: bool,
@@ -169,7 +172,8 @@ fn angle_quantile(outcomes: &[Outcome], share: f64) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// Prints a line on some outcomes, and counts those allowed and those of them found as two with no mode too many elsewhere.
+/// Prints a line on some outcomes, and counts those allowed and those of them found as two with no
+/// mode too many elsewhere.
 fn counts(label: &str, outcomes: &[Outcome]) -> (usize, usize) {
     let allowed: Vec<&Outcome> = outcomes.iter().filter(|o| o.allowed).collect();
     let two = allowed.iter().filter(|o| o.found == 2 && o.others == 2);

@@ -1,5 +1,5 @@
-//! Deviations that modes of hammer tests state, from the recording on: with the windows that the record asks for, and noise on force and
-//! responses.
+//! Deviations that modes of hammer tests state, from the recording on: with the windows that the
+//! record asks for, and noise on force and responses.
 
 use modalign::axis::Band;
 use modalign::dof::Dof;
@@ -113,7 +113,8 @@ fn deviations_of_hammer_tests_are_those_of_their_errors() {
         response_snr_db,
         force_snr_db,
     };
-    // Noise of the force is most of it in those of 10 dB more, under a window in records of 1.5 and 3 time constants.
+    // Noise of the force is most of it in those of 10 dB more, under a window in records of 1.5 and
+    // 3 time constants.
     for case in [
         case(1.5, 8, 60.0, 70.0),
         case(1.5, 8, 60.0, 120.0),

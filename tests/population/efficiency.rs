@@ -1,4 +1,5 @@
-//! Errors and stated deviations of identified poles against the Cramér-Rao bound: eight modes in white noise of known variance.
+//! Errors and stated deviations of identified poles against the Cramér-Rao bound: eight modes in
+//! white noise of known variance.
 //!
 //! A limit is the one wanted, or where so many draws cannot show it, what a perfect tool passes.
 
@@ -27,13 +28,14 @@ const COVERED: (f64, f64) = (0.95, 0.01);
 /// Normal quantiles of 95 % and 99.9 %, two-sided.
 const QUANTILE_95: f64 = 1.959_964;
 const QUANTILE_999: f64 = 3.290_527;
-/// Most of the error that modes beside the band leave, as told, over the bound, rms: less than noise makes of an error of none.
+/// Most of the error that modes beside the band leave, as told, over the bound, rms: less than
+/// noise makes of an error of none.
 const MOST_BIAS: f64 = 0.5;
 /// Deviations that an rms of so few errors may be from its expectation.
 const RMS_SIGMAS: f64 = 5.0;
 
-/// Eight modes 50 Hz apart, give or take 10, of 0.5 to 2 % damping, at 10 responses of which 2 are hit; if asked for, two more
-/// below the band and two above it.
+/// Eight modes 50 Hz apart, give or take 10, of 0.5 to 2 % damping, at 10 responses of which 2 are
+/// hit; if asked for, two more below the band and two above it.
 fn system(snr_db: f64, outside: bool) -> Drawn {
     let mut random = ChaCha8Rng::seed_from_u64(8);
     let mut near = |middle_hz: f64| {
@@ -209,7 +211,8 @@ impl Pooled {
         );
     }
 
-    /// Errors are no greater than a limit, and no less than the bound: those without bias cannot be.
+    /// Errors are no greater than a limit, and no less than the bound: those without bias cannot
+    /// be.
     fn hold_errors(&self, most: f64) {
         let margin = RMS_SIGMAS * rms_deviation(self.samples);
         for rms in self.rms {
@@ -262,7 +265,8 @@ fn errors_are_at_their_bound_and_stated_as_they_are() {
     whole.hold_statements();
 }
 
-/// At 60 dB, where the bound is least and what residuals leave of modes beside the band weighs most.
+/// At 60 dB, where the bound is least and what residuals leave of modes beside the band weighs
+/// most.
 #[test]
 fn modes_beside_the_band_leave_little_in_it() {
     let own = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS);
@@ -278,7 +282,8 @@ fn modes_beside_the_band_leave_little_in_it() {
     assert!(own.wrong.is_empty());
     pooled.hold_errors(MOST_OVER_BOUND);
     pooled.hold_statements();
-    // What is told is no less than the mean error beyond what the noise of so many draws makes of it, and no more than matters.
+    // What is told is no less than the mean error beyond what the noise of so many draws makes of
+    // it, and no more than matters.
     let means = 2 * own.modes.len();
     let by_noise = MOST_OVER_BOUND / (DRAWS as f64).sqrt();
     let most = by_noise * (1.0 + RMS_SIGMAS * rms_deviation(means));

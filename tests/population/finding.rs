@@ -10,8 +10,9 @@ use super::judge::Verdict;
 use super::members;
 use super::pipeline::{Share, Tally, judged, judged_from_frfs_alone};
 
-// The family and its seeds are fixed, so that the counts are too, but for roots on the edge of a limit that another machine's
-// rounding may tip over: each limit leaves room for a few of those, and for no loss that matters.
+// The family and its seeds are fixed, so that the counts are too, but for roots on the edge of a
+// limit that another machine's rounding may tip over: each limit leaves room for a few of those,
+// and for no loss that matters.
 
 /// Observable and separated modes. Measured: 444.
 const FEWEST_CLEAR: usize = 440;
@@ -24,7 +25,8 @@ const CLOSE_SPURIOUS: usize = 3;
 /// Most of the other kinds together. Measured: 12; 5 are wanted.
 const OTHER_SPURIOUS: usize = 15;
 
-/// The same from FRFs alone: separated modes not found, crowded modes found, modes that are none. Measured: 1, 626 and 9.
+/// The same from FRFs alone: separated modes not found, crowded modes found, modes that are none.
+/// Measured: 1, 626 and 9.
 const ALONE_CLEAR_LOST: usize = 2;
 const ALONE_CROWDED: usize = 622;
 const ALONE_SPURIOUS: usize = 13;

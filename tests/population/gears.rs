@@ -1,5 +1,6 @@
-//! Synthetic twins of the four transmissions: stiffnesses drawn from the stated prior, FRFs of the twin in white noise at
-//! stated sensors, their modes by the tool's own identification, and the model updated to these. Nothing here was measured.
+//! Synthetic twins of the four transmissions: stiffnesses drawn from the stated prior, FRFs of the
+//! twin in white noise at stated sensors, their modes by the tool's own identification, and the
+//! model updated to these. Nothing here was measured.
 
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::dof::Dof;
@@ -26,7 +27,8 @@ pub const PRIOR: f64 = 0.2;
 const MOST_CHANGE: f64 = 0.4;
 /// Signal-to-noise ratio of every function, dB: rms over the band over rms noise of a line.
 const SNR_DB: (f64, f64) = (40.0, 60.0);
-/// What is below this part of the largest, or of 1 for a shape of unit modal mass, is zero by symmetry.
+/// What is below this part of the largest, or of 1 for a shape of unit modal mass, is zero by
+/// symmetry.
 const SEEN: f64 = 1e-6;
 /// Each twin is a stream of this seed.
 const SEED: u64 = 90_901;
@@ -66,7 +68,8 @@ fn on_coordinates(model: &dyn TheoreticalModel, dofs: &[&str]) -> Vec<Sensor> {
     dofs.iter().map(sensor).collect()
 }
 
-/// The four transmissions. The band of each begins below its first elastic mode that the sensors see.
+/// The four transmissions. The band of each begins below its first elastic mode that the sensors
+/// see.
 pub fn gears() -> Vec<Gear> {
     let dofs = |names: &[&str]| names.iter().map(|own| own.parse().unwrap()).collect();
     let model = |name: &str| built_in(name).unwrap();
@@ -164,7 +167,8 @@ pub struct GearTwin {
     pub snr_db: f64,
     pub test: ModalModel,
     pub result: UpdateResult,
-    /// Largest frequency error of the updated model, percent, against the twin's own modes that the table has.
+    /// Largest frequency error of the updated model, percent, against the twin's own modes that the
+    /// table has.
     pub largest_error_percent: f64,
 }
 
@@ -179,7 +183,8 @@ impl Gear {
         modes(self.model.as_ref(), values, &self.sensors, &all).unwrap()
     }
 
-    /// A damping ratio for each elastic mode, one for all modes of a root: damping does not split it.
+    /// A damping ratio for each elastic mode, one for all modes of a root: damping does not split
+    /// it.
     fn ratios(&self, theory: &TheoryModes, random: &mut ChaCha8Rng) -> Vec<f64> {
         let omega = &theory.omega_rad_s;
         let mut ratios: Vec<f64> = Vec::with_capacity(omega.len());
@@ -195,8 +200,8 @@ impl Gear {
         ratios
     }
 
-    /// Whether the roots of the band that some function has are at least the sum of their half-power widths apart. No test tells
-    /// apart what is nearer.
+    /// Whether the roots of the band that some function has are at least the sum of their
+    /// half-power widths apart. No test tells apart what is nearer.
     fn told_apart(&self, theory: &TheoryModes, ratios: &[f64]) -> bool {
         let mut roots: Vec<(f64, f64)> = Vec::new();
         for (mode, ratio) in theory.model.modes[theory.rigid..].iter().zip(ratios) {
@@ -260,8 +265,8 @@ impl Gear {
         set
     }
 
-    /// The functions with white noise; that of a function which vanishes by the symmetry of the machine is as if it were as large as
-    /// the others of its response and its hit.
+    /// The functions with white noise; that of a function which vanishes by the symmetry of the
+    /// machine is as if it were as large as the others of its response and its hit.
     fn measured(&self, exact: &FrfSet, snr_db: f64, random: &mut ChaCha8Rng) -> FrfSet {
         let axis = *exact.axis();
         let power = |i: usize| {
@@ -300,7 +305,8 @@ impl Gear {
         set
     }
 
-    /// Some stiffnesses changed, and the parameters that are free: what differs, and what the test cannot know.
+    /// Some stiffnesses changed, and the parameters that are free: what differs, and what the test
+    /// cannot know.
     fn draw(&self, nominal: &[f64], random: &mut ChaCha8Rng) -> (Vec<&'static str>, Vec<f64>) {
         let count = random.random_range(1..=self.stiffnesses.len());
         let chosen = self.stiffnesses.choose_multiple(random, count);
@@ -357,7 +363,8 @@ impl Gear {
         };
         let choices: Vec<ParameterChoice> = parameters.iter().map(choice).collect();
         let mut options = UpdateOptions {
-            // The model is right but for its stiffnesses: the test's own deviations are all there is.
+            // The model is right but for its stiffnesses: the test's own deviations are all there
+            // is.
             frequency_floor: 0.0,
             shape_floor: Some(1e-6),
             prior_std: PRIOR,
@@ -377,8 +384,8 @@ impl Gear {
         update(&problem.unwrap()).unwrap()
     }
 
-    /// Of the rows of the table: the updated model's frequency against that of the twin's mode nearest to what was measured,
-    /// of those that the sensors read.
+    /// Of the rows of the table: the updated model's frequency against that of the twin's mode
+    /// nearest to what was measured, of those that the sensors read.
     fn largest_error_percent(&self, truth: &[f64], fit: &Fit) -> f64 {
         let twin = self.modes(truth).model;
         let seen = |mode: &&Mode| {

@@ -1,5 +1,6 @@
-//! Hit judging over a population: pulses of 3 to 200 samples, converters of 12 to 24 bits, structures of 0.1 to 5 % damping,
-//! noise at 30 to 80 dB, offsets and drifts. What is clean must pass, what is faulty must be found where it can be.
+//! Hit judging over a population: pulses of 3 to 200 samples, converters of 12 to 24 bits,
+//! structures of 0.1 to 5 % damping, noise at 30 to 80 dB, offsets and drifts. What is clean must
+//! pass, what is faulty must be found where it can be.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! What identification finds of 300 systems known by their modes: all that anyone could find, and nothing else.
+//! What identification finds of 300 systems known by their modes: all that anyone could find, and
+//! nothing else.
 
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::modal::ModalModel;

@@ -1,10 +1,13 @@
 //! What a perfect tool could find of a member, and what was found of it.
 //!
-//! - **Observable**: at one pair the root's peak stands 10 dB over the noise of the FRF at its half-power lines, and the
-//!   Cramér-Rao deviation of its frequency is under a quarter of the distance to the next root.
-//! - **Separated**: every other root is at least 10 half-power bandwidths (of the wider of the two) away.
-//! - **Found**: a mode within the larger of three Cramér-Rao deviations and a quarter of the half-power bandwidth, whose
-//!   shape has a MAC of 0.9 or more with the root's (a repeated root: with its subspace).
+//! - **Observable**: at one pair the root's peak stands 10 dB over the noise of the FRF at its
+//!   half-power lines, and the Cramér-Rao deviation of its frequency is under a quarter of the
+//!   distance to the next root.
+//! - **Separated**: every other root is at least 10 half-power bandwidths (of the wider of the two)
+//!   away.
+//! - **Found**: a mode within the larger of three Cramér-Rao deviations and a quarter of the
+//!   half-power bandwidth, whose shape has a MAC of 0.9 or more with the root's (a repeated root:
+//!   with its subspace).
 //! - **Spurious**: a found mode without such a root.
 
 use std::f64::consts::TAU;
@@ -60,7 +63,8 @@ pub fn judge(member: &Member, options: &EstimateOptions, found: &ModalModel) -> 
     Verdict { roots, spurious }
 }
 
-/// Gives found modes to roots, nearest first, each root as many as it has modes; what is left is spurious.
+/// Gives found modes to roots, nearest first, each root as many as it has modes; what is left is
+/// spurious.
 fn assign(member: &Member, roots: &mut [Root], found: &[Mode]) -> usize {
     let mut offers = Vec::new();
     for (r, root) in roots.iter().enumerate() {
@@ -86,7 +90,8 @@ fn assign(member: &Member, roots: &mut [Root], found: &[Mode]) -> usize {
     taken.iter().filter(|taken| !**taken).count()
 }
 
-/// Share of a found shape in the span of a root's shapes, over the responses; 0 where a component is missing.
+/// Share of a found shape in the span of a root's shapes, over the responses; 0 where a component
+/// is missing.
 fn mac(member: &Member, root: &Root, mode: &Mode) -> f64 {
     let responses = &member.test.hits[0].responses;
     let at = |mode: &Mode| -> Option<Vec<Complex64>> {
@@ -148,14 +153,16 @@ fn is_separated(roots: &[Root], r: usize) -> bool {
     own.modes.len() == 1 && roots.iter().enumerate().all(clear)
 }
 
-/// Cramér-Rao deviation of every root's frequency, `None` for one that no pair shows over its noise.
+/// Cramér-Rao deviation of every root's frequency, `None` for one that no pair shows over its
+/// noise.
 ///
-/// For `sum_r R_rp/(i omega - lambda_r)` in white complex noise of variance `v_p` on lines `d omega` apart, with the
-/// residues of all pairs unknown too: the information on the poles is
+/// For `sum_r R_rp/(i omega - lambda_r)` in white complex noise of variance `v_p` on lines `d
+/// omega` apart, with the residues of all pairs unknown too: the information on the poles is
 /// `G_rs = sum_p conj(R_rp) R_sp / v_p * S_rs / d omega`, with `S` what is left of the derivatives
-/// `1/(i omega - lambda)^2` beside the functions `1/(i omega - lambda)`; their scalar products over all frequencies are
-/// `-2 pi/(z)`, `2 pi/z^2` and `-4 pi/z^3` with `z = conj(lambda_r) + lambda_s`. The variance of `Im lambda_r` is half of
-/// `(G^-1)_rr`; for a lone root `2 sigma^3 d omega / (pi sum_p |R_p|^2/v_p)`.
+/// `1/(i omega - lambda)^2` beside the functions `1/(i omega - lambda)`; their scalar products over
+/// all frequencies are `-2 pi/(z)`, `2 pi/z^2` and `-4 pi/z^3` with `z = conj(lambda_r) +
+/// lambda_s`. The variance of `Im lambda_r` is half of `(G^-1)_rr`; for a lone root `2 sigma^3 d
+/// omega / (pi sum_p |R_p|^2/v_p)`.
 fn deviations_hz(member: &Member, roots: &[Root], noise: &FrfNoise) -> Vec<Option<f64>> {
     let seen: Vec<(usize, Seen)> = roots
         .iter()
@@ -251,7 +258,8 @@ impl<'a> FrfNoise<'a> {
         };
         let hits = clean.generate().unwrap();
         let of_hit = |(i, hit)| HitNoise::new(test, i, hit);
-        // The window is 1 up to the end of the pulse and its guard, and the mean square of a cosine flank is 3/8.
+        // The window is 1 up to the end of the pulse and its guard, and the mean square of a cosine
+        // flank is 3/8.
         let window = options.force_window.map(|window| {
             test.pretrigger_s + test.pulse.duration_s + window.hold_s + 0.375 * window.flank_s
         });
@@ -263,7 +271,8 @@ impl<'a> FrfNoise<'a> {
         }
     }
 
-    /// Variance of the accelerance H1 of a pair at s: `sum_h |F_h|^2 (N s_x^2 + |H|^2 W s_f^2) / (sum_h |F_h|^2)^2`.
+    /// Variance of the accelerance H1 of a pair at s: `sum_h |F_h|^2 (N s_x^2 + |H|^2 W s_f^2) /
+    /// (sum_h |F_h|^2)^2`.
     fn variance(&self, (entry, response): (usize, usize), pair: &(Dof, Dof), s: Complex64) -> f64 {
         let test = self.test;
         let kind = FrfKind::Accelerance;

@@ -1,11 +1,15 @@
-//! Pairs of a model and a test of the same machine, whose stiffnesses the model has wrong: who belongs to whom is known.
+//! Pairs of a model and a test of the same machine, whose stiffnesses the model has wrong: who
+//! belongs to whom is known.
 //!
-//! Three kinds of machine: a square membrane of point masses (double roots by symmetry), a ring of bodies that move along and across it
-//! (double roots by rotation), and a frame of point masses in space (none). The springs of the tested machine are other than the model's;
-//! half of the membranes and rings keep their symmetry, so that their repeated roots stay and are measured in a basis turned at random.
+//! Three kinds of machine: a square membrane of point masses (double roots by symmetry), a ring of
+//! bodies that move along and across it (double roots by rotation), and a frame of point masses in
+//! space (none). The springs of the tested machine are other than the model's; half of the
+//! membranes and rings keep their symmetry, so that their repeated roots stay and are measured in a
+//! basis turned at random.
 //!
-//! [`Family::Equal`] has equal masses: the thresholds of pairing were set on it. [`Family::HeldOut`] has masses up to five times as heavy
-//! as others, and in half of its machines up to three small oscillators, of which the sensors may know nothing.
+//! [`Family::Equal`] has equal masses: the thresholds of pairing were set on it.
+//! [`Family::HeldOut`] has masses up to five times as heavy as others, and in half of its machines
+//! up to three small oscillators, of which the sensors may know nothing.
 
 use std::f64::consts::TAU;
 
@@ -109,7 +113,8 @@ impl Network {
         self.masses = self.kinds.iter().map(|kind| of_kind[*kind]).collect();
     }
 
-    /// Hangs a small mass on a degree of freedom, with a frequency of its own among the lowest of the machine.
+    /// Hangs a small mass on a degree of freedom, with a frequency of its own among the lowest of
+    /// the machine.
     fn hang_oscillator(&mut self, random: &mut ChaCha8Rng) {
         let modes = self.modes(&vec![1.0; self.springs.len()]);
         let omega_squared = modes.omega_squared[random.random_range(1..12)];
@@ -125,7 +130,8 @@ impl Network {
         });
     }
 
-    /// Factors of all stiffnesses: what all have in common, what a class has, and, where symmetry is lost, what is a spring's own.
+    /// Factors of all stiffnesses: what all have in common, what a class has, and, where symmetry
+    /// is lost, what is a spring's own.
     fn factors(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (common, spread) = (
             random.random_range(-MOST_COMMON..MOST_COMMON),
@@ -146,8 +152,8 @@ impl Network {
     }
 }
 
-/// Masses on a square grid, held by springs to their neighbours and to the frame around; bands of rows are classes, each with its band of
-/// columns.
+/// Masses on a square grid, held by springs to their neighbours and to the frame around; bands of
+/// rows are classes, each with its band of columns.
 fn membrane() -> Network {
     const SIDE: usize = 8;
     let mut springs = Vec::new();
@@ -222,7 +228,8 @@ fn ring() -> Network {
     }
 }
 
-/// Points in a box, each on springs to its nearest neighbours and on weak ones to the ground; classes are drawn.
+/// Points in a box, each on springs to its nearest neighbours and on weak ones to the ground;
+/// classes are drawn.
 fn frame(random: &mut ChaCha8Rng) -> Network {
     const POINTS: usize = 24;
     const NEIGHBOURS: usize = 9;

@@ -1,7 +1,8 @@
-//! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of it is right, and how
-//! many of its modes the present method finds. Identification from FRFs of systems known by their modes, in white noise of
-//! known variance. Modes paired with models whose stiffnesses are
-//! wrong, and models updated to synthetic twins of their machines. And every reader on damaged files.
+//! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of
+//! it is right, and how many of its modes the present method finds. Identification from FRFs of
+//! systems known by their modes, in white noise of known variance. Modes paired with models whose
+//! stiffnesses are wrong, and models updated to synthetic twins of their machines. And every reader
+//! on damaged files.
 
 mod close_pairs;
 mod deviations;

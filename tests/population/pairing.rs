@@ -1,4 +1,5 @@
-//! Pairing of test modes with a model whose stiffnesses are wrong, beside pairing by frequency, by MAC and by index alone.
+//! Pairing of test modes with a model whose stiffnesses are wrong, beside pairing by frequency, by
+//! MAC and by index alone.
 
 use modalign::correlate::{PairOptions, Verdict, assign, pair};
 use rayon::prelude::*;
@@ -89,7 +90,8 @@ fn by_tool(machine: &Machine) -> Choice {
     choice
 }
 
-/// The rules of thumb: by frequency alone and by MAC alone, each decided for all modes together, and by index.
+/// The rules of thumb: by frequency alone and by MAC alone, each decided for all modes together,
+/// and by index.
 fn by_rule(machine: &Machine, cost: impl Fn(usize, usize) -> f64) -> Choice {
     let (tests, theory) = (machine.test.modes.len(), &machine.theory.modes);
     let row = |i: usize| (0..theory.len()).map(|j| Some(cost(i, j))).collect();
@@ -153,19 +155,22 @@ fn judged(family: Family, number: u64) -> Judged {
 struct Limits {
     /// Least part of clear modes that find their root, with 20 sensors or more and with 8.
     found: [f64; 2],
-    /// Most modes that are said to belong where they do not, clear and others, with any number of sensors: one more than measured.
+    /// Most modes that are said to belong where they do not, clear and others, with any number of
+    /// sensors: one more than measured.
     wrong: [usize; 2],
     /// Largest part of clear modes with 20 sensors or more that are labelled ambiguous.
     labelled: f64,
 }
 
-/// Measured: 5879 of 5883 and 1545 of 1564 find their root; none of 7447 and none of 63 is wrong without a word; 1.3 % labelled.
+/// Measured: 5879 of 5883 and 1545 of 1564 find their root; none of 7447 and none of 63 is wrong
+/// without a word; 1.3 % labelled.
 const EQUAL: Limits = Limits {
     found: [0.995, 0.98],
     wrong: [1, 1],
     labelled: 0.02,
 };
-/// Measured: 5708 of 5743 and 1438 of 1472; 1 of 7215 and 1 of 319, shapes shared with an oscillator that carries no sensor; 6.8 %.
+/// Measured: 5708 of 5743 and 1438 of 1472; 1 of 7215 and 1 of 319, shapes shared with an
+/// oscillator that carries no sensor; 6.8 %.
 const HELD_OUT: Limits = Limits {
     found: [0.99, 0.97],
     wrong: [2, 2],

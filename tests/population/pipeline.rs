@@ -1,4 +1,5 @@
-//! From a member of the family to a verdict: recording, FRFs, modes, judge; and the counts of a kind.
+//! From a member of the family to a verdict: recording, FRFs, modes, judge; and the counts of a
+//! kind.
 
 use modalign::FrfSet;
 use modalign::frf::{EstimateOptions, Function, FunctionData, estimate};

@@ -1,4 +1,5 @@
-//! The recordings of the family: the same again whenever they are made, and right where they are clean.
+//! The recordings of the family: the same again whenever they are made, and right where they are
+//! clean.
 
 use modalign::dof::Dof;
 use modalign::frf::{EstimateOptions, FrfSet, estimate, truncation_bounds};
@@ -39,11 +40,12 @@ fn every_member_is_recorded_and_the_same_member_gives_the_same_samples_again() {
     });
 }
 
-/// What is left of images above half the sampling rate, over the largest |H|: the filter is 111 dB down where they fall
-/// into the band, and the force there may be 20 dB down.
+/// What is left of images above half the sampling rate, over the largest |H|: the filter is 111 dB
+/// down where they fall into the band, and the force there may be 20 dB down.
 const IMAGES: f64 = 3e-5;
-/// Largest rms error over the stated bound. The bound is exact for one mode; two that beat may hold it to 0.55 of the
-/// truth, and a slower mode that is hidden in the last quarter makes it smaller yet. Measured: 2.01.
+/// Largest rms error over the stated bound. The bound is exact for one mode; two that beat may hold
+/// it to 0.55 of the truth, and a slower mode that is hidden in the last quarter makes it smaller
+/// yet. Measured: 2.01.
 const HIDDEN: f64 = 3.0;
 
 /// How far the functions of a clean member are from the truth.
@@ -111,7 +113,8 @@ struct Term {
     lambda: Complex64,
     /// Residue of the accelerance, `lambda^2 A`.
     residue: Complex64,
-    /// Magnitude of its motion at the end of the record, by hit: `|lambda^2 A F(lambda)| e^(-sigma T)`.
+    /// Magnitude of its motion at the end of the record, by hit: `|lambda^2 A F(lambda)| e^(-sigma
+    /// T)`.
     at_end: Vec<f64>,
 }
 
@@ -164,8 +167,9 @@ impl Truth {
         self.rigid_per_kg + self.modes.iter().map(term).sum::<Complex64>()
     }
 
-    /// Largest error of H1 from what comes after the record: `sum_n>=N x(n) e^(-s n)` is a geometric series for every
-    /// pole, `e^((lambda - s) T) / (1 - e^((lambda - s) dt))`, over the spectrum of the force; the worst hit counts.
+    /// Largest error of H1 from what comes after the record: `sum_n>=N x(n) e^(-s n)` is a
+    /// geometric series for every pole, `e^((lambda - s) T) / (1 - e^((lambda - s) dt))`, over the
+    /// spectrum of the force; the worst hit counts.
     fn tail(&self, s: Complex64, force: &[f64]) -> f64 {
         let series =
             |pole: Complex64| self.step_s / (1.0 - ((pole - s) * self.step_s).exp()).norm();
@@ -182,7 +186,8 @@ impl Truth {
             .fold(0.0, f64::max)
     }
 
-    /// Error over tail at the worst line, and rms error over rms of H weighted by the force, in the usable band.
+    /// Error over tail at the worst line, and rms error over rms of H weighted by the force, in the
+    /// usable band.
     fn compare(&self, set: &FrfSet, index: usize) -> (f64, f64) {
         let lines = set.axis().lines(&set.valid_band.unwrap());
         let values = &set.values(index)[lines.clone()];

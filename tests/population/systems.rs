@@ -1,10 +1,11 @@
-//! The family of linear systems known by their modes from which FRFs with white noise are drawn: 300 of them, each from its
-//! number alone.
+//! The family of linear systems known by their modes from which FRFs with white noise are drawn:
+//! 300 of them, each from its number alone.
 //!
-//! A system has shapes `φ` of unit modal mass at its responses; the first of these are hit as well (driving points), and
-//! the receptance residues are `φ_o φ_i / (2 i ω_d)`. Frequencies are uniform over the band, components normal, all else as
-//! the constants say. Systems of more modal overlap than [`MOST_OVERLAP`] are drawn again: where every half-power width holds
-//! several modes there are no modes to tell.
+//! A system has shapes `φ` of unit modal mass at its responses; the first of these are hit as well
+//! (driving points), and the receptance residues are `φ_o φ_i / (2 i ω_d)`. Frequencies are uniform
+//! over the band, components normal, all else as the constants say. Systems of more modal overlap
+//! than [`MOST_OVERLAP`] are drawn again: where every half-power width holds several modes there
+//! are no modes to tell.
 
 use std::fmt;
 
@@ -25,7 +26,8 @@ pub const SYSTEMS: usize = 300;
 const SEED: u64 = 50_602;
 /// Fewest and most modes inside the band.
 const MODES: (usize, usize) = (3, 40);
-/// Damping ratios; a system has a range of its own inside, its ends log-uniform, its modes log-uniform between.
+/// Damping ratios; a system has a range of its own inside, its ends log-uniform, its modes
+/// log-uniform between.
 const DAMPING: (f64, f64) = (0.001, 0.08);
 /// Signal-to-noise ratio of every function, dB: rms over the band over rms noise of a line.
 const SNR_DB: (f64, f64) = (30.0, 80.0);
@@ -34,13 +36,15 @@ const RESPONSES: (usize, usize) = (6, 30);
 /// Lower edge of the band, Hz, and upper over lower, both log-uniform.
 const LOWER_EDGE_HZ: (f64, f64) = (20.0, 200.0);
 const EDGE_RATIO: (f64, f64) = (1.5, 12.0);
-/// Lines of the band, log-uniform, but so many that the narrowest resonance has [`LINES_PER_WIDTH`] if the most can do that.
+/// Lines of the band, log-uniform, but so many that the narrowest resonance has [`LINES_PER_WIDTH`]
+/// if the most can do that.
 const LINES: (usize, usize) = (200, 4000);
 /// A record of five time constants has `5/π` lines to a half-power width.
 const LINES_PER_WIDTH: f64 = 1.6;
 /// Sum of the half-power widths over the width of the band.
 const MOST_OVERLAP: f64 = 0.5;
-/// Share of the systems with modes below and above the band, most on each side, and how far they lie.
+/// Share of the systems with modes below and above the band, most on each side, and how far they
+/// lie.
 const OUTSIDE: (f64, usize) = (0.5, 3);
 const BELOW: (f64, f64) = (0.4, 1.0);
 const ABOVE: (f64, f64) = (1.0, 1.5);
@@ -48,9 +52,11 @@ const ABOVE: (f64, f64) = (1.0, 1.5);
 const OVERHANG: (f64, f64) = (0.5, 0.1);
 /// Share of systems with complex shapes, and most standard deviation of the phases, degrees.
 const COMPLEX: (f64, f64) = (0.3, 15.0);
-/// Share of systems whose variances are estimated from so many averages; those of the others are exact.
+/// Share of systems whose variances are estimated from so many averages; those of the others are
+/// exact.
 const ESTIMATED: (f64, (u32, u32)) = (0.5, (4, 16));
-/// No mode lies nearer to an edge than this many half-power widths: there it is chance on which side its peak is seen.
+/// No mode lies nearer to an edge than this many half-power widths: there it is chance on which
+/// side its peak is seen.
 const EDGE_WIDTHS: f64 = 1.0;
 
 /// A system of the family and its noise.

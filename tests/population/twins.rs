@@ -1,5 +1,6 @@
-//! Synthetic twins of a machine: parameters drawn from the stated prior, modes of that machine with Gaussian errors of
-//! stated deviation, and the model updated from its nominal values. Nothing here was measured.
+//! Synthetic twins of a machine: parameters drawn from the stated prior, modes of that machine with
+//! Gaussian errors of stated deviation, and the model updated from its nominal values. Nothing here
+//! was measured.
 
 use modalign::geometry::Sensor;
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
@@ -16,7 +17,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Prior deviation of every stiffness: two of them are 40 %.
 pub const PRIOR: f64 = 0.2;
-/// Deviation of a measured frequency, a fraction: about that of a mode of 1 % damping over noise of 40 dB.
+/// Deviation of a measured frequency, a fraction: about that of a mode of 1 % damping over noise of
+/// 40 dB.
 const FREQUENCY_STD: f64 = 2e-4;
 /// Deviation of a shape component, as a part of the root mean square of the shape.
 const SHAPE_STD: f64 = 0.02;
@@ -49,7 +51,8 @@ impl Machine {
     }
 }
 
-/// Four bodies on springs in a row and one beside them, on a spring of its own, that carries no sensor.
+/// Four bodies on springs in a row and one beside them, on a spring of its own, that carries no
+/// sensor.
 pub fn lumped() -> Machine {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
     let bodies = [
@@ -82,7 +85,8 @@ pub fn torsional() -> Machine {
 pub struct Twin {
     pub truth: Vec<f64>,
     pub result: UpdateResult,
-    /// Largest frequency error of the updated model against the twin's own frequencies, not the noisy ones, percent.
+    /// Largest frequency error of the updated model against the twin's own frequencies, not the
+    /// noisy ones, percent.
     pub largest_error_percent: f64,
 }
 
@@ -148,7 +152,8 @@ fn is_seen(mode: &Mode) -> bool {
         .is_some_and(|(_, value)| value.norm() > 1e-6)
 }
 
-/// The modes that the sensors see, with errors of the stated deviations; modes of one root have one error of frequency.
+/// The modes that the sensors see, with errors of the stated deviations; modes of one root have one
+/// error of frequency.
 fn noisy(model: &ModalModel, normal: &mut impl FnMut() -> f64) -> ModalModel {
     let mut test = ModalModel::default();
     for root in model.roots() {

@@ -1,6 +1,7 @@
-//! Updating of synthetic twins: 95 % intervals of the parameters cover 94 to 96 % of 2,000 and more, updated frequencies are
-//! right, and a stiffness that no sensor sees is named every time. With modes of stated errors, and, of all four transmissions, with
-//! modes that the tool identified from noisy FRFs.
+//! Updating of synthetic twins: 95 % intervals of the parameters cover 94 to 96 % of 2,000 and
+//! more, updated frequencies are right, and a stiffness that no sensor sees is named every time.
+//! With modes of stated errors, and, of all four transmissions, with modes that the tool identified
+//! from noisy FRFs.
 
 use modalign::update::Verdict;
 use rayon::prelude::*;
@@ -38,11 +39,12 @@ fn intervals_of_parameters_hold_the_truth_as_often_as_they_say() {
     assert!(all.largest_error_percent < 0.1, "{all:?}");
 }
 
-/// Twins of each transmission. Of 400 of each, 4,512 of 4,758 intervals of stiffnesses that the tests see held the truth (94.8 %): 932 of
-/// 992 of the cycloid-ball, 771 of 812 of the torsional, 1,155 of 1,203 of the helical gear, and 1,654 of 1,751 of the spider reducer.
+/// Twins of each transmission. Of 400 of each, 4,512 of 4,758 intervals of stiffnesses that the
+/// tests see held the truth (94.8 %): 932 of 992 of the cycloid-ball, 771 of 812 of the torsional,
+/// 1,155 of 1,203 of the helical gear, and 1,654 of 1,751 of the spider reducer.
 const TWINS_OF_EACH: u64 = 80;
-/// The number of intervals that hold the truth is further than this many of its binomial deviations from 95 % once in a
-/// thousand families.
+/// The number of intervals that hold the truth is further than this many of its binomial deviations
+/// from 95 % once in a thousand families.
 const DEVIATIONS: f64 = 3.3;
 
 #[test]

@@ -1,4 +1,5 @@
-//! The stated variance of an FRF against its scatter, and the intervals that its degrees of freedom promise.
+//! The stated variance of an FRF against its scatter, and the intervals that its degrees of freedom
+//! promise.
 
 use modalign::dof::Dof;
 use modalign::frf::{EstimateOptions, estimate};
@@ -13,11 +14,13 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Tests for each number of hits: with some 800 lines each, 80,000 intervals of the real and of the imaginary part.
+/// Tests for each number of hits: with some 800 lines each, 80,000 intervals of the real and of the
+/// imaginary part.
 const TESTS: u64 = 100;
 
-/// Noise of the response channels over the rms of a record at the nominal hit, and of the force over its peak: 40 and 80 dB.
-/// A sensor's noise does not know how hard the hammer hits: it is the same in every hit.
+/// Noise of the response channels over the rms of a record at the nominal hit, and of the force
+/// over its peak: 40 and 80 dB. A sensor's noise does not know how hard the hammer hits: it is the
+/// same in every hit.
 const RESPONSE_NOISE: f64 = 1e-2;
 const FORCE_NOISE: f64 = 1e-4;
 

@@ -1,4 +1,5 @@
-//! What windows do to the damping of a pole fit: lightly damped modes in a record of one and a half time constants.
+//! What windows do to the damping of a pole fit: lightly damped modes in a record of one and a half
+//! time constants.
 
 use std::slice::from_ref;
 
@@ -57,8 +58,8 @@ fn test(pretrigger: f64, seed: u64) -> HammerTest {
     }
 }
 
-/// Poles and residues of all modes at once, `H/s² = Σ A/(s − λ) + c₀ + c₁ s`, by Gauss-Newton from the truth: an estimate
-/// without a bias of its own.
+/// Poles and residues of all modes at once, `H/s² = Σ A/(s − λ) + c₀ + c₁ s`, by Gauss-Newton from
+/// the truth: an estimate without a bias of its own.
 fn poles(set: &FrfSet) -> Vec<Complex64> {
     let decay = set.added_damping_rad_s;
     let band = modalign::axis::Band::new(150.0, 450.0).unwrap();
@@ -78,8 +79,8 @@ fn poles(set: &FrfSet) -> Vec<Complex64> {
         .collect();
     let mut residues: Option<Vec<Complex64>> = None;
     for _ in 0..8 {
-        // Unknowns: residues of the poles and of their conjugates, two terms of the rest, and once the residues are known
-        // the changes of the poles; each with its real and imaginary part.
+        // Unknowns: residues of the poles and of their conjugates, two terms of the rest, and once
+        // the residues are known the changes of the poles; each with its real and imaginary part.
         let columns = |line: usize| -> Vec<Complex64> {
             let at = s(line);
             let single = poles.iter().map(|pole| (at - pole).inv());

@@ -1,4 +1,5 @@
-//! The module table of `src/lib.rs` held against the code: who uses whom, file length, who may touch the outside.
+//! The module table of `src/lib.rs` held against the code: who uses whom, file length, who may
+//! touch the outside.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -108,7 +109,8 @@ fn group_heads(group: &str) -> Vec<String> {
     heads
 }
 
-/// Names that a chain of `super::` reaches at the crate's root from a file, which is a path in disguise.
+/// Names that a chain of `super::` reaches at the crate's root from a file, which is a path in
+/// disguise.
 fn uses_by_super(path: &Path, text: &str) -> Vec<String> {
     let below = path
         .strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("src"))
@@ -220,7 +222,8 @@ fn files_stay_under_800_lines() {
     }
 }
 
-/// Texts that only some stages may hold in code: crate names behind their one door, and the outside world.
+/// Texts that only some stages may hold in code: crate names behind their one door, and the outside
+/// world.
 const DOORS: &[(&str, &[&str])] = &[
     ("faer::", &["linalg"]),
     ("nalgebra::", &["linalg"]),

@@ -1,4 +1,5 @@
-//! `modalign study breakdown`: the same bytes for any number of threads, for a run that goes on, and for parts that are joined.
+//! `modalign study breakdown`: the same bytes for any number of threads, for a run that goes on,
+//! and for parts that are joined.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! A result held against its baseline: how often a perfect one is refused, and what is caught in which row.
+//! A result held against its baseline: how often a perfect one is refused, and what is caught in
+//! which row.
 
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -52,7 +53,8 @@ fn truth() -> ModalModel {
     }
 }
 
-/// The truth as a test would see it: every value off by its deviation, and a scale that nobody knows.
+/// The truth as a test would see it: every value off by its deviation, and a scale that nobody
+/// knows.
 fn seen(truth: &ModalModel, rng: &mut ChaCha8Rng) -> ModalModel {
     let mut model = truth.clone();
     for mode in &mut model.modes {
@@ -205,7 +207,8 @@ fn without_stated_deviations_absolute_limits_hold() {
         ..limits(0.01)
     };
     assert_eq!(judged(&shift(2e-4), tight), 1);
-    // One of ten components of the other sign, in a shape of many points where the MAC alone would pass.
+    // One of ten components of the other sign, in a shape of many points where the MAC alone would
+    // pass.
     let sign = |now: &mut ModalModel| {
         let turned = |(dof, value): (&Dof, Complex64)| {
             (

@@ -1,5 +1,5 @@
-//! `modalign correlate` beside its table: measures, a set of modes against itself, FRFs against FRFs, and two real recordings
-//! against what is known of them.
+//! `modalign correlate` beside its table: measures, a set of modes against itself, FRFs against
+//! FRFs, and two real recordings against what is known of them.
 
 use std::path::Path;
 
@@ -300,7 +300,8 @@ fn motions(points: &[[f64; 3]]) -> [(f64, Vec<[f64; 3]>); 3] {
     ]
 }
 
-/// A bracket as the theory has it, and turned by a quarter about z and by 30 degrees about the new y, in millimetres.
+/// A bracket as the theory has it, and turned by a quarter about z and by 30 degrees about the new
+/// y, in millimetres.
 fn bracket(folder: &Path) -> [String; 2] {
     let mut points: Vec<[f64; 3]> = (0..7).map(|i| [0.2 * f64::from(i), 0.0, 0.0]).collect();
     points.extend((1..5).map(|i| [0.0, 0.15 * f64::from(i), 0.05 * f64::from(i)]));
@@ -369,7 +370,8 @@ fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_named() {
             "{sensor}"
         );
     }
-    // Turned, nothing is left between them but small components at sensor 4 that cost less than a finding.
+    // Turned, nothing is left between them but small components at sensor 4 that cost less than a
+    // finding.
     let (whole, _) = run(&["--align", "--turn-reversed"]);
     let (as_is, better) = (macs(&table), macs(&whole));
     assert_eq!(better.len(), 3);

@@ -1,4 +1,5 @@
-//! Tables of `modalign correlate` as files, the language of every verb, and modes that were missed without anybody knowing why.
+//! Tables of `modalign correlate` as files, the language of every verb, and modes that were missed
+//! without anybody knowing why.
 
 use std::path::Path;
 

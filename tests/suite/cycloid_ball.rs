@@ -1,4 +1,5 @@
-//! The scene of the README's main command, whole: what is found of the truth, what is missed and why, and what is printed.
+//! The scene of the README's main command, whole: what is found of the truth, what is missed and
+//! why, and what is printed.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -146,7 +147,8 @@ fn table_3_misses_what_the_paper_missed() {
     };
     assert_eq!(status("f12", "small cylinder"), "not-observable");
     assert_eq!(status("f10", "large cylinder"), "missed-unexpected");
-    // The frequency that the paper gives f6 pairs by frequency alone, which the model's shapes contradict.
+    // The frequency that the paper gives f6 pairs by frequency alone, which the model's shapes
+    // contradict.
     let row = rows().into_iter().find(|row| row["label"] == "f6").unwrap();
     let reason = cell(&row, "large cylinder")["reason"].as_str().unwrap();
     assert!(reason.contains("contradicts the model"), "{reason}");
@@ -165,7 +167,8 @@ fn the_discs_see_every_single_root_and_neither_cluster() {
             assert_eq!(own["status"], "not-observable", "{label}");
             continue;
         }
-        // The changed stiffnesses move no root past another of its group, so that the order is the truth.
+        // The changed stiffnesses move no root past another of its group, so that the order is the
+        // truth.
         let wanted = next.next().unwrap();
         assert_eq!(own["status"], "paired", "{label}");
         let error = own["hz"].as_f64().unwrap() / wanted - 1.0;

@@ -1,4 +1,5 @@
-//! `convert`: every format brings the numbers back, other programs read them, and the good part of a bad file is delivered.
+//! `convert`: every format brings the numbers back, other programs read them, and the good part of
+//! a bad file is delivered.
 
 use std::path::{Path, PathBuf};
 
@@ -6,8 +7,8 @@ use modalign::io::sha256_hex;
 
 use crate::command::{fail, modalign, root, succeed};
 
-/// A universal file as text with time records, an uneven one, FRFs, coherence, nodes, a trace line and modes; made from
-/// formulas by the script beside it.
+/// A universal file as text with time records, an uneven one, FRFs, coherence, nodes, a trace line
+/// and modes; made from formulas by the script beside it.
 fn source() -> PathBuf {
     root().join("tests/reference/exchange.uff")
 }

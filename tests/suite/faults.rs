@@ -1,5 +1,6 @@
-//! Faults from outside: no space, targets that cannot be written, kills, interrupts, inputs that shrink. What was there stays, nothing
-//! half-written stands under a final name, and the exit code is 2.
+//! Faults from outside: no space, targets that cannot be written, kills, interrupts, inputs that
+//! shrink. What was there stays, nothing half-written stands under a final name, and the exit code
+//! is 2.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,8 @@ pub fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         .collect()
 }
 
-/// A folder with a short recording, its FRFs and modes, and results of an earlier day under every name that verbs write.
+/// A folder with a short recording, its FRFs and modes, and results of an earlier day under every
+/// name that verbs write.
 pub fn prepared() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let beam = root().join("measurements/free-free-beam");
@@ -51,7 +53,8 @@ pub fn prepared() -> tempfile::TempDir {
     folder
 }
 
-/// Every verb that writes, as it is typed in the prepared folder, with the files that it would write to `out`.
+/// Every verb that writes, as it is typed in the prepared folder, with the files that it would
+/// write to `out`.
 const WRITING: &[(&str, &[&str])] = &[
     (
         "synth synth.toml -o out/new.uff",
@@ -315,7 +318,8 @@ fn an_interrupt_ends_with_a_clear_word_and_leaves_the_earlier_results() {
     );
     for signal in ["INT", "TERM"] {
         let child = spawned(folder.path(), "run . -o out");
-        // Opening it waits until the program reads: then its handler is in place, and nothing ever comes.
+        // Opening it waits until the program reads: then its handler is in place, and nothing ever
+        // comes.
         let held = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
         std::thread::sleep(Duration::from_millis(50));
         let kill = Command::new("kill")

@@ -1,4 +1,5 @@
-//! Places that fill up and files that shrink, for every format: an error, never a panic and never other numbers.
+//! Places that fill up and files that shrink, for every format: an error, never a panic and never
+//! other numbers.
 
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 use std::sync::Arc;
@@ -95,7 +96,8 @@ impl Seek for Shrinking {
     }
 }
 
-/// The values of every entry of a file that is cut to `end` bytes after it was opened; `None` where reading failed.
+/// The values of every entry of a file that is cut to `end` bytes after it was opened; `None` where
+/// reading failed.
 fn read_cut(format: &dyn Format, bytes: &[u8], end: u64) -> Option<Vec<Block>> {
     let cut = Arc::new(AtomicU64::new(u64::MAX));
     let input = Shrinking {

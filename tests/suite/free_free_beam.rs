@@ -1,4 +1,5 @@
-//! The scene of the README's main command, and what a pair too close for a single-mode method comes to.
+//! The scene of the README's main command, and what a pair too close for a single-mode method comes
+//! to.
 
 use std::path::Path;
 
@@ -94,7 +95,8 @@ fn the_table_has_what_a_validation_section_prints() {
         "measurements/free-free-beam/model.toml",
         "--json",
     ]));
-    // Closed form: f = (beta L)^2/(2 pi L^2) sqrt(E I/(rho A)), beta L from Blevins (1979), table 8-1.
+    // Closed form: f = (beta L)^2/(2 pi L^2) sqrt(E I/(rho A)), beta L from Blevins (1979), table
+    // 8-1.
     let beta_l: [f64; 6] = [
         4.73004074, 7.85320462, 10.9956078, 14.1371655, 17.2787597, 20.4203522,
     ];

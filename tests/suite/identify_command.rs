@@ -1,4 +1,5 @@
-//! `identify` with every method, with a choice of poles, with the poles of all orders, with indicators.
+//! `identify` with every method, with a choice of poles, with the poles of all orders, with
+//! indicators.
 
 use std::path::Path;
 

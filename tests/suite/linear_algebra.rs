@@ -1,5 +1,5 @@
-//! Decompositions: the lowest natural frequencies against extended precision, independence of scale, and checks that find
-//! results broken on purpose.
+//! Decompositions: the lowest natural frequencies against extended precision, independence of
+//! scale, and checks that find results broken on purpose.
 
 #[path = "../support/extended_precision.rs"]
 mod extended_precision;
@@ -144,7 +144,8 @@ fn modes_broken_on_purpose_are_caught() {
         let value = modes.omega_squared[j];
         modes.omega_squared[j] += (1e-6 * value.abs()).max(100.0 * modes.rounding[j]);
     };
-    // A beam of condition 1e4 and two of 1e12 and more, one with rigid-body modes; a well-conditioned pair.
+    // A beam of condition 1e4 and two of 1e12 and more, one with rigid-body modes; a
+    // well-conditioned pair.
     let beam = |elements| matrix_zoo::beam(elements, Ends::Clamped);
     let pairs = [
         beam(4),
@@ -269,7 +270,8 @@ fn general_decompositions_broken_on_purpose_are_caught() {
         );
 
         let qr = thin_qr(&a).unwrap();
-        // The last pivot of R is 1e-12 of the norm in the second: the triangle alone does not show it.
+        // The last pivot of R is 1e-12 of the norm in the second: the triangle alone does not show
+        // it.
         for (i, j) in [(0, 0), (2, n - 1), (n / 2, n / 2), (n - 1, n - 1)] {
             let mut r = qr.r.clone();
             let rounding = hundred_roundings(n * size[0], qr.r[(i, j)].norm() / norms[j]);
@@ -285,7 +287,8 @@ fn general_decompositions_broken_on_purpose_are_caught() {
         });
         let x = least_squares(&a, &b).unwrap();
         for (i, j) in [(0, 0), (n / 2, 1), (n - 1, 2)] {
-            // What rounding of the data by n eps may change in this entry: the column of the pseudo-inverse.
+            // What rounding of the data by n eps may change in this entry: the column of the
+            // pseudo-inverse.
             let rounding = (n * size[0]) as f64 * f64::EPSILON * condition * x.norm_max();
             let mut wrong = x.clone();
             wrong[(i, j)] += (1e-6 * x[(i, j)].norm()).max(100.0 * rounding);

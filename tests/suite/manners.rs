@@ -78,8 +78,8 @@ fn colours_come_when_they_are_asked_for_and_never_into_json() {
     }
 }
 
-/// A line of shell with a terminal as its standard output and error. Signals end the program though the suite may run under
-/// `nohup`.
+/// A line of shell with a terminal as its standard output and error. Signals end the program though
+/// the suite may run under `nohup`.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
     let program = assert_cmd::cargo::cargo_bin("modalign");

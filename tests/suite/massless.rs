@@ -1,5 +1,6 @@
-//! A lumped-mass space frame whose rotations carry no mass, through the verbs that take a model, against the condensed problem
-//! in numpy (`tests/reference/massless_frame.py`, which makes the same frame).
+//! A lumped-mass space frame whose rotations carry no mass, through the verbs that take a model,
+//! against the condensed problem in numpy (`tests/reference/massless_frame.py`, which makes the
+//! same frame).
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -16,7 +17,8 @@ const LENGTH_M: f64 = 4.0;
 /// Equal to numpy within this part: both programs round the condensed matrices.
 const EQUAL: f64 = 1e-9;
 
-/// EA, GJ, and EI for bending along the first and the second axis after that of the member, in the order x, y, z, x, ...
+/// EA, GJ, and EI for bending along the first and the second axis after that of the member, in the
+/// order x, y, z, x, ...
 type Section = [f64; 4];
 const COLUMN: Section = [4.0e9, 3.2e7, 6.4e7, 1.28e8];
 const BEAM_X: Section = [2.0e9, 1.6e7, 3.2e7, 9.6e7];
@@ -257,7 +259,8 @@ fn theory(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(all)).unwrap()
 }
 
-/// Frequencies and sensitivities of `theory` are those of numpy, and it says how many coordinates were condensed.
+/// Frequencies and sensitivities of `theory` are those of numpy, and it says how many coordinates
+/// were condensed.
 fn check_theory(folder: &Path, reference: &Reference, massless: f64) {
     let end = format!("0:{}", 0.5 * (reference.hz[28] + reference.hz[29]));
     let found = theory(folder, &["--band", &end, "--sensitivities"]);

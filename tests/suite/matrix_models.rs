@@ -1,5 +1,5 @@
-//! Models whose matrices come from files, from `model.toml` to every verb that takes a model: a chain of equal masses
-//! between walls, whose frequencies are known in closed form.
+//! Models whose matrices come from files, from `model.toml` to every verb that takes a model: a
+//! chain of equal masses between walls, whose frequencies are known in closed form.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -37,7 +37,8 @@ pub fn matrix_market(size: usize, entries: &[(usize, usize, f64)]) -> String {
     text
 }
 
-/// A chain of `size` masses: springs between them fixed, those to the walls scaled by the parameter `wall`.
+/// A chain of `size` masses: springs between them fixed, those to the walls scaled by the parameter
+/// `wall`.
 fn chain(size: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let masses: Vec<_> = (1..=size).map(|i| (i, i, MASS)).collect();
@@ -138,7 +139,8 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
         assert_eq!(strain.as_object().unwrap().len(), 2, "{strain}");
         let [wall, rest] = ["wall", "rest"].map(|name| strain[name].as_f64().unwrap());
         assert!((wall + rest - 1.0).abs() < 1e-12, "{strain}");
-        // Of a chain between walls: phi_1 is sqrt(2/(n + 1)/m) sin(j pi/(n + 1)), and dlambda = 2 k phi_1^2.
+        // Of a chain between walls: phi_1 is sqrt(2/(n + 1)/m) sin(j pi/(n + 1)), and dlambda = 2 k
+        // phi_1^2.
         let angle = std::f64::consts::PI * number as f64 / (size + 1) as f64;
         let phi2 = 2.0 / (size + 1) as f64 / MASS * angle.sin().powi(2);
         let lambda = (std::f64::consts::TAU * hz).powi(2);

@@ -1,4 +1,5 @@
-//! The finding of a misfit against the errors that it makes: hardening resonances, whose frequency rises with the response.
+//! The finding of a misfit against the errors that it makes: hardening resonances, whose frequency
+//! rises with the response.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -25,7 +26,8 @@ fn hz(line: usize) -> f64 {
     STEP_HZ * (line + 1) as f64
 }
 
-/// Receptance of a mode of unit mass whose frequency rises by `hardening` half bandwidths at its peak, by fixed-point iteration.
+/// Receptance of a mode of unit mass whose frequency rises by `hardening` half bandwidths at its
+/// peak, by fixed-point iteration.
 fn hardened(natural_hz: f64, zeta: f64, hardening: f64, omega: f64) -> Complex64 {
     let omega_n = TAU * natural_hz;
     let receptance = |rise: f64| {
@@ -119,7 +121,8 @@ fn identified(hardening: f64) -> (f64, Option<Value>) {
 
 #[test]
 fn hardening_is_reported_where_it_changes_the_modes() {
-    // The misfit is three to seven times the noise, and no frequency is off by a twentieth of its bandwidth.
+    // The misfit is three to seven times the noise, and no frequency is off by a twentieth of its
+    // bandwidth.
     for hardening in [0.02, 0.1] {
         let (error, finding) = identified(hardening);
         assert!(error < 0.05, "{error}");

@@ -1,4 +1,5 @@
-//! Modes in universal files: inspected, compared, and tied to a model whose points have other names.
+//! Modes in universal files: inspected, compared, and tied to a model whose points have other
+//! names.
 
 use std::path::Path;
 
@@ -86,7 +87,8 @@ fn universal(first: i64, sign: f64) -> String {
     universal_file(&nodes, &modes)
 }
 
-/// Nodes (label, position) and real modes (Hz, displacements at the nodes in their order) as a universal file.
+/// Nodes (label, position) and real modes (Hz, displacements at the nodes in their order) as a
+/// universal file.
 pub fn universal_file(nodes: &[(i64, [f64; 3])], modes: &[(f64, Vec<[f64; 3]>)]) -> String {
     let mut text = String::from("    -1\n   164\n         1SI                          2\n");
     text += "  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00\n";
@@ -150,7 +152,8 @@ fn points_of_other_names_meet_by_nearest_node_or_by_a_list() {
     .unwrap();
     let by_list = ["--dof-map", list.to_str().unwrap(), "--min-mac", "0"];
     let listed = macs(&[&files[..], &by_list].concat());
-    // The third sensor is said to point the other way: (1 + 4 - 9)^2/14^2 and (1 + 1 - 0.25)^2/2.25^2.
+    // The third sensor is said to point the other way: (1 + 4 - 9)^2/14^2 and (1 + 1 -
+    // 0.25)^2/2.25^2.
     assert_eq!(listed.len(), 2);
     for (mac, expected) in listed.iter().zip([16.0 / 196.0, 3.0625 / 5.0625]) {
         assert!((mac - expected).abs() < 1e-9, "{mac} {expected}");

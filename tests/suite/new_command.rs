@@ -1,4 +1,5 @@
-//! `new`: a scene from exported files that runs when they state everything, and else names the line to fill in.
+//! `new`: a scene from exported files that runs when they state everything, and else names the line
+//! to fill in.
 
 use std::path::Path;
 

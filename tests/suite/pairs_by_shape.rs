@@ -1,4 +1,5 @@
-//! Pairs by shape: independent shapes do not pair, correlated ones do; reversed groups of sensors are named and lose no mode.
+//! Pairs by shape: independent shapes do not pair, correlated ones do; reversed groups of sensors
+//! are named and lose no mode.
 
 use modalign::correlate::measures::{reversed_sensors, turned};
 use modalign::correlate::{Basis, PairOptions, Pairing, Verdict, pair};

@@ -1,4 +1,5 @@
-//! From a hammer test that misses modes to one that sees all that any disc point of the cycloid ball transmission shows.
+//! From a hammer test that misses modes to one that sees all that any disc point of the cycloid
+//! ball transmission shows.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -37,7 +38,8 @@ fn sensors() -> String {
     text
 }
 
-/// A test of the machine with six stiffnesses that the model has wrong, hit at some points, and what to add.
+/// A test of the machine with six stiffnesses that the model has wrong, hit at some points, and
+/// what to add.
 fn tested(folder: &Path, hits: &[String], responses: &[String]) -> SceneResult {
     let spec = format!(
         r#"

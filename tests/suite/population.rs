@@ -1,4 +1,5 @@
-//! A small sample of the committed family: the first two members of every kind, judged as the whole family is.
+//! A small sample of the committed family: the first two members of every kind, judged as the whole
+//! family is.
 
 #[path = "../population/judge.rs"]
 mod judge;
@@ -30,11 +31,13 @@ fn tally(judged: fn(&Member) -> Verdict) -> Tally {
 fn separated_modes_of_the_first_members_are_found() {
     let alone = tally(judged_from_frfs_alone);
     for all in [&tally(judged), &alone] {
-        // Of the whole family 443 of 444 are found; one may be lost here, to another machine's rounding.
+        // Of the whole family 443 of 444 are found; one may be lost here, to another machine's
+        // rounding.
         assert!(all.clear.there >= 20, "{}", all.clear.there);
         let lost = all.clear.there - all.clear.found;
         assert!(lost <= 1, "{lost}");
     }
-    // One of the modes of these members is none; three are the most that another machine's rounding makes of it.
+    // One of the modes of these members is none; three are the most that another machine's rounding
+    // makes of it.
     assert!(alone.spurious <= 3, "{}", alone.spurious);
 }

@@ -1,4 +1,5 @@
-//! The committed results of the cycloid ball transmission: Table 2 against a model, and the paper's own claims.
+//! The committed results of the cycloid ball transmission: Table 2 against a model, and the paper's
+//! own claims.
 
 use std::collections::BTreeMap;
 
@@ -173,8 +174,8 @@ fn the_recomputed_table_has_the_errors_and_their_means() {
     let error = row("f13").tests[0].unwrap();
     assert!((error.error_hz + 530.0).abs() < 1e-9, "test minus theory");
     assert!((error.error_percent + 100.0 * 530.0 / 9463.0).abs() < 1e-9);
-    // Large cylinder, small cylinder, face of the centre disc; percent of the theory. The largest of the face is not the
-    // 7.5 % of f2 that the paper names.
+    // Large cylinder, small cylinder, face of the centre disc; percent of the theory. The largest
+    // of the face is not the 7.5 % of f2 that the paper names.
     for (label, expected) in [
         ("f2", ["-7.1633", "-2.0774", "-7.5215"]),
         ("f3", ["-4.9024", "-0.9079", "2.1788"]),
@@ -204,8 +205,8 @@ fn the_studies_of_figures_6_to_8_are_reproduced_but_for_seven_claims() {
         quantities: model.quantities().unwrap(),
     };
     let result = cycloid_ball().judge(Some(&model_roots()), vec![quantities]);
-    // By the reference: ω4 is flat over K and r0, ω14 falls over K, ω3 and ω4 fall over Z2; both slopes change where
-    // ω3 and ω4 cross, between 6 and 7 mm.
+    // By the reference: ω4 is flat over K and r0, ω14 falls over K, ω3 and ω4 fall over Z2; both
+    // slopes change where ω3 and ω4 cross, between 6 and 7 mm.
     let missed = [
         "figure 6: ω4 rises with K",
         "figure 6: ω4 rises with r0",

@@ -1,4 +1,5 @@
-//! Every command of the README and every example of `--help` runs, in a folder that holds the files that they name.
+//! Every command of the README and every example of `--help` runs, in a folder that holds the files
+//! that they name.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -30,8 +31,8 @@ fn help(verb: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The command of a line of the README or of an example: `modalign ...` or `cp ...`, perhaps as a step of a workflow, without its
-/// remark.
+/// The command of a line of the README or of an example: `modalign ...` or `cp ...`, perhaps as a
+/// step of a workflow, without its remark.
 fn command_of(line: &str) -> Option<&str> {
     let line = line.trim();
     let line = line.strip_prefix("- run: ").unwrap_or(line);
@@ -47,7 +48,8 @@ fn readme_commands() -> Vec<String> {
     blocks.filter_map(command_of).map(str::to_owned).collect()
 }
 
-/// Words of a line as a shell parts them, quotes taken off, and the file that standard output goes to.
+/// Words of a line as a shell parts them, quotes taken off, and the file that standard output goes
+/// to.
 fn words(line: &str) -> (Vec<String>, Option<String>) {
     let mut words: Vec<String> = Vec::new();
     let (mut quote, mut word) = (None, String::new());
@@ -67,7 +69,8 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     (words.split_off(1), file)
 }
 
-/// As short as studies can be, one slice with a few draws at its corners, one draw at one level: those of a scene take minutes.
+/// As short as studies can be, one slice with a few draws at its corners, one draw at one level:
+/// those of a scene take minutes.
 const STUDY: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators = []\nrecord_shares = []\n\
     orders = []\nsnr_db = [60.0]\ndraws = 1\nrepeats = 1\n[breakdown]\ndraws = 2\nrefine = 0\nmethods = [\"circle\"]\n\
     stability = { highest_order = 4 }\n[[breakdown.slice]]\n\
@@ -106,7 +109,8 @@ fn prepared() -> tempfile::TempDir {
     let scene = text("scene.toml");
     let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
     let sensors = &scene[scene.find("[[sensor]]").unwrap()..];
-    // Half of the elements: an update solves the model some hundred times, and time goes with the cube.
+    // Half of the elements: an update solves the model some hundred times, and time goes with the
+    // cube.
     let model = text("model.toml").replace("elements = 60", "elements = 30") + "\n" + sensors;
     let files = [
         ("spec.toml", spec.as_str()),

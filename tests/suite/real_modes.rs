@@ -1,5 +1,5 @@
-//! Maximum likelihood identification of real recordings, against what those who measured them published, where the private data
-//! folder is present.
+//! Maximum likelihood identification of real recordings, against what those who measured them
+//! published, where the private data folder is present.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -8,7 +8,8 @@ use serde_json::Value;
 
 use crate::command::{json, shared_data, succeed, write};
 
-/// Functions of files without points in their headers, one response and many references or the other way round.
+/// Functions of files without points in their headers, one response and many references or the
+/// other way round.
 fn scene(files: &[(String, String, String)], table: &str, channels: &str) -> String {
     let paths: Vec<String> = files
         .iter()
@@ -91,7 +92,8 @@ fn a_roving_hammer_beam_has_its_four_modes_and_no_other() {
     let wanted = expected["reference_freq_hz"].as_array().unwrap();
     let missed = missed(wanted, &found, |hz| 2e-4 * hz);
     assert!(missed.is_empty(), "{missed:?} of {found:?}");
-    // The resonances move by part of their width from hit point to hit point, which one pole for all takes for damping.
+    // The resonances move by part of their width from hit point to hit point, which one pole for
+    // all takes for damping.
     let dampings = expected["independent_plscf_damping"].as_array().unwrap();
     for (mode, damping) in modes["modes"].as_array().unwrap().iter().zip(dampings) {
         let ratio = mode["damping_ratio"].as_f64().unwrap() / damping.as_f64().unwrap();
@@ -169,7 +171,8 @@ fn three_hit_points_have_the_same_six_modes() {
         let found = frequencies(&modes_of(&text, "frf", "250:1400"));
         let missed = missed(&wanted, &found, |hz| 2e-3 * hz);
         assert!(missed.is_empty(), "{name}: {missed:?} of {found:?}");
-        // All functions of all three have a hump of a thousandth between 1225 and 1235 Hz, which may be a seventh.
+        // All functions of all three have a hump of a thousandth between 1225 and 1235 Hz, which
+        // may be a seventh.
         let others = found.iter().filter(|hz| !(1225.0..1235.0).contains(*hz));
         assert_eq!(others.count(), 6, "{name}: {found:?}");
     }
@@ -192,7 +195,8 @@ fn a_blade_of_fewer_lines_than_its_resonances_need_has_its_three_modes() {
         .to_vec();
     let found = frequencies(&modes_of(&scene(&files, "", ""), "convert", "300:1200"));
     let wanted: Vec<Value> = [444.96, 865.3, 1013.4].map(Value::from).to_vec();
-    // 0.2 % are wanted; the highest line of every function beside 865.3 Hz is that at 867.25 Hz, 0.23 % away.
+    // 0.2 % are wanted; the highest line of every function beside 865.3 Hz is that at 867.25 Hz,
+    // 0.23 % away.
     let missed = missed(&wanted, &found, |hz| 2.5e-3 * hz);
     assert!(missed.is_empty(), "{missed:?} of {found:?}");
     assert_eq!(found.len(), 3, "{found:?}");

@@ -174,7 +174,8 @@ fn sensor(point: usize, z: f64) -> String {
     )
 }
 
-/// A slender beam whose first frequency is 111.99 Hz: EI from f = (beta L)^2/(2 pi L^2) sqrt(EI/(rho A)).
+/// A slender beam whose first frequency is 111.99 Hz: EI from f = (beta L)^2/(2 pi L^2)
+/// sqrt(EI/(rho A)).
 fn beam_model() -> String {
     let beta_l: f64 = 4.730_040_744_862_704;
     let (density, area) = (2700.0, 1e-3);
@@ -235,7 +236,8 @@ fn a_measured_beam_gives_its_four_modes_and_the_slender_beam_table() {
         .collect();
     assert_eq!(rows.len(), 4, "{}", String::from_utf8_lossy(&output.stdout));
     assert_eq!(table["summary"]["tests"][0]["extra"], 0);
-    // Errors of the slender beam scaled to the first frequency: (ratio measured / ratio slender - 1), growing to 2.7 %.
+    // Errors of the slender beam scaled to the first frequency: (ratio measured / ratio slender -
+    // 1), growing to 2.7 %.
     let errors = [0.0, -0.6, -1.5, -2.6];
     for (index, row) in rows.iter().enumerate() {
         let cell = &row["tests"][0];

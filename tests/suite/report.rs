@@ -1,4 +1,5 @@
-//! The HTML report: written with a run, built again from its folder, and what its data are good for.
+//! The HTML report: written with a run, built again from its folder, and what its data are good
+//! for.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -270,7 +271,8 @@ fn studies_in_the_folder_of_a_run_are_on_its_page() {
     ] {
         assert!(whole.contains(part), "{part}");
     }
-    // `run` into the same folder shows them as well, and an update beside them changes nothing in them.
+    // `run` into the same folder shows them as well, and an update beside them changes nothing in
+    // them.
     modalign(["run", scene, "-o", out]);
     let again = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert_eq!(data(&again)["studies"], *studies);

@@ -1,4 +1,5 @@
-//! Roving hammer and roving accelerometer, estimators and windows, from a recording to shapes with their signs.
+//! Roving hammer and roving accelerometer, estimators and windows, from a recording to shapes with
+//! their signs.
 
 use std::path::Path;
 
@@ -62,7 +63,8 @@ fn identify(folder: &Path, spec: &str, options: &[&str]) -> ModalModel {
     modes_from_json(&std::fs::read_to_string(modes).unwrap(), "modes.json").unwrap()
 }
 
-/// Frequencies, damping and, on positive axes, real shapes of unit modal mass (truth: shape / sqrt(2 kg)).
+/// Frequencies, damping and, on positive axes, real shapes of unit modal mass (truth: shape /
+/// sqrt(2 kg)).
 fn assert_truth(model: &ModalModel, damping_tolerance: f64) {
     assert_eq!(
         model.modes.len(),
@@ -156,7 +158,8 @@ fn a_force_window_that_cuts_the_filters_ringing_is_told() {
     }
 }
 
-/// 0.5 s hold 1.9 time constants of the lowest mode: without a window its damping is far off, with one it is not.
+/// 0.5 s hold 1.9 time constants of the lowest mode: without a window its damping is far off, with
+/// one it is not.
 #[test]
 fn the_damping_that_an_exponential_window_adds_is_taken_out() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Structures as masses and springs, with models whose stiffnesses are wrong and tests with noise: who belongs to whom is known.
+//! Structures as masses and springs, with models whose stiffnesses are wrong and tests with noise:
+//! who belongs to whom is known.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +24,8 @@ pub enum Kind {
     Plate,
     /// A chain of masses: motion along X.
     Chain,
-    /// A ring of bodies that move along X and Y, with repeated roots, which stay repeated in the test.
+    /// A ring of bodies that move along X and Y, with repeated roots, which stay repeated in the
+    /// test.
     Ring,
     /// Points in space, X, Y and Z, of two components joined by springs.
     Frame,
@@ -51,7 +53,8 @@ pub struct Structure {
 pub struct Errors {
     /// Standard deviation of the logarithm of each stiffness.
     pub stiffness: f64,
-    /// Standard deviation of real and imaginary part of a shape value, over the root mean square of the shape.
+    /// Standard deviation of real and imaginary part of a shape value, over the root mean square of
+    /// the shape.
     pub noise: f64,
 }
 
@@ -92,8 +95,9 @@ impl Structure {
         symmetric_modes(&stiffness, &mass).unwrap()
     }
 
-    /// A model and a test of the lowest `count` modes at `sensors` degrees of freedom drawn at random. A spring's stiffness is off by its
-    /// own factor, in a ring by that of its class, so that repeated roots stay.
+    /// A model and a test of the lowest `count` modes at `sensors` degrees of freedom drawn at
+    /// random. A spring's stiffness is off by its own factor, in a ring by that of its class, so
+    /// that repeated roots stay.
     pub fn twin(
         &self,
         (kind, count): (Kind, usize),
@@ -253,7 +257,8 @@ fn ring() -> Structure {
     }
 }
 
-/// Points in two boxes side by side, the components `base` and `arm`, each on springs to its nearest neighbours and to the ground.
+/// Points in two boxes side by side, the components `base` and `arm`, each on springs to its
+/// nearest neighbours and to the ground.
 fn frame(random: &mut ChaCha8Rng) -> Structure {
     const POINTS: usize = 18;
     const NEIGHBOURS: usize = 8;

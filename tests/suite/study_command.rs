@@ -1,5 +1,6 @@
-//! `modalign study speed-accuracy`: the same numbers for any number of threads, the refined method at its bound, and the failures
-//! that are known. `modalign study order`: what the beam needs is known.
+//! `modalign study speed-accuracy`: the same numbers for any number of threads, the refined method
+//! at its bound, and the failures that are known. `modalign study order`: what the beam needs is
+//! known.
 
 use std::path::Path;
 
@@ -10,7 +11,8 @@ const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators 
                     orders = []\nsnr_db = [30.0, 55.0, 80.0]\ndraws = 4\nrepeats = 1\n";
 /// Modes of the beam in the band.
 const MODES: usize = 6;
-/// Most rms error over the bound that is wanted of the refined method, and deviations that an rms of so few errors may be above it.
+/// Most rms error over the bound that is wanted of the refined method, and deviations that an rms
+/// of so few errors may be above it.
 const MOST_OVER_BOUND: f64 = 1.2;
 const SIGMAS: f64 = 4.0;
 
@@ -121,7 +123,8 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
     let most = MOST_OVER_BOUND + SIGMAS / (2.0 * errors).sqrt();
     let refined = over("twin; white noise", "ml", None);
     assert!(refined < most, "{refined}");
-    // Two time constants of record leave an error of their own, which the noise no longer hides; 80 dB.
+    // Two time constants of record leave an error of their own, which the noise no longer hides; 80
+    // dB.
     for method in ["circle", "line", "peak", "ml"] {
         let ended = over("twin; record ends early", method, Some("80"));
         assert!(ended > 10.0, "{method}: {ended}");

@@ -1,4 +1,5 @@
-//! Where results go: several files of one command all come or none does, and nothing that is read is written over.
+//! Where results go: several files of one command all come or none does, and nothing that is read
+//! is written over.
 
 use std::process::{Command, Output};
 
@@ -18,7 +19,8 @@ fn run(folder: &TempDir, line: &str) -> Output {
         .unwrap()
 }
 
-/// Verbs that write more than one file, the last of which cannot be written, and a file that they would have written before it.
+/// Verbs that write more than one file, the last of which cannot be written, and a file that they
+/// would have written before it.
 const PARTLY: &[(&str, &str)] = &[
     (
         "identify frfs.h5 --method circle --band 60:3200 -o out/new.json --indicators out/file/new.csv",

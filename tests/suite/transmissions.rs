@@ -1,4 +1,5 @@
-//! The scenes of the transmissions whose papers have no recordings: their tables, and a verdict for every claim.
+//! The scenes of the transmissions whose papers have no recordings: their tables, and a verdict for
+//! every claim.
 
 use std::path::Path;
 
@@ -48,9 +49,9 @@ fn the_torsional_gear_prints_its_table_and_judges_every_claim() {
     ] {
         assert!(text.contains(part), "{part}:\n{text}");
     }
-    // Not reproduced: the last digit of 2088.00, the printed carrier, f2 with the sun fixed, that veering by
-    // equation 7 is where the roots are nearest, twice by closed form and twice by shape, and the rate of a
-    // mesh's energy.
+    // Not reproduced: the last digit of 2088.00, the printed carrier, f2 with the sun fixed, that
+    // veering by equation 7 is where the roots are nearest, twice by closed form and twice by
+    // shape, and the rate of a mesh's energy.
     assert_eq!(verdicts(folder.path()), [22, 8, 1]);
 }
 
@@ -205,8 +206,8 @@ fn the_helical_gear_judges_every_claim_and_says_which_detail_suffices() {
     ] {
         assert!(text.contains(part), "{part}:\n{text}");
     }
-    // Not reproduced: the teeth, the torque, the richer spectrum, figure 5, the load sharing with 82 teeth, the sun's motion
-    // with 83, and the conclusion.
+    // Not reproduced: the teeth, the torque, the richer spectrum, figure 5, the load sharing with
+    // 82 teeth, the sun's motion with 83, and the conclusion.
     assert_eq!(verdicts(folder.path()), [9, 7, 1]);
 }
 

@@ -122,8 +122,9 @@ fn h1_of_a_clean_test_is_within_the_bound_that_the_tool_states() {
             worst.0,
             worst.1
         );
-        // The bound from the energies of quarters is exact to 4 zeta for one mode (a ripple of the energy at twice the
-        // frequency), and the tails of the other two modes are e^(-3n) and less.
+        // The bound from the energies of quarters is exact to 4 zeta for one mode (a ripple of the
+        // energy at twice the frequency), and the tails of the other two modes are e^(-3n) and
+        // less.
         assert!(
             worst.0 < (1.0 + 4.0 * DAMPING) * bound,
             "{} is not within the stated {bound}",

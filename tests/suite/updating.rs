@@ -1,5 +1,5 @@
-//! `modalign update` as a user runs it: a scene of finished modes, an ill-posed one, the four-storey frame; and a sample of
-//! the twins of the population.
+//! `modalign update` as a user runs it: a scene of finished modes, an ill-posed one, the
+//! four-storey frame; and a sample of the twins of the population.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -14,7 +14,8 @@ use serde_json::Value;
 use crate::command::{fail, json, modalign, root, shared_data, succeed, write};
 use crate::twins::{Tally, Twin, lumped, torsional, twin};
 
-/// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the ground.
+/// A shear frame: a body of this mass on each storey, one spring per storey, the first one to the
+/// ground.
 pub fn frame(mass: f64, stiffness: &[f64], (lower, upper): (f64, f64)) -> String {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
     for (i, k) in stiffness.iter().enumerate() {
@@ -173,7 +174,8 @@ fn modes_keep_their_numbers_when_a_band_counts_some_of_them() {
     assert_eq!(file["after"]["paired"], 1);
 }
 
-/// The committed scene of the bar: its synthetic test against the model, whose E and sensor mass are wrong.
+/// The committed scene of the bar: its synthetic test against the model, whose E and sensor mass
+/// are wrong.
 #[test]
 fn the_committed_bar_gets_its_modulus_and_its_sensor_back() {
     let folder = tempfile::tempdir().unwrap();
@@ -387,7 +389,8 @@ fn two_modes_of_the_four_storey_frame_foretell_the_other_two() {
         );
     }
     let (file, folder) = updated(&model, &modes_json(&modes), &update);
-    // One optimum has the most of 1,000 starts by far; the others are optima, too, and fit a hundred times worse.
+    // One optimum has the most of 1,000 starts by far; the others are optima, too, and fit a
+    // hundred times worse.
     let starts = &file["starts"];
     assert_eq!(starts["count"], 1000);
     assert!(starts["reached"].as_u64().unwrap() > 850, "{starts}");

@@ -1,13 +1,15 @@
-//! Lowest eigenvalues of a symmetric pair in twice the working precision, with a proof that none is missing.
+//! Lowest eigenvalues of a symmetric pair in twice the working precision, with a proof that none is
+//! missing.
 //!
-//! Numbers are unevaluated sums of two `f64` (32 digits). Inverse iteration with `K + s M = L D L^T` on a block, with
-//! Rayleigh-Ritz steps by Jacobi rotations, until the eigenvalues stand still; then the negative entries of D of
-//! `K - sigma M` count the eigenvalues below sigma. Nothing is shared with the solvers of the library: start vectors are an
-//! argument, and the count does not depend on them.
+//! Numbers are unevaluated sums of two `f64` (32 digits). Inverse iteration with `K + s M = L D
+//! L^T` on a block, with Rayleigh-Ritz steps by Jacobi rotations, until the eigenvalues stand
+//! still; then the negative entries of D of `K - sigma M` count the eigenvalues below sigma.
+//! Nothing is shared with the solvers of the library: start vectors are an argument, and the count
+//! does not depend on them.
 //!
 //! # Reference
-//! Dekker (1971), A floating-point technique for extending the available precision, Numer. Math. 18; Parlett (1998), The
-//! Symmetric Eigenvalue Problem, chapters 3 and 14.
+//! Dekker (1971), A floating-point technique for extending the available precision, Numer. Math.
+//! 18; Parlett (1998), The Symmetric Eigenvalue Problem, chapters 3 and 14.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -281,8 +283,8 @@ pub struct Exact {
     pub rounding: f64,
 }
 
-/// As many of the lowest eigenvalues as are separated from the next within the columns of `start`, at least `count`
-/// where there is a gap.
+/// As many of the lowest eigenvalues as are separated from the next within the columns of `start`,
+/// at least `count` where there is a gap.
 ///
 /// # Panics
 /// When the number of eigenvalues below the last one is not that of the inertia.
@@ -367,15 +369,18 @@ const LIMIT_ROUNDINGS: f64 = 4.0;
 pub struct Compared {
     pub name: String,
     pub size: usize,
-    /// Largest relative error of a frequency over its limit, with that error and the bound of rounding of that frequency.
+    /// Largest relative error of a frequency over its limit, with that error and the bound of
+    /// rounding of that frequency.
     pub error_over_limit: f64,
     pub error: f64,
     pub rounding: f64,
-    /// Largest omega² of a rigid-body mode over the part of the bound of its rounding within which it counts as 0.
+    /// Largest omega² of a rigid-body mode over the part of the bound of its rounding within which
+    /// it counts as 0.
     pub rigid_over_bound: f64,
     /// Largest entry of `Phi^T M Phi - I`, of the modes compared.
     pub orthogonality: f64,
-    /// Largest `|K phi - omega^2 M phi|` over `|omega^2 M phi|` in rows scaled by the mass, of the highest mode.
+    /// Largest `|K phi - omega^2 M phi|` over `|omega^2 M phi|` in rows scaled by the mass, of the
+    /// highest mode.
     pub residual: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Symmetric pairs (K, M) that solvers fail on: slender, graded, clustered, repeated and zero eigenvalues.
+//! Symmetric pairs (K, M) that solvers fail on: slender, graded, clustered, repeated and zero
+//! eigenvalues.
 
 use modalign::linalg::{RealMatrix, real_matrix};
 
@@ -33,7 +34,8 @@ pub enum Ends {
     Pinned,
     /// Clamped at one end, free at the other.
     Cantilever,
-    /// Free on two equal springs at its ends that give this frequency with the mass of the beam, Hz.
+    /// Free on two equal springs at its ends that give this frequency with the mass of the beam,
+    /// Hz.
     Suspended(f64),
 }
 
@@ -482,7 +484,8 @@ fn chain(masses: usize, spread: f64, closed: bool) -> (RealMatrix, RealMatrix) {
     )
 }
 
-/// Sun, carrier and equal planets, ring held: rotations, in kg and N/m at the base circles. Free to run.
+/// Sun, carrier and equal planets, ring held: rotations, in kg and N/m at the base circles. Free to
+/// run.
 fn planetary(planets: usize) -> (RealMatrix, RealMatrix) {
     let n = planets + 2;
     let (sun_mesh, ring_mesh) = (2.1e8, 2.6e8);
@@ -573,8 +576,8 @@ fn wilkinson(size: usize, copies: usize) -> (RealMatrix, RealMatrix) {
     (k, real_matrix(n, n, |i, j| f64::from(u8::from(i == j))))
 }
 
-/// Eight masses of 0.001 to 1 on springs of 1.5 to 1000, in the manner of Kabe (1985), Stiffness matrix adjustment using
-/// mode data, AIAA J. 23; blocks joined by soft springs.
+/// Eight masses of 0.001 to 1 on springs of 1.5 to 1000, in the manner of Kabe (1985), Stiffness
+/// matrix adjustment using mode data, AIAA J. 23; blocks joined by soft springs.
 fn kabe(blocks: usize) -> (RealMatrix, RealMatrix) {
     let n = 8 * blocks;
     let mut k = zeros(n);

@@ -53,7 +53,8 @@ pub struct AutoMac {
 
 /// MAC of every mode of a set with every other, and those that are too alike to be two.
 ///
-/// Modes of one repeated root (same group number) span a space of which any basis is as good; they are not duplicates.
+/// Modes of one repeated root (same group number) span a space of which any basis is as good; they
+/// are not duplicates.
 ///
 /// # Errors
 /// [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`], [`CorrelateError::MixedUnits`].
@@ -84,7 +85,8 @@ fn matrix(
     Ok(MacMatrix::new(model, model, &shapes))
 }
 
-/// MAC of a theory with itself at the sensors of a test: which of its modes these sensors cannot tell apart.
+/// MAC of a theory with itself at the sensors of a test: which of its modes these sensors cannot
+/// tell apart.
 pub(super) fn at_sensors(
     theory: &ModalModel,
     map: &DofMap,

@@ -23,29 +23,35 @@ pub struct ClusterMac {
     pub theory: Vec<ModeName>,
     /// The test's modes that are paired with them.
     pub test: Vec<ModeName>,
-    /// Principal angles between both subspaces, ascending, degrees; `None` where one side's modes are more than half as many
-    /// as the degrees of freedom: most of any space is then in that subspace.
+    /// Principal angles between both subspaces, ascending, degrees; `None` where one side's modes
+    /// are more than half as many as the degrees of freedom: most of any space is then in that
+    /// subspace.
     pub angles_deg: Option<Vec<f64>>,
-    /// `1 − sin θ` of the largest principal angle `θ`, 0 to 1: the criterion of Vinze, Allemang and Phillips (Developing a
-    /// correlation criterion (SpaceMAC) for repeated and pseudo-repeated modes, IMAC), who take the smallest angle. That
-    /// one vanishes as soon as a single direction is shared.
+    /// `1 − sin θ` of the largest principal angle `θ`, 0 to 1: the criterion of Vinze, Allemang and
+    /// Phillips (Developing a correlation criterion (SpaceMAC) for repeated and pseudo-repeated
+    /// modes, IMAC), who take the smallest angle. That one vanishes as soon as a single direction
+    /// is shared.
     pub space_mac: Option<f64>,
-    /// Mean of `cos² θ`: the mean MAC of the test's modes with the subspace, were their shapes at right angles.
+    /// Mean of `cos² θ`: the mean MAC of the test's modes with the subspace, were their shapes at
+    /// right angles.
     pub mean_mac: Option<f64>,
-    /// What `mean_mac` is on average for directions drawn at random: modes of the larger subspace over degrees of freedom.
+    /// What `mean_mac` is on average for directions drawn at random: modes of the larger subspace
+    /// over degrees of freedom.
     pub random_mac: Option<f64>,
     /// Degrees of freedom used.
     pub dofs: usize,
 }
 
-/// The clusters of a theory that a test met, in ascending frequency: roots one after the other that lie within
-/// [`CLUSTER_WIDTH`], and all of them within [`CLUSTER_SPAN`], or whose test modes do, and repeated roots.
+/// The clusters of a theory that a test met, in ascending frequency: roots one after the other that
+/// lie within [`CLUSTER_WIDTH`], and all of them within [`CLUSTER_SPAN`], or whose test modes do,
+/// and repeated roots.
 ///
 /// # Errors
 /// [`CorrelateError::Linalg`].
 ///
 /// # Reference
-/// Björck and Golub (1973), Numerical methods for computing angles between linear subspaces, Math. Comp. 27.
+/// Björck and Golub (1973), Numerical methods for computing angles between linear subspaces, Math.
+/// Comp. 27.
 pub(super) fn clusters(
     (test, theory): (&ModalModel, &ModalModel),
     shapes: &Shapes,
@@ -86,7 +92,8 @@ fn same_root(theory: &ModalModel, a: usize, b: usize) -> bool {
     group.is_some() && group == theory.modes[b].group
 }
 
-/// Whether two theory modes, or test modes that are paired with them, lie within a part of the higher frequency.
+/// Whether two theory modes, or test modes that are paired with them, lie within a part of the
+/// higher frequency.
 fn within(
     (test, theory): (&ModalModel, &ModalModel),
     pairing: &Pairing,

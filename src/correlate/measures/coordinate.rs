@@ -7,22 +7,25 @@ use crate::dof::Dof;
 use super::super::DofMap;
 use super::pair_shapes::PairShapes;
 
-/// Fewest pairs over which a degree of freedom can be judged: over one, COMAC is 1 whatever the shapes are.
+/// Fewest pairs over which a degree of freedom can be judged: over one, COMAC is 1 whatever the
+/// shapes are.
 const FEWEST_PAIRS: usize = 2;
 
-/// Correlation of one degree of freedom `q` over the pairs `r`, whose test shape `φ` and theory shape `ψ` have unit length
-/// over the common degrees of freedom and one phase.
+/// Correlation of one degree of freedom `q` over the pairs `r`, whose test shape `φ` and theory
+/// shape `ψ` have unit length over the common degrees of freedom and one phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoordinateMac {
     /// As the test names it.
     pub dof: Dof,
-    /// `(Σ_r |φ_qr ψ_qr|)² / (Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, 0 to 1 (Lieven and Ewins 1988); it does not see a reversed sign.
-    /// `None` with fewer than two pairs, or where one side stands still in all of them.
+    /// `(Σ_r |φ_qr ψ_qr|)² / (Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, 0 to 1 (Lieven and Ewins 1988); it does
+    /// not see a reversed sign. `None` with fewer than two pairs, or where one side stands still in
+    /// all of them.
     pub comac: Option<f64>,
-    /// `Σ_r |φ_qr − ψ_qr| / 2N`, 0 to 1, 0 for equal shapes (Hunt 1992); it sees signs. `None` with fewer than two pairs.
+    /// `Σ_r |φ_qr − ψ_qr| / 2N`, 0 to 1, 0 for equal shapes (Hunt 1992); it sees signs. `None` with
+    /// fewer than two pairs.
     pub enhanced: Option<f64>,
-    /// `Σ_r Re(ψ_qr* φ_qr) / sqrt(Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, -1 to 1: near -1 the sensor points the other way. `None` as
-    /// for `comac`.
+    /// `Σ_r Re(ψ_qr* φ_qr) / sqrt(Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, -1 to 1: near -1 the sensor points the
+    /// other way. `None` as for `comac`.
     pub direction: Option<f64>,
     /// Pairs `N` that have a value here on both sides.
     pub pairs: usize,

@@ -1,4 +1,5 @@
-//! Two sets of FRFs against each other: each function over frequency, and all functions at each line.
+//! Two sets of FRFs against each other: each function over frequency, and all functions at each
+//! line.
 
 use std::collections::BTreeMap;
 
@@ -24,8 +25,8 @@ pub struct FunctionCorrelation {
     pub response: Dof,
     /// Reference, as the first set names it.
     pub reference: Dof,
-    /// Frequency response assurance criterion `|Σ H_a* H_b|² / (Σ |H_a|² Σ |H_b|²)` over the lines, 0 to 1; `None` where
-    /// one is zero at all of them.
+    /// Frequency response assurance criterion `|Σ H_a* H_b|² / (Σ |H_a|² Σ |H_b|²)` over the lines,
+    /// 0 to 1; `None` where one is zero at all of them.
     pub frac: Option<f64>,
     /// `20 log10(rms H_b / rms H_a)`, dB; `None` as for `frac`.
     pub level_db: Option<f64>,
@@ -36,10 +37,11 @@ pub struct FunctionCorrelation {
 pub struct LineCorrelation {
     /// Frequency, Hz.
     pub hz: f64,
-    /// Global shape criterion `|H_a^H H_b|² / (H_a^H H_a · H_b^H H_b)`, 0 to 1, blind to amplitude; `None` where one is zero.
+    /// Global shape criterion `|H_a^H H_b|² / (H_a^H H_a · H_b^H H_b)`, 0 to 1, blind to amplitude;
+    /// `None` where one is zero.
     pub shape: Option<f64>,
-    /// Global amplitude criterion `2 |H_a^H H_b| / (H_a^H H_a + H_b^H H_b)`, 0 to 1, 1 for equal vectors; `None` where both
-    /// are zero.
+    /// Global amplitude criterion `2 |H_a^H H_b| / (H_a^H H_a + H_b^H H_b)`, 0 to 1, 1 for equal
+    /// vectors; `None` where both are zero.
     pub amplitude: Option<f64>,
 }
 
@@ -65,15 +67,17 @@ pub struct BandCorrelation {
 /// Two sets of FRFs on the lines and functions that both have, in the kind of the first.
 ///
 /// # Reference
-/// Heylen and Lammens (1996), FRAC: a consistent way of comparing frequency response functions, Identification in Engineering
-/// Systems, Swansea; Zang, Grafe and Imregun (2001), Frequency-domain criteria for correlating and updating dynamic finite
-/// element models, Mechanical Systems and Signal Processing 15(1), 139 (shape and amplitude criterion at each line; over
-/// the functions of one reference the latter is also known as FAAC).
+/// Heylen and Lammens (1996), FRAC: a consistent way of comparing frequency response functions,
+/// Identification in Engineering Systems, Swansea; Zang, Grafe and Imregun (2001), Frequency-domain
+/// criteria for correlating and updating dynamic finite element models, Mechanical Systems and
+/// Signal Processing 15(1), 139 (shape and amplitude criterion at each line; over the functions of
+/// one reference the latter is also known as FAAC).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrfCorrelation {
     /// SI unit in which both are compared: that of the first set.
     pub unit: &'static str,
-    /// Functions, by response and reference; their number is that of the components of the vectors at each line.
+    /// Functions, by response and reference; their number is that of the components of the vectors
+    /// at each line.
     pub functions: Vec<FunctionCorrelation>,
     /// Functions of the first set that the second does not have.
     pub first_alone: usize,
@@ -91,13 +95,15 @@ fn label(dof: &Dof) -> Label {
     (dof.point().to_owned(), dof.axis(), dof.repeat())
 }
 
-/// Compares two sets of FRFs on the lines and functions that both have, signs of sensors and hits turned.
+/// Compares two sets of FRFs on the lines and functions that both have, signs of sensors and hits
+/// turned.
 ///
-/// The second set is converted to the kind (receptance, mobility, accelerance) of the first one's first function.
+/// The second set is converted to the kind (receptance, mobility, accelerance) of the first one's
+/// first function.
 ///
 /// # Errors
-/// [`CorrelateError::NoCommonFunction`], [`CorrelateError::NoCommonLine`] where fewer than two lines inside the band are
-/// the same.
+/// [`CorrelateError::NoCommonFunction`], [`CorrelateError::NoCommonLine`] where fewer than two
+/// lines inside the band are the same.
 pub fn frf_correlation(
     first: &FrfSet,
     second: &FrfSet,

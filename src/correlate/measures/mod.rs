@@ -1,4 +1,5 @@
-//! Measures of correlation beside the pairing: of shapes, of degrees of freedom, of subspaces, with a mass matrix, of FRFs.
+//! Measures of correlation beside the pairing: of shapes, of degrees of freedom, of subspaces, with
+//! a mass matrix, of FRFs.
 //!
 //! | measure | of what | source |
 //! |---|---|---|
@@ -11,7 +12,8 @@
 //! | [`Orthogonality`] | shapes through a mass matrix reduced to the sensors | Guyan 1965; O'Callahan et al. 1989 |
 //! | [`FrfCorrelation`] | two sets of FRFs, by function and by line | Heylen and Lammens 1996; Zang et al. 2001 |
 //!
-//! Each says how many degrees of freedom it rests on, and is `None` where it is not defined. Nothing here pairs modes.
+//! Each says how many degrees of freedom it rests on, and is `None` where it is not defined.
+//! Nothing here pairs modes.
 
 mod auto_mac;
 mod cluster;
@@ -88,14 +90,16 @@ impl ModeName {
     }
 }
 
-/// Modal assurance criterion of every mode of one set with every mode of another, [`crate::modal::mac`].
+/// Modal assurance criterion of every mode of one set with every mode of another,
+/// [`crate::modal::mac`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MacMatrix {
     /// Modes of the rows: of the test.
     pub rows: Vec<ModeName>,
     /// Modes of the columns: of the theory.
     pub columns: Vec<ModeName>,
-    /// MAC; `None` where a mode has no shape or is zero there, or fewer than two degrees of freedom are common.
+    /// MAC; `None` where a mode has no shape or is zero there, or fewer than two degrees of freedom
+    /// are common.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Degrees of freedom at which both modes of a pair have values.
     pub dofs: DofRange,
@@ -117,8 +121,8 @@ impl MacMatrix {
     }
 }
 
-/// A pair of any two modes with frequencies and MAC: a point of the plot in which the MAC stands over both frequencies, so
-/// that shapes that agree at the wrong frequency are seen as such.
+/// A pair of any two modes with frequencies and MAC: a point of the plot in which the MAC stands
+/// over both frequencies, so that shapes that agree at the wrong frequency are seen as such.
 ///
 /// # Reference
 /// Fotsch and Ewins (2000), Application of MAC in the frequency domain, IMAC 18 (FMAC).
@@ -136,11 +140,13 @@ pub struct FrequencyMac {
 
 /// Modal scale factor of a pair.
 ///
-/// Direction: from theory to test, `φ_test ≈ s φ_theory`, `s = φ_theory^H φ_test / φ_theory^H φ_theory`. Its phase is that
-/// of the test shape against the theory's; its magnitude means something where both are scaled alike.
+/// Direction: from theory to test, `φ_test ≈ s φ_theory`, `s = φ_theory^H φ_test / φ_theory^H
+/// φ_theory`. Its phase is that of the test shape against the theory's; its magnitude means
+/// something where both are scaled alike.
 ///
 /// # Reference
-/// Allemang (2003), The modal assurance criterion: twenty years of use and abuse, Sound and Vibration 37(8), eq. 2.
+/// Allemang (2003), The modal assurance criterion: twenty years of use and abuse, Sound and
+/// Vibration 37(8), eq. 2.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ScaleFactor {
     /// Test mode.
@@ -174,7 +180,8 @@ pub struct Measures {
     pub orthogonality: Option<Orthogonality>,
 }
 
-/// The measures of a test and a theory that [`super::pair`] paired, without orthogonality, which needs a mass matrix.
+/// The measures of a test and a theory that [`super::pair`] paired, without orthogonality, which
+/// needs a mass matrix.
 ///
 /// # Errors
 /// [`CorrelateError::MixedUnits`], [`CorrelateError::Linalg`].

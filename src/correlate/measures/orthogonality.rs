@@ -15,16 +15,19 @@ use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
 use super::ModeName;
 
-/// Part of a test shape outside the modes of a SEREP reduction above which its orthogonality is a finding.
+/// Part of a test shape outside the modes of a SEREP reduction above which its orthogonality is a
+/// finding.
 const OUTSIDE: f64 = 0.05;
 
 /// How a mass matrix is brought to the sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reduction {
-    /// Static: the other coordinates follow without inertia (Guyan 1965). Each sensor must read one coordinate.
+    /// Static: the other coordinates follow without inertia (Guyan 1965). Each sensor must read one
+    /// coordinate.
     Guyan,
-    /// Through modes of the model (SEREP, O'Callahan, Avitabile and Riemer 1989), for sensors of any direction.
+    /// Through modes of the model (SEREP, O'Callahan, Avitabile and Riemer 1989), for sensors of
+    /// any direction.
     Serep,
 }
 
@@ -53,7 +56,8 @@ pub struct SensorRow {
     pub row: Vec<f64>,
 }
 
-/// A model's mass matrix at sensors, and what all its coordinates do when the sensors read given values.
+/// A model's mass matrix at sensors, and what all its coordinates do when the sensors read given
+/// values.
 #[derive(Clone, Debug)]
 pub struct ReducedMass {
     /// How it was reduced.
@@ -70,11 +74,12 @@ pub struct ReducedMass {
 
 /// The mass matrix of a model at sensors: `T^T M T`, the test-analysis model.
 ///
-/// `modes` are those that SEREP keeps, one in each column, mass-normalised or not; Guyan does not look at them.
+/// `modes` are those that SEREP keeps, one in each column, mass-normalised or not; Guyan does not
+/// look at them.
 ///
 /// # Errors
-/// [`CorrelateError::NotACoordinate`] for Guyan where a sensor reads more than one coordinate, or two read the same;
-/// [`CorrelateError::Reduction`] with the model's reason.
+/// [`CorrelateError::NotACoordinate`] for Guyan where a sensor reads more than one coordinate, or
+/// two read the same; [`CorrelateError::Reduction`] with the model's reason.
 ///
 /// # Reference
 /// Guyan (1965), AIAA Journal 3, 380; O'Callahan, Avitabile and Riemer (1989), IMAC 7, 29.
@@ -126,8 +131,8 @@ fn read_coordinates(sensors: &[SensorRow]) -> Result<Vec<(usize, f64)>, Correlat
     Ok(kept)
 }
 
-/// Shapes through a mass matrix `M` at the sensors. Values are magnitudes of `φ_i^H M φ_j`, each shape scaled so that
-/// `φ^H M φ = 1`, so that the matrices of one set have a diagonal of 1.
+/// Shapes through a mass matrix `M` at the sensors. Values are magnitudes of `φ_i^H M φ_j`, each
+/// shape scaled so that `φ^H M φ = 1`, so that the matrices of one set have a diagonal of 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Orthogonality {
     /// How the mass matrix was reduced.
@@ -144,15 +149,17 @@ pub struct Orthogonality {
     pub self_theory: Vec<Vec<Option<f64>>>,
     /// Test (rows) with theory (columns).
     pub cross: Vec<Vec<Option<f64>>>,
-    /// Of a SEREP reduction, for each test mode: the part of its shape `ψ` outside the kept modes `Φ` at the sensors,
-    /// `|ψ − Φ Φ^+ ψ|²/|ψ|²`, 0 to 1. The reduced mass does not see it. `None` for a static one, and for a shape of zeros.
+    /// Of a SEREP reduction, for each test mode: the part of its shape `ψ` outside the kept modes
+    /// `Φ` at the sensors, `|ψ − Φ Φ^+ ψ|²/|ψ|²`, 0 to 1. The reduced mass does not see it. `None`
+    /// for a static one, and for a shape of zeros.
     pub outside: Vec<Option<f64>>,
     /// Degrees of freedom used.
     pub dofs: usize,
 }
 
 impl Orthogonality {
-    /// Each test shape of which more than 5 % lies outside the modes of a SEREP reduction, as a finding at its mode.
+    /// Each test shape of which more than 5 % lies outside the modes of a SEREP reduction, as a
+    /// finding at its mode.
     pub fn findings(&self) -> Vec<Finding> {
         let parts = self.test.iter().zip(&self.outside);
         let large =
@@ -170,8 +177,8 @@ impl Orthogonality {
     }
 }
 
-/// Degrees of freedom of a map at which every mode of both models that has a shape at all has a value: where a mass matrix
-/// can be reduced to, as the theory names them.
+/// Degrees of freedom of a map at which every mode of both models that has a shape at all has a
+/// value: where a mass matrix can be reduced to, as the theory names them.
 pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) -> Vec<Dof> {
     fn everywhere(model: &ModalModel, dof: &Dof) -> bool {
         let shapes = model.modes.iter().map(|mode| &mode.shape);
@@ -187,8 +194,9 @@ pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) 
 
 /// Self- and cross-orthogonality of a test and a theory at the sensors of a reduced mass matrix.
 ///
-/// The sensors of the mass must be named as the map names the theory's side. `columns` are the indices of the theory's modes
-/// to look at: with SEREP those that it keeps, because the reduced mass says nothing of any other; modes at 0 Hz are left out.
+/// The sensors of the mass must be named as the map names the theory's side. `columns` are the
+/// indices of the theory's modes to look at: with SEREP those that it keeps, because the reduced
+/// mass says nothing of any other; modes at 0 Hz are left out.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have.

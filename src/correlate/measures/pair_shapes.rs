@@ -1,4 +1,5 @@
-//! The shapes of all pairs, brought to one scale and phase, so that they can be looked at point by point.
+//! The shapes of all pairs, brought to one scale and phase, so that they can be looked at point by
+//! point.
 
 use num_complex::Complex64;
 
@@ -6,10 +7,12 @@ use super::super::Pairing;
 use super::super::pairing::Shapes;
 use super::super::subspace::projection;
 
-/// Values of one test mode and of its partner at every common degree of freedom; `None` where one has none.
+/// Values of one test mode and of its partner at every common degree of freedom; `None` where one
+/// has none.
 ///
-/// The partner is the projection of the test mode on the root's subspace (for a simple root the theory's shape itself), so
-/// that a repeated root has one as well. Both have unit length, and their inner product is real and positive.
+/// The partner is the projection of the test mode on the root's subspace (for a simple root the
+/// theory's shape itself), so that a repeated root has one as well. Both have unit length, and
+/// their inner product is real and positive.
 pub(in super::super) struct PairShapes {
     pub values: Vec<Option<(Complex64, Complex64)>>,
 }

@@ -8,23 +8,25 @@ use crate::modal::ModalModel;
 use super::super::pairing::without_rounding;
 use super::super::roots::elastic_modes;
 
-/// Least part outside the modes kept before, as a part of the largest reading of a kept mode. At 1/100 an error of 1 % at the
-/// sensors becomes as large as the shape.
+/// Least part outside the modes kept before, as a part of the largest reading of a kept mode. At
+/// 1/100 an error of 1 % at the sensors becomes as large as the shape.
 const TOLD_APART: f64 = 0.01;
 
-/// Indices of the modes that a SEREP reduction to these sensors keeps, ascending: those that are `paired`, and of the other
-/// modes above 0 Hz the lowest, as many as there are sensors.
+/// Indices of the modes that a SEREP reduction to these sensors keeps, ascending: those that are
+/// `paired`, and of the other modes above 0 Hz the lowest, as many as there are sensors.
 ///
-/// A mode that the sensors hardly tell from those kept before (less than a hundredth of its reading is left when these are
-/// taken out, measured by the largest reading of a kept mode) is passed over, so that the condition number of the readings
-/// stays near 100 or below. Through the paired modes alone everything that is wrong in a test shape would be taken out before
-/// its orthogonality is looked at.
+/// A mode that the sensors hardly tell from those kept before (less than a hundredth of its reading
+/// is left when these are taken out, measured by the largest reading of a kept mode) is passed
+/// over, so that the condition number of the readings stays near 100 or below. Through the paired
+/// modes alone everything that is wrong in a test shape would be taken out before its orthogonality
+/// is looked at.
 ///
-/// `dofs` are the sensors as the theory names them; a mode without a value at one of them is passed over.
+/// `dofs` are the sensors as the theory names them; a mode without a value at one of them is passed
+/// over.
 ///
 /// # Reference
-/// Golub and Van Loan (2013), Matrix Computations, 4th ed., sections 5.2.8 and 5.5.7 (the diagonal of R as an estimate of the
-/// condition number).
+/// Golub and Van Loan (2013), Matrix Computations, 4th ed., sections 5.2.8 and 5.5.7 (the diagonal
+/// of R as an estimate of the condition number).
 pub fn serep_modes(theory: &ModalModel, dofs: &[Dof], paired: &[usize]) -> Vec<usize> {
     let mut order: Vec<usize> = elastic_modes(theory);
     let hz = |j: usize| theory.modes[j].frequency_hz;

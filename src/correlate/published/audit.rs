@@ -1,7 +1,7 @@
 //! What a text claims of its tables, recomputed from them.
 //!
-//! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is 7.5 %, and no other is
-//! larger. They are audited apart, since either can be wrong alone.
+//! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is
+//! 7.5 %, and no other is larger. They are audited apart, since either can be wrong alone.
 
 use crate::theory::{ModelQuantity, ModelRoot};
 
@@ -183,15 +183,17 @@ pub struct Verdict {
     pub printed: Stated,
     /// As recomputed; `None` where there is nothing to recompute it from.
     pub recomputed: Option<Stated>,
-    /// Whether they agree; `None` where nothing could be recomputed, or nothing is printed in figures.
+    /// Whether they agree; `None` where nothing could be recomputed, or nothing is printed in
+    /// figures.
     pub confirmed: Option<bool>,
 }
 
-/// Recomputes every claim from the published rows, or from the model where the claim is about the model.
+/// Recomputes every claim from the published rows, or from the model where the claim is about the
+/// model.
 ///
-/// One verdict for each claim in their order; [`Statement::TheoryColumn`] has one for the rows that agree and one for each
-/// row that does not. Without roots a claim about roots has no verdict, nor has one about a row, test or quantity that is not
-/// there.
+/// One verdict for each claim in their order; [`Statement::TheoryColumn`] has one for the rows that
+/// agree and one for each row that does not. Without roots a claim about roots has no verdict, nor
+/// has one about a row, test or quantity that is not there.
 pub fn audit(table: &PublishedComparison, grounds: &Grounds<'_>, claims: &[Claim]) -> Vec<Verdict> {
     let published: Vec<_> = grounds
         .roots
@@ -312,7 +314,8 @@ fn printed_and_recomputed(
     }
 }
 
-/// Values round to each other and every printed row is among those found; without values the rows are the same.
+/// Values round to each other and every printed row is among those found; without values the rows
+/// are the same.
 fn agree(printed: &Stated, found: &Stated, digits: Digits) -> bool {
     if let (Some(value), Some(own)) = (printed.value, found.value) {
         let there = printed.rows.iter().all(|row| found.rows.contains(row));
@@ -397,7 +400,8 @@ fn model_root<'a>(roots: Option<&'a RootMatch>, label: &str) -> Option<&'a Model
     row_of(roots, label)?.model.as_ref()
 }
 
-/// One verdict for the rows whose printed frequency is that of their root, and one for each other row.
+/// One verdict for the rows whose printed frequency is that of their root, and one for each other
+/// row.
 fn theory_column(claim: &Claim, rows: &[RecomputedRow]) -> Vec<Verdict> {
     let about = |printed: Stated, recomputed: Option<Stated>, confirmed: Option<bool>| Verdict {
         text: claim.text.clone(),

@@ -1,8 +1,8 @@
 //! Published results held against a model and against themselves.
 //!
-//! [`match_roots`] says which printed root is which root of the model; [`recompute`] works out the errors of a printed
-//! comparison; [`audit`] recomputes what a text claims of both. Nothing here reads a file, and nothing is taken from a
-//! text that its own tables do not bear out.
+//! [`match_roots`] says which printed root is which root of the model; [`recompute`] works out the
+//! errors of a printed comparison; [`audit`] recomputes what a text claims of both. Nothing here
+//! reads a file, and nothing is taken from a text that its own tables do not bear out.
 
 mod audit;
 mod digits;

@@ -12,7 +12,8 @@ pub struct PublishedRoot {
     pub label: String,
     /// Angular frequency, rad/s; 0 for rigid-body modes.
     pub omega_rad_s: f64,
-    /// The same as a frequency, Hz, as printed; `None` where the angular frequency is what is printed.
+    /// The same as a frequency, Hz, as printed; `None` where the angular frequency is what is
+    /// printed.
     pub printed_hz: Option<f64>,
     /// Number of modes that share it.
     pub multiplicity: usize,
@@ -112,10 +113,11 @@ pub fn frequency_hz(omega_rad_s: f64) -> f64 {
 
 /// Gives published roots to roots of the model by frequency alone, never by their place in a list.
 ///
-/// A root at 0 goes with a root at 0 only. Of all ways within the gate the one with the smallest sum of
-/// `|ln(model/published)|` is taken, a published root without a partner counting as one at the gate. Several ways can
-/// share that sum, differing only in who crosses whom: roots that have a partner are then paired in ascending order,
-/// which raises neither the sum nor the largest distance. Multiplicities are compared, and do not decide.
+/// A root at 0 goes with a root at 0 only. Of all ways within the gate the one with the smallest
+/// sum of `|ln(model/published)|` is taken, a published root without a partner counting as one at
+/// the gate. Several ways can share that sum, differing only in who crosses whom: roots that have a
+/// partner are then paired in ascending order, which raises neither the sum nor the largest
+/// distance. Multiplicities are compared, and do not decide.
 pub fn match_roots(
     model: &[ModelRoot],
     published: &[PublishedRoot],

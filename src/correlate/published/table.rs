@@ -56,7 +56,8 @@ pub struct RecomputedRow {
     pub label: String,
     /// The theory's frequency as printed, Hz.
     pub theory_hz: f64,
-    /// Frequency of the published root of this row, Hz; `None` where the row names none, or it is not printed.
+    /// Frequency of the published root of this row, Hz; `None` where the row names none, or it is
+    /// not printed.
     pub root_hz: Option<f64>,
     /// A cell for every test, in the order of the columns; `None` where it missed the frequency.
     pub tests: Vec<Option<ErrorCell>>,
@@ -97,9 +98,11 @@ pub struct Largest {
     pub rows: Vec<String>,
 }
 
-/// Works out the errors of a printed comparison; `roots` are the published ones, by whose label a row names its own.
+/// Works out the errors of a printed comparison; `roots` are the published ones, by whose label a
+/// row names its own.
 ///
-/// By the theory `(test − theory)/theory`, by the test `(theory − test)/test`, in percent; in Hz the numerator alone.
+/// By the theory `(test − theory)/theory`, by the test `(theory − test)/test`, in percent; in Hz
+/// the numerator alone.
 pub fn recompute(table: &PublishedComparison, roots: &[&PublishedRoot]) -> RecomputedTable {
     let rows: Vec<RecomputedRow> = table
         .row

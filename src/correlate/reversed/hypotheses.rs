@@ -17,8 +17,8 @@ pub(super) struct Hypothesis {
 
 /// Groups by direction, by component and by file, then every sensor by itself.
 ///
-/// Of a class of more than half of the sensors all others are the group: reversing these is the same. Each set of sensors is
-/// there once, under its first name.
+/// Of a class of more than half of the sensors all others are the group: reversing these is the
+/// same. Each set of sensors is there once, under its first name.
 pub(super) fn hypotheses(test: &ModalModel, map: &DofMap) -> Vec<Hypothesis> {
     let directions = map.pairs.iter().map(|pair| pair.test.axis().to_string());
     let components = map.pairs.iter().map(|pair| match pair.test.component() {

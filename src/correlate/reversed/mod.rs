@@ -1,8 +1,9 @@
 //! Sensors and groups of sensors whose sign is opposite to that of the theory.
 //!
-//! Every hypothesis reverses one sensor, or all of one direction, component or file together, and is evaluated with the pairs that are
-//! best under it: the detection does not need pairs that are good as measured. Of a group only the sign relative to all other
-//! sensors is observable, in modes that move both.
+//! Every hypothesis reverses one sensor, or all of one direction, component or file together, and
+//! is evaluated with the pairs that are best under it: the detection does not need pairs that are
+//! good as measured. Of a group only the sign relative to all other sensors is observable, in modes
+//! that move both.
 
 mod hypotheses;
 mod overlaps;
@@ -22,34 +23,38 @@ use super::{CorrelateError, DofMap, PairOptions};
 use hypotheses::{Hypothesis, hypotheses};
 use overlaps::{Choice, Overlaps, Signed, View};
 
-/// Minimum MAC, with the sensors reversed, of a pair that is used to search. Larger: of many reversed sensors none is found,
-/// because each by itself leaves the MAC low (`one_reversed_sensor_of_many_is_found_and_so_are_more`). Smaller: more pairs of
-/// different modes; the final test does not depend on it.
+/// Minimum MAC, with the sensors reversed, of a pair that is used to search. Larger: of many
+/// reversed sensors none is found, because each by itself leaves the MAC low
+/// (`one_reversed_sensor_of_many_is_found_and_so_are_more`). Smaller: more pairs of different
+/// modes; the final test does not depend on it.
 const MIN_MAC_OF_SEARCH: f64 = 0.2;
 
-/// Minimum number of pairs that show a reversal. One mode says nothing of a sensor: the model may be wrong there.
+/// Minimum number of pairs that show a reversal. One mode says nothing of a sensor: the model may
+/// be wrong there.
 const MIN_PAIRS: usize = 2;
 
-/// Largest correlation of the values as measured with those of the theory, over the pairs. Larger (nearer 0): sensors that are
-/// reversed in one mode and not in another. Smaller: noise of 5 % hides sensors that move little
-/// (`reversed_sensors_are_found_and_no_others`).
+/// Largest correlation of the values as measured with those of the theory, over the pairs. Larger
+/// (nearer 0): sensors that are reversed in one mode and not in another. Smaller: noise of 5 %
+/// hides sensors that move little (`reversed_sensors_are_found_and_no_others`).
 const MAX_DIRECTION: f64 = -0.8;
 
-/// Minimum gain of MAC over that of a reversed sensor of a right model. Larger: model errors hide reversed sensors. Smaller: good
-/// sensors of poor models (`a_poor_model_has_no_reversed_sensors`).
+/// Minimum gain of MAC over that of a reversed sensor of a right model. Larger: model errors hide
+/// reversed sensors. Smaller: good sensors of poor models (`a_poor_model_has_no_reversed_sensors`).
 const MIN_PART_OF_GAIN: f64 = 0.5;
 
-/// Minimum share of the squared length, as a part of the mean share of as many sensors, of the group and of all others: below it
-/// noise decides the sign (`noise_at_sensors_that_hardly_move_reverses_none`).
+/// Minimum share of the squared length, as a part of the mean share of as many sensors, of the
+/// group and of all others: below it noise decides the sign
+/// (`noise_at_sensors_that_hardly_move_reverses_none`).
 const MIN_SHARE: f64 = 0.1;
 
-/// Maximum expected number of good sensors and groups, of all that are tested, that disagree in the same pairs. Larger: good
-/// sensors in three poor pairs (`sensors_that_disagree_by_chance_in_three_poor_pairs_are_left`). Smaller: reversed sensors of
+/// Maximum expected number of good sensors and groups, of all that are tested, that disagree in the
+/// same pairs. Larger: good sensors in three poor pairs
+/// (`sensors_that_disagree_by_chance_in_three_poor_pairs_are_left`). Smaller: reversed sensors of
 /// tests with three or four modes.
 const MAX_EXPECTED_FALSE: f64 = 0.1;
 
-/// Maximum number of sensors at which the pairs are chosen anew for each single sensor; of more, one sensor changes a MAC by less
-/// than 4/64, and no pair.
+/// Maximum number of sensors at which the pairs are chosen anew for each single sensor; of more,
+/// one sensor changes a MAC by less than 4/64, and no pair.
 const MAX_SENSORS_CHOSEN_ANEW: usize = 64;
 
 /// A sensor with the opposite sign of the theory.
@@ -85,21 +90,24 @@ impl ReversedSensor {
 
 /// The sensors of a test with the opposite sign of the theory, those first that gain most.
 ///
-/// For every single sensor, and every group of one direction (X, Y, Z, ...), component (the part of a name before the dot) or file, the
-/// test modes are paired within the frequency gate at the smallest sum of `0.1 u + 0.9 (1 − MAC)` with its sign changed, `u` being
-/// the frequency error over the gate. The hypothesis of the smallest sum is taken again and again, if over the pairs with a MAC of
-/// 0.2 or more
+/// For every single sensor, and every group of one direction (X, Y, Z, ...), component (the part of
+/// a name before the dot) or file, the test modes are paired within the frequency gate at the
+/// smallest sum of `0.1 u + 0.9 (1 − MAC)` with its sign changed, `u` being the frequency error
+/// over the gate. The hypothesis of the smallest sum is taken again and again, if over the pairs
+/// with a MAC of 0.2 or more
 ///
-/// - the correlation of its values with the theory's, `Σ Re(b* a)/√(Σ|a|² Σ|b|²)` of unit shapes `a`, `b`, is at most −0.8 as
-///   measured;
-/// - the sum of MAC over all test modes gains half or more of what a reversed sensor of a right model would,
-///   `4 w (√MAC − w)` of each pair with its share `w` of the squared length;
+/// - the correlation of its values with the theory's, `Σ Re(b* a)/√(Σ|a|² Σ|b|²)` of unit shapes
+///   `a`, `b`, is at most −0.8 as measured;
+/// - the sum of MAC over all test modes gains half or more of what a reversed sensor of a right
+///   model would, `4 w (√MAC − w)` of each pair with its share `w` of the squared length;
 /// - it and all others have a tenth or more of the mean share of as many sensors.
 ///
-/// Then the false-alarm probability is tested, with all of them reversed, over the pairs whose MAC exceeds the [`super::ChanceLevel`]
-/// and that move both sides: in each, a good sensor disagrees as often as others do (their number and one, over all and one), and
-/// by no more than `m σ²/Σ|a + b|²`, `σ²` being the mean square difference of the others and `m` the number of its sensors
-/// (Chebyshev). The product of the smaller of these over the pairs, two or more, times the number of hypotheses has to be below 0.1.
+/// Then the false-alarm probability is tested, with all of them reversed, over the pairs whose MAC
+/// exceeds the [`super::ChanceLevel`] and that move both sides: in each, a good sensor disagrees as
+/// often as others do (their number and one, over all and one), and by no more than `m σ²/Σ|a +
+/// b|²`, `σ²` being the mean square difference of the others and `m` the number of its sensors
+/// (Chebyshev). The product of the smaller of these over the pairs, two or more, times the number
+/// of hypotheses has to be below 0.1.
 ///
 /// A single sensor is never found among fewer than three, and never half of all sensors.
 ///
@@ -308,7 +316,8 @@ impl Search {
     }
 }
 
-/// Sums over the sensors of a hypothesis in one pair, of unit test shape `a` and theory shape `b`, with these sensors reversed.
+/// Sums over the sensors of a hypothesis in one pair, of unit test shape `a` and theory shape `b`,
+/// with these sensors reversed.
 struct Part {
     mac: f64,
     /// `Σ Re(b* a)`.
@@ -389,7 +398,8 @@ impl Poorness {
     }
 }
 
-/// Findings of reversed sensors, one for each group; of no more than information where they were turned.
+/// Findings of reversed sensors, one for each group; of no more than information where they were
+/// turned.
 pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Finding> {
     let severity = if turned {
         Severity::Info
@@ -414,8 +424,8 @@ pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Findin
     groups.filter_map(|own| own.first()).map(finding).collect()
 }
 
-/// A model with the values of some degrees of freedom times -1, in shapes and in the residues of responses there; twice named is
-/// not reversed.
+/// A model with the values of some degrees of freedom times -1, in shapes and in the residues of
+/// responses there; twice named is not reversed.
 pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
     let count = |dof: &Dof| dofs.iter().filter(|own| *own == dof).count();
     let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };

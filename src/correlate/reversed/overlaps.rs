@@ -1,4 +1,5 @@
-//! MAC of test modes and the roots near them in frequency, under signs of the sensors, and the pairs that these give.
+//! MAC of test modes and the roots near them in frequency, under signs of the sensors, and the
+//! pairs that these give.
 
 use num_complex::Complex64;
 
@@ -49,8 +50,8 @@ pub(super) struct Signed {
     overlaps: Vec<Vec<Vec<Complex64>>>,
 }
 
-/// Shapes of a pair under some signs: unit test shape and its projection on the root at unit length, so that their inner
-/// product is real and positive.
+/// Shapes of a pair under some signs: unit test shape and its projection on the root at unit
+/// length, so that their inner product is real and positive.
 pub(super) struct View {
     pub values: Vec<(Complex64, Complex64)>,
     pub dofs: usize,
@@ -171,7 +172,8 @@ impl Overlaps {
 }
 
 impl Near {
-    /// `None` where fewer degrees of freedom than a MAC needs are in common, or one side does not move there.
+    /// `None` where fewer degrees of freedom than a MAC needs are in common, or one side does not
+    /// move there.
     fn new(
         shapes: &Shapes,
         (i, root): (usize, &[usize]),

@@ -115,7 +115,8 @@ fn one_reversed_sensor_of_many_is_found_and_so_are_more() {
 
 #[test]
 fn noise_at_sensors_that_hardly_move_reverses_none() {
-    // The last 200 of 300 sensors stand on a part that hardly moves: their values are noise of 5 % of the mean.
+    // The last 200 of 300 sensors stand on a part that hardly moves: their values are noise of 5 %
+    // of the mean.
     let mut theory = beam(300);
     let still = |q: usize| q >= 100;
     let noise = |n: usize, q: usize| {
@@ -278,7 +279,8 @@ fn sensors_of_one_file_are_named_together() {
 #[test]
 fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
     let theory = beam(40);
-    // MAC as measured is (1 − 2w)², w the share of the reversed sensors: nine of 40 hold a quarter of each shape, three about 0.07.
+    // MAC as measured is (1 − 2w)², w the share of the reversed sensors: nine of 40 hold a quarter
+    // of each shape, three about 0.07.
     let nine: Vec<usize> = (4..37).step_by(4).collect();
     for (reversed, mac, tolerance, status) in [
         (nine, 0.25, 0.01, Status::Ambiguous),
@@ -334,7 +336,8 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
     }
 }
 
-/// Three modes at 10, 40 and 90 Hz of which the last of six sensors holds these shares with these signs.
+/// Three modes at 10, 40 and 90 Hz of which the last of six sensors holds these shares with these
+/// signs.
 fn with_last_sensor(shares: [f64; 3], factors: [f64; 3]) -> ModalModel {
     let others = [
         [0.2f64.sqrt(); 5],
@@ -363,7 +366,8 @@ fn one_of_two_sensors_is_never_named() {
 
 #[test]
 fn sensor_that_agrees_in_one_of_three_modes_is_left() {
-    // Correlation with the theory over the pairs: −(0.2 + 0.2 − 0.1)/0.5 = −0.6. The gain of MAC is 0.56 of a reversed sensor's.
+    // Correlation with the theory over the pairs: −(0.2 + 0.2 − 0.1)/0.5 = −0.6. The gain of MAC is
+    // 0.56 of a reversed sensor's.
     let shares = [0.2, 0.2, 0.1];
     let theory = with_last_sensor(shares, [1.0; 3]);
     assert_eq!(
@@ -378,7 +382,8 @@ fn sensor_that_agrees_in_one_of_three_modes_is_left() {
 
 #[test]
 fn sensor_that_hardly_measures_is_not_reversed() {
-    // A tenth of its motion with the opposite sign: the MAC gains about a quarter of what a reversed sensor gains.
+    // A tenth of its motion with the opposite sign: the MAC gains about a quarter of what a
+    // reversed sensor gains.
     let shares = [0.2; 3];
     let theory = with_last_sensor(shares, [1.0; 3]);
     assert_eq!(found(&with_last_sensor(shares, [-0.1; 3]), &theory), []);
@@ -386,8 +391,8 @@ fn sensor_that_hardly_measures_is_not_reversed() {
 
 #[test]
 fn two_poor_pairs_of_six_sensors_name_none() {
-    // In each pair the five other sensors agree in sign, and their shape is turned by 27 degrees: MAC is 0.83 with the last sensor
-    // reversed. None of five that disagree is not never.
+    // In each pair the five other sensors agree in sign, and their shape is turned by 27 degrees:
+    // MAC is 0.83 with the last sensor reversed. None of five that disagree is not never.
     let (share, turn) = (0.08f64, 0.471f64);
     let (flat, alternating) = ([0.2f64.sqrt(); 5], [0.5, -0.5, 0.5, -0.5, 0.0]);
     let pairs = [
@@ -411,8 +416,9 @@ fn two_poor_pairs_of_six_sensors_name_none() {
 
 #[test]
 fn sensor_that_alone_disagrees_in_two_pairs_of_forty_sensors_is_named() {
-    // Amplitudes are wrong by 60 % at 39 sensors, so that MAC is 0.73, and their signs are right: one of 40 disagrees in each pair. The
-    // squared differences by themselves would let good sensors do so in 30 of 100 cases.
+    // Amplitudes are wrong by 60 % at 39 sensors, so that MAC is 0.73, and their signs are right:
+    // one of 40 disagrees in each pair. The squared differences by themselves would let good
+    // sensors do so in 30 of 100 cases.
     let shape = |alternates: bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let sign = |q: usize| if alternates && q % 2 == 1 { -1.0 } else { 1.0 };
         (0..40).map(|q| sign(q) * value(q)).collect()

@@ -18,19 +18,23 @@ use super::peaks::{Peak, clear_peaks};
 pub(super) const FEWEST_LINES: f64 = 5.0;
 /// Half-power widths fitted on each side of a peak.
 pub(super) const REACH_WIDTHS: f64 = 1.0;
-/// Fewest resonances of one response: two fix a line through the origin with a scatter, the third tells them from chance.
+/// Fewest resonances of one response: two fix a line through the origin with a scatter, the third
+/// tells them from chance.
 const FEWEST_PEAKS: usize = 3;
-/// Standard deviation of a phase beyond which its resonance is left out, rad: where it wraps round by noise.
+/// Standard deviation of a phase beyond which its resonance is left out, rad: where it wraps round
+/// by noise.
 const MOST_PHASE_DEVIATION: f64 = 0.1;
 /// Delays are sought up to so many sampling intervals, both ways.
 const REACH_SAMPLES: f64 = 4.0;
 /// Steps per interval: a quarter of the limit.
 const STEPS_PER_SAMPLE: f64 = 16.0;
-/// Mean `1 − cos 2r` of the residual phases by which two delays are as good as each other: what 0.16 rad make.
+/// Mean `1 − cos 2r` of the residual phases by which two delays are as good as each other: what
+/// 0.16 rad make.
 const AS_GOOD: f64 = 0.05;
 /// Probability of a scatter that looks like a delay, one side.
 const CHANCE: f64 = 5e-4;
-/// Limit in sampling intervals: converters out of step are late by half an interval or a whole one; half of the lesser.
+/// Limit in sampling intervals: converters out of step are late by half an interval or a whole one;
+/// half of the lesser.
 const LIMIT_SAMPLES: f64 = 0.25;
 
 /// Angular frequency and phase of one residue.
@@ -46,13 +50,16 @@ struct Delay {
     limit_s: f64,
 }
 
-/// Real modes have residues of the mobility on the real axis, whatever pair they belong to: a delay `τ` turns them by
-/// `−ωτ`. All functions of one response are taken together; signs do not count (phases modulo π).
+/// Real modes have residues of the mobility on the real axis, whatever pair they belong to: a delay
+/// `τ` turns them by `−ωτ`. All functions of one response are taken together; signs do not count
+/// (phases modulo π).
 ///
-/// A positive value is a late response. Complex modes scatter the phases, and the limit is the larger of a quarter of the
-/// sampling interval `1/(2 f_max)` and the deviation that the scatter explains, by Student's t with the resonances less
-/// one. Responses that are all late or all early alike give one finding for the test (the force is out of step). Less than three clear resonances
-/// say nothing. An acausal impulse response would tell early responses alone, and only beyond its ringing.
+/// A positive value is a late response. Complex modes scatter the phases, and the limit is the
+/// larger of a quarter of the sampling interval `1/(2 f_max)` and the deviation that the scatter
+/// explains, by Student's t with the resonances less one. Responses that are all late or all early
+/// alike give one finding for the test (the force is out of step). Less than three clear resonances
+/// say nothing. An acausal impulse response would tell early responses alone, and only beyond its
+/// ringing.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
     for (i, function) in data.functions().iter().enumerate() {
@@ -194,7 +201,8 @@ mod tests {
                 let findings = found(&set);
                 assert_eq!(findings.len(), 1, "{pair:?} {samples}");
                 let value = findings[0].value.unwrap() / INTERVAL_S;
-                // The delay turns the phase within the fitted lines too, which the model does not hold.
+                // The delay turns the phase within the fitted lines too, which the model does not
+                // hold.
                 assert!((value - samples).abs() < 0.02, "{pair:?} {samples} {value}");
             }
             assert!(found(&Beam::default().set(&[pair])).is_empty());

@@ -9,7 +9,8 @@ use super::driving::CLEAR;
 use super::mobility::Mobilities;
 use super::peaks::clear_peaks;
 
-/// Probability that noise alone is taken for a difference: a set of a hundred pairs is then wrong once in a hundred.
+/// Probability that noise alone is taken for a difference: a set of a hundred pairs is then wrong
+/// once in a hundred.
 const CHANCE: f64 = 1e-4;
 
 /// The relative difference of two functions.
@@ -23,10 +24,11 @@ pub(super) struct Difference {
 
 /// Over all lines of the band, as the kind of `a`, in which its noise was measured.
 ///
-/// One number for what a frequency response assurance criterion and an amplitude ratio `r` say: of functions that are
-/// proportional it is `|1 − r|√(2/(1 + r²))`; of equal energies and a real product, `√(2(1 − √FRAC))`. Two signs give 2.
-/// The sum of squares of noise is near `Σv` times an F of `2N` and `2N(n − 1)` degrees of freedom, `n` averages,
-/// `N = (Σv)²/Σv²` lines that hold the noise (the match of mean and variance of Welch and Satterthwaite).
+/// One number for what a frequency response assurance criterion and an amplitude ratio `r` say: of
+/// functions that are proportional it is `|1 − r|√(2/(1 + r²))`; of equal energies and a real
+/// product, `√(2(1 − √FRAC))`. Two signs give 2. The sum of squares of noise is near `Σv` times an
+/// F of `2N` and `2N(n − 1)` degrees of freedom, `n` averages, `N = (Σv)²/Σv²` lines that hold the
+/// noise (the match of mean and variance of Welch and Satterthwaite).
 pub(super) fn difference(data: &Mobilities, a: usize, b: usize) -> Difference {
     let kind = data.functions()[a].kind;
     let (of_a, of_b) = (data.values_as(a, kind), data.values_as(b, kind));
@@ -68,7 +70,8 @@ const GROSS: f64 = 0.3;
 /// Lines between the half-power points of a resonance at which functions are compared.
 const FEWEST_LINES: f64 = 3.0;
 
-/// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s mobility.
+/// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s
+/// mobility.
 pub(super) fn gross_finding(
     data: &Mobilities,
     (a, b): (usize, usize),
@@ -92,7 +95,8 @@ pub(super) fn gross_finding(
     })
 }
 
-/// A finding about function `b` when it differs from `a` by more than a stated limit and more than noise does.
+/// A finding about function `b` when it differs from `a` by more than a stated limit and more than
+/// noise does.
 pub(super) fn finding(
     data: &Mobilities,
     (a, b): (usize, usize),

@@ -1,4 +1,5 @@
-//! Resonances that move from run to run: by the mass of a roving sensor, or because the structure changed.
+//! Resonances that move from run to run: by the mass of a roving sensor, or because the structure
+//! changed.
 
 use std::collections::BTreeMap;
 
@@ -14,16 +15,19 @@ use super::local::{LocalPole, Window};
 use super::mobility::{Mobilities, site};
 use super::peaks::{Peak, clear_peaks};
 
-/// Half-power widths between an isolated resonance and the next; the slope of its fit then holds the other to 1 %.
+/// Half-power widths between an isolated resonance and the next; the slope of its fit then holds
+/// the other to 1 %.
 const APART_WIDTHS: f64 = 5.0;
-/// Power of a clear peak per function, over its noise: 13 dB above the sum of all noise, whose scatter is then nothing.
+/// Power of a clear peak per function, over its noise: 13 dB above the sum of all noise, whose
+/// scatter is then nothing.
 const NOISE_SUM: f64 = 20.0;
 /// Other modes over the own peak above which a function says little about this one.
 const MOST_BACKGROUND: f64 = 0.5;
-/// Shift in half-power widths: at a half-power point it changes the function by `2 · 0.15/√2`, 21 %; what the flanks of other
-/// modes leave in a local fit stays below.
+/// Shift in half-power widths: at a half-power point it changes the function by `2 · 0.15/√2`, 21
+/// %; what the flanks of other modes leave in a local fit stays below.
 const LIMIT_WIDTHS: f64 = 0.15;
-/// Standard deviations of a run's frequency: with variances of 20 degrees of freedom one of 14,000 by chance.
+/// Standard deviations of a run's frequency: with variances of 20 degrees of freedom one of 14,000
+/// by chance.
 const DEVIATIONS: f64 = 5.0;
 /// Share of the scatter between runs that the sensor's mass must explain to be named.
 const EXPLAINED: f64 = 0.5;
@@ -50,14 +54,17 @@ struct Resonance {
     width: f64,
 }
 
-/// Local frequencies of each clear and isolated resonance of the summed power, run by run, against their mean.
+/// Local frequencies of each clear and isolated resonance of the summed power, run by run, against
+/// their mean.
 ///
-/// The worst run is named where it is off by more than 0.15 of the half-power width
-/// and more than the noise explains. A mass `m` at a sensor lowers mode `r` by `½ m φ²` of its frequency, so that the
-/// shift is proportional to `|R|²` of the run: where that explains half of the scatter, the sensor's mass is named.
+/// The worst run is named where it is off by more than 0.15 of the half-power width and more than
+/// the noise explains. A mass `m` at a sensor lowers mode `r` by `½ m φ²` of its frequency, so that
+/// the shift is proportional to `|R|²` of the run: where that explains half of the scatter, the
+/// sensor's mass is named.
 ///
 /// # Reference
-/// Ewins (2000), Modal Testing, 2nd ed., section 3.6 (mass loading); Stetson and Palma (1976), first-order perturbation.
+/// Ewins (2000), Modal Testing, 2nd ed., section 3.6 (mass loading); Stetson and Palma (1976),
+/// first-order perturbation.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let (runs, roving_sensor) = runs(data.functions());
     if runs.len() < 2 {
@@ -90,8 +97,8 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 
 /// Functions by run, and whether the sensor roves.
 ///
-/// A run is the functions of one response point where the responses outnumber the references (a roving sensor), else those
-/// of one reference (a roving hammer).
+/// A run is the functions of one response point where the responses outnumber the references (a
+/// roving sensor), else those of one reference (a roving hammer).
 pub(crate) fn runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
     let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
     let mut references = BTreeMap::<Dof, Vec<usize>>::new();
@@ -207,7 +214,8 @@ impl Resonance {
         self.shift(run).abs() / self.width
     }
 
-    /// `Σ w d²` over the runs, and the part of it that a shift `d = −b (|R|² − mean)` explains, 0 for `b < 0`.
+    /// `Σ w d²` over the runs, and the part of it that a shift `d = −b (|R|² − mean)` explains, 0
+    /// for `b < 0`.
     fn scatter(&self) -> (f64, f64) {
         let power = weighted_mean(self.runs.iter().map(|run| (run.power, run.variance)));
         let (mut all, mut cross, mut square) = (0.0, 0.0, 0.0);
@@ -248,7 +256,8 @@ mod tests {
         findings(&Mobilities::new(set).unwrap())
     }
 
-    /// Every point from 1 to 8 in a run of its own, mode `m` of point `p` with its frequency times `1 + shift(p, m)`.
+    /// Every point from 1 to 8 in a run of its own, mode `m` of point `p` with its frequency times
+    /// `1 + shift(p, m)`.
     fn roving(shift: impl Fn(usize, usize) -> f64, hammer: bool) -> FrfSet {
         let run = |point: usize| {
             let beam = Beam {

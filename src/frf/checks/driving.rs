@@ -1,4 +1,5 @@
-//! Driving points: where force and response meet, the power into a passive structure is never negative.
+//! Driving points: where force and response meet, the power into a passive structure is never
+//! negative.
 
 use num_complex::Complex64;
 
@@ -7,17 +8,21 @@ use crate::finding::{Code, Finding, Severity};
 use super::mobility::{Mobilities, site};
 use super::peaks::{Peak, clear_peaks};
 
-/// A clear peak is this far above the noise, as power (25 dB). Its amplitude and that of a half-power point are `0.29 |Y|` apart,
-/// and their difference has the standard deviation `√v`: at 300 v noise digs such a hole into a flank once in 3 million
-/// lines (5 deviations), and makes no peak of its own.
+/// A clear peak is this far above the noise, as power (25 dB). Its amplitude and that of a
+/// half-power point are `0.29 |Y|` apart, and their difference has the standard deviation `√v`: at
+/// 300 v noise digs such a hole into a flank once in 3 million lines (5 deviations), and makes no
+/// peak of its own.
 pub(super) const CLEAR: f64 = 300.0;
 /// Lines between the half-power points of a peak that shows the sign of its real part.
 const FEWEST_LINES: f64 = 3.0;
 
-/// `Re Y(s) ≥ 0` for `Re s ≥ 0` when force and response are at one point along one axis: with an exponential window too.
+/// `Re Y(s) ≥ 0` for `Re s ≥ 0` when force and response are at one point along one axis: with an
+/// exponential window too.
 ///
-/// The value is the share of energy with the wrong sign between the half-power points of the function's clear peaks, each
-/// peak counted alike. There `|arg Y| ≤ 45°` for one mode, so that noise 25 dB below the peak turns no sign. The limit is half of one peak. A wrong sign of one channel gives 1.
+/// The value is the share of energy with the wrong sign between the half-power points of the
+/// function's clear peaks, each peak counted alike. There `|arg Y| ≤ 45°` for one mode, so that
+/// noise 25 dB below the peak turns no sign. The limit is half of one peak. A wrong sign of one
+/// channel gives 1.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let functions = data.functions().iter().enumerate();
     functions

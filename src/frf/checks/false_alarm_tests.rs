@@ -11,8 +11,8 @@ use crate::finding::Code;
 /// Seeded draws.
 const DRAWS: u64 = 200;
 
-/// A check that speaks in 0.1 % of clean sets speaks twice or more in 200 draws with a probability of 1.8 %, three times with
-/// 0.1 %: at most one is allowed (below 1 %).
+/// A check that speaks in 0.1 % of clean sets speaks twice or more in 200 draws with a probability
+/// of 1.8 %, three times with 0.1 %: at most one is allowed (below 1 %).
 const MOST_ALARMS: usize = 1;
 
 #[test]

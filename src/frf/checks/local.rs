@@ -50,10 +50,11 @@ impl<'a> Window<'a> {
 
     /// Least squares of `Y = R/(iω − λ) + C + D iω`: other modes are a constant and a slope.
     ///
-    /// The first λ comes from the equation times `(iω − λ)`, which is linear in it; Gauss-Newton then minimises the error
-    /// of Y itself. Variances follow from the stated ones to first order, `var(λ) = Σ|g|²v/(|R|²(Σ|g|²)²)` with `g` the
-    /// part of `1/(iω − λ)²` that the other columns do not explain, and are raised where the misfit is larger than they
-    /// say. `None` when the lines are too few, or the pole leaves them or is not stable.
+    /// The first λ comes from the equation times `(iω − λ)`, which is linear in it; Gauss-Newton
+    /// then minimises the error of Y itself. Variances follow from the stated ones to first order,
+    /// `var(λ) = Σ|g|²v/(|R|²(Σ|g|²)²)` with `g` the part of `1/(iω − λ)²` that the other columns
+    /// do not explain, and are raised where the misfit is larger than they say. `None` when the
+    /// lines are too few, or the pole leaves them or is not stable.
     pub fn fit(&self) -> Option<LocalPole> {
         let n = self.omega.len();
         if n < 2 * UNKNOWNS {
@@ -216,7 +217,8 @@ mod tests {
             stated.0 += fit.frequency_variance / 400.0;
             stated.1 += fit.phase_variance / 400.0;
         }
-        // A misfit above the stated noise raises the variance, never lowers it: a mean of a few percent too much.
+        // A misfit above the stated noise raises the variance, never lowers it: a mean of a few
+        // percent too much.
         assert!(
             (0.75..1.45).contains(&(stated.0 / frequency)),
             "{}",

@@ -9,8 +9,8 @@ use crate::finding::Place;
 use crate::frf::{FrfSet, Function};
 use crate::quantity::FrfKind;
 
-/// Lines on each side over which the noise is taken together: 17 lines of three hits have 68 degrees of freedom, which
-/// know a variance to 17 %.
+/// Lines on each side over which the noise is taken together: 17 lines of three hits have 68
+/// degrees of freedom, which know a variance to 17 %.
 const NOISE_REACH: usize = 8;
 /// Least lines that a check can work with: one resonance of five lines with as much on each side.
 const FEWEST_LINES: usize = 15;
@@ -46,7 +46,8 @@ impl<'a> Mobilities<'a> {
         self.set.axis().hz(self.set.axis().len - 1)
     }
 
-    /// `s^d` that turns function `i` into another kind, and the line of the set, for every line of the band.
+    /// `s^d` that turns function `i` into another kind, and the line of the set, for every line of
+    /// the band.
     fn factors(&self, i: usize, kind: FrfKind) -> impl Iterator<Item = (usize, Complex64)> + '_ {
         let order = kind.derivative_order() - self.set.functions()[i].kind.derivative_order();
         let damping = self.set.added_damping_rad_s;
@@ -95,7 +96,8 @@ impl<'a> Mobilities<'a> {
         (0..variance.len()).map(mean).collect()
     }
 
-    /// Number of averages behind the variance of function `i`; 2, the fewest that have one, when it is not known.
+    /// Number of averages behind the variance of function `i`; 2, the fewest that have one, when it
+    /// is not known.
     pub fn averages(&self, i: usize) -> f64 {
         f64::from(self.functions()[i].averages.unwrap_or(2).max(2))
     }
@@ -109,7 +111,8 @@ impl<'a> Mobilities<'a> {
         }
     }
 
-    /// Functions between the same points along the same axes, whatever the signs and repeats, as lists by pair.
+    /// Functions between the same points along the same axes, whatever the signs and repeats, as
+    /// lists by pair.
     pub fn by_pair(&self) -> std::collections::BTreeMap<(Dof, Dof), Vec<usize>> {
         let mut pairs = std::collections::BTreeMap::<_, Vec<usize>>::new();
         for (i, function) in self.functions().iter().enumerate() {
@@ -129,9 +132,9 @@ fn around(k: usize, len: usize) -> Range<usize> {
     k.saturating_sub(NOISE_REACH)..(k + NOISE_REACH + 1).min(len)
 }
 
-/// Noise of smooth values: the median power of their third differences over neighbouring lines (of an exponential
-/// distribution, mean times ln 2) over that of white noise. A resonance of few lines counts as noise in part, so that
-/// what is judged against it is judged mildly.
+/// Noise of smooth values: the median power of their third differences over neighbouring lines (of
+/// an exponential distribution, mean times ln 2) over that of white noise. A resonance of few lines
+/// counts as noise in part, so that what is judged against it is judged mildly.
 fn roughness(values: &[Complex64]) -> Vec<f64> {
     let differences: Vec<f64> = values
         .windows(4)

@@ -1,5 +1,5 @@
-//! What a set of FRFs says about the test that made it: signs at driving points, reciprocity, repeated measurements, delays
-//! between channels, and resonances that move from run to run.
+//! What a set of FRFs says about the test that made it: signs at driving points, reciprocity,
+//! repeated measurements, delays between channels, and resonances that move from run to run.
 //!
 //! | check | holds for | reference |
 //! |---|---|---|
@@ -9,8 +9,9 @@
 //! | [`delay`] | real modes: residues of one phase | — |
 //! | [`drift`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
 //!
-//! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A check says nothing where the
-//! data cannot carry it. It fits single resonances to compare functions; it lists no modes.
+//! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A
+//! check says nothing where the data cannot carry it. It fits single resonances to compare
+//! functions; it lists no modes.
 
 mod delay;
 mod difference;
@@ -37,11 +38,12 @@ use super::FrfSet;
 use difference::gross_finding;
 use mobility::Mobilities;
 
-/// What functions of which nobody knows how they were measured say by themselves: signs at driving points, reciprocity, repeated
-/// measurements, and functions that are 0 throughout.
+/// What functions of which nobody knows how they were measured say by themselves: signs at driving
+/// points, reciprocity, repeated measurements, and functions that are 0 throughout.
 ///
-/// Files often state no band and no variances, and an axis reaches to where neither force nor sensor do: functions are held against
-/// each other at their clear resonances alone, and what is told is gross: a sign, another point, a gain of a third.
+/// Files often state no band and no variances, and an axis reaches to where neither force nor
+/// sensor do: functions are held against each other at their clear resonances alone, and what is
+/// told is gross: a sign, another point, a gain of a third.
 pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let is_dead = |i: &usize| set.values(*i).iter().all(|value| *value == Complex64::ZERO);
     let (dead, live): (Vec<usize>, Vec<usize>) = (0..set.len()).partition(is_dead);
@@ -67,12 +69,14 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     findings
 }
 
-/// Share of the peaks of a driving point with the wrong sign that functions of unknown origin may have.
+/// Share of the peaks of a driving point with the wrong sign that functions of unknown origin may
+/// have.
 const MOST_WRONG: f64 = 0.5;
 
 /// All checks of a set, in the valid band (the whole axis when the set does not know it).
 ///
-/// The set itself is not changed. Nothing comes back for a set of less than the lines that one resonance needs.
+/// The set itself is not changed. Nothing comes back for a set of less than the lines that one
+/// resonance needs.
 pub fn check_set(set: &FrfSet) -> Vec<Finding> {
     let Some(data) = Mobilities::new(set) else {
         return Vec::new();

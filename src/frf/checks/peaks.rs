@@ -1,4 +1,5 @@
-//! Peaks of a power over frequency that are clear: above the noise, with half-power points on both sides.
+//! Peaks of a power over frequency that are clear: above the noise, with half-power points on both
+//! sides.
 
 /// A clear peak, in lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +24,8 @@ impl Peak {
     }
 }
 
-/// Lines at least `floor` high that are the highest between the points on both sides where the power falls to half, and
-/// those points at least `fewest` lines apart.
+/// Lines at least `floor` high that are the highest between the points on both sides where the
+/// power falls to half, and those points at least `fewest` lines apart.
 pub(super) fn clear_peaks(power: &[f64], floor: &[f64], fewest: f64) -> Vec<Peak> {
     let peak = |k: usize| {
         let lower = half_point(power, k, (0..k).rev())?;
@@ -39,7 +40,8 @@ pub(super) fn clear_peaks(power: &[f64], floor: &[f64], fewest: f64) -> Vec<Peak
         .collect()
 }
 
-/// Where the power falls to half of that of line `top`; `None` when it first rises above it or the lines end.
+/// Where the power falls to half of that of line `top`; `None` when it first rises above it or the
+/// lines end.
 fn half_point(power: &[f64], top: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
     let half = 0.5 * power[top];
     let mut inside = top;

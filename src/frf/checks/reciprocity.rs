@@ -5,11 +5,12 @@ use crate::finding::{Code, Finding};
 use super::difference::finding;
 use super::mobility::Mobilities;
 
-/// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to about 5 %, and two
-/// positions have two pairs of them at worst.
+/// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to
+/// about 5 %, and two positions have two pairs of them at worst.
 const LIMIT: f64 = 0.1;
 
-/// `H_ij` against `H_ji` for every pair of which both are there, directions turned; the first measurement of each.
+/// `H_ij` against `H_ji` for every pair of which both are there, directions turned; the first
+/// measurement of each.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let pairs = reciprocal(data).into_iter();
     pairs
@@ -51,7 +52,8 @@ mod tests {
         for ratio in [1.2, 0.7, -1.0] {
             let values = found(&scaled(&set, 1, ratio));
             let expected = (1.0 - ratio).abs() * f64::sqrt(2.0 / (1.0 + ratio * ratio));
-            // The roughness of values without stated variance is taken off as noise: less than 1 % here.
+            // The roughness of values without stated variance is taken off as noise: less than 1 %
+            // here.
             assert!(
                 (values[0] / expected - 1.0).abs() < 0.01,
                 "{values:?} {expected}"

@@ -5,8 +5,8 @@ use crate::finding::{Code, Finding};
 use super::difference::finding;
 use super::mobility::Mobilities;
 
-/// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %, when the second was
-/// made with another sensor; the same sensor repeats better.
+/// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %,
+/// when the second was made with another sensor; the same sensor repeats better.
 const LIMIT: f64 = 0.05;
 
 /// Every further measurement of a pair against the first one.

@@ -11,7 +11,8 @@ use crate::frf::{FrfSet, Function, FunctionData, Residues, synthesise};
 use crate::modal::Pole;
 use crate::quantity::FrfKind;
 
-/// Five modes of real shapes at eight points of a line along z; 0.5 to 1.2 % damping, 10 lines and more per width.
+/// Five modes of real shapes at eight points of a line along z; 0.5 to 1.2 % damping, 10 lines and
+/// more per width.
 pub(super) struct Beam {
     pub kind: FrfKind,
     pub added_damping_rad_s: f64,
@@ -49,8 +50,8 @@ pub(super) fn dof(text: &str) -> Dof {
     text.parse().expect("a degree of freedom as text")
 }
 
-/// Component of a mode at a point from 1: signs as of a free beam with point 1 and point 3 at its ends, no node nearer
-/// than 0.3 of the largest.
+/// Component of a mode at a point from 1: signs as of a free beam with point 1 and point 3 at its
+/// ends, no node nearer than 0.3 of the largest.
 pub(super) fn component(mode: usize, dof: &Dof) -> f64 {
     let point = dof
         .node()
@@ -155,8 +156,9 @@ pub(super) fn joined(sets: &[FrfSet]) -> FrfSet {
 /// Averages behind the stated variance of noisy sets.
 pub(super) const AVERAGES: u32 = 5;
 
-/// White complex noise of a signal-to-noise ratio (rms over the band over rms noise), with the variance of each line as
-/// five hits know it: the true one times χ² of 8 degrees of freedom over 8.
+/// White complex noise of a signal-to-noise ratio (rms over the band over rms noise), with the
+/// variance of each line as five hits know it: the true one times χ² of 8 degrees of freedom
+/// over 8.
 pub(super) fn add_noise(set: &mut FrfSet, snr_db: f64, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).expect("a positive deviation");

@@ -30,14 +30,15 @@ fn an_exponential_window_costs_what_theory_says() {
         let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
         for ratio in [3.0, 60.0] {
             let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
-            // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the pole.
+            // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the
+            // pole.
             let q: f64 = 1.0 + at_end / decay;
             let first = 2.0 * at_end / (1.0 - (-2.0 * at_end).exp());
             let amplitude = first / q;
             let pole = first * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
             let (a, p) = (told.of_amplitude(decay, step), told.of_pole(decay, step));
-            // The tail of lags that chance hides is much of what a record which hardly decays has, and a mode far wider than the noise
-            // hangs together collects.
+            // The tail of lags that chance hides is much of what a record which hardly decays has,
+            // and a mode far wider than the noise hangs together collects.
             let bound = match (at_end < 4.0, at_end > 4.0) {
                 (true, _) => 0.15,
                 (_, true) => 0.2,
@@ -109,7 +110,8 @@ fn noise_of_its_own_is_told_from_what_missing_modes_leave() {
     };
     let noise = decaying(4096, 4, 40.0);
     assert!(own(noise.clone()).is_some());
-    // Second differences tell white noise, and what a window leaves of which they still hold enough.
+    // Second differences tell white noise, and what a window leaves of which they still hold
+    // enough.
     assert_eq!(own(decaying(4096, 4, 0.0)), None);
     assert_eq!(own(decaying(4096, 4, 2.0)), None);
     // One course in all functions, and a few modes.
@@ -143,7 +145,8 @@ fn phases_tell_the_correlation() {
             "{back}"
         );
     }
-    // Four million pairs of correlation 1/2, drawn elsewhere, gave 0.4061 with a deviation of 0.0003.
+    // Four million pairs of correlation 1/2, drawn elsewhere, gave 0.4061 with a deviation of
+    // 0.0003.
     assert!((product_of_phases(0.5) - 0.406_298_886_460).abs() < 1e-11);
     assert!((product_of_phases(1.0) - 1.0).abs() < 0.01);
 }

@@ -11,7 +11,8 @@ use crate::identify::synthetic::{Measurement, Structure, white_noise};
 
 use super::tests::{found, told};
 
-/// Two halves of six points: three families of a mode of each half, so many half-power widths apart, of which the other half has some part.
+/// Two halves of six points: three families of a mode of each half, so many half-power widths
+/// apart, of which the other half has some part.
 fn halves(seed: u64, widths: f64, part: f64) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut modes = Vec::new();
@@ -89,7 +90,8 @@ fn in_common_noise(set: &FrfSet, part: f64, seed: u64) -> FrfSet {
 
 #[test]
 fn runs_that_see_one_of_two_modes_each_are_no_modes_that_move() {
-    // Beneath such noise most runs show the mode of their own half alone, as if it moved from one root to the other.
+    // Beneath such noise most runs show the mode of their own half alone, as if it moved from one
+    // root to the other.
     for seed in 0..6 {
         let (structure, how) = halves(seed, 1.0, 0.01);
         let how = Measurement {

@@ -1,4 +1,5 @@
-//! Whether poles of runs are samples of one mode: the criterion by which descriptions are held against each other, and the scatter.
+//! Whether poles of runs are samples of one mode: the criterion by which descriptions are held
+//! against each other, and the scatter.
 
 use super::track::Fitted;
 
@@ -32,8 +33,8 @@ impl Criterion {
     }
 }
 
-/// Variance between runs beside that of each, by which the weighted scatter is what it should be (Paule and Mandel 1982); 0 where the
-/// runs scatter no more than their own variances say.
+/// Variance between runs beside that of each, by which the weighted scatter is what it should be
+/// (Paule and Mandel 1982); 0 where the runs scatter no more than their own variances say.
 pub(super) fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
     let free = values.len() as f64 - 1.0;
     let scatter = |between: f64| {
@@ -75,7 +76,8 @@ mod tests {
         // However unequal, where they are far less than the scatter.
         let unequal = between_runs(&values, &[1e-3, 1e-9, 1e-6, 1e-9]);
         assert!((unequal - sample).abs() < 1e-2, "{unequal}");
-        // A run of which nothing is known scatters as it should: one degree of freedom too many is left to the others.
+        // A run of which nothing is known scatters as it should: one degree of freedom too many is
+        // left to the others.
         let unknown = between_runs(&[1.0, 3.0, 5.0, 7.0, 1e3], &[0.5, 0.5, 0.5, 0.5, 1e12]);
         assert!((unknown - (20.0 / 4.0 - 0.5)).abs() < 1e-2, "{unknown}");
     }

@@ -1,4 +1,5 @@
-//! One resonance of which every run has a pole of its own, and whether that describes the data better than several roots for all runs.
+//! One resonance of which every run has a pole of its own, and whether that describes the data
+//! better than several roots for all runs.
 
 use num_complex::Complex64;
 
@@ -19,30 +20,35 @@ use super::{Moved, Moving};
 const REACH: f64 = 3.0;
 /// Lines on either side, at least: a narrow resonance is told by the lines of its flanks as well.
 const SIDE: f64 = 10.0;
-/// Largest shift of a run, half-power widths or part of the frequency: the mass of a sensor or a drift moves no mode farther, but two modes
-/// look so.
+/// Largest shift of a run, half-power widths or part of the frequency: the mass of a sensor or a
+/// drift moves no mode farther, but two modes look so.
 const MOST_SHIFT: f64 = 1.0;
 pub(super) const MOST_PART: f64 = 0.02;
-/// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share makes as much.
+/// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share
+/// makes as much.
 const LEAST_SCATTER: f64 = 0.005;
 /// Energy that rounding leaves over.
 const ROUNDING: f64 = 1e-14;
-/// Deviation of the frequency of a run, half-power widths, up to which the run says whether it moved.
+/// Deviation of the frequency of a run, half-power widths, up to which the run says whether it
+/// moved.
 const CLEAR: f64 = 0.1;
-/// What a known mode leaves over, over what roots leave or noise, from which on it is not told anew.
+/// What a known mode leaves over, over what roots leave or noise, from which on it is not told
+/// anew.
 const POOR: f64 = 2.0;
 /// Part of what the criterion asks for, from which on a single root is looked at.
 const ENOUGH: f64 = 0.3;
-/// Half-power widths between the outermost roots of a group from which on they lie apart, and the part of half the distance of two within
-/// which a run has the pole of one.
+/// Half-power widths between the outermost roots of a group from which on they lie apart, and the
+/// part of half the distance of two within which a run has the pole of one.
 const LYING_APART: f64 = 0.8;
 const CHOSEN: f64 = 0.05;
-/// Runs with the largest response in a resonance of several roots, which are asked first where there are more than twice as many.
+/// Runs with the largest response in a resonance of several roots, which are asked first where
+/// there are more than twice as many.
 const STRONGEST: usize = 6;
 /// Step that ends the turns, decay rates.
 pub(super) const STILL: f64 = 1e-6;
 
-/// The lines around a strong root and the roots of its group, without what roots farther away explain.
+/// The lines around a strong root and the roots of its group, without what roots farther away
+/// explain.
 pub(super) struct Resonance<'a> {
     pub(super) data: &'a Receptances,
     pub(super) omega: Vec<f64>,
@@ -168,7 +174,8 @@ impl<'a> Resonance<'a> {
         })
     }
 
-    /// An orthonormal basis of the background and the courses of those poles that are near, over the course of the noise.
+    /// An orthonormal basis of the background and the courses of those poles that are near, over
+    /// the course of the noise.
     pub(super) fn basis(&self, poles: &[Complex64]) -> ComplexMatrix {
         let near: Vec<Complex64> = (poles.iter().copied())
             .filter(|lambda| beside(&self.omega, *lambda))
@@ -206,7 +213,8 @@ impl<'a> Resonance<'a> {
         &self.values
     }
 
-    /// What one step tells of a pole of its own in every run; where several roots are, a few runs are tried.
+    /// What one step tells of a pole of its own in every run; where several roots are, a few runs
+    /// are tried.
     pub fn first_look(&self, runs: &[Vec<usize>]) -> FirstLook {
         let [root] = self.group[..] else {
             return self.look_at_strongest(runs);
@@ -258,7 +266,8 @@ impl<'a> Resonance<'a> {
         }
     }
 
-    /// One pole or two in every run, whichever describes them better of those that may be, found wherever they are.
+    /// One pole or two in every run, whichever describes them better of those that may be, found
+    /// wherever they are.
     pub fn searched(
         &self,
         runs: &[Vec<usize>],
@@ -287,8 +296,8 @@ impl<'a> Resonance<'a> {
         best.map(|(_, fit)| fit)
     }
 
-    /// The modes of such poles in noise of some variance; `None` where too few runs could tell how they move, none where they hardly move, or
-    /// too far, or into another resonance.
+    /// The modes of such poles in noise of some variance; `None` where too few runs could tell how
+    /// they move, none where they hardly move, or too far, or into another resonance.
     fn modes(&self, fitted: &Fitted, noise: f64) -> Option<Vec<Moving>> {
         let merged = |track: &Track| self.merged(track, noise);
         let modes: Vec<Moving> = fitted.tracks.iter().map(merged).collect();
@@ -329,7 +338,8 @@ impl<'a> Resonance<'a> {
         without(&self.basis(&all), &values).squared_norm_l2()
     }
 
-    /// What the best description of some runs leaves over tells the noise where the data do not state it.
+    /// What the best description of some runs leaves over tells the noise where the data do not
+    /// state it.
     fn criterion(&self, runs: &[Vec<usize>], left: f64) -> Criterion {
         let functions = runs.iter().map(Vec::len).sum();
         let values = (self.omega.len() * functions) as f64;
@@ -349,7 +359,8 @@ impl<'a> Resonance<'a> {
         (CLEAR * 2.0 * decay).powi(2) / noise
     }
 
-    /// The modes, where their poles move or are `known` to; `None` where too few runs could tell it.
+    /// The modes, where their poles move or are `known` to; `None` where too few runs could tell
+    /// it.
     pub fn judged(
         &self,
         fitted: Option<&Fitted>,
@@ -400,8 +411,8 @@ impl<'a> Resonance<'a> {
         Some(modes.into_iter().map(told).collect())
     }
 
-    /// Whether the runs have their poles where the roots are that lie apart: modes that each respond in some of the runs alone look so, and
-    /// what moves would have to stop there.
+    /// Whether the runs have their poles where the roots are that lie apart: modes that each
+    /// respond in some of the runs alone look so, and what moves would have to stop there.
     fn runs_choose_roots(&self, fitted: &Fitted, modes: &[Moving]) -> bool {
         let (lo, hi) = self.span();
         let gap = (hi - lo) / (self.group.len().max(2) - 1) as f64;
@@ -421,7 +432,8 @@ impl<'a> Resonance<'a> {
         fitted.tracks.iter().zip(modes).any(chosen)
     }
 
-    /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background fitted here.
+    /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background
+    /// fitted here.
     fn left_by_roots(&self) -> f64 {
         let own: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
         let explained = courses(self.data.line_shape, &self.omega, &own)

@@ -1,4 +1,5 @@
-//! What one run says of a pole: a Gauss-Newton step from where it is, and where to begin, beside all else that is known there.
+//! What one run says of a pole: a Gauss-Newton step from where it is, and where to begin, beside
+//! all else that is known there.
 
 use num_complex::Complex64;
 
@@ -247,7 +248,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Energy that two courses explain, `tr(G⁻¹ P)` of their products G with each other and P with the values; `None` where they are hardly two.
+/// Energy that two courses explain, `tr(G⁻¹ P)` of their products G with each other and P with the
+/// values; `None` where they are hardly two.
 fn explained_by_two(
     (products, power): (&ComplexMatrix, &ComplexMatrix),
     (i, j): (usize, usize),

@@ -166,7 +166,8 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
     }
 }
 
-/// Shifts of all modes together from run to run, as a part of the frequency: normal variables of such a deviation.
+/// Shifts of all modes together from run to run, as a part of the frequency: normal variables of
+/// such a deviation.
 fn drift(seed: u64, deviation: f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -253,8 +254,8 @@ fn runs_that_agree_are_not_touched() {
     }
 }
 
-/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by so many half-power widths, and noise
-/// that grows with the response beside some that does not.
+/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by
+/// so many half-power widths, and noise that grows with the response beside some that does not.
 fn beam(seed: u64, widths: f64) -> (Structure, FrfSet) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -333,8 +334,9 @@ fn two_close_modes_are_no_mode_that_moves() {
     }
 }
 
-/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power widths above the second, is the weaker. `None` where
-/// hardly anything tells it: its residues are a hundredth of the second's, or its shape is nearly that.
+/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power widths above the
+/// second, is the weaker. `None` where hardly anything tells it: its residues are a hundredth of
+/// the second's, or its shape is nearly that.
 fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let modes = [

@@ -1,4 +1,5 @@
-//! Poles of one resonance that move from run to run: where they begin, and Gauss-Newton steps from there.
+//! Poles of one resonance that move from run to run: where they begin, and Gauss-Newton steps from
+//! there.
 
 use num_complex::Complex64;
 
@@ -11,11 +12,13 @@ const TURNS: usize = 30;
 const LONGEST: f64 = 0.5;
 /// Part of what is known of a frequency in the mean from which a run counts.
 const COUNTS: f64 = 0.1;
-/// Poles that are tried as beginnings: this many decay rates apart, so far beyond the outermost root, and no more than these.
+/// Poles that are tried as beginnings: this many decay rates apart, so far beyond the outermost
+/// root, and no more than these.
 const APART: f64 = 1.0;
 const BEYOND: f64 = 2.0;
 const MOST_TRIED: usize = 64;
-/// Energy over that of noise, and over that of both, which a pole or a second one explains where there is one.
+/// Energy over that of noise, and over that of both, which a pole or a second one explains where
+/// there is one.
 const SECOND: f64 = 20.0;
 const LEAST_SECOND: f64 = 1e-3;
 
@@ -59,7 +62,8 @@ impl Resonance<'_> {
             .collect()
     }
 
-    /// Poles with a frequency of their own in every run, by Gauss-Newton steps; `None` where one leaves the lines or damping.
+    /// Poles with a frequency of their own in every run, by Gauss-Newton steps; `None` where one
+    /// leaves the lines or damping.
     pub fn fitted(&self, own: &[Run], poles: Poles) -> Option<Fitted> {
         let line = Line {
             middle: self.strong(),
@@ -113,8 +117,9 @@ impl Resonance<'_> {
 
     /// Where one pole and where two of each run may begin; none where no run has so many.
     ///
-    /// A run of which one pole says no more than where it is in most runs has it there. Of two, a run that has only one says nothing of the
-    /// other, which begins at the median of the runs that have both; the one that it has is that whose median is nearer.
+    /// A run of which one pole says no more than where it is in most runs has it there. Of two, a
+    /// run that has only one says nothing of the other, which begins at the median of the runs that
+    /// have both; the one that it has is that whose median is nearer.
     pub fn beginnings(&self, own: &[Run]) -> Vec<Poles> {
         let tried = self.tried();
         let best: Vec<Best> = own.iter().map(|run| run.best(&tried)).collect();
@@ -164,7 +169,8 @@ impl Resonance<'_> {
         (0..=count).map(|n| Complex64::new(-decay, at(n))).collect()
     }
 
-    /// Poles after a step of each, their decay rates on one line; `None` where they leave the lines or damping.
+    /// Poles after a step of each, their decay rates on one line; `None` where they leave the lines
+    /// or damping.
     fn moved(&self, poles: &[Complex64], steps: &[Step]) -> Option<Path> {
         let weights: f64 = steps.iter().map(|step| step.weight).sum();
         if !weights.is_finite() || weights <= 0.0 {

@@ -1,19 +1,22 @@
-//! Line shape of a pole: `1/(iω − λ)`, or its mean over the records of a steady random excitation under a window.
+//! Line shape of a pole: `1/(iω − λ)`, or its mean over the records of a steady random excitation
+//! under a window.
 //!
-//! Under flat random force the expected H1 is the FRF smoothed by the power spectrum of the window, `E H1 = H * |W|²`. Over the
-//! record, `|W|²` is the autocorrelation of the window, so that a pole becomes
+//! Under flat random force the expected H1 is the FRF smoothed by the power spectrum of the window,
+//! `E H1 = H * |W|²`. Over the record, `|W|²` is the autocorrelation of the window, so that a pole
+//! becomes
 //!
 //! ```text
-//! 1/(iω − λ)  →  T ∫₀¹ ρ(u) e^(zu) du      z = (λ − iω) T,  ρ(u) = ∫₀^(1−u) w(v) w(v + u) dv / ∫₀¹ w(v)² dv
+//! 1/(iω − λ)  →  T ∫₀¹ ρ(u) e^(zu) du,   z = (λ − iω) T
+//! ρ(u) = ∫₀^(1−u) w(v) w(v + u) dv / ∫₀¹ w(v)² dv
 //! ```
 //!
-//! with the length T of the records. For a window of cosines, `w(v) = Σ_k a_k cos 2πkv`, ρ is
-//! `Σ_k ((1 − u) c_k cos 2πku + s_k sin 2πku)` and the integral is a sum of moments `∫ uⁿ e^(zu) du` at `z ± 2πik`.
-//! A hammer test has no such smoothing: its records begin with the response at rest.
+//! with the length T of the records. For a window of cosines, `w(v) = Σ_k a_k cos 2πkv`, ρ is `Σ_k
+//! ((1 − u) c_k cos 2πku + s_k sin 2πku)` and the integral is a sum of moments `∫ uⁿ e^(zu) du` at
+//! `z ± 2πik`. A hammer test has no such smoothing: its records begin with the response at rest.
 //!
-//! Reference: Bendat and Piersol (2010), Random Data, 4th ed., section 8.5 (bias of spectral estimates by the resolution); Schmidt
-//! (1985), Resolution bias errors in spectral density, frequency response and coherence function measurements, Journal of Sound
-//! and Vibration 101(3).
+//! Reference: Bendat and Piersol (2010), Random Data, 4th ed., section 8.5 (bias of spectral
+//! estimates by the resolution); Schmidt (1985), Resolution bias errors in spectral density,
+//! frequency response and coherence function measurements, Journal of Sound and Vibration 101(3).
 
 use std::f64::consts::TAU;
 
@@ -33,8 +36,8 @@ const FLAT_TOP: [f64; TERMS] = [1.0, -1.933, 1.286, -0.388, 0.0322];
 const POWERS: usize = 3;
 /// Moments beyond them: those of `(1 − u)` need one more.
 const MOMENTS: usize = POWERS + 1;
-/// Size of z up to which moments are summed as a power series; beyond it the recurrence loses no digit. At 3 the recurrence of
-/// the third moment loses one digit; at 6 the series does.
+/// Size of z up to which moments are summed as a power series; beyond it the recurrence loses no
+/// digit. At 3 the recurrence of the third moment loses one digit; at 6 the series does.
 const MAX_SERIES_ARGUMENT: f64 = 4.0;
 /// Terms of the series: `4^40/40!` is below rounding.
 const SERIES_TERMS: usize = 40;
@@ -67,8 +70,9 @@ impl LineShape {
         Self((set.window).and_then(|window| Smoothing::new(record_s, window)))
     }
 
-    /// Under each window for steady signals, Hann first, of a set that may come from steady excitation and states no window; none of any
-    /// other. A function with a window for hits makes the set a hammer test.
+    /// Under each window for steady signals, Hann first, of a set that may come from steady
+    /// excitation and states no window; none of any other. A function with a window for hits makes
+    /// the set a hammer test.
     pub fn unstated(set: &FrfSet) -> Vec<Self> {
         let is_hammer_test = set.record_duration_s.is_some()
             || set.added_damping_rad_s > 0.0
@@ -95,18 +99,20 @@ impl LineShape {
         self.0.map_or("", |smoothing| smoothing.window.name())
     }
 
-    /// Largest distance of poles that leakage may make of one mode, frequency lines: the first side lobe of the window, one line beyond
-    /// its main lobe, 3 for a Hann window. At 2, second poles 2.6 and 2.9 lines from a mode of simulated bridges remain; at 4, more
-    /// hammer tests are fitted twice in vain.
+    /// Largest distance of poles that leakage may make of one mode, frequency lines: the first side
+    /// lobe of the window, one line beyond its main lobe, 3 for a Hann window. At 2, second poles
+    /// 2.6 and 2.9 lines from a mode of simulated bridges remain; at 4, more hammer tests are
+    /// fitted twice in vain.
     pub fn split_lines(&self) -> f64 {
         self.0.map_or(0.0, |own| own.terms_used() as f64 + 1.0)
     }
 
-    /// Relative bias of the damping of a fit of `1/(iω − λ)`, from the decay rate that it found, rad/s. `None` for the exact line shape.
-    /// Infinite where an undamped mode looks as wide.
+    /// Relative bias of the damping of a fit of `1/(iω − λ)`, from the decay rate that it found,
+    /// rad/s. `None` for the exact line shape. Infinite where an undamped mode looks as wide.
     ///
-    /// The least squares fit `A e^(−σ't)` of `ρ(t) e^(−σt)` has `F(p) + 2σ'F'(p) = 0` at `p = σ + σ'`, F the transform of ρ. To first order
-    /// it is `4/3b²` under a Hann window, b the half-power bandwidth in lines.
+    /// The least squares fit `A e^(−σ't)` of `ρ(t) e^(−σt)` has `F(p) + 2σ'F'(p) = 0` at `p = σ +
+    /// σ'`, F the transform of ρ. To first order it is `4/3b²` under a Hann window, b the
+    /// half-power bandwidth in lines.
     pub fn leakage_bias(&self, decay: f64) -> Option<f64> {
         let smoothing = self.0?;
         let found = |p: f64| {
@@ -130,8 +136,8 @@ impl LineShape {
         })
     }
 
-    /// Correlation of the noise of H1 between lines: that of the spectra under the window, squared, as those of force and response noise
-    /// are independent; `None` for the exact line shape.
+    /// Correlation of the noise of H1 between lines: that of the spectra under the window, squared,
+    /// as those of force and response noise are independent; `None` for the exact line shape.
     pub fn noise_correlation(&self) -> Option<Correlation> {
         let cosines = self.0?.cosines;
         let last = TERMS as i32 - 1;
@@ -149,8 +155,8 @@ impl LineShape {
         self.0.is_some()
     }
 
-    /// `(scale/(iω − λ))ⁿ`, n = 1, 2, 3, or what smoothing makes of it: `scaleⁿ/(n − 1)!` times the derivative of order n − 1 by λ of
-    /// the smoothed pole.
+    /// `(scale/(iω − λ))ⁿ`, n = 1, 2, 3, or what smoothing makes of it: `scaleⁿ/(n − 1)!` times the
+    /// derivative of order n − 1 by λ of the smoothed pole.
     pub fn power(&self, scale: f64, (omega, lambda): (f64, Complex64), n: usize) -> Complex64 {
         let s = Complex64::new(0.0, omega) - lambda;
         match &self.0 {
@@ -168,8 +174,8 @@ impl LineShape {
     }
 }
 
-/// Coefficients of a window for steady signals; `None` for those of a hammer test, and for records without window: whether their
-/// force was random is not stated.
+/// Coefficients of a window for steady signals; `None` for those of a hammer test, and for records
+/// without window: whether their force was random is not stated.
 fn cosines(window: Window) -> Option<[f64; TERMS]> {
     match window {
         Window::HannNarrow | Window::HannBroad => Some(HANN),

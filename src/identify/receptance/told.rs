@@ -36,15 +36,17 @@ pub(in crate::identify) struct KnownNoise {
 }
 
 impl Receptances {
-    /// Whether lines share noise that the data say nothing of; with the rate at which it decays over the record, 1/s, where it does.
+    /// Whether lines share noise that the data say nothing of; with the rate at which it decays
+    /// over the record, 1/s, where it does.
     pub fn unstated_decay(&self) -> Option<Option<f64>> {
         let shared =
             self.told_from == ToldFrom::LevelOfNoise && self.correlation.differences_hold_little();
         shared.then(|| self.correlation.decay(self.step))
     }
 
-    /// The noise of all functions and how lines share it, from what a fit leaves over, which is then over that noise. To variances that came
-    /// with the data it adds noise of the force that they do not tell.
+    /// The noise of all functions and how lines share it, from what a fit leaves over, which is
+    /// then over that noise. To variances that came with the data it adds noise of the force that
+    /// they do not tell.
     pub fn tell_noise(&mut self, rest: &mut Rest) {
         self.measure_noise(rest);
         if let Some(own) = Correlation::of_rest(rest) {
@@ -52,9 +54,11 @@ impl Receptances {
         }
     }
 
-    /// Whether what the fit leaves over is noise that lines share, where it is more than second differences make of it: every function has its
-    /// own, lines that are next to each other share most of it and those far apart nothing. Missing modes leave the same course in all functions. Such
-    /// noise is told from its level from then on. Records under a window of which the data say nothing have it.
+    /// Whether what the fit leaves over is noise that lines share, where it is more than second
+    /// differences make of it: every function has its own, lines that are next to each other share
+    /// most of it and those far apart nothing. Missing modes leave the same course in all
+    /// functions. Such noise is told from its level from then on. Records under a window of which
+    /// the data say nothing have it.
     pub fn lines_share_noise(&mut self, rest: &mut Rest) -> bool {
         let stated = self.stated.iter().any(Option::is_some);
         let few = self.functions() < FEWEST_FUNCTIONS;
@@ -77,7 +81,8 @@ impl Receptances {
         false
     }
 
-    /// From now on what the fit leaves over counts as noise whatever it is, where the data do not state the noise.
+    /// From now on what the fit leaves over counts as noise whatever it is, where the data do not
+    /// state the noise.
     pub fn count_misfit_as_noise(&mut self) {
         // The level of noise that lines share holds it already.
         if self.told_from == ToldFrom::Differences {
@@ -163,7 +168,8 @@ impl Receptances {
     }
 }
 
-/// The part of variances that the force makes, where all that they have more than what the data state is its own.
+/// The part of variances that the force makes, where all that they have more than what the data
+/// state is its own.
 fn force_part(stated: &Smooth, variance: &[f64]) -> Vec<f64> {
     let own = stated.variance.iter().zip(&stated.by_force).zip(variance);
     own.map(|((before, part), v)| 1.0 - (1.0 - part) * before / v)

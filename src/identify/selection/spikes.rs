@@ -1,10 +1,13 @@
-//! Lines that tell nothing: without a value in any function, and those that stand alone out of their neighbours, as the mains leave them in averages of few hits: they are replaced by what the
+//! Lines that tell nothing: without a value in any function, and those that stand alone out of
+//! their neighbours, as the mains leave them in averages of few hits: they are replaced by what the
 //! neighbours say, where the data bring no variance that would tell.
 //!
-//! A resonance between two lines is seen on all lines around it, `R/(x − x₀)` with the distance x in lines and its residue R: one of
-//! γ lines to the half-power point is `R/γ` high. What stands at most three lines wide on a smooth course (a polynomial of the third
-//! degree through six lines on either side) without such skirts (`1/x` and `1/x²` fitted with it) is no resonance that so short a record
-//! could hold: it would be narrower than 0.04 lines, or than 0.01 where there are skirts that noise does not explain.
+//! A resonance between two lines is seen on all lines around it, `R/(x − x₀)` with the distance x
+//! in lines and its residue R: one of γ lines to the half-power point is `R/γ` high. What stands at
+//! most three lines wide on a smooth course (a polynomial of the third degree through six lines on
+//! either side) without such skirts (`1/x` and `1/x²` fitted with it) is no resonance that so short
+//! a record could hold: it would be narrower than 0.04 lines, or than 0.01 where there are skirts
+//! that noise does not explain.
 
 use std::ops::Range;
 
@@ -22,8 +25,8 @@ const WIDEST: usize = 3;
 const SMOOTH: usize = 4;
 /// Coefficients with the skirts of a resonance.
 const ALL: usize = SMOOTH + 2;
-/// A spike is higher than this many residues of the resonance that it might be, over all functions, and than more of them where these
-/// are so many deviations from 0.
+/// A spike is higher than this many residues of the resonance that it might be, over all functions,
+/// and than more of them where these are so many deviations from 0.
 const OVER_SKIRTS: f64 = 25.0;
 const OVER_SURE_SKIRTS: f64 = 100.0;
 const SURE: f64 = 4.0;
@@ -37,10 +40,11 @@ const AROUND: usize = 12;
 /// Lines on either side from which one without a value is filled in.
 const FILLED_FROM: usize = 3;
 
-/// The set with its blank lines filled in, with a finding of each run of them; `None` where there are none.
+/// The set with its blank lines filled in, with a finding of each run of them; `None` where there
+/// are none.
 ///
-/// Blank is a line that is 0 or no number in every function, up to three side by side, of functions without variances. It gets the
-/// polynomial through three lines on either side.
+/// Blank is a line that is 0 or no number in every function, up to three side by side, of functions
+/// without variances. It gets the polynomial through three lines on either side.
 pub(super) fn filled(set: &FrfSet, lines: Range<usize>) -> Option<(FrfSet, Vec<Finding>)> {
     if (0..set.len()).any(|i| set.variance(i).is_some()) {
         return None;
@@ -146,7 +150,8 @@ fn bent(set: &FrfSet, functions: &[usize], lines: Range<usize>) -> Vec<usize> {
     bent.map(|k| inner.start + k).collect()
 }
 
-/// What the lines on both sides of a spike of some lines tell of it: `coefficients = fit × neighbours`, all neighbours in order.
+/// What the lines on both sides of a spike of some lines tell of it: `coefficients = fit ×
+/// neighbours`, all neighbours in order.
 struct Stencil {
     /// Orthonormal columns over the neighbours: the smooth course, then the skirts beside it.
     columns: Vec<[f64; ALL]>,
@@ -154,7 +159,8 @@ struct Stencil {
     course: Vec<[f64; SMOOTH]>,
     /// Residue R of `R/x` for each coefficient of the skirts.
     residue: [f64; ALL - SMOOTH],
-    /// Factor D of `D/x²` for the last coefficient: two resonances of opposite residues leave no other skirts.
+    /// Factor D of `D/x²` for the last coefficient: two resonances of opposite residues leave no
+    /// other skirts.
     pair: f64,
 }
 
@@ -200,7 +206,8 @@ impl Stencil {
         }
     }
 
-    /// The courses of the functions that take part in a spike on these lines; `None` where it is none.
+    /// The courses of the functions that take part in a spike on these lines; `None` where it is
+    /// none.
     fn spike(&self, set: &FrfSet, functions: &[usize], run: Range<usize>) -> Option<Courses> {
         let freedom = (self.columns.len() - ALL) as f64;
         let residue_gain: f64 = self.residue.iter().map(|own| own * own).sum();
@@ -249,7 +256,8 @@ impl Stencil {
                 courses.push((*f, course));
             }
         }
-        // Of what the noise makes of skirts that are not there, the mean is known and taken off; two deviations of it stay.
+        // Of what the noise makes of skirts that are not there, the mean is known and taken off;
+        // two deviations of it stay.
         let scatter = scatter.sqrt();
         let are_pairs = pairs > SURE * scatter_of_pairs.sqrt();
         if are_pairs && height < OVER_SURE_SKIRTS * OVER_SURE_SKIRTS * pairs {
@@ -290,7 +298,8 @@ mod tests {
     /// Line of the resonance.
     const AT: f64 = 120.3;
 
-    /// A resonance of γ lines to its half-power point, 1 high in the first function, over noise of this deviation.
+    /// A resonance of γ lines to its half-power point, 1 high in the first function, over noise of
+    /// this deviation.
     fn set(half_width: f64, at: f64, noise: f64, stated: bool) -> FrfSet {
         let step_hz = 0.5;
         let axis = FrequencyAxis {

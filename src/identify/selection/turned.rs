@@ -1,8 +1,9 @@
 //! A function of the wrong sign: it turns every mode that several references see into two.
 //!
-//! The residues of a single mode, responses × references, are of rank one. With one entry turned they are of rank two, and so they are
-//! at all modes; a structure has some repeated roots, seldom half of all. Where turning one function back makes single modes of all of
-//! them, that function is named; of two references the response alone, for its whole row turned changes no rank.
+//! The residues of a single mode, responses × references, are of rank one. With one entry turned
+//! they are of rank two, and so they are at all modes; a structure has some repeated roots, seldom
+//! half of all. Where turning one function back makes single modes of all of them, that function is
+//! named; of two references the response alone, for its whole row turned changes no rank.
 
 use std::collections::HashMap;
 
@@ -18,11 +19,13 @@ use super::Candidate;
 /// Fewest double roots, and responses of all references, that tell a sign.
 const FEWEST_ROOTS: usize = 2;
 const FEWEST_RESPONSES: usize = 3;
-/// What turning back leaves beside one shape is no more than this share of the residues' power, and of what was there before.
+/// What turning back leaves beside one shape is no more than this share of the residues' power, and
+/// of what was there before.
 const LEFT: f64 = 0.01;
 const OF_BEFORE: f64 = 0.1;
 
-/// The finding of a function that, turned, makes single modes of all double ones; nothing where these are not half of all roots.
+/// The finding of a function that, turned, makes single modes of all double ones; nothing where
+/// these are not half of all roots.
 pub(super) fn turned_function(set: &FrfSet, candidates: &[Candidate]) -> Option<Finding> {
     let double = candidates.iter().filter(|own| own.multiplicity == 2);
     let double: Vec<&[Complex64]> = double.filter_map(|own| own.residues.as_deref()).collect();
@@ -78,7 +81,8 @@ impl Block {
         }
     }
 
-    /// Share of the power of a root's residues beside their first singular vectors, one function turned.
+    /// Share of the power of a root's residues beside their first singular vectors, one function
+    /// turned.
     fn beside(&self, residues: &[Complex64], turned: Option<usize>) -> Option<f64> {
         let references = self.rows.first()?.len();
         let matrix = complex_matrix(self.rows.len(), references, |row, column| {

@@ -108,7 +108,8 @@ pub(in crate::io) fn doubles(elements: Elements) -> Vec<f64> {
     }
 }
 
-/// A number of 16 bits (IEEE 754 binary16): sign, 5 bits of exponent with bias 15, 10 bits of fraction.
+/// A number of 16 bits (IEEE 754 binary16): sign, 5 bits of exponent with bias 15, 10 bits of
+/// fraction.
 fn half(bits: u16) -> f64 {
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     let magnitude = match (bits >> 10) & 0x1f {
@@ -124,8 +125,8 @@ fn half(bits: u16) -> f64 {
     }
 }
 
-/// Elements with the first index running fastest, turned so that the last one does. The other way round with the shape
-/// reversed.
+/// Elements with the first index running fastest, turned so that the last one does. The other way
+/// round with the shape reversed.
 pub(in crate::io) fn to_row_major(elements: Elements, shape: &[usize]) -> Elements {
     if shape.iter().filter(|len| **len != 1).count() <= 1 {
         return elements;
@@ -185,7 +186,8 @@ impl Window {
     }
 }
 
-/// What was read last of the arrays that were asked for last, for formats that cannot read any part of an array by itself.
+/// What was read last of the arrays that were asked for last, for formats that cannot read any part
+/// of an array by itself.
 #[derive(Default)]
 pub(in crate::io) struct RecentArrays {
     /// Arrays by their index; the one that was asked for last stands last.
@@ -194,7 +196,8 @@ pub(in crate::io) struct RecentArrays {
     most: usize,
 }
 
-/// So many arrays are kept whatever their size: real and imaginary part of the samples that are being read.
+/// So many arrays are kept whatever their size: real and imaginary part of the samples that are
+/// being read.
 const ALWAYS_KEPT: usize = 2;
 
 /// All arrays that are kept take at most so many times the file's size, and 1 MiB.
@@ -225,7 +228,8 @@ impl RecentArrays {
         }
     }
 
-    /// Elements `range` of array `index`, which `read` reads where they are not there yet; `None` where it reads others.
+    /// Elements `range` of array `index`, which `read` reads where they are not there yet; `None`
+    /// where it reads others.
     ///
     /// # Errors
     /// What `read` returns.
@@ -252,7 +256,8 @@ impl RecentArrays {
         Ok(part)
     }
 
-    /// Lets those go that were not asked for the longest, until so many are left or all are small enough.
+    /// Lets those go that were not asked for the longest, until so many are left or all are small
+    /// enough.
     fn let_go(&mut self, least: usize) {
         let sizes = self.kept.iter().map(|(_, window)| memory(&window.elements));
         let mut all = sizes.fold(0, usize::saturating_add);

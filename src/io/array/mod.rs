@@ -70,8 +70,8 @@ pub(in crate::io) fn outside(name: &str, range: &Range<usize>) -> IoError {
 
 /// An opened container of arrays.
 pub(in crate::io) trait ArrayStore: Send {
-    /// Every array, cell and object of the file in file order; names have their levels separated by `/`. What cannot be
-    /// read is listed too, with its kind.
+    /// Every array, cell and object of the file in file order; names have their levels separated by
+    /// `/`. What cannot be read is listed too, with its kind.
     fn list(&self) -> &[ArrayInfo];
 
     /// Whether array `index` of the list holds numbers or texts that [`ArrayStore::read`] can give.
@@ -79,7 +79,8 @@ pub(in crate::io) trait ArrayStore: Send {
         true
     }
 
-    /// Most bytes that the elements of array `index` take when they are read, as far as the list tells.
+    /// Most bytes that the elements of array `index` take when they are read, as far as the list
+    /// tells.
     fn bytes(&self, index: usize) -> u64;
 
     /// Takes what is wrong with parts of the file that are not in the list.
@@ -90,11 +91,12 @@ pub(in crate::io) trait ArrayStore: Send {
     /// Reads array `index` of the list.
     ///
     /// # Errors
-    /// [`IoError`] with the array's name for a kind that holds no numbers or texts, for damage, and for a size that the
-    /// file cannot hold.
+    /// [`IoError`] with the array's name for a kind that holds no numbers or texts, for damage, and
+    /// for a size that the file cannot hold.
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError>;
 
-    /// Reads array `index` as the entries of a sparse matrix, where the file keeps it so; else `None`.
+    /// Reads array `index` as the entries of a sparse matrix, where the file keeps it so; else
+    /// `None`.
     ///
     /// # Errors
     /// As [`ArrayStore::read`].
@@ -102,8 +104,8 @@ pub(in crate::io) trait ArrayStore: Send {
         Ok(None)
     }
 
-    /// Reads elements `range` (in row-major order) of array `index`; the whole array is read where the format cannot do
-    /// with less.
+    /// Reads elements `range` (in row-major order) of array `index`; the whole array is read where
+    /// the format cannot do with less.
     ///
     /// # Errors
     /// As [`ArrayStore::read`].
@@ -113,8 +115,9 @@ pub(in crate::io) trait ArrayStore: Send {
         part.ok_or_else(|| outside(&array.name, &range))
     }
 
-    /// Reads elements `range` of array `index` in place of what `values` held, where the file keeps them one after the other as
-    /// numbers of single precision of this machine; else `false`, and [`ArrayStore::read_part`] has to be asked.
+    /// Reads elements `range` of array `index` in place of what `values` held, where the file keeps
+    /// them one after the other as numbers of single precision of this machine; else `false`, and
+    /// [`ArrayStore::read_part`] has to be asked.
     ///
     /// # Errors
     /// As [`ArrayStore::read`].

@@ -1,4 +1,5 @@
-//! Containers of arrays as real measurement systems write them, where the folder with them is there.
+//! Containers of arrays as real measurement systems write them, where the folder with them is
+//! there.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,11 @@
-//! Arrays to a source: modalign's own layout, arrays that a scene describes, or a list of what is there.
+//! Arrays to a source: modalign's own layout, arrays that a scene describes, or a list of what is
+//! there.
 //!
-//! A container of arrays does not say what its arrays mean, unless modalign wrote it. A scene's `[[test.channel]]` names
-//! an array by its path in the file (levels separated by `/` or `.`) and, where it holds several channels, the channel
-//! by its number: `H1_2:2`. Without `dimensions` the rows of a two-dimensional array are samples and its columns are
-//! channels, as MATLAB and NumPy users keep them; three dimensions have no such custom and must be stated.
+//! A container of arrays does not say what its arrays mean, unless modalign wrote it. A scene's
+//! `[[test.channel]]` names an array by its path in the file (levels separated by `/` or `.`) and,
+//! where it holds several channels, the channel by its number: `H1_2:2`. Without `dimensions` the
+//! rows of a two-dimensional array are samples and its columns are channels, as MATLAB and NumPy
+//! users keep them; three dimensions have no such custom and must be stated.
 
 use crate::finding::{Code, Finding, Place, Severity};
 
@@ -20,8 +22,8 @@ const NAMES_LISTED: usize = 40;
 /// Makes a source of the arrays of a container.
 ///
 /// # Errors
-/// [`IoError::MissingArray`] for an array that the scene names and the file does not have; [`IoError::NotStated`] for
-/// dimensions that nobody stated; what [`assign`] and the store return.
+/// [`IoError::MissingArray`] for an array that the scene names and the file does not have;
+/// [`IoError::NotStated`] for dimensions that nobody stated; what [`assign`] and the store return.
 pub(in crate::io) fn open_arrays(
     format: &'static str,
     mut store: Box<dyn ArrayStore>,

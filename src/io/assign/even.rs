@@ -9,10 +9,12 @@ const COMPUTED: f64 = 1e-6;
 /// No rounding moves an abscissa by more than this fraction of the spacing.
 const MOST_ROUNDING: f64 = 0.5;
 
-/// Start and spacing of an even column: (last − first)/(n − 1), because a printed spacing is rounded.
+/// Start and spacing of an even column: (last − first)/(n − 1), because a printed spacing is
+/// rounded.
 ///
-/// Every value lies as near to its place as its own rounding and that of both ends allow (half a unit of the last printed
-/// digit each), or as single precision keeps it, and never half a spacing off.
+/// Every value lies as near to its place as its own rounding and that of both ends allow (half a
+/// unit of the last printed digit each), or as single precision keeps it, and never half a spacing
+/// off.
 pub(in crate::io) fn even_axis(
     values: &[f64],
     scale: f64,
@@ -77,7 +79,8 @@ fn first_off(values: &[f64], step: f64, most: f64) -> Option<usize> {
     })
 }
 
-/// How finely a column of numbers is printed: with so many decimals, or with so many significant digits.
+/// How finely a column of numbers is printed: with so many decimals, or with so many significant
+/// digits.
 struct Printed {
     /// Power of ten of the last digit of the finest number.
     last_power: i32,

@@ -1,4 +1,5 @@
-//! Whether the roles that a scene gives to columns fit together: every column is used, and each in one way.
+//! Whether the roles that a scene gives to columns fit together: every column is used, and each in
+//! one way.
 
 use crate::io::{ColumnName, ColumnRole, IoError, TableColumn, TableSpec};
 use crate::quantity::{FrfUnit, Unit};
@@ -6,8 +7,9 @@ use crate::quantity::{FrfUnit, Unit};
 /// Checks the roles before any value is taken.
 ///
 /// # Errors
-/// [`IoError::Grouping`] for two columns in one role, for records beside parts of FRFs, and for an axis alone;
-/// [`IoError::NotStated`] for an imaginary part or a phase without the column that it belongs to.
+/// [`IoError::Grouping`] for two columns in one role, for records beside parts of FRFs, and for an
+/// axis alone; [`IoError::NotStated`] for an imaginary part or a phase without the column that it
+/// belongs to.
 pub(super) fn check_roles(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     each_role_once(spec, path)?;
     let columns = || spec.columns.iter();
@@ -56,7 +58,8 @@ fn kind(role: &ColumnRole) -> Kind {
     }
 }
 
-/// Two axes, or two equal parts of an FRF, could each be meant. Records stand alone, whatever their points.
+/// Two axes, or two equal parts of an FRF, could each be meant. Records stand alone, whatever their
+/// points.
 fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     let alone =
         |role: &ColumnRole| matches!(role, ColumnRole::Force { .. } | ColumnRole::Response { .. });
@@ -84,7 +87,8 @@ fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Whether a column is part of an FRF whose other part nobody names; the parts that begin one are looked at when it is read.
+/// Whether a column is part of an FRF whose other part nobody names; the parts that begin one are
+/// looked at when it is read.
 fn is_alone(spec: &TableSpec, role: &ColumnRole) -> bool {
     let mut others = spec.columns.iter().map(|own| &own.role);
     match role {

@@ -43,7 +43,8 @@ enum Form {
     Float(FloatingPointLayout),
 }
 
-/// Content, kind for people and length in bytes of one number or text, and the lengths that an array datatype adds.
+/// Content, kind for people and length in bytes of one number or text, and the lengths that an
+/// array datatype adds.
 pub(super) fn describe(datatype: &Datatype) -> (Content, String, usize, Vec<usize>) {
     let mut lengths = Vec::new();
     let mut element = datatype;
@@ -110,8 +111,9 @@ fn complex_pair(datatype: &Datatype) -> Option<(Content, String)> {
     Some((Content::Complex(scalar(re)?, scalar(im)?), kind))
 }
 
-/// HDF5 2.0 has a complex datatype of its own (class 11). The reader takes its message for a compound of one member, so
-/// that the bytes of the base type's message (class 1 and version, byte order, sign bit) come out as the member's name.
+/// HDF5 2.0 has a complex datatype of its own (class 11). The reader takes its message for a
+/// compound of one member, so that the bytes of the base type's message (class 1 and version, byte
+/// order, sign bit) come out as the member's name.
 fn is_native_complex(datatype: &Datatype) -> bool {
     let Datatype::Compound { members, .. } = datatype else {
         return false;
@@ -254,8 +256,8 @@ impl Scalar {
     }
 }
 
-/// (−1)^s · mantissa · 2^(exponent − bias), with a leading 1 that is not stored unless the mantissa has 64 bits (the
-/// 80-bit numbers of x86 store it).
+/// (−1)^s · mantissa · 2^(exponent − bias), with a leading 1 that is not stored unless the mantissa
+/// has 64 bits (the 80-bit numbers of x86 store it).
 fn float(bits: u128, layout: FloatingPointLayout) -> f64 {
     let field = |location: u8, size: u8| (bits >> location) & ((1_u128 << size) - 1);
     let exponent = field(layout.exponent_location, layout.exponent_size);
@@ -390,7 +392,8 @@ mod tests {
     #[test]
     fn half_precision_and_the_80_bits_of_x86_are_read() {
         let half = |bits| float(bits, layout([10, 5, 0, 10], 15));
-        // 1, -2, the largest (65504), the smallest normal (2^-14) and subnormal (2^-24) number of IEEE 754 binary16.
+        // 1, -2, the largest (65504), the smallest normal (2^-14) and subnormal (2^-24) number of
+        // IEEE 754 binary16.
         let values = [0x3c00, 0xc000, 0x7bff, 0x0400, 0x0001, 0x0000].map(half);
         let expected = [1.0, -2.0, 65504.0, 2_f64.powi(-14), 2_f64.powi(-24), 0.0];
         assert_eq!(values.map(f64::to_bits), expected.map(f64::to_bits));

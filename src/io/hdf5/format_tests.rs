@@ -72,7 +72,8 @@ fn a_header_before_the_signature_is_accepted_and_other_bytes_are_not() {
 
 #[test]
 fn datatypes_in_datatypes_without_end_are_refused_and_the_rest_is_read() {
-    // Eight bytes for each level: 8,000 levels fit in a message, and dropping them takes a stack of its own.
+    // Eight bytes for each level: 8,000 levels fit in a message, and dropping them takes a stack of
+    // its own.
     let make = || {
         let mut datatype = make_u8_type();
         for _ in 0..8000 {

@@ -1,7 +1,7 @@
 //! Datasets that the default reader cannot read, through the library of The HDF Group.
 //!
-//! The library opens the file by its path, so that bytes that are not a file stay unread. Numbers and complex numbers are
-//! read; texts are not.
+//! The library opens the file by its path, so that bytes that are not a file stay unread. Numbers
+//! and complex numbers are read; texts are not.
 
 use hdf5_metno::types::TypeDescriptor;
 use hdf5_metno::{Dataset, Error, File, H5Type};
@@ -22,8 +22,8 @@ struct Pair {
     i: f64,
 }
 
-/// MATLAB's complex numbers. The library matches members by their names and leaves those that it does not find as they
-/// were, so that each spelling needs its own type.
+/// MATLAB's complex numbers. The library matches members by their names and leaves those that it
+/// does not find as they were, so that each spelling needs its own type.
 #[derive(Clone, Copy, H5Type)]
 #[repr(C)]
 struct MatlabPair {

@@ -1,7 +1,8 @@
 //! The datasets of every group, by their paths.
 //!
-//! Only hard links are followed: the reader passes over soft and external links. Hard links can still lead back to a
-//! group that is being listed, so that depth, number and the bytes that are read are limited.
+//! Only hard links are followed: the reader passes over soft and external links. Hard links can
+//! still lead back to a group that is being listed, so that depth, number and the bytes that are
+//! read are limited.
 
 use hdf5_pure::{Dataset, Error, File, Group, Object};
 
@@ -37,11 +38,13 @@ pub(super) struct Listing {
 
 /// Lists an HDF5 file.
 ///
-/// The reader parses datatypes in datatypes by recursion without a limit, and a message of 64 KiB holds 8,000 of them;
-/// the listing therefore runs on a stack on which they fit, and what is nested deep is refused before it is read.
+/// The reader parses datatypes in datatypes by recursion without a limit, and a message of 64 KiB
+/// holds 8,000 of them; the listing therefore runs on a stack on which they fit, and what is nested
+/// deep is refused before it is read.
 ///
 /// # Errors
-/// [`IoError::Binary`] when the superblock or the root group cannot be read; [`IoError::System`] without a thread.
+/// [`IoError::Binary`] when the superblock or the root group cannot be read; [`IoError::System`]
+/// without a thread.
 pub(super) fn list(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listing, IoError> {
     let listing = std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().stack_size(STACK);

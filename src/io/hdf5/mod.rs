@@ -10,13 +10,13 @@
 //! | cells of MATLAB | `name{1}`, `name{2}`, ... |
 //! | groups, structures of MATLAB | `group/dataset` |
 //!
-//! Integers beyond 2^53 lose digits. The file is not read into memory: structure and values are read when they are asked
-//! for. Soft and external links are not followed.
+//! Integers beyond 2^53 lose digits. The file is not read into memory: structure and values are
+//! read when they are asked for. Soft and external links are not followed.
 //!
-//! The reader is `hdf5-pure`. It does not know data layout version 5 (HDF5 2.0 with `libver="latest"`), chunks in a
-//! version 2 B-tree (two unlimited dimensions, HDF5 1.10 or later), the complex datatype of HDF5 2.0, virtual datasets
-//! and filters such as szip and blosc: such a dataset is damage, the others are read. The feature `libhdf5` reads these
-//! too.
+//! The reader is `hdf5-pure`. It does not know data layout version 5 (HDF5 2.0 with
+//! `libver="latest"`), chunks in a version 2 B-tree (two unlimited dimensions, HDF5 1.10 or later),
+//! the complex datatype of HDF5 2.0, virtual datasets and filters such as szip and blosc: such a
+//! dataset is damage, the others are read. The feature `libhdf5` reads these too.
 
 mod element;
 mod item;

@@ -2,7 +2,8 @@
 
 use super::super::array::Elements;
 
-/// Elements that are stored with the lengths `stored` in reverse order (column by column), row by row.
+/// Elements that are stored with the lengths `stored` in reverse order (column by column), row by
+/// row.
 pub(super) fn row_major(elements: Elements, stored: &[usize]) -> Elements {
     if stored.iter().filter(|&&length| length != 1).count() <= 1 {
         return elements;
@@ -17,7 +18,8 @@ pub(super) fn row_major(elements: Elements, stored: &[usize]) -> Elements {
 
 /// The array with its lengths in reverse order.
 fn turned<T: Clone>(values: &[T], stored: &[usize]) -> Vec<T> {
-    // Steps in the stored order of the presented lengths, which are the stored ones from the last to the first.
+    // Steps in the stored order of the presented lengths, which are the stored ones from the last
+    // to the first.
     let steps: Vec<usize> = stored
         .iter()
         .scan(values.len(), |step, &length| {

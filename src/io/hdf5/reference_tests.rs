@@ -1,4 +1,5 @@
-//! Files that h5py made (`tests/reference/hdf5_files.py`), whose structure differs from that of the writer used here.
+//! Files that h5py made (`tests/reference/hdf5_files.py`), whose structure differs from that of the
+//! writer used here.
 
 use std::io::{Cursor, Read};
 
@@ -198,7 +199,8 @@ fn damaged_files_are_read_within_bounds() {
                 _ => bytes[at..end].fill(0xff),
             }
         }
-        // The reader reserves memory for as many members as a datatype states, 65,535 at most, before it looks for them.
+        // The reader reserves memory for as many members as a datatype states, 65,535 at most,
+        // before it looks for them.
         let most = 64 * bytes.len() as u64 + (16 << 20);
         let measured = || read += read_everything(bytes, of_matlab);
         let peak = allocation_counter::measure(measured).bytes_max;

@@ -18,7 +18,8 @@ use super::stream::Stream;
 /// Deflate makes at most so many bytes of one.
 const MOST_EXPANSION: u64 = 1032;
 
-/// Reading a dataset reads at most so many times the file's length: texts are looked up in their heap one by one.
+/// Reading a dataset reads at most so many times the file's length: texts are looked up in their
+/// heap one by one.
 const TIMES_READ: u64 = 64;
 
 /// Rows are read in windows of about so many bytes.
@@ -66,7 +67,8 @@ impl Hdf5Store {
         let needed = bytes_of(&item.stored, item.stride).unwrap_or(usize::MAX) as u64;
         let held = held_bytes(&item.dataset, item.stride, self.stream.bytes());
         let held = held.map_err(|error| self.reader_error(index, &error))?;
-        // Chunks that were never written hold the fill value and take no place; as many again may be missing.
+        // Chunks that were never written hold the fill value and take no place; as many again may
+        // be missing.
         let most = held
             .saturating_mul(2)
             .saturating_add(self.stream.bytes())
@@ -179,8 +181,8 @@ impl Hdf5Store {
         Err(refused(&self.path, &self.listing.infos[index].name, got))
     }
 
-    /// Byte and number of the elements of an array that stands in the file as it is in memory: one block of numbers of single
-    /// precision.
+    /// Byte and number of the elements of an array that stands in the file as it is in memory: one
+    /// block of numbers of single precision.
     fn singles_at(&self, index: usize) -> Result<Option<(u64, usize)>, IoError> {
         let item = &self.listing.items[index];
         let as_in_memory = item.content.is_native_single(item.stride)

@@ -1,7 +1,8 @@
 //! The file's bytes as the HDF5 reader asks for them, with a limit on how many.
 //!
-//! A few bytes of a damaged file can name the same large object many times over. The reader keeps what it read, so a
-//! limit on the bytes that it may read is a limit on the memory and the time that it takes.
+//! A few bytes of a damaged file can name the same large object many times over. The reader keeps
+//! what it read, so a limit on the bytes that it may read is a limit on the memory and the time
+//! that it takes.
 
 use std::io::SeekFrom;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,8 +1,8 @@
 //! Writing: modalign's layout of arrays as groups and datasets.
 //!
-//! Datasets are contiguous and not compressed, texts are UTF-8 of fixed length padded with zeros, and the structure is
-//! that of HDF5 1.8, so that h5py and MATLAB (`h5read`) of any age read the file. The numbers are those of the arrays, to
-//! the bit. The file is put together in memory.
+//! Datasets are contiguous and not compressed, texts are UTF-8 of fixed length padded with zeros,
+//! and the structure is that of HDF5 1.8, so that h5py and MATLAB (`h5read`) of any age read the
+//! file. The numbers are those of the arrays, to the bit. The file is put together in memory.
 
 use std::collections::BTreeMap;
 

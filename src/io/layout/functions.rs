@@ -83,7 +83,8 @@ fn stored_as(format: SampleFormat, wanted: Wanted) -> SampleFormat {
     }
 }
 
-/// A text that is the same for equal axes alone: by the bits of an even one, by a fingerprint of an uneven one.
+/// A text that is the same for equal axes alone: by the bits of an even one, by a fingerprint of an
+/// uneven one.
 fn axis_key(source: &mut dyn Source, index: usize, entry: &Entry) -> Result<String, IoError> {
     let kind = format!(
         "{} {} {}",
@@ -225,8 +226,8 @@ fn rows(
     Ok(rows)
 }
 
-/// Adds a block. Values that single precision does not hold exactly turn the whole array to double, unless single was
-/// asked for (`round`).
+/// Adds a block. Values that single precision does not hold exactly turn the whole array to double,
+/// unless single was asked for (`round`).
 fn append(rows: &mut Elements, block: &Block, part: Part, round: bool) {
     let imaginary = part == Part::Imaginary;
     match block {

@@ -1,11 +1,14 @@
-//! modalign's own layout of named arrays, schema `modalign-frf/1`: everything that a source holds, to the bit.
+//! modalign's own layout of named arrays, schema `modalign-frf/1`: everything that a source holds,
+//! to the bit.
 //!
-//! HDF5, MATLAB and NumPy files hold named arrays, and this is the set of names and shapes that modalign gives them.
-//! Others read these files with `h5py`, `scipy.io.loadmat`, `numpy.load` or MATLAB, so the layout is a promise: a change
-//! that breaks a reader raises the number after the slash. Names have at most two levels (`frf/re`: a group or a struct
-//! field) of letters, digits and `_`. A number that is not known is NaN, a text that is not known is empty. A reader
-//! passes over arrays that it does not know and takes a missing array as "nothing known". Text arrays are UTF-8 (HDF5),
-//! `<U` (NumPy), or cells of char (MATLAB, where every array has two dimensions or more, n values being n x 1).
+//! HDF5, MATLAB and NumPy files hold named arrays, and this is the set of names and shapes that
+//! modalign gives them. Others read these files with `h5py`, `scipy.io.loadmat`, `numpy.load` or
+//! MATLAB, so the layout is a promise: a change that breaks a reader raises the number after the
+//! slash. Names have at most two levels (`frf/re`: a group or a struct field) of letters, digits
+//! and `_`. A number that is not known is NaN, a text that is not known is empty. A reader passes
+//! over arrays that it does not know and takes a missing array as "nothing known". Text arrays are
+//! UTF-8 (HDF5), `<U` (NumPy), or cells of char (MATLAB, where every array has two dimensions or
+//! more, n values being n x 1).
 //!
 //! # The file
 //!
@@ -17,8 +20,9 @@
 //!
 //! # Functions
 //!
-//! Records and functions of one type, axis and sample format are one group `G`: the name of the type with `_` for `-`
-//! (`frf`, `time`, `coherence`, `variance`, `auto_spectrum`, ...), further ones with `_2`, `_3` behind it.
+//! Records and functions of one type, axis and sample format are one group `G`: the name of the
+//! type with `_` for `-` (`frf`, `time`, `coherence`, `variance`, `auto_spectrum`, ...), further
+//! ones with `_2`, `_3` behind it.
 //!
 //! | array | shape | content |
 //! |---|---|---|
@@ -64,7 +68,8 @@
 //!
 //! # Modes
 //!
-//! In ascending frequency. The reader takes `json`; the other arrays say the same to users of h5py and MATLAB.
+//! In ascending frequency. The reader takes `json`; the other arrays say the same to users of h5py
+//! and MATLAB.
 //!
 //! | array | shape | content |
 //! |---|---|---|
@@ -102,8 +107,8 @@ pub(super) const SCHEMA: &str = "modalign-frf/1";
 /// Takes arrays one after the other.
 pub(super) type Put<'a> = dyn FnMut(NamedArray) -> Result<(), IoError> + 'a;
 
-/// Emits everything that a source holds as arrays, one after the other, samples in a stated width or as stored. Arrays of
-/// one group follow each other, its samples last.
+/// Emits everything that a source holds as arrays, one after the other, samples in a stated width
+/// or as stored. Arrays of one group follow each other, its samples last.
 ///
 /// # Errors
 /// Errors of the source and of `put`.

@@ -1,4 +1,5 @@
-//! Modes to arrays and back. `modes/json` is complete; the other arrays are for users of other programs.
+//! Modes to arrays and back. `modes/json` is complete; the other arrays are for users of other
+//! programs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +13,8 @@ use super::shelf::Shelf;
 use super::{Put, numbers, text, texts};
 use crate::io::not_carried::NotCarried;
 
-/// Emits the modes in ascending frequency. A mode that its text cannot hold (a number that is not finite) is left out.
+/// Emits the modes in ascending frequency. A mode that its text cannot hold (a number that is not
+/// finite) is left out.
 pub(super) fn write(
     modes: &[ModeEntry],
     put: &mut Put,

@@ -66,8 +66,8 @@ pub(in crate::io) fn is_layout(store: &mut dyn ArrayStore, path: &str) -> Result
     }
 }
 
-/// Makes the source; `catalog` has format, path and what the store had to say. A group that cannot be used is left out
-/// with its error.
+/// Makes the source; `catalog` has format, path and what the store had to say. A group that cannot
+/// be used is left out with its error.
 pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalog) -> LayoutSource {
     let mut catalog = catalog;
     let path = catalog.path.clone();

@@ -13,8 +13,8 @@ fn lengths(shape: &[usize]) -> impl Iterator<Item = usize> {
     shape.iter().copied().filter(|len| *len != 1)
 }
 
-/// Whether two shapes are the same but for lengths of 1, which a container may add (n x 1 in MATLAB) or drop. Elements in
-/// row-major order are then the same too.
+/// Whether two shapes are the same but for lengths of 1, which a container may add (n x 1 in
+/// MATLAB) or drop. Elements in row-major order are then the same too.
 pub(super) fn same_shape(own: &[usize], other: &[usize]) -> bool {
     lengths(own).eq(lengths(other))
 }
@@ -109,7 +109,8 @@ impl<'a> Shelf<'a> {
         Ok(Some(elements))
     }
 
-    /// Numbers of an array of the stated shape, of one row where none is stated; `None` when it is not there.
+    /// Numbers of an array of the stated shape, of one row where none is stated; `None` when it is
+    /// not there.
     pub fn numbers(
         &mut self,
         name: &str,

@@ -12,7 +12,8 @@ pub(super) const DEFLATE_EXPANSION: u64 = 1032;
 /// Deflated bytes are read in pieces of this size; so are inflated ones that nobody wants.
 const PIECE: usize = 1 << 16;
 
-/// Memory for a value grows in steps of this size, so that a wrong count costs no more than the bytes that are there.
+/// Memory for a value grows in steps of this size, so that a wrong count costs no more than the
+/// bytes that are there.
 const STEP: usize = 1 << 22;
 
 /// Where the bytes of a variable lie.
@@ -33,7 +34,8 @@ impl Storage {
     }
 }
 
-/// A file whose variables can be read anywhere. Reading a deflated variable forwards inflates it once.
+/// A file whose variables can be read anywhere. Reading a deflated variable forwards inflates it
+/// once.
 pub(super) struct Bytes {
     input: Box<dyn ReadSeek>,
     /// Where `input` stands.
@@ -87,7 +89,8 @@ impl Bytes {
     /// Fills `out` with the bytes from `position` of a variable.
     ///
     /// # Errors
-    /// [`IoError::System`], [`IoError::Truncated`] and, for a stream that cannot be inflated, [`IoError::Binary`].
+    /// [`IoError::System`], [`IoError::Truncated`] and, for a stream that cannot be inflated,
+    /// [`IoError::Binary`].
     pub fn read(&mut self, storage: Storage, position: u64, out: &mut [u8]) -> Result<(), IoError> {
         match storage {
             Storage::Plain(at) => self.read_file(at + position, out),

@@ -85,7 +85,8 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// An error at a position of the variable; of a deflated one the place is where it begins in the file.
+    /// An error at a position of the variable; of a deflated one the place is where it begins in
+    /// the file.
     pub fn error(
         &self,
         position: u64,

@@ -18,7 +18,8 @@ const SPARSE_EXPANSION: u64 = 16;
 /// So many parts are listed for each file, and one more for every four bytes of it.
 const PARTS: u64 = 1024;
 
-/// Bytes of all names together: at most so many times the file, and 1 MiB. A field name is repeated for every element.
+/// Bytes of all names together: at most so many times the file, and 1 MiB. A field name is repeated
+/// for every element.
 const NAMES_EXPANSION: u64 = 16;
 
 /// What a part of the file holds.

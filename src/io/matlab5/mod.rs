@@ -1,13 +1,17 @@
-//! MATLAB files of version 5 (MATLAB 5 to 7, `save -v6` and `-v7`), read and written without MATLAB.
+//! MATLAB files of version 5 (MATLAB 5 to 7, `save -v6` and `-v7`), read and written without
+//! MATLAB.
 //!
-//! A file is a header of 128 bytes and data elements, each a tag (type and byte count) and its bytes; a variable is a
-//! matrix element, plain or deflated. Both byte orders are read. Every variable, field and cell is listed: fields as
-//! `name/field`, elements of a struct array as `name(2)/field`, cells as `name{3}`. Numbers of all classes, complex and
-//! logical ones, texts, cells of texts and sparse matrices that fit are read; objects, function handles and opaque data
-//! are listed only. Arrays keep MATLAB's shape, so that a vector has two dimensions; texts lose theirs.
+//! A file is a header of 128 bytes and data elements, each a tag (type and byte count) and its
+//! bytes; a variable is a matrix element, plain or deflated. Both byte orders are read. Every
+//! variable, field and cell is listed: fields as `name/field`, elements of a struct array as
+//! `name(2)/field`, cells as `name{3}`. Numbers of all classes, complex and logical ones, texts,
+//! cells of texts and sparse matrices that fit are read; objects, function handles and opaque data
+//! are listed only. Arrays keep MATLAB's shape, so that a vector has two dimensions; texts lose
+//! theirs.
 //!
-//! Written files hold modalign's own layout as structs (`frf.re`), texts as char and cells of char, not compressed, so
-//! that a variable can be read without what is before it. Files of version 7.3 are HDF5.
+//! Written files hold modalign's own layout as structs (`frf.re`), texts as char and cells of char,
+//! not compressed, so that a variable can be read without what is before it. Files of version 7.3
+//! are HDF5.
 //!
 //! # Reference
 //! MathWorks, MAT-File Format, chapter 1 (Level 5 MAT-File Format).

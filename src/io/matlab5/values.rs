@@ -41,7 +41,8 @@ pub(super) fn read(reader: &mut Reader, part: &Part) -> Result<(Vec<usize>, Elem
     }
 }
 
-/// Whether any part of an array can be read by itself: its numbers follow each other and are not compressed.
+/// Whether any part of an array can be read by itself: its numbers follow each other and are not
+/// compressed.
 pub(super) fn in_one_piece(part: &Part, shape: &[usize]) -> bool {
     part.content == Content::Numbers
         && matches!(part.storage, Storage::Plain(_))
@@ -92,7 +93,8 @@ fn numbers(reader: &mut Reader, matrix: &Matrix, range: Range<usize>) -> Result<
     })
 }
 
-/// Numbers `range` of an element, which has as many as stated, in whatever width MATLAB chose to store them.
+/// Numbers `range` of an element, which has as many as stated, in whatever width MATLAB chose to
+/// store them.
 fn counted(
     reader: &mut Reader,
     element: &Element,
@@ -114,7 +116,8 @@ fn counted(
     Ok(decode(&bytes, number, reader.big_endian))
 }
 
-/// The entries of a real sparse matrix, however large the full one were; `None` for an array of another kind.
+/// The entries of a real sparse matrix, however large the full one were; `None` for an array of
+/// another kind.
 pub(super) fn read_sparse(
     reader: &mut Reader,
     part: &Part,
@@ -155,8 +158,8 @@ pub(super) fn read_sparse(
     }))
 }
 
-/// A sparse matrix made full, in row-major order. Row indices and values are listed column after column, and where each
-/// column begins.
+/// A sparse matrix made full, in row-major order. Row indices and values are listed column after
+/// column, and where each column begins.
 fn sparse(reader: &mut Reader, matrix: &Matrix) -> Result<Elements, IoError> {
     let rows_element = reader.element(matrix.content, matrix.end)?;
     let columns_element = reader.element(rows_element.next, matrix.end)?;
@@ -229,7 +232,8 @@ fn entries_of<T>(
     Ok(())
 }
 
-/// The texts of one array take at most so many bytes for each byte of the file, and 1 MiB: blanks deflate well.
+/// The texts of one array take at most so many bytes for each byte of the file, and 1 MiB: blanks
+/// deflate well.
 const TEXT_EXPANSION: u64 = 8;
 
 /// What a text takes beside its characters.
@@ -241,7 +245,8 @@ fn text_budget(reader: &Reader) -> u64 {
     most.saturating_add(1 << 20)
 }
 
-/// Texts of a char array, one for each row; blanks that fill a row to the width of the others are taken off.
+/// Texts of a char array, one for each row; blanks that fill a row to the width of the others are
+/// taken off.
 fn texts(reader: &mut Reader, matrix: &Matrix, budget: &mut u64) -> Result<Vec<String>, IoError> {
     let rows = text_shape(matrix).first().copied().unwrap_or(1);
     if matrix.count == 0 {

@@ -121,7 +121,8 @@ impl File<'_> {
         })
     }
 
-    /// Begins the struct of a group with the names of its fields; its byte count is put in when it ends.
+    /// Begins the struct of a group with the names of its fields; its byte count is put in when it
+    /// ends.
     fn begin(&mut self, group: String) -> Result<(), IoError> {
         let prefix = format!("{group}/");
         let fields = self
@@ -267,8 +268,8 @@ fn number_matrix(name: &str, shape: &[usize], numbers: Elements) -> Vec<u8> {
     }
 }
 
-/// A text as a char array of one row: as 16-bit numbers, as MATLAB writes it, or in UTF-8 beyond ASCII, as
-/// `scipy.io.savemat` does, which takes the lower half alone of 16-bit numbers.
+/// A text as a char array of one row: as 16-bit numbers, as MATLAB writes it, or in UTF-8 beyond
+/// ASCII, as `scipy.io.savemat` does, which takes the lower half alone of 16-bit numbers.
 fn char_array(name: &str, text: &str) -> Vec<u8> {
     let length = text.chars().count();
     let mut content = head(CHAR, &[usize::from(length > 0), length], name);

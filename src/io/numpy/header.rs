@@ -1,4 +1,5 @@
-//! The header of an `.npy` array: a Python dictionary with three keys, read without a Python parser.
+//! The header of an `.npy` array: a Python dictionary with three keys, read without a Python
+//! parser.
 
 use std::io::{ErrorKind, Read};
 
@@ -179,7 +180,8 @@ fn shape(text: &str) -> Option<Vec<usize>> {
     lengths.filter(|lengths| lengths.len() <= MOST_DIMENSIONS)
 }
 
-/// The header of a written array, padded to 64 bytes: format version 1.0, C order. Its text is ASCII and short.
+/// The header of a written array, padded to 64 bytes: format version 1.0, C order. Its text is
+/// ASCII and short.
 pub(super) fn written(description: &str, shape: &[usize]) -> Vec<u8> {
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let lengths = match shape {

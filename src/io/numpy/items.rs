@@ -75,7 +75,8 @@ impl Item {
         }
     }
 
-    /// Bytes of an element; `None` for what is not read, and for texts without width (as many as one likes would fit).
+    /// Bytes of an element; `None` for what is not read, and for texts without width (as many as
+    /// one likes would fit).
     pub fn size(&self) -> Option<usize> {
         let size = match self {
             Item::Bool => 1,

@@ -1,8 +1,9 @@
 //! NumPy files: one array (`.npy`) and a zip archive of them (`.npz`).
 //!
-//! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read. Arrays of Python objects
-//! (pickles), structured arrays, dates and long doubles are listed, not read. `.npz` is written in modalign's own layout,
-//! stored without compression, so that a part of an array can be read alone.
+//! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read.
+//! Arrays of Python objects (pickles), structured arrays, dates and long doubles are listed, not
+//! read. `.npz` is written in modalign's own layout, stored without compression, so that a part of
+//! an array can be read alone.
 //!
 //! # Reference
 //! NumPy documentation, `numpy.lib.format`, format versions 1.0 to 3.0.

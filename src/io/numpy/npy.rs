@@ -100,7 +100,8 @@ impl Header {
         }
     }
 
-    /// The array whose elements `input` is at. Memory grows with what is read, not with what the header promises.
+    /// The array whose elements `input` is at. Memory grows with what is read, not with what the
+    /// header promises.
     ///
     /// # Errors
     /// As [`Header::checked_size`], and what `input` returns.

@@ -2,11 +2,12 @@
 
 use std::io::{Error, ErrorKind, Result, Seek, SeekFrom, Write};
 
-/// Tells the first failure and takes everything behind it, so that an archive that is dropped for it does not fail again and say so
-/// on standard error.
+/// Tells the first failure and takes everything behind it, so that an archive that is dropped for
+/// it does not fail again and say so on standard error.
 pub(super) struct UntilFailed<W> {
     inner: W,
-    /// Where the next byte goes, and the farthest that one went: the inner writer cannot be asked once it has failed.
+    /// Where the next byte goes, and the farthest that one went: the inner writer cannot be asked
+    /// once it has failed.
     place: u64,
     end: u64,
     failed: Option<Error>,

@@ -1,7 +1,8 @@
 //! Text files in blocks of whole lines, whatever their encoding and line ends.
 //!
-//! UTF-8 and Latin-1 pass as bytes, a byte order mark left away; UTF-16 (with its mark, as spreadsheets and LabVIEW export
-//! it) becomes UTF-8. A line ends with LF or CR LF, or with CR in a file without LF.
+//! UTF-8 and Latin-1 pass as bytes, a byte order mark left away; UTF-16 (with its mark, as
+//! spreadsheets and LabVIEW export it) becomes UTF-8. A line ends with LF or CR LF, or with CR in a
+//! file without LF.
 
 use std::io::{Cursor, Read, SeekFrom};
 
@@ -108,8 +109,8 @@ impl TextBlocks {
         self.line
     }
 
-    /// The lines of the block that were not taken yet, in one piece; those of the next block where all were taken; `None`
-    /// at the end of the file.
+    /// The lines of the block that were not taken yet, in one piece; those of the next block where
+    /// all were taken; `None` at the end of the file.
     ///
     /// # Errors
     /// [`IoError::System`] when the file cannot be read.

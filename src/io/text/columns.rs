@@ -52,8 +52,8 @@ pub(super) enum Wanted {
     Counted,
 }
 
-/// Reads rows from the next line on until the file ends or a row is bad. Parts of a block are read in parallel; the rows
-/// and the first bad one are the same for any number of threads.
+/// Reads rows from the next line on until the file ends or a row is bad. Parts of a block are read
+/// in parallel; the rows and the first bad one are the same for any number of threads.
 ///
 /// # Errors
 /// [`IoError::System`] when the file cannot be read.
@@ -162,7 +162,8 @@ impl Part {
 }
 
 impl Rows {
-    /// Adds the rows of pieces up to the first fault; the first line has this number. Gives that of the line behind them.
+    /// Adds the rows of pieces up to the first fault; the first line has this number. Gives that of
+    /// the line behind them.
     fn add(&mut self, mut parts: Vec<Part>, mut line: u64, path: &str) -> u64 {
         let faulty = parts.iter().position(|part| part.fault.is_some());
         parts.truncate(faulty.map_or(parts.len(), |part| part + 1));
@@ -261,8 +262,8 @@ pub(super) fn read_columns(
 /// Where the columns of the spec stand.
 ///
 /// # Errors
-/// [`IoError`] for a column that is not there, for a heading that occurs twice, and for headings that are not as many as
-/// the fields below them.
+/// [`IoError`] for a column that is not there, for a heading that occurs twice, and for headings
+/// that are not as many as the fields below them.
 pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Vec<usize>, IoError> {
     let line = layout
         .heading_line
@@ -320,7 +321,8 @@ pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Ve
     spec.columns.iter().map(|own| place(&own.column)).collect()
 }
 
-/// Texts directly above numbers that commas part are as many as the numbers, or some of the commas are decimal ones.
+/// Texts directly above numbers that commas part are as many as the numbers, or some of the commas
+/// are decimal ones.
 fn headings_fit(layout: &Layout, path: &str) -> Result<(), IoError> {
     let by_comma = layout.notation.delimiter == Delimiter::Comma;
     let above = layout.above.filter(|_| by_comma);

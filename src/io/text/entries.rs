@@ -99,7 +99,8 @@ pub(super) fn tell_uneven(axis: &EntryAxis, line: Option<u64>, source: &mut Memo
     findings.push(Finding::new(Severity::Warning, Code::UnevenAxis, place));
 }
 
-/// Start and spacing of an even abscissa: a spacing that gives every value to the bit where there is one, else the mean one.
+/// Start and spacing of an even abscissa: a spacing that gives every value to the bit where there
+/// is one, else the mean one.
 fn exact_axis(values: &[f64]) -> Option<(f64, f64)> {
     let (start, mean) = even_axis(values, 1.0, "abscissa", &RowLines::default(), "").ok()?;
     let (below, above) = (mean.next_down(), mean.next_up());

@@ -7,8 +7,8 @@
 //! | `re 2:+Z\|1:+Z [(m/s2)/N]`, `im ...` | parts of a complex FRF, response before reference, `?` where not stated |
 //! | `coherence 2:+Z\|1:+Z`, `auto-spectrum 2:+Z` | any other function by its name; complex ones with `re` and `im` too |
 //!
-//! `hit 3` behind the points is the version of the record. The unit is a known one, `FACTOR x` one in SI, `1` for a plain
-//! number, or any text, which then stays a text.
+//! `hit 3` behind the points is the version of the record. The unit is a known one, `FACTOR x` one
+//! in SI, `1` for a plain number, or any text, which then stays a text.
 
 use crate::dof::Dof;
 use crate::io::{Domain, Entry, EntryAxis, FunctionType};
@@ -241,7 +241,8 @@ fn ratio_of(text: &str) -> Option<Ratio> {
     ))
 }
 
-/// The unit text that comes back as the entry's unit: empty where there is nothing to say, `None` where it cannot be said.
+/// The unit text that comes back as the entry's unit: empty where there is nothing to say, `None`
+/// where it cannot be said.
 pub(super) fn unit_text(entry: &Entry) -> Option<String> {
     let own = |text: &str| {
         let unit = unit_of(text, entry.function_type);
@@ -307,7 +308,8 @@ pub(super) fn abscissa_heading(entry: &Entry) -> String {
     }
 }
 
-/// Heading of an entry's values, without the word for the part; `unit` is empty where there is none.
+/// Heading of an entry's values, without the word for the part; `unit` is empty where there is
+/// none.
 pub(super) fn entry_heading(entry: &Entry, complex: bool, unit: &str) -> String {
     let name = match (entry.function_type, entry.role) {
         (FunctionType::Time, Some(Role::Force)) => "force ".to_owned(),

@@ -1,7 +1,8 @@
 //! Units that a table's headings state, against those of the scene.
 //!
-//! The unit stands in brackets behind the heading (`Force [kN]`) or in a row of units below. A known one must be that of
-//! the scene; for an axis whose unit the scene does not state it is taken. Any other text is left to the scene.
+//! The unit stands in brackets behind the heading (`Force [kN]`) or in a row of units below. A
+//! known one must be that of the scene; for an axis whose unit the scene does not state it is
+//! taken. Any other text is left to the scene.
 
 use super::layout::{Layout, bare_unit, split_unit};
 use crate::io::assign::frf_unit_text;
@@ -55,7 +56,8 @@ impl Stated {
 /// The spec with the unit that the heading of its axis states.
 ///
 /// # Errors
-/// [`IoError::Text`] at the headings, or at the row of units, for a known unit that is not that of the scene.
+/// [`IoError::Text`] at the headings, or at the row of units, for a known unit that is not that of
+/// the scene.
 pub(super) fn with_heading_units(
     spec: &TableSpec,
     layout: &Layout,

@@ -1,7 +1,9 @@
-//! How a table is laid out, judged from its first block: separator, decimal mark, headings, first row of numbers.
+//! How a table is laid out, judged from its first block: separator, decimal mark, headings, first
+//! row of numbers.
 //!
-//! Every notation is tried. One whose rows of numbers go on while those of another break off is taken; notations that read
-//! the same numbers are the same; where two read different numbers, as `1,5` alone in a line, the scene must say.
+//! Every notation is tried. One whose rows of numbers go on while those of another break off is
+//! taken; notations that read the same numbers are the same; where two read different numbers, as
+//! `1,5` alone in a line, the scene must say.
 
 use super::blocks::{self, text_of};
 use super::row::{Notation, fields, is_passed_over, row_of};
@@ -28,7 +30,8 @@ const fn notation(delimiter: Delimiter, decimal: u8) -> Notation {
 /// Rows that make a beginning: fewer may be numbers in the header.
 const BEGINNING: usize = 3;
 
-/// Bytes that settle the layout where one notation alone makes a beginning in them; else the whole block is looked at.
+/// Bytes that settle the layout where one notation alone makes a beginning in them; else the whole
+/// block is looked at.
 const HEAD: usize = 1 << 17;
 
 /// Most columns: as many as a spreadsheet has.
@@ -62,7 +65,8 @@ pub(super) struct Layout {
     pub units: Vec<String>,
     /// Line (from 1) of the headings.
     pub heading_line: Option<u64>,
-    /// Line (from 1) directly above the numbers, blank ones left away, and how many texts stand there.
+    /// Line (from 1) directly above the numbers, blank ones left away, and how many texts stand
+    /// there.
     pub above: Option<(u64, usize)>,
     /// Line (from 1) of the units.
     pub units_line: Option<u64>,
@@ -86,7 +90,8 @@ impl Reading {
         (self.start, self.width) == (other.start, other.width) && self.values == other.values
     }
 
-    /// Whether the other breaks off earlier; one column in itself says little, for `1,5` and `1;5` are no numbers.
+    /// Whether the other breaks off earlier; one column in itself says little, for `1,5` and `1;5`
+    /// are no numbers.
     fn beats(&self, other: &Reading) -> bool {
         self.rows > other.rows && (self.width > 1 || other.width == 1)
     }
@@ -95,8 +100,9 @@ impl Reading {
 /// Judges the first block of a table.
 ///
 /// # Errors
-/// [`IoError::Text`] when there is no row of numbers; [`IoError::NotStated`] when several notations read different ones;
-/// [`IoError::MissingColumn`] when the scene names a heading that is not there.
+/// [`IoError::Text`] when there is no row of numbers; [`IoError::NotStated`] when several notations
+/// read different ones; [`IoError::MissingColumn`] when the scene names a heading that is not
+/// there.
 pub(super) fn layout_of(
     block: &[u8],
     line_end: u8,
@@ -239,7 +245,8 @@ fn choose<'a>(
             left = headed;
         }
     }
-    // A decimal comma in one column could be two columns of whole numbers, more or less of them in each row.
+    // A decimal comma in one column could be two columns of whole numbers, more or less of them in
+    // each row.
     let settled = |own: &Reading| {
         own.width > 1
             || own.notation.decimal == b'.'
@@ -251,8 +258,8 @@ fn choose<'a>(
     }
 }
 
-/// Whether the line above the numbers has a heading for each of several columns; a heading that is a unit belongs to the one
-/// before it (`Force, N`).
+/// Whether the line above the numbers has a heading for each of several columns; a heading that is
+/// a unit belongs to the one before it (`Force, N`).
 fn is_headed(own: &Reading, header: &[&[u8]]) -> bool {
     let above = header
         .iter()
@@ -298,7 +305,8 @@ fn ambiguous(readings: &[&Reading], path: &str) -> IoError {
     }
 }
 
-/// Headings of a line: without comment mark, and with what stands in brackets joined to what is before it.
+/// Headings of a line: without comment mark, and with what stands in brackets joined to what is
+/// before it.
 fn headings(line: &[u8], notation: Notation) -> Vec<String> {
     let line = line.trim_ascii_start();
     let line = line
@@ -319,7 +327,8 @@ fn headings(line: &[u8], notation: Notation) -> Vec<String> {
     joined
 }
 
-/// Places of the headings that a scene may mean by a name: the whole heading, or else all but its unit.
+/// Places of the headings that a scene may mean by a name: the whole heading, or else all but its
+/// unit.
 pub(super) fn places_of(headings: &[String], name: &str) -> Vec<usize> {
     let with = |same: &dyn Fn(&str) -> bool| -> Vec<usize> {
         let places = headings.iter().enumerate();

@@ -1,4 +1,5 @@
-//! Text other than universal files: tables of numbers (CSV and its kin) and the exports of two measurement systems.
+//! Text other than universal files: tables of numbers (CSV and its kin) and the exports of two
+//! measurement systems.
 //!
 //! A text is read in blocks; its numbers are parsed straight from the bytes.
 

@@ -1,9 +1,11 @@
 //! Brüel & Kjær PULSE LabShop: a function exported as text.
 //!
-//! The header is `Key:<tab>value` on each line; blank lines stand where a key has no value, and `Header Size` does not count
-//! the lines about the slice. So the numbers are found by their form: index, abscissa, and one value or two (`Data Type`
-//! `Real` or `Complex`), separated by tabulators, with the decimal mark of `Decimal Symbol`. `X-Axis size` says how many
-//! there are; several slices (`Z-Axis size`) follow one another, each behind its own lines. Tags stand behind the numbers.
+//! The header is `Key:<tab>value` on each line; blank lines stand where a key has no value, and
+//! `Header Size` does not count the lines about the slice. So the numbers are found by their form:
+//! index, abscissa, and one value or two (`Data Type` `Real` or `Complex`), separated by
+//! tabulators, with the decimal mark of `Decimal Symbol`. `X-Axis size` says how many there are;
+//! several slices (`Z-Axis size`) follow one another, each behind its own lines. Tags stand behind
+//! the numbers.
 
 use std::collections::BTreeMap;
 
@@ -141,8 +143,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Adds a row; index 1 begins a slice, and an index that does not follow the one before it breaks it off. A row of a
-    /// slice that broke off is passed over.
+    /// Adds a row; index 1 begins a slice, and an index that does not follow the one before it
+    /// breaks it off. A row of a slice that broke off is passed over.
     fn push(&mut self, row: &[f64; 4], line: u64, open: &mut bool, path: &str) {
         let is = |index: usize| row[0].to_bits() == (index as f64).to_bits();
         self.more |= !*open && is(1) && self.slices.len() == MOST_SLICES;

@@ -1,4 +1,5 @@
-//! PULSE and SignalCalc exports and plain tables of real measurements, from private recordings where they are present.
+//! PULSE and SignalCalc exports and plain tables of real measurements, from private recordings
+//! where they are present.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -139,7 +140,8 @@ fn nine_recordings_of_a_beam_are_read() {
     }
 }
 
-/// Columns 1 to 3 of a file of the milling tool, read in these roles without a word on how they are separated.
+/// Columns 1 to 3 of a file of the milling tool, read in these roles without a word on how they are
+/// separated.
 fn tool(data: &std::path::Path, name: &str, roles: [ColumnRole; 3]) -> Box<dyn Source> {
     let columns = roles
         .into_iter()

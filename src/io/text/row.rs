@@ -39,8 +39,8 @@ pub(super) fn is_passed_over(line: &[u8]) -> bool {
     matches!(line.trim_ascii_start().first(), None | Some(b'#' | b'%'))
 }
 
-/// Fields of a line, without the blanks and quotes around them and without empty fields at the end. A quoted field may hold
-/// the separator.
+/// Fields of a line, without the blanks and quotes around them and without empty fields at the end.
+/// A quoted field may hold the separator.
 pub(super) fn fields(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     let mut found: Vec<&[u8]> = Vec::new();
     let Some(separator) = delimiter.byte() else {
@@ -63,7 +63,8 @@ pub(super) fn fields(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     found
 }
 
-/// Where the first field ends: at the separator that stands in no quotes, or at the end of the line.
+/// Where the first field ends: at the separator that stands in no quotes, or at the end of the
+/// line.
 fn field_end(line: &[u8], separator: u8) -> usize {
     let quoted = line.trim_ascii_start().first() == Some(&b'"');
     if !quoted {
@@ -94,8 +95,8 @@ pub(super) fn is_stamp(field: &[u8]) -> bool {
         && (count(b":") > 0 || count(b"-/.") >= 2)
 }
 
-/// Numbers of a row into `row`; `None` stands for a date, a time of day or an empty field between others. False for a line
-/// that is no row: without a number, or with any other text.
+/// Numbers of a row into `row`; `None` stands for a date, a time of day or an empty field between
+/// others. False for a line that is no row: without a number, or with any other text.
 pub(super) fn row_of(line: &[u8], notation: Notation, row: &mut Vec<Option<f64>>) -> bool {
     row.clear();
     for field in fields(line, notation.delimiter) {
@@ -136,8 +137,8 @@ impl RowShape {
         self.careful(line, row).map(|()| true)
     }
 
-    /// Reads a row that is written plainly, numbers and the separator alone, and says where its line ends in the text that
-    /// begins with it, the line end included; `None` for anything else.
+    /// Reads a row that is written plainly, numbers and the separator alone, and says where its
+    /// line ends in the text that begins with it, the line end included; `None` for anything else.
     pub fn plain(&self, text: &[u8], line_end: u8, row: &mut [f64]) -> Option<usize> {
         let separator = self.notation.delimiter.byte();
         let mut at = 0;
@@ -244,7 +245,8 @@ fn blanks(bytes: &[u8], separator: Option<u8>) -> usize {
     count
 }
 
-/// Length of a field that is not wanted; `None` where a quote makes it a matter for the careful way.
+/// Length of a field that is not wanted; `None` where a quote makes it a matter for the careful
+/// way.
 fn passed_over(text: &[u8], separator: Option<u8>, line_end: u8) -> Option<usize> {
     let end = match separator {
         Some(separator) => memchr::memchr2(separator, line_end, text),

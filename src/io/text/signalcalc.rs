@@ -216,7 +216,8 @@ impl Header {
         }
     }
 
-    /// `(m/s²)(N)` is one over the other in a ratio; of other functions only a single unit is taken.
+    /// `(m/s²)(N)` is one over the other in a ratio; of other functions only a single unit is
+    /// taken.
     fn put_unit(&self, entry: &mut Entry, text: &str) {
         let ratio = entry.function_type == FunctionType::Frf;
         let written = if ratio {

@@ -1,5 +1,6 @@
-//! Tables of numbers: CSV and its kin. A scene describes the columns; the layout is judged by the content where the scene
-//! does not state it. A table that modalign wrote states everything in its headings ([`super::heading`]).
+//! Tables of numbers: CSV and its kin. A scene describes the columns; the layout is judged by the
+//! content where the scene does not state it. A table that modalign wrote states everything in its
+//! headings ([`super::heading`]).
 //!
 //! A row that is no row of numbers is damage: the rows before it are read, the rest is not.
 

@@ -1,6 +1,7 @@
 //! Entries of one abscissa to a table whose headings state everything ([`super::heading`]).
 //!
-//! Numbers have as many digits as give the same double back, or the same single where singles are stored.
+//! Numbers have as many digits as give the same double back, or the same single where singles are
+//! stored.
 
 use super::heading::{abscissa_heading, entry_heading, same_axis, unit_text};
 use crate::finding::Finding;
@@ -154,7 +155,8 @@ fn header(catalog: &Catalog, columns: &[Column]) -> String {
     headings.join(",") + "\n"
 }
 
-/// Functions that carry the decay of a window would be read back as if the structure damped by so much more.
+/// Functions that carry the decay of a window would be read back as if the structure damped by so
+/// much more.
 fn check_window(
     catalog: &Catalog,
     chosen: &[usize],

@@ -6,8 +6,9 @@
 //! | 2 | 3 D25.17 | factors of length, force and temperature |
 //! | 3 | D25.17 | temperature offset (not used) |
 //!
-//! A factor is the number of file units in one SI unit: **SI value = file value / factor** (foot and pound-force:
-//! 3.28084 and 0.224809; millimetre: 1000). There is no factor of time: it is always in seconds.
+//! A factor is the number of file units in one SI unit: **SI value = file value / factor** (foot
+//! and pound-force: 3.28084 and 0.224809; millimetre: 1000). There is no factor of time: it is
+//! always in seconds.
 
 use super::fields::{FieldError, Line, finite, numeric_record};
 use crate::quantity::Quantity;

@@ -7,8 +7,8 @@
 //! | 3-5 | 5 E15.7 | z values and number of samples; user values and the exponential window's damping factor; not used |
 //! | 6, 7 | | response and reference direction; not used |
 //!
-//! The window alone is read and written, all else is 0. The damping factor has no stated unit, so it is no decay rate.
-//! The dataset is written behind its function.
+//! The window alone is read and written, all else is 0. The damping factor has no stated unit, so
+//! it is no decay rate. The dataset is written behind its function.
 
 use std::io::{self, Write};
 

@@ -1,4 +1,5 @@
-//! Dataset 2411, nodes in double precision, two lines each. Dataset 781, its forerunner, has the same lines.
+//! Dataset 2411, nodes in double precision, two lines each. Dataset 781, its forerunner, has the
+//! same lines.
 //!
 //! | line | columns | fields |
 //! |---|---|---|
@@ -48,8 +49,8 @@ fn node(head: &Line, coordinates: &Line) -> Result<RawNode, FieldError> {
     RawNode::new(head, label, systems, at)
 }
 
-/// Writes the nodes of `rows`: label, displacement coordinate system (0 for the global frame) and position in m, in the
-/// global frame, with the 17 digits that bring every double back.
+/// Writes the nodes of `rows`: label, displacement coordinate system (0 for the global frame) and
+/// position in m, in the global frame, with the 17 digits that bring every double back.
 pub(super) fn write(out: &mut dyn Write, rows: &[(i64, i64, Vector3)]) -> io::Result<()> {
     let mut text = String::from("    -1\n  2411\n");
     for (label, displacement, at_m) in rows {

@@ -1,4 +1,5 @@
-//! Dataset 2414, analysis data: modes at nodes. Data of other analyses or on elements are passed over.
+//! Dataset 2414, analysis data: modes at nodes. Data of other analyses or on elements are passed
+//! over.
 //!
 //! | record | columns | fields |
 //! |---|---|---|
@@ -18,7 +19,8 @@ use super::modes::{RawMode, Root, titles};
 use super::node_data::{Definition, no_root, node_values, two_rows_of_parameters};
 use super::records::Records;
 
-/// Reads the mode, or the number of the analysis that it is not; `first` is the dataset's first line, for messages.
+/// Reads the mode, or the number of the analysis that it is not; `first` is the dataset's first
+/// line, for messages.
 pub(super) fn mode(lines: &[Line], first: &Line) -> Result<Result<RawMode, i64>, FieldError> {
     let mut records = Records::new(lines, first);
     records.line("label of dataset 2414")?;

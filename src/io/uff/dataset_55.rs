@@ -10,7 +10,8 @@
 //! | 9 | I10 | node |
 //! | 10 | 6 E13.5 | its values; records 9 and 10 are repeated |
 //!
-//! Text behind `FREQUENCY` in an ID line is not read: it is the damped frequency where Testlab wrote it.
+//! Text behind `FREQUENCY` in an ID line is not read: it is the damped frequency where Testlab
+//! wrote it.
 
 use super::fields::{FieldError, Line};
 use super::mode_note::ModeNote;
@@ -21,7 +22,8 @@ use super::records::Records;
 /// Most numbers of record 7 or 8; the format has 10 and 12.
 const MOST_PARAMETERS: i64 = 1_000;
 
-/// Reads the mode, or the number of the analysis that it is not; `first` is the dataset's first line, for messages.
+/// Reads the mode, or the number of the analysis that it is not; `first` is the dataset's first
+/// line, for messages.
 pub(super) fn mode(lines: &[Line], first: &Line) -> Result<Result<RawMode, i64>, FieldError> {
     let mut records = Records::new(lines, first);
     let mut id_lines = Vec::new();

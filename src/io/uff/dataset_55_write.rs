@@ -1,15 +1,17 @@
 //! Modes out, as dataset 55 (field table: `dataset_55`), in SI units.
 //!
-//! A mode whose damping, modal A or B is known or whose shape is complex is written as a complex eigenvalue with complex
-//! values, any other as a normal mode with real ones. Modal A that is not known follows from the modal mass m as 2iω_d m
-//! and modal B as −λA; what is unknown is 0. Numbers have the six digits of E13.5, the widest that other readers take; the
-//! last of the five ID lines keep frequency, damping and modal mass to the last digit ([`ModeNote`]), the first the title
-//! of the mode, or of the file.
+//! A mode whose damping, modal A or B is known or whose shape is complex is written as a complex
+//! eigenvalue with complex values, any other as a normal mode with real ones. Modal A that is not
+//! known follows from the modal mass m as 2iω_d m and modal B as −λA; what is unknown is 0. Numbers
+//! have the six digits of E13.5, the widest that other readers take; the last of the five ID lines
+//! keep frequency, damping and modal mass to the last digit ([`ModeNote`]), the first the title of
+//! the mode, or of the file.
 //!
-//! A node has three values, or six when a rotation is known, or one where all are scalars. Those that are not known have
-//! to be 0; the note says so. At nodes with a local displacement system the values are turned back into it. Left out with a
-//! finding: values at points that are no node number, scalars beside directions and repeated measurements; standard
-//! deviations, residues, method and order.
+//! A node has three values, or six when a rotation is known, or one where all are scalars. Those
+//! that are not known have to be 0; the note says so. At nodes with a local displacement system the
+//! values are turned back into it. Left out with a finding: values at points that are no node
+//! number, scalars beside directions and repeated measurements; standard deviations, residues,
+//! method and order.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -32,7 +34,8 @@ use crate::modal::{Mode, Pole};
 /// Part of a vector that is rounding of its turn.
 const ROUNDING: f64 = 1e-12;
 
-/// Values of a node along [`Axis::ALL`]: scalar, X, Y, Z, RX, RY, RZ; `None` where nothing is known.
+/// Values of a node along [`Axis::ALL`]: scalar, X, Y, Z, RX, RY, RZ; `None` where nothing is
+/// known.
 type Row = [Option<Complex64>; 7];
 /// Values of a mode by node.
 type Rows = BTreeMap<i64, Row>;
@@ -128,8 +131,8 @@ fn rows(mode: &Mode, lost: &mut NotCarried) -> Rows {
     rows
 }
 
-/// Counts what a reader of modes that lack directions cannot tell from one that was never measured, and the other way
-/// about.
+/// Counts what a reader of modes that lack directions cannot tell from one that was never measured,
+/// and the other way about.
 fn count_zeros(shapes: &[&Rows], lost: &mut NotCarried) {
     let mut known: BTreeMap<(i64, usize), bool> = BTreeMap::new();
     for (node, row) in shapes.iter().copied().flatten() {
@@ -150,8 +153,8 @@ fn count_zeros(shapes: &[&Rows], lost: &mut NotCarried) {
     lost.add("missing shape values, written as 0", missing.sum());
 }
 
-/// Values turned into the displacement systems of their nodes; a node where that takes values that are not known is left
-/// out.
+/// Values turned into the displacement systems of their nodes; a node where that takes values that
+/// are not known is left out.
 fn in_local_systems(rows: Rows, frames: &Frames, lost: &mut NotCarried) -> Rows {
     let turn = |(node, row): (i64, Row)| match frames.get(&node) {
         None => Some((node, row)),

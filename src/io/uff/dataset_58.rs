@@ -1,7 +1,9 @@
-//! Dataset 58, a function at a degree of freedom: its header, from lines to fields. No I/O, and no unit or axis is judged
-//! here (that is `dataset_58_meaning`); samples are read by `dataset_58_samples`.
+//! Dataset 58, a function at a degree of freedom: its header, from lines to fields. No I/O, and no
+//! unit or axis is judged here (that is `dataset_58_meaning`); samples are read by
+//! `dataset_58_samples`.
 //!
-//! The dataset's first line is `58` alone for text, or for a binary block (columns in Fortran terms I6 A1 I6 I6 I12 I12):
+//! The dataset's first line is `58` alone for text, or for a binary block (columns in Fortran terms
+//! I6 A1 I6 I6 I12 I12):
 //!
 //! | field | meaning |
 //! |---|---|
@@ -23,10 +25,11 @@
 //! | 10 | as 8 | ordinate denominator |
 //! | 11 | as 8 | z axis, not used |
 //!
-//! Then the values, one after the other, real part before imaginary part: as text 6 E13.5 to a line for 32 bits and
-//! 4 E20.12 for 64 bits, or as bytes without any line end. An uneven abscissa stands before each value: in text as E13.5
-//! whatever the width of the values, as bytes of 32 bits, or of 64 bits where the values have them (the format's
-//! description says 32 bits always, what is written is 64).
+//! Then the values, one after the other, real part before imaginary part: as text 6 E13.5 to a line
+//! for 32 bits and 4 E20.12 for 64 bits, or as bytes without any line end. An uneven abscissa
+//! stands before each value: in text as E13.5 whatever the width of the values, as bytes of 32
+//! bits, or of 64 bits where the values have them (the format's description says 32 bits always,
+//! what is written is 64).
 
 use super::dof_fields::DofFields;
 use super::fields::{
@@ -119,7 +122,8 @@ pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
     })
 }
 
-/// Reads the header from its (at least eleven) lines; `at` is where the dataset's first line starts.
+/// Reads the header from its (at least eleven) lines; `at` is where the dataset's first line
+/// starts.
 pub(super) fn header(at: Position, lines: &[Line]) -> Result<Header, FieldError> {
     let record_6 = function_record(&lines[5])?;
     let record_7 = spacing_record(&lines[6])?;
@@ -304,7 +308,8 @@ fn sample_format(data_type: i64) -> Option<SampleFormat> {
     }
 }
 
-/// Records 8 to 10: by columns where the blank columns are blank, else four numbers and two texts parted by two blanks.
+/// Records 8 to 10: by columns where the blank columns are blank, else four numbers and two texts
+/// parted by two blanks.
 fn characteristic(line: &Line) -> Result<Characteristic, FieldError> {
     let bytes = &line.bytes;
     let code = integer(column(bytes, 0, 10));

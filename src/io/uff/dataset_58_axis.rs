@@ -1,9 +1,11 @@
-//! The abscissa of a header of dataset 58: what it measures, and an even axis where there is one. No I/O.
+//! The abscissa of a header of dataset 58: what it measures, and an even axis where there is one.
+//! No I/O.
 //!
-//! A time step printed with few digits is put right where one whole number of samples per second, and only one, lies
-//! within its rounding. A note of our own among the ID lines gives start and step to the bit; it is believed where it
-//! agrees with what is printed. Abscissae printed value by value are an even axis where every one of them lies within the
-//! rounding of its place (and that of the first).
+//! A time step printed with few digits is put right where one whole number of samples per second,
+//! and only one, lies within its rounding. A note of our own among the ID lines gives start and
+//! step to the bit; it is believed where it agrees with what is printed. Abscissae printed value by
+//! value are an even axis where every one of them lies within the rounding of its place (and that
+//! of the first).
 
 use super::dataset_58::{Header, Spacing};
 use crate::axis::{FrequencyAxis, TimeAxis};
@@ -11,8 +13,8 @@ use crate::io::{Domain, EntryAxis, GeneralAxis};
 
 /// Relative change of the step from which on a restored sampling rate is worth a finding.
 const WORTH_TELLING: f64 = 1e-9;
-/// Roundings count where they are smaller than this part of the step at the start of the axis; else values must lie on the
-/// grid itself.
+/// Roundings count where they are smaller than this part of the step at the start of the axis; else
+/// values must lie on the grid itself.
 const ROUNDING_PER_STEP: f64 = 1e-2;
 
 /// An axis, and the sampling rate that was restored for it, when it was.
@@ -22,7 +24,8 @@ pub(super) struct Axis {
     pub restored_rate_hz: Option<f64>,
 }
 
-/// Values of an uneven abscissa as stored, with how exactly each was printed (half a unit of its last digit).
+/// Values of an uneven abscissa as stored, with how exactly each was printed (half a unit of its
+/// last digit).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Abscissae {
     pub values: Vec<f64>,
@@ -63,8 +66,9 @@ const TURNING_UNITS: [(f64, &[&str]); 2] = [
     (1.0 / 60.0, &["rpm", "cpm", "1/min", "r/min", "rev/min"]),
 ];
 
-/// What the abscissa measures, and its factor to seconds or hertz. A unit that is not known leaves the stored values as
-/// they are and the type of the header, so that nobody takes them for seconds or hertz.
+/// What the abscissa measures, and its factor to seconds or hertz. A unit that is not known leaves
+/// the stored values as they are and the type of the header, so that nobody takes them for seconds
+/// or hertz.
 pub(super) fn domain(header: &Header) -> (Domain, f64) {
     let unit = header.abscissa.unit.trim_matches(['(', ')', '[', ']']);
     let unit = unit.trim();
@@ -74,7 +78,8 @@ pub(super) fn domain(header: &Header) -> (Domain, f64) {
         18 => frequency_scale(unit)
             .or_else(|| factor(&TURNING_UNITS, unit))
             .map(|scale| (Domain::Frequency, scale)),
-        // The unit decides, then the function type: correlations are over time; spectra, FRFs and coherences over frequency.
+        // The unit decides, then the function type: correlations are over time; spectra, FRFs and
+        // coherences over frequency.
         0 | 1 => match function_type {
             1 | 7 | 8 if unit.is_empty() => Some((Domain::Time, 1.0)),
             2..=6 | 9 if unit.is_empty() => Some((Domain::Frequency, 1.0)),
@@ -118,7 +123,8 @@ fn factor(units: &[(f64, &[&str])], text: &str) -> Option<f64> {
     units.iter().find(is_named).map(|row| row.0)
 }
 
-/// An evenly spaced axis; `note` is start and step as our own writer noted them. `None` for several values at one place.
+/// An evenly spaced axis; `note` is start and step as our own writer noted them. `None` for several
+/// values at one place.
 pub(super) fn even_axis(
     (domain, scale): (Domain, f64),
     len: usize,
@@ -171,7 +177,8 @@ fn axis(domain: Domain, start: f64, step: f64, len: usize) -> Option<Axis> {
     })
 }
 
-/// The axis of abscissae that stand before each value: even where they are time or frequency on an even grid.
+/// The axis of abscissae that stand before each value: even where they are time or frequency on an
+/// even grid.
 pub(super) fn uneven_axis((domain, scale): (Domain, f64), abscissae: &Abscissae) -> EntryAxis {
     let general = EntryAxis::General(GeneralAxis {
         domain,
@@ -192,7 +199,8 @@ pub(super) fn uneven_axis((domain, scale): (Domain, f64), abscissae: &Abscissae)
         .map_or(general, |even| even.axis)
 }
 
-/// Start, and the smallest and largest step of the even grids on which all values lie within their rounding.
+/// Start, and the smallest and largest step of the even grids on which all values lie within their
+/// rounding.
 fn even_grid(abscissae: &Abscissae) -> Option<(f64, f64, f64)> {
     let (first, last) = (*abscissae.values.first()?, *abscissae.values.last()?);
     let intervals = abscissae.values.len().checked_sub(1).filter(|n| *n > 0)?;
@@ -231,16 +239,19 @@ fn shortest_between(low: f64, high: f64) -> f64 {
         .unwrap_or(middle)
 }
 
-/// The whole number of samples per second whose step prints as `step`, when there is one and no other.
+/// The whole number of samples per second whose step prints as `step`, when there is one and no
+/// other.
 fn whole_rate(step: f64, half_unit: f64) -> Option<f64> {
-    // A step that ends in 5 lies on the edge itself (1.953125E-05 prints as 1.95313E-05), where rounding must not lose it.
+    // A step that ends in 5 lies on the edge itself (1.953125E-05 prints as 1.95313E-05), where
+    // rounding must not lose it.
     let half = half_unit * (1.0 + 1e-6);
     (half < step)
         .then(|| only_rate(step - half, step + half))
         .flatten()
 }
 
-/// The whole number of samples per second with a step from `low` to `high`, when there is one and no other.
+/// The whole number of samples per second with a step from `low` to `high`, when there is one and
+/// no other.
 fn only_rate(low: f64, high: f64) -> Option<f64> {
     let first = (1.0 / high).ceil();
     let last = (1.0 / low).floor();
@@ -260,7 +271,8 @@ mod tests {
 
     #[test]
     fn every_common_rate_comes_back_from_six_digits() {
-        // Up to 90 kHz six digits always tell one rate from the next; above, the common ones are told.
+        // Up to 90 kHz six digits always tell one rate from the next; above, the common ones are
+        // told.
         for hz in (1..=90_000).chain([96_000, 102_400, 131_072, 192_000, 204_800, 262_144]) {
             let hz = f64::from(hz);
             let printed = format!("{:.5E}", 1.0 / hz);

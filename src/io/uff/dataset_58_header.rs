@@ -1,7 +1,8 @@
 //! The header of dataset 58 for an entry: fields that read back as the entry.
 //!
-//! Whatever has no field of its own (start and step to the bit, the number of a repeated measurement, how a function was
-//! made) goes into ID lines 4 and 5 as `modalign key=value ...`, where these are empty or our own already.
+//! Whatever has no field of its own (start and step to the bit, the number of a repeated
+//! measurement, how a function was made) goes into ID lines 4 and 5 as `modalign key=value ...`,
+//! where these are empty or our own already.
 
 use super::dataset_58::{Characteristic, Spacing};
 use super::dataset_58_axis::even_axis;
@@ -50,12 +51,12 @@ pub(super) struct Fitted {
     pub lost: Vec<&'static str>,
 }
 
-/// The header of an entry whose values are written in a format; in SI units where that is asked for. The entry must have
-/// a function type with a number.
+/// The header of an entry whose values are written in a format; in SI units where that is asked
+/// for. The entry must have a function type with a number.
 ///
 /// # Errors
-/// [`IoError::Unwritable`] for a number that its columns do not hold; [`IoError::Dof`] for a degree of freedom that has no
-/// fields.
+/// [`IoError::Unwritable`] for a number that its columns do not hold; [`IoError::Dof`] for a degree
+/// of freedom that has no fields.
 pub(super) fn fit(
     entry: &Entry,
     function_type: i32,
@@ -211,8 +212,8 @@ fn unit_text(label: &str, lost: &mut Vec<&'static str>) -> String {
     text
 }
 
-/// Numerator and denominator that read back as the entry's quantities and factor to SI, and what the values are to be
-/// multiplied by: one, but for a factor that no unit has.
+/// Numerator and denominator that read back as the entry's quantities and factor to SI, and what
+/// the values are to be multiplied by: one, but for a factor that no unit has.
 fn sides(entry: &Entry, in_si: bool, lost: &mut Vec<&'static str>) -> ([Characteristic; 2], f64) {
     let meant = Ordinate {
         quantity: entry.quantity,
@@ -251,7 +252,8 @@ fn sides(entry: &Entry, in_si: bool, lost: &mut Vec<&'static str>) -> ([Characte
     )
 }
 
-/// Ways to write the unit: parted at its last slash, in one piece, by the names of known units, and as no unit.
+/// Ways to write the unit: parted at its last slash, in one piece, by the names of known units, and
+/// as no unit.
 fn candidates(entry: &Entry) -> Vec<[Characteristic; 2]> {
     let label = line_text(&entry.unit_label);
     let bare = |text: &str| text.trim_matches(['(', ')']).to_owned();

@@ -1,8 +1,9 @@
 //! What a header of dataset 58 means: degrees of freedom, quantity, factor to SI and axis. No I/O.
 //!
-//! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that is not a known unit of
-//! the stated quantity leaves the factor open. What our own writer notes in ID lines 4 and 5 (`modalign key=value ...`)
-//! beyond [`FunctionNote`]: `axis=START:STEP` to the bit, and the numbers of repeated measurements.
+//! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that
+//! is not a known unit of the stated quantity leaves the factor open. What our own writer notes in
+//! ID lines 4 and 5 (`modalign key=value ...`) beyond [`FunctionNote`]: `axis=START:STEP` to the
+//! bit, and the numbers of repeated measurements.
 
 use super::dataset_58::{Characteristic, Header};
 use super::dataset_58_axis::{Abscissae, Axis, domain, even_axis, uneven_axis};
@@ -26,8 +27,8 @@ pub(super) struct Meaning {
     pub restored_rate_hz: Option<f64>,
 }
 
-/// The entry of a header, without the factors of dataset 164; `text` when its samples are written as text, `abscissae`
-/// those that stand before its values.
+/// The entry of a header, without the factors of dataset 164; `text` when its samples are written
+/// as text, `abscissae` those that stand before its values.
 pub(super) fn meaning(
     header: &Header,
     text: bool,
@@ -61,7 +62,8 @@ pub(super) fn meaning(
     })
 }
 
-/// The unit of the abscissa as it is read: seconds and hertz whatever the header had, else its own text.
+/// The unit of the abscissa as it is read: seconds and hertz whatever the header had, else its own
+/// text.
 fn axis_label(header: &Header) -> String {
     match domain(header).0 {
         Domain::Time => "s".to_owned(),
@@ -232,7 +234,8 @@ mod tests {
     use super::super::file_builder::{dataset, header, open, text_58};
     use crate::io::{Domain, Entry, EntryAxis, GeneralAxis};
 
-    /// The entry of a header with function type, abscissa code and abscissa unit, in a file with units in millimetres.
+    /// The entry of a header with function type, abscissa code and abscissa unit, in a file with
+    /// units in millimetres.
     fn entry(function_type: i32, code: i32, unit: &str) -> Option<Entry> {
         let mut head = header(2, 1);
         head[5].replace_range(..5, &format!("{function_type:>5}"));

@@ -100,7 +100,8 @@ impl ReadAt for Box<dyn ReadSeek> {
     }
 }
 
-/// Reads values `range` of a binary block into `block`, whose memory is used again when it has the right kind.
+/// Reads values `range` of a binary block into `block`, whose memory is used again when it has the
+/// right kind.
 pub(super) fn read_binary(
     input: &mut Input,
     from: &BinaryBlock,
@@ -173,7 +174,8 @@ fn complex(block: &mut Block) -> Vec<Complex64> {
     }
 }
 
-/// Gives a vector its length; new memory comes as zeros from the system, without being written first.
+/// Gives a vector its length; new memory comes as zeros from the system, without being written
+/// first.
 fn resize<T: Clone + Default>(values: &mut Vec<T>, len: usize) {
     if values.capacity() < len {
         *values = vec![T::default(); len];

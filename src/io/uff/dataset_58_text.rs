@@ -81,11 +81,12 @@ pub(super) fn copy_abscissa(
     out.extend(part.chunks_exact(stride).map(|pair| pair[0]));
 }
 
-/// Reads all numbers of a text block; zeros that merely fill the last row stay behind the others. With
-/// `printed` how exactly the abscissae were printed is told too.
+/// Reads all numbers of a text block; zeros that merely fill the last row stay behind the others.
+/// With `printed` how exactly the abscissae were printed is told too.
 ///
 /// # Errors
-/// [`IoError`] with the line of a text that is not a number, or of the end when there are too few or too many.
+/// [`IoError`] with the line of a text that is not a number, or of the end when there are too few
+/// or too many.
 pub(super) fn read_text(
     input: &mut dyn ReadSeek,
     from: &TextBlock,
@@ -141,8 +142,8 @@ fn read_some(input: &mut dyn ReadSeek, bytes: &mut [u8]) -> io::Result<usize> {
     }
 }
 
-/// How many of the bytes are whole rows; where a row is longer than all of them, how many are whole numbers; all, where a
-/// number is.
+/// How many of the bytes are whole rows; where a row is longer than all of them, how many are whole
+/// numbers; all, where a number is.
 fn whole_rows(bytes: &[u8], full: bool) -> usize {
     let row = memchr::memrchr(b'\n', bytes).map(|at| at + 1);
     match row {
@@ -191,7 +192,8 @@ impl Rows {
             expected: "a number".to_owned(),
         })?;
         let count = self.numbers.values.len();
-        // Zeros behind the last number may fill its row, however the row came in parts; another row is no filler.
+        // Zeros behind the last number may fill its row, however the row came in parts; another row
+        // is no filler.
         let surplus = count.saturating_sub(self.wanted);
         let new_row = before >= self.wanted && !self.within_row;
         let filler = surplus < ROW_COLUMNS / self.width

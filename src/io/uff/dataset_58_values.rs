@@ -1,4 +1,5 @@
-//! Values of dataset 58 from a source to a file: block by block, in the width and encoding that is asked for.
+//! Values of dataset 58 from a source to a file: block by block, in the width and encoding that is
+//! asked for.
 
 use std::io::Write;
 
@@ -104,8 +105,8 @@ impl<'a> Target<'a> {
         out.write_all(b"    -1\n").map_err(failed)
     }
 
-    /// The values of an uneven abscissa. Where single precision does not hold them, all numbers of a binary block get 64
-    /// bits.
+    /// The values of an uneven abscissa. Where single precision does not hold them, all numbers of
+    /// a binary block get 64 bits.
     fn abscissa(
         &mut self,
         source: &mut dyn Source,

@@ -1,4 +1,5 @@
-//! Dataset 58 written: the header lines in their columns, and rows of numbers as text (field table: `dataset_58`).
+//! Dataset 58 written: the header lines in their columns, and rows of numbers as text (field table:
+//! `dataset_58`).
 
 use std::io::{self, Write};
 
@@ -88,8 +89,8 @@ fn characteristic(field: &Characteristic) -> String {
     )
 }
 
-/// A number in at most twelve columns, so that a blank stands before it in its thirteen: seven digits or, where sign or
-/// exponent take columns, fewer.
+/// A number in at most twelve columns, so that a blank stands before it in its thirteen: seven
+/// digits or, where sign or exponent take columns, fewer.
 pub(super) fn twelve_columns(value: f64) -> String {
     let mut digits = 6;
     loop {
@@ -116,7 +117,8 @@ pub(super) fn fortran(value: f64, digits: usize) -> String {
     }
 }
 
-/// Everything of a dataset with a binary block, little endian, that stands before its `bytes` bytes.
+/// Everything of a dataset with a binary block, little endian, that stands before its `bytes`
+/// bytes.
 pub(super) fn binary_head(header: &FunctionHeader, bytes: u64) -> String {
     format!(
         "    -1\n    58b{:>6}{:>6}{:>12}{bytes:>12}{:>6}{:>6}{:>12}{:>12}\n{}",
@@ -136,8 +138,8 @@ pub(super) fn text_head(header: &FunctionHeader) -> String {
     format!("    -1\n    58\n{}", header_lines(header))
 }
 
-/// Rows of numbers as text, in the columns of the format: 6 E13.5 or 4 E20.12 to a row, and where an abscissa stands
-/// before each value 6 E13.5, 2 (E13.5, E20.12) or E13.5, 2 E20.12.
+/// Rows of numbers as text, in the columns of the format: 6 E13.5 or 4 E20.12 to a row, and where
+/// an abscissa stands before each value 6 E13.5, 2 (E13.5, E20.12) or E13.5, 2 E20.12.
 pub(super) struct TextRows {
     format: SampleFormat,
     uneven: bool,
@@ -209,7 +211,8 @@ impl TextRows {
     }
 }
 
-/// A text that fits a line and is no delimiter: control characters become blanks, what is behind column 80 is cut.
+/// A text that fits a line and is no delimiter: control characters become blanks, what is behind
+/// column 80 is cut.
 pub(super) fn line_text(text: &str) -> String {
     let plain: String = text
         .chars()

@@ -61,8 +61,8 @@ pub(super) fn trace_line(lines: &[Line], first: &Line) -> Result<Traced, FieldEr
     })
 }
 
-/// The entries of all rows without the zeros that fill up the rows, where they are then as many as stated; else without
-/// those that fill up the last ones.
+/// The entries of all rows without the zeros that fill up the rows, where they are then as many as
+/// stated; else without those that fill up the last ones.
 fn without_filling(rows: &[Vec<i64>], stated: usize) -> Vec<i64> {
     let trimmed = |labels: &[i64], count: usize| {
         let filling = labels.iter().rev().take_while(|label| **label == 0).count();

@@ -30,9 +30,9 @@ impl DofFields {
 
     /// The degree of freedom, when the fields name one.
     ///
-    /// A node with a name is `name.node`, unless the name says nothing new (empty, the node's number, or the point with
-    /// its direction such as `1+Z`) or holds characters that a point cannot have. Without a node, a name with a
-    /// direction is the point.
+    /// A node with a name is `name.node`, unless the name says nothing new (empty, the node's
+    /// number, or the point with its direction such as `1+Z`) or holds characters that a point
+    /// cannot have. Without a node, a name with a direction is the point.
     pub fn dof(&self) -> Option<Dof> {
         if self.node <= 0 {
             return self.named_point();
@@ -51,7 +51,8 @@ impl DofFields {
         Dof::new(&self.name, direction.axis(), direction.is_negative()).ok()
     }
 
-    /// Whether the name is the node, alone or with its direction: `12`, `12+Z`, `12:Z`, `12Z` for node 12, direction 3.
+    /// Whether the name is the node, alone or with its direction: `12`, `12+Z`, `12:Z`, `12Z` for
+    /// node 12, direction 3.
     fn repeats(&self, plain: &Dof) -> bool {
         let Some(rest) = self.name.strip_prefix(plain.point()) else {
             return false;
@@ -64,11 +65,12 @@ impl DofFields {
             || (!plain.is_negative() && rest.eq_ignore_ascii_case(&axis))
     }
 
-    /// The fields that [`DofFields::dof`] reads back as this degree of freedom (the number of a repeated measurement has
-    /// no field and is left away).
+    /// The fields that [`DofFields::dof`] reads back as this degree of freedom (the number of a
+    /// repeated measurement has no field and is left away).
     ///
     /// # Errors
-    /// [`DofError`] when no fields do: a name of more than 10 characters without a node number, or a name without direction.
+    /// [`DofError`] when no fields do: a name of more than 10 characters without a node number, or
+    /// a name without direction.
     pub fn from_dof(dof: &Dof) -> Result<Self, DofError> {
         let direction = dof.direction_code();
         let by_node = dof

@@ -1,7 +1,9 @@
-//! Fields of a universal file line: columns, blank-separated words, numbers and text. No I/O, and no dataset's meaning.
+//! Fields of a universal file line: columns, blank-separated words, numbers and text. No I/O, and
+//! no dataset's meaning.
 //!
-//! Records are laid out in Fortran columns, but many writers miss them by one or leave trailing fields away. A record of
-//! numbers alone is therefore first read by words, when there are as many words as fields, and else by columns.
+//! Records are laid out in Fortran columns, but many writers miss them by one or leave trailing
+//! fields away. A record of numbers alone is therefore first read by words, when there are as many
+//! words as fields, and else by columns.
 
 use crate::io::{IoError, number};
 
@@ -82,7 +84,8 @@ pub(super) fn dataset_number(bytes: &[u8]) -> Option<(u32, bool)> {
     (numeric && alone).then(|| Some((integer(digits)? as u32, binary)))?
 }
 
-/// Text of a field without blanks around it. Bytes that are not UTF-8 are read as Latin-1, the code of old systems.
+/// Text of a field without blanks around it. Bytes that are not UTF-8 are read as Latin-1, the code
+/// of old systems.
 pub(super) fn text(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len());
     for chunk in bytes.utf8_chunks() {
@@ -124,7 +127,8 @@ pub(super) fn columns<'a>(bytes: &'a [u8], widths: &[usize]) -> Vec<&'a [u8]> {
     out
 }
 
-/// Reads a record of numbers: by words when every field has one, else by columns, where an empty field is left to `parse`.
+/// Reads a record of numbers: by words when every field has one, else by columns, where an empty
+/// field is left to `parse`.
 pub(super) fn numeric_record<T>(
     bytes: &[u8],
     widths: &[usize],
@@ -151,8 +155,8 @@ pub(super) fn integer_or_zero(bytes: &[u8]) -> Option<i64> {
     }
 }
 
-/// A number as Fortran writes it: `1.5`, `1.5E-05`, `1.5D-05`, `1.5E-005`, `1.5-105`. `NaN` and `Inf` are taken as such;
-/// digits that overflow are not a number.
+/// A number as Fortran writes it: `1.5`, `1.5E-05`, `1.5D-05`, `1.5E-005`, `1.5-105`. `NaN` and
+/// `Inf` are taken as such; digits that overflow are not a number.
 pub(super) fn number(bytes: &[u8]) -> Option<f64> {
     number::fortran_field(bytes)
 }
@@ -180,7 +184,8 @@ pub(super) fn half_unit(bytes: &[u8]) -> Option<f64> {
     unit.is_finite().then_some(unit)
 }
 
-/// Numbers of rows of data, and how exactly every `stride`-th of them was printed where that is asked for.
+/// Numbers of rows of data, and how exactly every `stride`-th of them was printed where that is
+/// asked for.
 #[derive(Debug, Default)]
 pub(super) struct Numbers {
     pub values: Vec<f64>,
@@ -207,7 +212,8 @@ impl Numbers {
     }
 }
 
-/// Adds the numbers of a row of data to `out`: parted by blanks or by their signs, else by columns of `width`.
+/// Adds the numbers of a row of data to `out`: parted by blanks or by their signs, else by columns
+/// of `width`.
 ///
 /// # Errors
 /// The text that is not a number; `out` is then as it was.
@@ -231,7 +237,8 @@ pub(super) fn data_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Result<
     Ok(())
 }
 
-/// Whether a number may end before this byte: a blank, a sign that begins the next number, or nothing.
+/// Whether a number may end before this byte: a blank, a sign that begins the next number, or
+/// nothing.
 #[inline]
 fn ends_number(next: Option<&u8>) -> bool {
     next.is_none_or(|byte| byte.is_ascii_whitespace() || matches!(byte, b'+' | b'-'))
@@ -273,7 +280,8 @@ fn split_at_signs(word: &[u8], out: &mut Numbers) -> bool {
     true
 }
 
-/// Fields of a width stand to the right of their columns, so that a row of them is a multiple of it long.
+/// Fields of a width stand to the right of their columns, so that a row of them is a multiple of it
+/// long.
 fn fixed_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Option<()> {
     let row = bytes.trim_ascii_end();
     if !row.len().is_multiple_of(width) {

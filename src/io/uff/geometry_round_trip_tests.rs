@@ -282,7 +282,8 @@ fn what_a_mode_has_beyond_the_format_is_counted() {
     assert_eq!(shape, ["5:+X 3", "5:+Z -2"], "turned to the positive axis");
 }
 
-/// Degrees of freedom and values of a real shape that was written and read, and the findings of the writer.
+/// Degrees of freedom and values of a real shape that was written and read, and the findings of the
+/// writer.
 fn shape_read_back(values: &[(&str, f64)]) -> (Vec<(String, f64)>, usize) {
     let (_, modes, findings) = read_back(&Geometry::default(), &[ModeEntry::new(plain(values))]);
     let shape = modes[0].mode.shape.iter();

@@ -1,8 +1,10 @@
-//! Geometry out: coordinate systems (2420), nodes (2411), trace lines (82), elements (2412), groups (2467), in metres.
+//! Geometry out: coordinate systems (2420), nodes (2411), trace lines (82), elements (2412), groups
+//! (2467), in metres.
 //!
-//! Positions are written in the global frame with 17 digits, so that every double comes back. Displacement systems stay
-//! with their nodes: functions of dataset 58 count their directions in them, and shapes are turned back into them
-//! (`dataset_55_write`). Points, and labels of more than 9 digits, that are no node number are left out with a finding.
+//! Positions are written in the global frame with 17 digits, so that every double comes back.
+//! Displacement systems stay with their nodes: functions of dataset 58 count their directions in
+//! them, and shapes are turned back into them (`dataset_55_write`). Points, and labels of more than
+//! 9 digits, that are no node number are left out with a finding.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};

@@ -4,12 +4,13 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 
 use super::fields::{Position, is_delimiter};
 
-/// Bytes read at once behind a jump, where a delimiter and a header are expected; each further read takes twice as many.
+/// Bytes read at once behind a jump, where a delimiter and a header are expected; each further read
+/// takes twice as many.
 const FIRST_BYTES: usize = 1 << 12;
 /// Most bytes read at once.
 const MOST_BYTES: usize = 1 << 18;
-/// A line of a header has 80 characters. Of a longer line no more than this is kept, so that a file without any line end
-/// is not taken into memory; it is passed over as the one line that it is.
+/// A line of a header has 80 characters. Of a longer line no more than this is kept, so that a file
+/// without any line end is not taken into memory; it is passed over as the one line that it is.
 const LONGEST_LINE_BYTES: usize = 1 << 16;
 /// Enough for some line ends, a delimiter padded to 80 columns and its line end.
 const DELIMITER_WINDOW_BYTES: usize = 128;
@@ -132,10 +133,11 @@ impl<R: Read + Seek> LineReader<R> {
         self.go_to(Position { line: None, byte })
     }
 
-    /// Where the delimiter starts when one stands at `byte`, directly or behind line ends. Leaves the reader anywhere.
+    /// Where the delimiter starts when one stands at `byte`, directly or behind line ends. Leaves
+    /// the reader anywhere.
     ///
-    /// Directly behind a block it must have its four blanks, for a byte further on it still looks like one; `loose` takes
-    /// it without them.
+    /// Directly behind a block it must have its four blanks, for a byte further on it still looks
+    /// like one; `loose` takes it without them.
     pub fn delimiter_at(&mut self, byte: u64, loose: bool) -> io::Result<Option<u64>> {
         if byte >= self.end {
             return Ok(None);

@@ -1,6 +1,7 @@
 //! Universal files (UFF, UNV): reader and writer, one file per dataset number.
 //!
-//! A universal file is a row of datasets between lines `    -1`; the line behind the first of them is the dataset's number.
+//! A universal file is a sequence of datasets between lines `    -1`; the line after the first of
+//! them is the number of the dataset.
 //!
 //! | dataset | holds | read | written |
 //! |---|---|---|---|
@@ -20,8 +21,9 @@
 //! | 2420 | coordinate systems | yes | yes |
 //! | 2467 | groups | yes | yes |
 //!
-//! Any other number is passed over with a finding. Reading is free in form (CRLF or LF, any padding, fields off their
-//! columns, `D` and three-digit exponents, wrong byte counts) and strict in meaning (no unit, step or type is guessed).
+//! Any other number is passed over with a finding. Reading is free in form (CRLF or LF, any
+//! padding, fields off their columns, `D` and three-digit exponents, wrong byte counts) and strict
+//! in meaning (no unit, step or type is guessed).
 
 mod dataset_15;
 mod dataset_151;

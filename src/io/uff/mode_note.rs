@@ -1,8 +1,10 @@
-//! The ID lines in which modalign keeps what the records of dataset 55 cannot hold of a mode: the digits beyond the sixth,
-//! the scaling of the shape, the group of a repeated root, and that zeros stand for what was not measured.
+//! The ID lines in which modalign keeps what the records of dataset 55 cannot hold of a mode: the
+//! digits beyond the sixth, the scaling of the shape, the group of a repeated root, and that zeros
+//! stand for what was not measured.
 //!
-//! `modalign frequency_hz=37.123456789 damping_ratio=0.0123456 modal_mass_kg=1 scaling=unit-modal-mass group=3
-//! zeros=unmeasured`, wrapped over lines of 80 characters that each start with `modalign`. `damping_ratio=none` says that the damping is not known.
+//! `modalign frequency_hz=37.123456789 damping_ratio=0.0123456 modal_mass_kg=1
+//! scaling=unit-modal-mass group=3 zeros=unmeasured`, wrapped over lines of 80 characters that each
+//! start with `modalign`. `damping_ratio=none` says that the damping is not known.
 
 use std::str::SplitWhitespace;
 

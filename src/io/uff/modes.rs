@@ -1,23 +1,27 @@
-//! A mode as datasets 55 and 2414 give it, and what becomes of it at the end of a file, when units, nodes and coordinate
-//! systems are known.
+//! A mode as datasets 55 and 2414 give it, and what becomes of it at the end of a file, when units,
+//! nodes and coordinate systems are known.
 //!
-//! **Pole.** The natural frequency is |λ|/2π of the eigenvalue, the damping ratio −Re λ/|λ|; a conjugate pole (Im λ < 0) is
-//! turned to the positive one with its shape. A normal mode has its frequency, and as damping ratio the viscous one, else
-//! half the hysteretic one; both 0 is unknown.
+//! **Pole.** The natural frequency is |λ|/2π of the eigenvalue, the damping ratio −Re λ/|λ|; a
+//! conjugate pole (Im λ < 0) is turned to the positive one with its shape. A normal mode has its
+//! frequency, and as damping ratio the viscous one, else half the hysteretic one; both 0 is
+//! unknown.
 //!
-//! **Degrees of freedom.** A row has values for all directions of a node. 0 is a value, as at the supports of a computed
-//! shape, and stays; but measurement systems fill what was not measured with zeros. Where ID lines or title name one, or a
-//! [`ModeNote`] says so, a direction that is exactly zero in every such mode of the file is left out, with a finding. At a
-//! node with a local displacement system this is decided in the local directions; a global direction is claimed where one
-//! of the measured local ones has a part along it (more than 1e-6 of it).
+//! **Degrees of freedom.** A row has values for all directions of a node. 0 is a value, as at the
+//! supports of a computed shape, and stays; but measurement systems fill what was not measured with
+//! zeros. Where ID lines or title name one, or a [`ModeNote`] says so, a direction that is exactly
+//! zero in every such mode of the file is left out, with a finding. At a node with a local
+//! displacement system this is decided in the local directions; a global direction is claimed where
+//! one of the measured local ones has a part along it (more than 1e-6 of it).
 //!
-//! **Units.** SI value = file value / length factor of dataset 164 for translations; rotations are in rad. Modal A, B and
-//! mass, which have the units of (shape)²/residue and (shape)² mass, are divided by length and force factor; they are
-//! known only with dataset 164 or a [`ModeNote`], and only for a displacement shape, and else left out with a finding.
+//! **Units.** SI value = file value / length factor of dataset 164 for translations; rotations are
+//! in rad. Modal A, B and mass, which have the units of (shape)²/residue and (shape)² mass, are
+//! divided by length and force factor; they are known only with dataset 164 or a [`ModeNote`], and
+//! only for a displacement shape, and else left out with a finding.
 //!
-//! **Scale.** A shape keeps the scale of the file. One that is given as velocity or acceleration is not divided by λ or λ²:
-//! its scale is arbitrary, no comparison of shapes sees the factor, and to which of them modal A belongs differs from
-//! writer to writer. Complex modes state modal A (residue φφᵀ/A); modal mass is A/(2iω_d) where that is real.
+//! **Scale.** A shape keeps the scale of the file. One that is given as velocity or acceleration is
+//! not divided by λ or λ²: its scale is arbitrary, no comparison of shapes sees the factor, and to
+//! which of them modal A belongs differs from writer to writer. Complex modes state modal A
+//! (residue φφᵀ/A); modal mass is A/(2iω_d) where that is real.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -59,8 +63,8 @@ pub(super) enum Root {
 }
 
 impl Root {
-    /// From frequency, modal mass, viscous and hysteretic damping ratio; of which all but the frequency may be missing and
-    /// are 0 then.
+    /// From frequency, modal mass, viscous and hysteretic damping ratio; of which all but the
+    /// frequency may be missing and are 0 then.
     pub fn normal(reals: &[f64]) -> Option<Self> {
         let real = |i: usize| reals.get(i).copied().unwrap_or(0.0);
         Some(Root::Normal {
@@ -71,7 +75,8 @@ impl Root {
         })
     }
 
-    /// From λ, modal A and modal B, each with real and imaginary part; of which all but λ may be missing and are 0 then.
+    /// From λ, modal A and modal B, each with real and imaginary part; of which all but λ may be
+    /// missing and are 0 then.
     pub fn complex(reals: &[f64]) -> Option<Self> {
         let real = |i: usize| reals.get(i).copied().unwrap_or(0.0);
         let number = |i: usize| Complex64::new(real(i), real(i + 1));
@@ -90,7 +95,8 @@ impl Root {
         }
     }
 
-    /// Damping ratio; `None` where nothing or 0 is said of a normal mode, or of a pole at the origin.
+    /// Damping ratio; `None` where nothing or 0 is said of a normal mode, or of a pole at the
+    /// origin.
     pub fn damping_ratio(&self) -> Option<f64> {
         match *self {
             Root::Normal {
@@ -120,7 +126,8 @@ impl Root {
         }
     }
 
-    /// Whether a note belongs to this pole: the frequency and damping that it keeps are printed like this.
+    /// Whether a note belongs to this pole: the frequency and damping that it keeps are printed
+    /// like this.
     pub fn agrees(&self, note: &ModeNote) -> bool {
         let Some(frequency_hz) = note.frequency_hz else {
             return false;
@@ -226,8 +233,8 @@ pub(super) fn measured<'a>(modes: impl Iterator<Item = &'a RawMode>) -> Measured
 pub(super) type Frames = BTreeMap<i64, [Vector3; 3]>;
 
 impl RawMode {
-    /// Whether zeros stand for what was not measured: as our own note says, else where the mode's lines or the file's title
-    /// name a measurement system.
+    /// Whether zeros stand for what was not measured: as our own note says, else where the mode's
+    /// lines or the file's title name a measurement system.
     pub fn is_filled(&self, title_names_system: bool) -> bool {
         let ours = self.note.frequency_hz.is_some();
         let named = || self.title.iter().any(|line| names_measurement_system(line));
@@ -263,7 +270,8 @@ impl RawMode {
         stated && !self.scale_is_known(units)
     }
 
-    /// The mode in SI units and in the global frame; of `measured` directions alone where that is given.
+    /// The mode in SI units and in the global frame; of `measured` directions alone where that is
+    /// given.
     pub fn entry(
         &self,
         units: Option<&Units>,
@@ -355,7 +363,8 @@ pub(super) const KINDS: [&[Axis; 3]; 2] = [
     &[Axis::RX, Axis::RY, Axis::RZ],
 ];
 
-/// Values along local directions, whose unit vectors are `frame`, as values along the global axes that they reach.
+/// Values along local directions, whose unit vectors are `frame`, as values along the global axes
+/// that they reach.
 fn turned(local: &[(Axis, Complex64)], frame: &[Vector3; 3]) -> Vec<(Axis, Complex64)> {
     let scalars = local.iter().filter(|(axis, _)| *axis == Axis::S);
     let mut global: Vec<(Axis, Complex64)> = scalars.copied().collect();

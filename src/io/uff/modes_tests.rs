@@ -13,7 +13,8 @@ use crate::modal::Scaling;
 const UNITS: [&str; 4] = ["   164", "1", "  1.0D+00  1.0D+00  1.0D+00", "0."];
 const MILLIMETRE: [&str; 4] = ["   164", "1", "  1.0D+03  2.0D+00  1.0D+00", "0."];
 
-/// ID lines and records 6 to 8 of a complex mode, as Testlab writes them: λ = −3 + 4i, modal A = 8i, B = 32 + 24i.
+/// ID lines and records 6 to 8 of a complex mode, as Testlab writes them: λ = −3 + 4i, modal A =
+/// 8i, B = 32 + 24i.
 const COMPLEX: [&str; 9] = [
     "    55",
     "Bench  ",
@@ -279,7 +280,8 @@ fn shapes_at_nodes_with_local_systems_are_turned_at_the_end_of_the_file() {
     );
     six[6] = "         1         2         3         8         2         6";
     six[1] = "LMS";
-    // At 45° of a cylindrical system; global y, z, x as local x, y, z with rounding; a half turn about y.
+    // At 45° of a cylindrical system; global y, z, x as local x, y, z with rounding; a half turn
+    // about y.
     let nodes = vec![
         "    15",
         "1 0 4 1 1. 1. 5.",

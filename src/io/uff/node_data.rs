@@ -90,7 +90,8 @@ pub(super) fn node_values(
     Ok((nodes, values))
 }
 
-/// Reads `count` parameters of an analysis, of which the last may be missing; the label of a node ends them.
+/// Reads `count` parameters of an analysis, of which the last may be missing; the label of a node
+/// ends them.
 pub(super) fn real_parameters(
     records: &mut Records<'_>,
     count: usize,
@@ -153,7 +154,8 @@ pub(super) fn two_rows_of_parameters<'a>(
     })
 }
 
-/// A mode whose frequency or eigenvalue nobody states; `line` is where it should be, or says that it is not there.
+/// A mode whose frequency or eigenvalue nobody states; `line` is where it should be, or says that
+/// it is not there.
 pub(super) fn no_root(line: &Line, stated: usize) -> FieldError {
     FieldError {
         at: line.at,

@@ -17,7 +17,8 @@ pub(super) struct RawNode {
 }
 
 impl RawNode {
-    /// Checks the label; `systems` are those of definition and displacement, `fields` the printed coordinates.
+    /// Checks the label; `systems` are those of definition and displacement, `fields` the printed
+    /// coordinates.
     pub fn new(
         line: &Line,
         label: i64,
@@ -37,7 +38,8 @@ impl RawNode {
         })
     }
 
-    /// Whether the coordinates of another node of this label may be the same numbers, printed with fewer or more digits.
+    /// Whether the coordinates of another node of this label may be the same numbers, printed with
+    /// fewer or more digits.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
         (0..3).all(|i| {
             let (a, b) = (self.coordinates[i], other.coordinates[i]);

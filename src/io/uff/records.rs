@@ -1,6 +1,8 @@
-//! Records of a text dataset one after the other, where a record may be wrapped over several lines. No dataset's meaning.
+//! Records of a text dataset one after the other, where a record may be wrapped over several lines.
+//! No dataset's meaning.
 //!
-//! Nothing is reserved for a count that a file states: numbers are taken row by row, as far as there are rows.
+//! Nothing is reserved for a count that a file states: numbers are taken row by row, as far as
+//! there are rows.
 
 use super::fields::{FieldError, Line, Numbers, Position, columns, data_row, integer, words};
 
@@ -63,7 +65,8 @@ impl<'a> Records<'a> {
         Ok((line, row))
     }
 
-    /// `count` whole numbers over as many lines as they take; the last line may be filled up with zeros.
+    /// `count` whole numbers over as many lines as they take; the last line may be filled up with
+    /// zeros.
     pub fn integers(&mut self, count: usize, what: &'static str) -> Result<Vec<i64>, FieldError> {
         let mut numbers = Vec::new();
         while numbers.len() < count {
@@ -77,7 +80,8 @@ impl<'a> Records<'a> {
         Ok(numbers)
     }
 
-    /// Adds `count` numbers of `width` columns to `out`, over as many lines as they take; all of them finite.
+    /// Adds `count` numbers of `width` columns to `out`, over as many lines as they take; all of
+    /// them finite.
     pub fn numbers(
         &mut self,
         count: usize,

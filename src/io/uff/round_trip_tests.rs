@@ -1,4 +1,5 @@
-//! What is written comes back: samples to the bit, and every field of a header that the format holds.
+//! What is written comes back: samples to the bit, and every field of a header that the format
+//! holds.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -357,7 +358,8 @@ proptest! {
         let mut source = open(bytes).unwrap();
         prop_assert!(source.catalog().damage.is_empty());
         check_functions(source.as_ref());
-        // Text has 13 digits, so that it is off by half a unit of the last one at most; subnormal numbers by their step.
+        // Text has 13 digits, so that it is off by half a unit of the last one at most; subnormal
+        // numbers by their step.
         let near = |a: f64, b: f64| match encoding {
             Encoding::Binary => a.to_bits() == b.to_bits(),
             Encoding::Text => (a - b).abs() <= 5.001e-13 * b.abs() + 5e-324,

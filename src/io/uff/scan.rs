@@ -1,8 +1,8 @@
-//! One pass over the headers of a file: delimiters and the datasets between them (functions: `scan_functions`, nodes and modes:
-//! `scan_geometry`).
+//! One pass over the headers of a file: delimiters and the datasets between them (functions:
+//! `scan_functions`, nodes and modes: `scan_geometry`).
 //!
-//! Binary blocks are jumped over by their length, never searched. A dataset that cannot be read becomes damage with its
-//! place, and the pass goes on behind it. Knows the layout of no dataset.
+//! Binary blocks are jumped over by their length, never searched. A dataset that cannot be read
+//! becomes damage with its place, and the pass goes on behind it. Knows the layout of no dataset.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -230,7 +230,8 @@ impl Scanner {
         self.line().map(|_| ())
     }
 
-    /// Searches the start of the next dataset: a delimiter with a dataset's number on the line behind it.
+    /// Searches the start of the next dataset: a delimiter with a dataset's number on the line
+    /// behind it.
     pub fn resynchronise(&mut self) -> io::Result<()> {
         let mut before: Option<Position> = None;
         let mut line = Vec::new();
@@ -308,7 +309,8 @@ impl Scanner {
     }
 }
 
-/// The units that stand last before a byte, else the first of the file; `None` where these are damaged.
+/// The units that stand last before a byte, else the first of the file; `None` where these are
+/// damaged.
 pub(super) fn units_at(units: &[(Position, Option<Units>)], byte: u64) -> Option<&Units> {
     let before = units.iter().rev().find(|(at, _)| at.byte < byte);
     before

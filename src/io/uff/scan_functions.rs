@@ -1,8 +1,9 @@
-//! The part of the pass over a file that finds functions (dataset 58), their qualifiers (1858) and where their samples
-//! are.
+//! The part of the pass over a file that finds functions (dataset 58), their qualifiers (1858) and
+//! where their samples are.
 //!
-//! A text block ends at the next delimiter; its numbers are counted when they are read. A binary block ends where its
-//! length puts a delimiter. Values with an uneven abscissa are read here already, for they say what axis it is.
+//! A text block ends at the next delimiter; its numbers are counted when they are read. A binary
+//! block ends where its length puts a delimiter. Values with an uneven abscissa are read here
+//! already, for they say what axis it is.
 
 use std::io;
 
@@ -18,7 +19,8 @@ use super::scan_uneven::{binary_abscissae, text_abscissae};
 use crate::finding::{Code, Finding, Severity};
 use crate::io::{EntryAxis, FunctionType, GeneralAxis, IoError, Part, SampleFormat, Window};
 
-/// Qualifiers beside functions: whether they stand before or behind them is what the first of a file shows.
+/// Qualifiers beside functions: whether they stand before or behind them is what the first of a
+/// file shows.
 #[derive(Debug, Default)]
 pub(super) struct Qualifiers {
     /// Whether they stand before their function; unknown before the first.
@@ -102,7 +104,8 @@ impl Scanner {
         Ok(())
     }
 
-    /// A delimiter that the number of a dataset follows has opened that dataset: the one before was not closed.
+    /// A delimiter that the number of a dataset follows has opened that dataset: the one before was
+    /// not closed.
     fn reopen(&mut self, delimiter: u64) -> io::Result<()> {
         let behind = self.lines.position();
         let next = self.line()?;
@@ -118,7 +121,8 @@ impl Scanner {
         self.lines.go_to(behind)
     }
 
-    /// A text at the end of the file without a delimiter: whole when its numbers are, and its last line.
+    /// A text at the end of the file without a delimiter: whole when its numbers are, and its last
+    /// line.
     fn unclosed_text(&mut self, header: Header, at: Position) -> io::Result<()> {
         let end = self.lines.end();
         self.lines.go_to(at)?;
@@ -127,7 +131,8 @@ impl Scanner {
             last = at.byte;
             std::mem::swap(&mut line, &mut next);
         }
-        // Of the last line nobody knows whether it is whole, unless it has an end or begins a delimiter.
+        // Of the last line nobody knows whether it is whole, unless it has an end or begins a
+        // delimiter.
         let ended = end - last > line.len() as u64;
         let end = match line.trim_ascii() {
             _ if ended => end,
@@ -211,8 +216,8 @@ impl Scanner {
         Ok(header_part(&lines))
     }
 
-    /// Finds the end of a binary block that starts at `byte`: where the number of points puts it if a delimiter (or the
-    /// end of the file) stands there, whatever the byte count says.
+    /// Finds the end of a binary block that starts at `byte`: where the number of points puts it if
+    /// a delimiter (or the end of the file) stands there, whatever the byte count says.
     fn binary_block(&mut self, header: Header, line: BinaryLine, byte: u64) -> io::Result<()> {
         for abscissa_bytes in abscissa_bytes(&header) {
             let stride = value_bytes(header.format) + *abscissa_bytes as u64;
@@ -264,8 +269,8 @@ impl Scanner {
         self.close()
     }
 
-    /// A block that does not end where its points put it: where the byte count alone is right, it says how many points
-    /// there are; else says why it has no end and goes on behind it.
+    /// A block that does not end where its points put it: where the byte count alone is right, it
+    /// says how many points there are; else says why it has no end and goes on behind it.
     fn lost_block(&mut self, mut header: Header, line: BinaryLine, byte: u64) -> io::Result<()> {
         let size = value_bytes(header.format);
         let stated_end = byte.saturating_add(line.stated_bytes);
@@ -358,7 +363,8 @@ impl Scanner {
         self.samples.push(samples);
     }
 
-    /// Qualifiers of the function before them, or of the one behind them where the first of the file stand before any.
+    /// Qualifiers of the function before them, or of the one behind them where the first of the
+    /// file stand before any.
     pub fn qualify(&mut self, lines: &[Line], first: &Line) -> Result<(), FieldError> {
         let window = dataset_1858::window(lines, first)?;
         let (begun, read) = (self.qualifiers.begun, self.qualifiers.read);
@@ -389,8 +395,9 @@ fn abscissa_bytes(header: &Header) -> &'static [usize] {
     }
 }
 
-/// Number of points that a byte count holds, for an even abscissa. Where the count is right for the stated points with
-/// values of another width, the width may be what is wrong, and nothing is known.
+/// Number of points that a byte count holds, for an even abscissa. Where the count is right for the
+/// stated points with values of another width, the width may be what is wrong, and nothing is
+/// known.
 fn points_of_bytes(header: &Header, bytes: u64) -> Option<u64> {
     let size = value_bytes(header.format);
     let other_width = [4, 8, 16]

@@ -1,5 +1,5 @@
-//! The part of the pass over a file that collects nodes, coordinate systems, elements, groups and modes, and puts them
-//! together at its end: each of them may stand before or behind what it needs.
+//! The part of the pass over a file that collects nodes, coordinate systems, elements, groups and
+//! modes, and puts them together at its end: each of them may stand before or behind what it needs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -118,7 +118,8 @@ impl Scanner {
         self.tell_lost_directions(&described.modes);
     }
 
-    /// Reports at the first mode how many nodes of the shapes have directions that are lost with damaged parts.
+    /// Reports at the first mode how many nodes of the shapes have directions that are lost with
+    /// damaged parts.
     fn tell_lost_directions(&mut self, modes: &[RawMode]) {
         let lost: Vec<Part> = self.catalog.damage.iter().map(|own| own.part).collect();
         let Some(first) = modes.first() else { return };
@@ -150,8 +151,9 @@ impl Scanner {
         }
     }
 
-    /// Nodes in metres, by their place in the file. A node that is given twice at one place is one, with the finer of its
-    /// coordinates; at two places or with two displacement systems it is damage.
+    /// Nodes in metres, by their place in the file. A node that is given twice at one place is one,
+    /// with the finer of its coordinates; at two places or with two displacement systems it is
+    /// damage.
     fn place_nodes(
         &mut self,
         systems: &Systems,

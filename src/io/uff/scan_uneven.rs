@@ -1,4 +1,5 @@
-//! Abscissae that stand before each value, read while a file is opened: they decide what axis a function has.
+//! Abscissae that stand before each value, read while a file is opened: they decide what axis a
+//! function has.
 
 use std::io;
 

@@ -1,4 +1,5 @@
-//! Coordinate systems as datasets 18 and 2420 give them, and what becomes of them: units, chains of references.
+//! Coordinate systems as datasets 18 and 2420 give them, and what becomes of them: units, chains of
+//! references.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -75,7 +76,8 @@ impl RawSystem {
         }
     }
 
-    /// The system in metres; `length` file units are one metre, `reference` is the system of its points.
+    /// The system in metres; `length` file units are one metre, `reference` is the system of its
+    /// points.
     fn placed(
         &self,
         reference: Option<&CoordinateSystem>,
@@ -151,7 +153,8 @@ pub(super) fn code(kind: SystemKind) -> i64 {
     }
 }
 
-/// Global position, m, of coordinates in file units: lengths by `length` units to the metre, angles in degrees.
+/// Global position, m, of coordinates in file units: lengths by `length` units to the metre, angles
+/// in degrees.
 pub(super) fn position_m(
     system: Option<&CoordinateSystem>,
     [a, b, c]: [f64; 3],
@@ -188,8 +191,9 @@ pub(super) enum Found<'a> {
 }
 
 impl Systems {
-    /// Puts systems in metres; `length` gives the file units in one metre at a place. A system whose reference nobody
-    /// describes stands in the global frame; one that refers to itself through others is damage.
+    /// Puts systems in metres; `length` gives the file units in one metre at a place. A system
+    /// whose reference nobody describes stands in the global frame; one that refers to itself
+    /// through others is damage.
     pub fn new(raw: Vec<RawSystem>, length: impl Fn(Position) -> f64) -> Self {
         let mut systems = Self::default();
         let raw = systems.without_repeats(raw);

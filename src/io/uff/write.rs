@@ -1,9 +1,11 @@
-//! Universal files out: title (151), units (164, SI), geometry, modes, and every function as 58b or 58.
+//! Universal files out: title (151), units (164, SI), geometry, modes, and every function as 58b
+//! or 58.
 //!
-//! Values are written as they are stored, with their unit in the header; a factor to SI that no unit has makes them SI
-//! values. What the format has no field for goes into ID lines 4 and 5 (`dataset_58_header`), so that bytes come back to
-//! the bit; text keeps 13 digits of 64 bits, 6 of 32 and 7 of uneven abscissae; the latter two are told. Lost are the origin of a hit, variances, and arrays without a
-//! meaning.
+//! Values are written as they are stored, with their unit in the header; a factor to SI that no
+//! unit has makes them SI values. What the format has no field for goes into ID lines 4 and 5
+//! (`dataset_58_header`), so that bytes come back to the bit; text keeps 13 digits of 64 bits, 6 of
+//! 32 and 7 of uneven abscissae; the latter two are told. Lost are the origin of a hit, variances,
+//! and arrays without a meaning.
 
 use std::io::{self, Write};
 
@@ -91,14 +93,15 @@ pub(super) fn write_source(
     Ok(findings)
 }
 
-/// Writes hits as a measurement system exports them: datasets 151, 164 and, hit after hit, the force and then the
-/// responses as time records (58b, little endian) with the hit's number as version. The force record's response is the
-/// hit point; the responses' reference is it too. Values are in SI units.
+/// Writes hits as a measurement system exports them: datasets 151, 164 and, hit after hit, the
+/// force and then the responses as time records (58b, little endian) with the hit's number as
+/// version. The force record's response is the hit point; the responses' reference is it too.
+/// Values are in SI units.
 ///
 /// # Errors
-/// [`IoError::Unwritable`] for a channel whose length is not the axis's, a step that is not positive, a sample that
-/// overflows single precision or more than 9,999 hits; [`IoError::Dof`] for a degree of freedom that has no fields;
-/// [`IoError::System`] when writing fails.
+/// [`IoError::Unwritable`] for a channel whose length is not the axis's, a step that is not
+/// positive, a sample that overflows single precision or more than 9,999 hits; [`IoError::Dof`] for
+/// a degree of freedom that has no fields; [`IoError::System`] when writing fails.
 pub fn write_time_records(
     out: &mut dyn Write,
     label: &FileLabel<'_>,
@@ -115,12 +118,13 @@ pub fn write_time_records(
     write_source(out, source, &options, true).map(|_| ())
 }
 
-/// Writes an FRF set: datasets 151, 164, every function (type 4, complex of 64 bits, numerator and denominator by kind),
-/// then the coherences that there are (type 6, real of 64 bits) with the same degrees of freedom. Variances are lost.
+/// Writes an FRF set: datasets 151, 164, every function (type 4, complex of 64 bits, numerator and
+/// denominator by kind), then the coherences that there are (type 6, real of 64 bits) with the same
+/// degrees of freedom. Variances are lost.
 ///
 /// # Errors
-/// [`IoError::Unwritable`] for a step that is not positive; [`IoError::Dof`] for a degree of freedom that has no fields;
-/// [`IoError::System`] when writing fails.
+/// [`IoError::Unwritable`] for a step that is not positive; [`IoError::Dof`] for a degree of
+/// freedom that has no fields; [`IoError::System`] when writing fails.
 pub fn write_frfs(
     out: &mut dyn Write,
     label: &FileLabel<'_>,

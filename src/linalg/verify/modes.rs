@@ -12,42 +12,49 @@ use super::{Check, PROBES, backward, larger, largest, norm_of_row, weighted_sign
 
 /// Lowest modes whose number is compared with the inertia, where there are as many.
 const COUNTED: usize = 30;
-/// Limit of the residual of a solution with a sparse factor over `(n + 10) eps` and the largest entry of the solution, both scaled
-/// by the root of the diagonal. Larger: a pivot off by a hundred of its roundings, `n eps`, is not found
-/// (`factors_broken_on_purpose_are_caught`). Smaller: right factors fail; the largest figure of 79 was 0.25.
+/// Limit of the residual of a solution with a sparse factor over `(n + 10) eps` and the largest
+/// entry of the solution, both scaled by the root of the diagonal. Larger: a pivot off by a hundred
+/// of its roundings, `n eps`, is not found (`factors_broken_on_purpose_are_caught`). Smaller: right
+/// factors fail; the largest figure of 79 was 0.25.
 pub(in crate::linalg) const CHOLESKY: f64 = 20.0;
-/// The same of a factor that counts eigenvalues, which is pivoted within its blocks alone: the largest figure of 140 right factors was
-/// 1.1. Larger: as above, figures from 650 up are of broken factors. What fails is factored again beside the shift.
+/// The same of a factor that counts eigenvalues, which is pivoted within its blocks alone: the
+/// largest figure of 140 right factors was 1.1. Larger: as above, figures from 650 up are of broken
+/// factors. What fails is factored again beside the shift.
 pub(in crate::linalg) const INERTIA: f64 = 50.0;
-/// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry. Larger: vectors off by 1e-9 pass. Smaller: right modes fail; the
-/// largest figure of 209 was 2e-14.
+/// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry. Larger: vectors off by 1e-9 pass.
+/// Smaller: right modes fail; the largest figure of 209 was 2e-14.
 const SPARSE_ORTHONORMAL: f64 = 1e-9;
-/// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its rounding bound. Larger: an
-/// omega² off by 1e-6, or by 100 rounding bounds, is not found (`modes_broken_on_purpose_are_caught`). Smaller: right modes
-/// fail; their largest figure was 0.005 of it.
+/// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its
+/// rounding bound. Larger: an omega² off by 1e-6, or by 100 rounding bounds, is not found
+/// (`modes_broken_on_purpose_are_caught`). Smaller: right modes fail; their largest figure was
+/// 0.005 of it.
 const QUOTIENT: [f64; 2] = [1e-7, 30.0];
-/// Part of the largest omega² up to which each mode is compared with its Rayleigh quotient. Smaller: an error of 1e-6 in a mode above
-/// it is less than [`BACKWARD`](super::BACKWARD) allows with 2,000 coordinates (4e-4). Larger: time without use.
+/// Part of the largest omega² up to which each mode is compared with its Rayleigh quotient.
+/// Smaller: an error of 1e-6 in a mode above it is less than [`BACKWARD`](super::BACKWARD) allows
+/// with 2,000 coordinates (4e-4). Larger: time without use.
 const WEIGHED: f64 = 1e-3;
-/// Limits of `|phi - (omega^2 + s) (K + s M)^-1 M phi|` in the norm of the mass, as a number and over the rounding bound
-/// of `omega^2 + s`. Larger: a mode in the place of another passes where their frequencies are close. Smaller: right modes fail;
-/// sums of them reached 0.005 of these limits.
+/// Limits of `|phi - (omega^2 + s) (K + s M)^-1 M phi|` in the norm of the mass, as a number and
+/// over the rounding bound of `omega^2 + s`. Larger: a mode in the place of another passes where
+/// their frequencies are close. Smaller: right modes fail; sums of them reached 0.005 of these
+/// limits.
 const INVERSE: [f64; 2] = [1e-6, 1e3];
-/// Limit of the sum of these differences with random signs, each over its limit: a mode at its limit is found beside others.
+/// Limit of the sum of these differences with random signs, each over its limit: a mode at its
+/// limit is found beside others.
 const MAX_SUM_OF_MODES: f64 = 0.5;
-/// Part of an omega² that it must be above the one before, for the modes to be counted between them.
+/// Part of an omega² that it must be above the one before, for the modes to be counted between
+/// them.
 const GAP: f64 = 1e-4;
 
 /// Checks the modes of a symmetric pair (K, M).
 ///
 /// - All vectors: `Phi^T M Phi = I`.
 /// - Modes from 1e-5 of the largest omega² up: `K Phi = M Phi Omega^2`, relative to that omega².
-/// - Modes below it: omega² equals the Rayleigh quotient of its vector, and `(K + s M)^-1 M phi = phi / (omega^2 + s)`
-///   with a Cholesky factor of `K + s M`; relative to each `omega^2 + s`, as a residual relative to the norm of K says
-///   nothing of them.
-/// - The number of the lowest modes is the number of negative eigenvalues of `K - sigma M`, sigma between the last of
-///   them and the next mode: `K - sigma M + M Phi D Phi^T M` with a positive D that moves these modes above sigma has a
-///   Cholesky factor only if there is no other.
+/// - Modes below it: omega² equals the Rayleigh quotient of its vector, and `(K + s M)^-1 M phi =
+///   phi / (omega^2 + s)` with a Cholesky factor of `K + s M`; relative to each `omega^2 + s`, as a
+///   residual relative to the norm of K says nothing of them.
+/// - The number of the lowest modes is the number of negative eigenvalues of `K - sigma M`, sigma
+///   between the last of them and the next mode: `K - sigma M + M Phi D Phi^T M` with a positive D
+///   that moves these modes above sigma has a Cholesky factor only if there is no other.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`]; [`LinalgError::ModesMissing`].
@@ -87,8 +94,8 @@ pub(in crate::linalg) fn scaled_modes(
     count(pair, modes, low.count())
 }
 
-/// Largest `phi^T diag(M) phi` of modes with `phi^T M phi = 1`, at least 1: the terms whose difference is the modal mass, as of masses
-/// between nodes.
+/// Largest `phi^T diag(M) phi` of modes with `phi^T M phi = 1`, at least 1: the terms whose
+/// difference is the modal mass, as of masses between nodes.
 fn largest_diagonal_form(pair: &ScaledPair, modes: &SymmetricModes) -> f64 {
     let form = |j: usize| {
         let entries = modes.vectors.col(j).iter().enumerate();
@@ -117,8 +124,8 @@ fn upper_residual(
     check.below(got, backward(n) * size)
 }
 
-/// Each mode from `first` on, up to [`WEIGHED`], against its Rayleigh quotient: an error of 1e-6 is too small a part of the
-/// largest omega² for [`upper_residual`].
+/// Each mode from `first` on, up to [`WEIGHED`], against its Rayleigh quotient: an error of 1e-6 is
+/// too small a part of the largest omega² for [`upper_residual`].
 fn quotients(
     check: &Check,
     pair: &ScaledPair,
@@ -143,8 +150,8 @@ fn quotients(
     Ok(())
 }
 
-/// Each of the lowest modes against its Rayleigh quotient, and sums of them with random signs, each over its limit, against one
-/// more step of shift and invert with the shift of their level.
+/// Each of the lowest modes against its Rayleigh quotient, and sums of them with random signs, each
+/// over its limit, against one more step of shift and invert with the shift of their level.
 fn lower_residuals(
     check: &Check,
     pair: &ScaledPair,
@@ -193,7 +200,8 @@ fn level_residuals(
 fn count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), LinalgError> {
     let n = modes.omega_squared.len();
     let Some(counted) = counted(&modes.omega_squared, low.max(COUNTED.min(n))) else {
-        // Where all modes are counted, or nothing separates them, that the vectors are complete is the proof.
+        // Where all modes are counted, or nothing separates them, that the vectors are complete is
+        // the proof.
         return Ok(());
     };
     let next = modes.omega_squared[counted];
@@ -233,8 +241,9 @@ fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
     (first.max(1)..omega_squared.len()).find(is_gap)
 }
 
-/// Checks a factor of a sparse matrix by a solution: `A x = b` for `b = A z` of signs z over the root of a diagonal, each
-/// row relative to that diagonal. It is the sum of the terms of the diagonal of A, as `k_ii - sigma m_ii` may vanish.
+/// Checks a factor of a sparse matrix by a solution: `A x = b` for `b = A z` of signs z over the
+/// root of a diagonal, each row relative to that diagonal. It is the sum of the terms of the
+/// diagonal of A, as `k_ii - sigma m_ii` may vanish.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].
@@ -265,8 +274,9 @@ pub(in crate::linalg) fn sparse_factor(
 
 /// Checks modes of a sparse pair with a solver of `(K + s M) x = b`.
 ///
-/// `Phi^T M Phi = I`, each omega² against the Rayleigh quotient of its vector, and
-/// `Phi = (K + s M)^-1 M Phi (Omega^2 + s)`; that none is missing is proved by the count that the solver ends with.
+/// `Phi^T M Phi = I`, each omega² against the Rayleigh quotient of its vector, and `Phi = (K + s
+/// M)^-1 M Phi (Omega^2 + s)`; that none is missing is proved by the count that the solver ends
+/// with.
 ///
 /// # Errors
 /// [`LinalgError::Inaccurate`].

@@ -1,4 +1,5 @@
-// Where methods fail: maps over two factors with contours and the run's own modes; and digits lost by order.
+// Where methods fail: maps over two factors with contours and the modes of the run; and digits lost
+// by order.
 
 /** Share of the draws, in percent, that a method has to meet the stated error in. */
 const HOLDS = 95;

@@ -1,4 +1,5 @@
-//! The tab of methods: what the studies beside a run tell of them, and what the script draws of that.
+//! The tab of methods: what the studies beside a run tell of them, and what the script draws of
+//! that.
 
 use serde_json::{Map, Value, json};
 
@@ -75,7 +76,8 @@ fn items(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().into_iter().flatten()
 }
 
-/// Whether a study has the title of the run's scene, and each of its tests the name and the data of one of the run's.
+/// Whether a study has the title of the run's scene, and each of its tests the name and the data of
+/// one of the run's.
 fn is_of_run(own: &Value, report: &RunReport) -> bool {
     let same_data = |test: &Value| {
         let name = test["name"].as_str().unwrap_or_default();
@@ -200,7 +202,8 @@ fn breakdown_data(own: &BreakdownFile, language: Language) -> Value {
     })
 }
 
-/// Shares in percent on the finest grid, column by column, contours, and the modes inside; places are shares of the axes.
+/// Shares in percent on the finest grid, column by column, contours, and the modes inside; places
+/// are shares of the axes.
 fn slice_data(result: &SliceResult, own: &[OwnMode], language: Language) -> Value {
     let slice = &result.slice;
     let methods = 0..slice.methods.len();
@@ -249,7 +252,8 @@ fn place([x, y]: [f64; 2]) -> [f64; 2] {
     [x, y].map(|own| (1e4 * own).round() / 1e4)
 }
 
-/// A mode with its distance from the contour of each method, and the method that fails nearest to it.
+/// A mode with its distance from the contour of each method, and the method that fails nearest to
+/// it.
 fn point_data(own: &OwnPoint, result: &SliceResult, language: Language) -> Value {
     let margins = own.margins.iter().map(|margin| {
         let distance = margin.distance.map(|own| distance_text(own, language));

@@ -44,7 +44,8 @@ fn run() -> RunReport {
     }
 }
 
-/// A slice of four corners: the first method fails in all draws at the low end of its first axis, the second one nowhere.
+/// A slice of four corners: the first method fails in all draws at the low end of its first axis,
+/// the second one nowhere.
 fn breakdown() -> BreakdownFile {
     let axis = |factor, lo, hi, scale| Axis {
         factor,

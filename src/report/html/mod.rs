@@ -1,7 +1,8 @@
 //! HTML: blocks as a page of tables, and the report of a run as one page with its figures.
 //!
-//! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and findings are plain HTML that
-//! needs no script; the script draws figures from the JSON in the page and hides all tabs but one.
+//! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and
+//! findings are plain HTML that needs no script; the script draws figures from the JSON in the page
+//! and hides all tabs but one.
 
 mod methods;
 #[cfg(test)]

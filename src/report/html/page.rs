@@ -1,4 +1,5 @@
-//! The page of a run: summary first, a tab for each kind of result, the data of its figures as JSON.
+//! The page of a run: summary first, a tab for each kind of result, the data of its figures as
+//! JSON.
 
 use serde_json::{Value, json};
 
@@ -36,7 +37,8 @@ const BEFORE_UPDATE: &str = "This shows the model before the update.";
 const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
 const OTHER_RESULTS: &str = "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.";
 
-/// The report of a run, with what lies beside it and is of the same tests: the result of updating, studies of the methods.
+/// The report of a run, with what lies beside it and is of the same tests: the result of updating,
+/// studies of the methods.
 pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> String {
     let updated = beside.updated.as_ref();
     let studied = methods::methods(report, beside, language);
@@ -69,7 +71,8 @@ pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> S
         "update": updated,
         "studies": studied.data,
     });
-    // A script element ends at the first `</`, and `<!--` changes what ends it, whatever they stand in.
+    // A script element ends at the first `</`, and `<!--` changes what ends it, whatever they stand
+    // in.
     let data = data.to_string().replace('<', "\\u003c");
     let w = |text| escape(word(language, text));
     let mut page = format!(
@@ -139,7 +142,8 @@ fn tabs(
         content,
         drawn,
     };
-    // A run without a comparison begins with what there is: what a publication says of the model, else the modes.
+    // A run without a comparison begins with what there is: what a publication says of the model,
+    // else the modes.
     let (mut published, mut modes) = (section("published"), section("modes"));
     let compared = figures.overview.is_some();
     let instead = match (compared, published.is_empty()) {

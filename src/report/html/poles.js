@@ -80,7 +80,8 @@ class PolePicker {
       const path = course.map((value, k) => `${k ? 'L' : 'M'}${plot.sx(hz[k]).toFixed(1)} ${y(value).toFixed(1)}`).join('');
       group.append(svg('path', { d: path, fill: 'none', stroke: palette.axis, 'stroke-width': j ? 0.8 : 1.4, opacity: j ? 0.6 : 1 }));
     });
-    // Numbers of modes stand at the top, the name of the axis at the bottom; both are read over poles and curve.
+    // Numbers of modes are at the top, the name of the axis at the bottom; both are legible over
+    // poles and curve.
     const told = logTicks(lo, hi).filter((tick) => tick.text).map((own) => [y(own.at) + 3, own.text]);
     this.indicator = [...told.filter(([at]) => at < bottom - 18), [bottom - 6, T('CMIF (m/(N s))')]];
   }

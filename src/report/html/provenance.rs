@@ -7,7 +7,8 @@ use super::super::{Block, Cell, Column, Language, Table};
 use super::words::{sentence, word};
 use super::{escape, fragment};
 
-/// Program, model, seeds, methods, files with fingerprints and, of those that state the run, their text.
+/// Program, model, seeds, methods, files with fingerprints and, of those that state the run, their
+/// text.
 pub(super) fn provenance(report: &RunReport, language: Language) -> String {
     let own = &report.provenance;
     let mut facts = vec![(word(language, "Program").to_owned(), own.producer.clone())];

@@ -1,4 +1,5 @@
-// Mode shapes in motion: the test's on its points, the theory's that it was paired with beside or over them.
+// Animated mode shapes: those of the test on its points, the paired ones of the theory beside or
+// over them.
 
 function drawShapes(host) {
   const tests = figures.tests.filter((test) => test.shapes);

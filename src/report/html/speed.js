@@ -1,4 +1,4 @@
-// Speed against accuracy: time and error of every method, and errors over their bound against noise.
+// Speed and accuracy: time and error of every method, and errors over their bound against noise.
 
 /** Fills the places of a sentence in their order. */
 function fill(text, ...values) {

@@ -229,7 +229,8 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
     told.into_iter().chain(further).collect()
 }
 
-/// The parameters that the test identified; of many those that moved most by their deviations, the others counted.
+/// The parameters that the test identified; of many those that moved most by their deviations, the
+/// others counted.
 fn changes(parameters: &[Value], language: Language) -> Vec<String> {
     let known = parameters.iter();
     let mut known: Vec<&Value> = known.filter(|own| own["verdict"] == "identified").collect();

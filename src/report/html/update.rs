@@ -15,7 +15,8 @@ const SHOWN_CHANGES: usize = 10;
 /// Share of a frequency by which one that was written twice may differ.
 const TEST_TOLERANCE: f64 = 1e-6;
 
-/// The same of a root of the model: modes that are repeated but for rounding stand as their mean in a comparison.
+/// The same of a root of the model: modes that are repeated but for rounding stand as their mean in
+/// a comparison.
 const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// Whether an update does not explain the test or did not converge.
@@ -62,9 +63,10 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
     Some(line)
 }
 
-/// Whether an update may be of the tests and the model of a run: each row that counted, `test f3`, has the frequency of that mode, or the mean
-/// of a group that begins with it (of published frequencies the run's figures say nothing), and the frequency of its partner
-/// before the update is one of the run's model, as far as these reach.
+/// Whether an update may be of the tests and the model of a run: each row that counted, `test f3`,
+/// has the frequency of that mode, or the mean of a group that begins with it (of published
+/// frequencies the run's figures say nothing), and the frequency of its partner before the update
+/// is one of the run's model, as far as these reach.
 pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
     let rows = updated["before"]["rows"].as_array();
     let roots = figures.overview.iter().flat_map(|own| &own.rows);

@@ -113,25 +113,29 @@ pub struct TestFile {
     pub damping_std: Option<f64>,
     /// MAC.
     pub mac: Option<f64>,
-    /// Evidence on which a pair rests: `shape` (and frequency) or `frequency` alone; absent without a partner.
+    /// Evidence on which a pair rests: `shape` (and frequency) or `frequency` alone; absent without
+    /// a partner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub basis: Option<Basis>,
-    /// Chance level for independent shapes that the MAC of a pair by shape reaches; absent elsewhere.
+    /// Chance level for independent shapes that the MAC of a pair by shape reaches; absent
+    /// elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chance_level: Option<f64>,
     /// Principal angles of a cluster, degrees.
     pub angles_deg: Option<Vec<f64>>,
     /// What became of the mode.
     pub status: Status,
-    /// `false` for a missed root of which it is not known whether the test could have seen it; absent else.
+    /// `false` for a missed root of which it is not known whether the test could have seen it;
+    /// absent else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<bool>,
     /// Why.
     pub reason: Option<String>,
 }
 
-/// Figures over all rows: of each test how many roots are `paired` (`paired_by_shape` and `paired_by_frequency` of them), `ambiguous`
-/// (`uncorrelated` of them: their MAC is below the chance level), `missed`, and the errors of those with a partner.
+/// Figures over all rows: of each test how many roots are `paired` (`paired_by_shape` and
+/// `paired_by_frequency` of them), `ambiguous` (`uncorrelated` of them: their MAC is below the
+/// chance level), `missed`, and the errors of those with a partner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SummaryFile {
     /// One entry per test.
@@ -158,7 +162,8 @@ pub struct Additions<'a> {
     pub limits: &'a [LimitCheck],
 }
 
-/// The text of `comparison.json` with what stands beside the rows, each under a key of its own where there is something.
+/// The text of `comparison.json` with what stands beside the rows, each under a key of its own
+/// where there is something.
 pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String {
     let alignment = more.alignment.map(serde_json::to_value);
     let file = ComparisonFile {
@@ -194,7 +199,8 @@ pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
     })
 }
 
-/// Counts the pairs of each test by its rows: in files of earlier versions `paired` holds the ambiguous ones, too.
+/// Counts the pairs of each test by its rows: in files of earlier versions `paired` holds the
+/// ambiguous ones, too.
 fn count_pairs(file: &mut ComparisonFile) {
     for test in &mut file.summary.tests {
         let cells = file.rows.iter().flat_map(|row| &row.tests);

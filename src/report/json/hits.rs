@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use crate::frf::HitReport;
 
-/// One object per hit: number, origin, point, peak, whether it is used and who decided that, and every check.
+/// One object per hit: number, origin, point, peak, whether it is used and who decided that, and
+/// every check.
 pub fn hits(hits: &[HitReport]) -> Value {
     hits.iter().map(hit).collect()
 }

@@ -1,4 +1,5 @@
-//! The JSON files that others may rely on; a change that breaks a reader raises the number in the schema's name.
+//! The JSON files that others may rely on; a change that breaks a reader raises the number in the
+//! schema's name.
 
 mod compare;
 mod comparison;

@@ -1,4 +1,5 @@
-//! `report.json`, schema `modalign-report/1`: all that the HTML page of a run shows, so that it can be built again.
+//! `report.json`, schema `modalign-report/1`: all that the HTML page of a run shows, so that it can
+//! be built again.
 
 use serde::{Deserialize, Serialize};
 

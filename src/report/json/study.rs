@@ -1,4 +1,5 @@
-//! `speed-accuracy.json`, `breakdown.json` and `order.json`: what studies come to, for programs and for the page of a run.
+//! `speed-accuracy.json`, `breakdown.json` and `order.json`: what studies come to, for programs and
+//! for the page of a run.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -140,7 +141,8 @@ fn parameter_needs(own: &ParameterNeeds) -> Value {
     })
 }
 
-/// The study as JSON: `rows` as `speed-accuracy.csv`, `times` as `speed-accuracy-times.csv`, `tables` as they are printed.
+/// The study as JSON: `rows` as `speed-accuracy.csv`, `times` as `speed-accuracy-times.csv`,
+/// `tables` as they are printed.
 pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
     let rows = |block: Block| match block {
         Block::Table(table) => rows(&table),
@@ -161,7 +163,8 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
     format!("{value:#}\n")
 }
 
-/// What is known of a test beside its rows. Deviations are rms and relative: no error against the refined solution is known better.
+/// What is known of a test beside its rows. Deviations are rms and relative: no error against the
+/// refined solution is known better.
 fn test(own: &TestStudy) -> Value {
     let inputs = own.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));

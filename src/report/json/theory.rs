@@ -88,7 +88,8 @@ struct QuantityFile<'a> {
     meaning: &'a str,
 }
 
-/// The text of a JSON object with the key `theory` at its end, ending in a newline; everything in it stays as it is.
+/// The text of a JSON object with the key `theory` at its end, ending in a newline; everything in
+/// it stays as it is.
 pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
     let own =
         serde_json::to_string_pretty(&file(part)).expect("plain data has no key that is not text");

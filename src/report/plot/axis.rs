@@ -86,7 +86,8 @@ impl Axis {
         }
     }
 
-    /// The power of ten that the numbers of a linear axis are told in: 0 where they are short as they are.
+    /// The power of ten that the numbers of a linear axis are told in: 0 where they are short as
+    /// they are.
     fn common_power(&self) -> i32 {
         let largest = f64::max(self.lo.abs(), self.hi.abs());
         if self.log || self.step.is_some() || (1e-2..1e5).contains(&largest) || largest == 0.0 {
@@ -194,7 +195,8 @@ fn power_of_ten(n: i32) -> String {
     )
 }
 
-/// A frame with grid, ticks and labels around a plot of two axes; an empty label is of an axis whose numbers stand elsewhere.
+/// A frame with grid, ticks and labels around a plot of two axes; an empty label is of an axis
+/// whose numbers stand elsewhere.
 pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
     let (ticks, x_told) = x.told((right - left) / 80.0, x_label);

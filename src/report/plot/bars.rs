@@ -9,8 +9,8 @@ use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW, legend_rows}
 /// Kinds of bodies that have a colour of their own.
 const COLORED: usize = 6;
 
-/// Error of every root that a test of the band has, with its standard deviation, and a cross below those that it missed; `None`
-/// where there is none.
+/// Error of every root that a test of the band has, with its standard deviation, and a cross below
+/// those that it missed; `None` where there is none.
 pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<String> {
     let inside = |row: &&OverviewRow| {
         let seen = row

@@ -1,6 +1,8 @@
-//! Breakdown maps: the contours of all methods over two factors, with a user's own modes; and digits lost by order.
+//! Breakdown maps: the contours of all methods over two factors, with a user's own modes; and
+//! digits lost by order.
 //!
-//! Methods differ by colour, dash and mark, so that grey prints and readers who confuse colours tell them apart.
+//! Methods differ by colour, dash and mark, so that grey prints and readers who confuse colours
+//! tell them apart.
 
 use crate::study::breakdown::{
     Bound, Field, LEVEL, OwnPoint, Scale, SliceResult, Stability, StabilityPoint,
@@ -132,7 +134,8 @@ fn color(method: usize) -> &'static str {
 /// Labels of own modes, at most.
 const LABELS: usize = 6;
 
-/// Modes as black points; those that lie on one another share a label. Those nearest to where a method fails are named, as far as there is room.
+/// Modes as black points; those that lie on one another share a label. Those nearest to where a
+/// method fails are named, as far as there is room.
 fn own_modes(canvas: &mut Canvas, points: &[OwnPoint]) {
     let mut groups: Vec<([f64; 2], Vec<&OwnPoint>)> = Vec::new();
     for point in points.iter().filter(|point| point.inside()) {
@@ -178,7 +181,8 @@ fn own_modes(canvas: &mut Canvas, points: &[OwnPoint]) {
     }
 }
 
-/// `mode 4`, `modes 1, 2`, `modes 1 to 6`; under the name of the test where there are several. `None` for modes of several tests.
+/// `mode 4`, `modes 1, 2`, `modes 1 to 6`; under the name of the test where there are several.
+/// `None` for modes of several tests.
 fn listed(all: &[&OwnPoint]) -> Option<String> {
     let test = all[0].mode.test.as_str();
     if all.iter().any(|own| own.mode.test != test) {

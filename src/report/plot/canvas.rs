@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-/// Colours that people who confuse red and green tell apart (Okabe and Ito 2008, Color universal design).
+/// Colours that people who confuse red and green tell apart (Okabe and Ito 2008, Color universal
+/// design).
 pub(super) const COLORS: [&str; 8] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000",
 ];
@@ -190,7 +191,8 @@ impl Canvas {
         self.body.push_str("</g>\n");
     }
 
-    /// Names with their colours in a row from a place on, and in further rows below where the canvas ends, see [`legend_rows`].
+    /// Names with their colours in a row from a place on, and in further rows below where the
+    /// canvas ends, see [`legend_rows`].
     pub fn legend(&mut self, [left, mut y]: [f64; 2], names: &[(&str, &str)]) {
         let mut x = left;
         for (name, color) in names {

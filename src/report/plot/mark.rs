@@ -16,7 +16,8 @@ pub(super) const DASHES: [&str; 7] = [
 /// Half the size of a mark, px.
 const SIZE: f64 = 3.6;
 
-/// The mark of a course: circle, square, triangle, diamond, cross, plus, triangle upside down, in turn.
+/// The mark of a course: circle, square, triangle, diamond, cross, plus, triangle upside down, in
+/// turn.
 pub(super) fn mark(canvas: &mut Canvas, [x, y]: [f64; 2], (course, color): (usize, &str)) {
     let s = SIZE;
     let mut draw = |points: &[[f64; 2]]| {

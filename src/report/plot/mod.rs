@@ -1,6 +1,8 @@
-//! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white; and the same as PNG.
+//! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white; and
+//! the same as PNG.
 //!
-//! What is drawn comes finished from [`crate::scene::Figures`] and [`crate::study`]; here it is only placed.
+//! What is drawn comes finished from [`crate::scene::Figures`] and [`crate::study`]; here it is
+//! only placed.
 
 mod axis;
 mod bars;
@@ -54,11 +56,12 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     named
 }
 
-/// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn from it at 300 dots to the
-/// inch in the pool of the caller. Without the feature `png` no PNG is drawn.
+/// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn
+/// from it at 300 dots to the inch in the pool of the caller. Without the feature `png` no PNG is
+/// drawn.
 ///
-/// The font of the PNG has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes there ([`png_lacks_letters`]).
-/// The words of the figures themselves are English.
+/// The font of the PNG has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes
+/// there ([`png_lacks_letters`]). The words of the figures themselves are English.
 pub fn figure_files(mut figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
     number_the_same(&mut figures);
     let drawn = if png { pngs(&figures) } else { Vec::new() };
@@ -82,13 +85,15 @@ fn pngs(_figures: &[(String, String)]) -> Vec<(String, Vec<u8>)> {
     Vec::new()
 }
 
-/// Whether a figure has letters that the font of its PNG lacks; none without the feature `png`, where no PNG is drawn.
+/// Whether a figure has letters that the font of its PNG lacks; none without the feature `png`,
+/// where no PNG is drawn.
 #[cfg(not(feature = "png"))]
 pub fn png_lacks_letters(_svg: &str) -> bool {
     false
 }
 
-/// The second figure of a name is called name-2, and so on: two tests may differ in letters that files cannot have.
+/// The second figure of a name is called name-2, and so on: two tests may differ in letters that
+/// files cannot have.
 fn number_the_same(figures: &mut [(String, String)]) {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for (name, _) in figures {
@@ -254,7 +259,8 @@ mod tests {
         let test = test_figures();
         let set = test.frfs.as_ref().expect("the test has FRFs");
         let text = bode::bode(&test, set, &set.curves[0]);
-        // Magnitude of the data is one stroke, its phase two: it wraps from 170° to -170°, and from there to 10° by 180°.
+        // Magnitude of the data is one stroke, its phase two: it wraps from 170° to -170°, and from
+        // there to 10° by 180°.
         let strokes = |class: &str| {
             let path = text
                 .split(&format!("<path class=\"{class}\" d=\""))

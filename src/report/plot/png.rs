@@ -1,5 +1,5 @@
-//! SVG to PNG for papers: the only place that names a rasteriser. The font is in the program, so that no installed one is needed
-//! and every machine draws the same.
+//! SVG to PNG for papers: the only place that names a rasteriser. The font is in the program, so
+//! that no installed one is needed and every machine draws the same.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ const DOTS_PER_INCH: f64 = 300.0;
 const MOST_DOTS: f64 = 3.0e7;
 const METRES_PER_INCH: f64 = 0.0254;
 
-/// A figure as PNG at 300 dots to the inch of its SVG's size, which the file states; with fewer where that would be more than 30
-/// million dots.
+/// A figure as PNG at 300 dots to the inch of its SVG's size, which the file states; with fewer
+/// where that would be more than 30 million dots.
 ///
 /// # Panics
 /// For text that is no SVG of [`super::canvas::Canvas`].
@@ -36,7 +36,8 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     encoded(&image, scale * PX_PER_INCH / METRES_PER_INCH)
 }
 
-/// Letters up to here, and punctuation and signs from the second to the third, are in the font; the first without need to look.
+/// Letters up to here, and punctuation and signs from the second to the third, are in the font; the
+/// first without need to look.
 const LATIN_TO_CYRILLIC: char = '\u{052f}';
 const SIGNS: std::ops::RangeInclusive<char> = '\u{2000}'..='\u{22ff}';
 

@@ -1,4 +1,5 @@
-//! Mode shapes at their largest, a panel each: the test's on its points and, with a broken line, the theory's.
+//! Mode shapes at their largest, a panel each: the test's on its points and, with a broken line,
+//! the theory's.
 
 use crate::scene::{Partner, ShapeFigure, ShapeValues};
 

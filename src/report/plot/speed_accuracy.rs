@@ -1,4 +1,5 @@
-//! Speed against accuracy: time and error of every method, and errors over their bound against noise.
+//! Speed against accuracy: time and error of every method, and errors over their bound against
+//! noise.
 
 use crate::study::{Condition, Method, SpeedAccuracy, Tally, TestStudy};
 
@@ -221,7 +222,8 @@ fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
     }
 }
 
-/// Names below their points, one below the other where they would meet; to the left of points beyond `turn`.
+/// Names below their points, one below the other where they would meet; to the left of points
+/// beyond `turn`.
 fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for ([x, y], name) in named {
@@ -272,7 +274,8 @@ fn line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, 
     }
 }
 
-/// Errors over their Cramér-Rao bound against noise, a column for each condition, frequency above damping.
+/// Errors over their Cramér-Rao bound against noise, a column for each condition, frequency above
+/// damping.
 fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
     const COLUMN: f64 = 240.0;
     const GAP: f64 = 45.0;

@@ -1,4 +1,5 @@
-//! What updating came to: the objective by iteration, parameters before and after with their deviations, errors before and after.
+//! What updating came to: the objective by iteration, parameters before and after with their
+//! deviations, errors before and after.
 
 use super::super::json::{UpdateFile, UpdatedParameterFile};
 use crate::update::Verdict;
@@ -11,7 +12,8 @@ const RIGHT: f64 = 720.0;
 /// Height of the row of a parameter, px.
 const ROW: f64 = 26.0;
 
-/// The figures of an update with their names; `synthetic`: one of its tests was computed from a model.
+/// The figures of an update with their names; `synthetic`: one of its tests was computed from a
+/// model.
 pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, String)> {
     let mark = if synthetic { " (synthetic test)" } else { "" };
     let drawn = [
@@ -25,7 +27,8 @@ pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, Str
         .collect()
 }
 
-/// Objective and chi-square after every step, and that of the model as it stands; `None` where there is none.
+/// Objective and chi-square after every step, and that of the model as it stands; `None` where
+/// there is none.
 fn history(own: &UpdateFile, mark: &str) -> Option<String> {
     let steps = &own.history;
     if steps.is_empty() {
@@ -79,7 +82,8 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
     Some(canvas.finish())
 }
 
-/// Change of every parameter in deviations of what was known of it, with the deviation that is left; `None` without parameters.
+/// Change of every parameter in deviations of what was known of it, with the deviation that is
+/// left; `None` without parameters.
 fn parameters(own: &UpdateFile, mark: &str) -> Option<String> {
     let rows = own.parameters.iter().filter(|row| row.prior_std > 0.0);
     let rows: Vec<&UpdatedParameterFile> = rows.collect();
@@ -284,7 +288,8 @@ mod tests {
             parameters.contains(">2.000e6 → 1.700e6 ± 40000 N/m</text>"),
             "{parameters}"
         );
-        // The mount moved by half a prior deviation down: halfway from the model's value to the left end of its prior.
+        // The mount moved by half a prior deviation down: halfway from the model's value to the
+        // left end of its prior.
         let dots: Vec<f64> = places(&parameters.replace("cx=", "x="), "<circle", COLORS[0]);
         let band = places(parameters, "<rect", GRID)[0];
         let middle = places(&parameters.replace("cx=", "x="), "<circle", COLORS[6])[0];

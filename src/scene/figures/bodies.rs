@@ -1,4 +1,5 @@
-//! How the bodies of a model move: every place of a body that has coordinates, with its displacement and rotation in each mode.
+//! How the bodies of a model move: every place of a body that has coordinates, with its
+//! displacement and rotation in each mode.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +23,8 @@ pub struct TheoryMotion {
     pub nodes: Vec<BodyNode>,
     /// Frequencies, Hz, in the order of the theory's modes.
     pub hz: Vec<f64>,
-    /// For each mode: x, y, z displacement and rotation about x, y, z of every node, one after the other; m and rad
-    /// (m of an arc) for unit modal mass.
+    /// For each mode: x, y, z displacement and rotation about x, y, z of every node, one after the
+    /// other; m and rad (m of an arc) for unit modal mass.
     pub modes: Vec<Vec<f64>>,
 }
 
@@ -34,7 +35,8 @@ pub struct BodyNode {
     pub body: String,
     /// Where it is, m.
     pub at_m: [f64; 3],
-    /// Radius of gyration `√(J/m)`, m; `None` where it has no mass or no rotation, and for nodes of a beam.
+    /// Radius of gyration `√(J/m)`, m; `None` where it has no mass or no rotation, and for nodes of
+    /// a beam.
     pub radius_m: Option<f64>,
     /// Axes about which it turns.
     pub axes: Vec<[f64; 3]>,
@@ -43,7 +45,8 @@ pub struct BodyNode {
     pub arc: bool,
 }
 
-/// The motion of a model in a band; `None` for one of too many coordinates, or whose coordinates have no place.
+/// The motion of a model in a band; `None` for one of too many coordinates, or whose coordinates
+/// have no place.
 pub(super) fn theory_motion(
     model: &LoadedModel,
     band: Option<Band>,

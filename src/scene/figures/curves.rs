@@ -1,4 +1,5 @@
-//! FRF curves: which functions of a set are shown, which of their lines, and the curve of the identified modes.
+//! FRF curves: which functions of a set are shown, which of their lines, and the curve of the
+//! identified modes.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -43,7 +44,8 @@ pub struct FrfFigure {
     pub curves: Vec<Curve>,
 }
 
-/// One function on the lines that are kept: those of the largest and smallest magnitude of each stretch.
+/// One function on the lines that are kept: those of the largest and smallest magnitude of each
+/// stretch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// Response.
@@ -60,7 +62,8 @@ pub struct Curve {
     pub magnitude: Vec<f64>,
     /// Phase there, degrees, over -180 to 180.
     pub phase_deg: Vec<f64>,
-    /// Magnitude of the identified modes with two residual terms; `None` outside the band. Empty where modes have no residues.
+    /// Magnitude of the identified modes with two residual terms; `None` outside the band. Empty
+    /// where modes have no residues.
     pub fit_magnitude: Vec<Option<f64>>,
     /// Their phase, degrees.
     pub fit_phase_deg: Vec<Option<f64>>,
@@ -91,7 +94,8 @@ pub(super) fn frf_figure(set: &FrfSet, modes: &ModalModel, points: usize) -> Opt
     })
 }
 
-/// The functions that are shown: all of a small set; of a large one driving points, then the strongest, in the order of the set.
+/// The functions that are shown: all of a small set; of a large one driving points, then the
+/// strongest, in the order of the set.
 pub(super) fn chosen(set: &FrfSet, lines: &Range<usize>) -> Vec<usize> {
     let strength = |i: &usize| {
         let function = &set.functions()[*i];
@@ -151,8 +155,9 @@ fn curve(
     }
 }
 
-/// Lines at even angles around the circle of each mode, `ω = ω_d + σ tan(θ/2)`, so that a Nyquist diagram of thinned lines stays round:
-/// no more than `points` together, and none where all lines are kept anyway.
+/// Lines at even angles around the circle of each mode, `ω = ω_d + σ tan(θ/2)`, so that a Nyquist
+/// diagram of thinned lines stays round: no more than `points` together, and none where all lines
+/// are kept anyway.
 fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usize) -> Vec<usize> {
     let steps = (points / modes.modes.len().max(1)).min(ARC_STEPS);
     if lines.len() <= 2 * points || steps < 4 {
@@ -174,7 +179,8 @@ fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usi
     found
 }
 
-/// All lines where they are few; else of each stretch the lines of the largest and of the smallest value, and both ends.
+/// All lines where they are few; else of each stretch the lines of the largest and of the smallest
+/// value, and both ends.
 pub(super) fn kept_lines(values: &[f64], lines: Range<usize>, points: usize) -> Vec<usize> {
     if lines.len() <= points.max(4) {
         return lines.collect();
@@ -194,8 +200,9 @@ pub(super) fn kept_lines(values: &[f64], lines: Range<usize>, points: usize) -> 
     kept
 }
 
-/// Identified modes with two residual terms at the kept lines of the band: `s^d [Σ A/(s − λ) + conj. + U + L/s²]`, `U` and `L`
-/// by least squares of relative errors over the band. Empty where a mode has no residue of this function.
+/// Identified modes with two residual terms at the kept lines of the band: `s^d [Σ A/(s − λ) +
+/// conj. + U + L/s²]`, `U` and `L` by least squares of relative errors over the band. Empty where a
+/// mode has no residue of this function.
 fn fit(
     (set, i): (&FrfSet, usize),
     modes: &ModalModel,
@@ -220,7 +227,8 @@ fn fit(
     } else {
         let receptance = |k: usize| set.values(i)[k] / s(k).powi(d);
         let at_line = |k: usize| -> Complex64 { modal(s(k)) };
-        // Relative errors: with absolute ones the terms would mend what the peaks leave over, at the cost of all between them.
+        // Relative errors: with absolute ones the terms would mend what the peaks leave over, at
+        // the cost of all between them.
         let size = |k: &usize| receptance(*k).norm() + at_line(*k).norm();
         let largest = used.iter().map(size).fold(0.0, f64::max);
         let least = (LEAST_SIZE * largest).max(f64::MIN_POSITIVE.sqrt());
@@ -364,7 +372,8 @@ mod tests {
         let figure = frf_figure(&set, &model, 120).unwrap();
         let curve = &figure.curves[0];
         assert!(curve.lines.len() <= 120, "{}", curve.lines.len());
-        // Half-power width of the mode at 220 Hz: 4.4 Hz, 17 lines, of which 60 points could keep 2.
+        // Half-power width of the mode at 220 Hz: 4.4 Hz, 17 lines, of which 60 points could
+        // keep 2.
         let near = curve
             .lines
             .iter()

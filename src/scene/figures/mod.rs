@@ -1,7 +1,8 @@
-//! What the figures of a report show, computed once: curves thinned to what a screen can show, fits, poles, shapes.
+//! What the figures of a report show, computed once: curves thinned to what a screen can show,
+//! fits, poles, shapes.
 //!
-//! Whoever draws it ([`crate::report`]) computes nothing. Everything here is plain numbers that a JSON file holds, rounded to
-//! what a figure shows; results proper are in the other files of a run.
+//! Whoever draws it ([`crate::report`]) computes nothing. Everything here is plain numbers that a
+//! JSON file holds, rounded to what a figure shows; results proper are in the other files of a run.
 
 mod bodies;
 mod circles;

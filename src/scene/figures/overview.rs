@@ -1,4 +1,5 @@
-//! The answer in short: how many modes met, how far apart they are, which were missed, and where the model leans.
+//! The answer in short: how many modes met, how far apart they are, which were missed, and where
+//! the model leans.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,9 +19,9 @@ pub struct Overview {
     pub of_theory: bool,
     /// Every root with what each test has of it, then test modes without a partner.
     pub rows: Vec<OverviewRow>,
-    /// One factor on all stiffnesses that would bring the mean frequency of all pairs to the tests: the square of the mean ratio of
-    /// test to theory. `None` unless the pairs, three or more, are all off to one side, and their mean by more than twice its
-    /// standard deviation.
+    /// One factor on all stiffnesses that would bring the mean frequency of all pairs to the tests:
+    /// the square of the mean ratio of test to theory. `None` unless the pairs, three or more, are
+    /// all off to one side, and their mean by more than twice its standard deviation.
     pub stiffness_factor: Option<f64>,
     /// Whether the theory has parameters that an update could change.
     #[serde(default)]
@@ -106,8 +107,9 @@ fn own_cell(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
     }
 }
 
-/// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1 and the mean is off by more
-/// than twice its standard deviation: the larger of that from the tests' frequencies and that from the scatter of the pairs.
+/// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1
+/// and the mean is off by more than twice its standard deviation: the larger of that from the
+/// tests' frequencies and that from the scatter of the pairs.
 fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
     let (mut ratios, mut variance) = (Vec::new(), 0.0);
     for row in &table.rows {

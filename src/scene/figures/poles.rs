@@ -119,7 +119,8 @@ fn status(status: PoleStatus) -> u8 {
     }
 }
 
-/// Poles of all orders with the number of functions that they rest on; none where the method refuses the set.
+/// Poles of all orders with the number of functions that they rest on; none where the method
+/// refuses the set.
 fn poles_of_orders(set: &FrfSet, band: Band) -> (Vec<PoleAtOrder>, usize) {
     debug_assert!(
         ESTIMATORS

@@ -1,4 +1,5 @@
-//! Mode shapes on the points of a test, each with the theory's that it was paired with, and the MAC of all of them.
+//! Mode shapes on the points of a test, each with the theory's that it was paired with, and the MAC
+//! of all of them.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -97,7 +98,8 @@ pub struct ShapeValues {
 /// The theory's side of a pair.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Partner {
-    /// Theory modes, from 0, with the factors (real, imaginary) with which their sum comes nearest to the test's shape.
+    /// Theory modes, from 0, with the factors (real, imaginary) with which their sum comes nearest
+    /// to the test's shape.
     pub modes: Vec<(usize, f64, f64)>,
     /// MAC; with the subspace of a repeated root.
     pub mac: Option<f64>,
@@ -169,7 +171,8 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
     geometry.add(&shown.theory.geometry);
     let known = |dof: &Dof| Some((dof.clone(), place(dof, shown, &geometry)?));
     let mut placed: Vec<(Dof, Placed)> = dofs.iter().filter_map(known).collect();
-    // Points of a model without places are all at one; where its bodies turn, they are drawn about it.
+    // Points of a model without places are all at one; where its bodies turn, they are drawn about
+    // it.
     let first = placed.first();
     let same = |a: &Placed, b: &Placed| {
         let mut axes = a.at_m.iter().zip(&b.at_m);
@@ -315,8 +318,8 @@ fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
     }
 }
 
-/// Trace lines and edges of elements between points that are there; points that only lines have are added while there are few.
-/// Without any, points that stand on one line are joined along it.
+/// Trace lines and edges of elements between points that are there; points that only lines have are
+/// added while there are few. Without any, points that stand on one line are joined along it.
 fn lines(geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Vec<[usize; 2]> {
     let mut found = Vec::new();
     let mut join = |a: &str, b: &str, points: &mut Vec<ShapePoint>| {
@@ -382,7 +385,8 @@ fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
     order.windows(2).map(|two| [two[0], two[1]]).collect()
 }
 
-/// The modes of the root that a test mode was paired with, with the factors that bring their sum nearest to it.
+/// The modes of the root that a test mode was paired with, with the factors that bring their sum
+/// nearest to it.
 fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
     let pairing = shown.pairing?;
     let paired = pairing.pairs.iter().find_map(|pair| {

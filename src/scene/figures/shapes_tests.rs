@@ -40,7 +40,8 @@ fn real(values: [f64; 4]) -> [Complex64; 4] {
     values.map(|value| Complex64::new(value, 0.0))
 }
 
-/// A simple root whose test shape is turned by 60° and doubled, and a double root of which the test found a mixture.
+/// A simple root whose test shape is turned by 60° and doubled, and a double root of which the test
+/// found a mixture.
 fn pair_of_models() -> (TestResult, Theory, Pairing) {
     let theory = model(&[
         (100.0, None, real([1.0, 2.0, 3.0, 1.0])),

@@ -1,23 +1,28 @@
-//! Second contacts of the hammer: a matched filter of the pulse's own shape over the rest of the force.
+//! Second contacts of the hammer: a matched filter of the pulse's own shape over the rest of the
+//! force.
 //!
-//! The first contact is the template: its samples from two before the onset to two after the end, noise and filter
-//! ringing included. The rest of the record, offset and slow drift taken off, is correlated with it,
+//! The first contact is the template: its samples from two before the onset to two after the end,
+//! noise and filter ringing included. The rest of the record, offset and slow drift taken off, is
+//! correlated with it,
 //!
 //! `r_k = Σ x_{k+i} p_i / Σ p_i²`,
 //!
-//! which is the ratio of a contact at k to the first. In white noise of deviation σ its deviation is `s = σ/sqrt(Σp²)`, and
-//! a contact of ratio r has the detectability `d' = r/s`. Found is what exceeds `z s`, z from the number of places and
-//! the false alarms allowed. Noise that is not white raises s to the scatter of r itself.
+//! which is the ratio of a contact at k to the first. In white noise of deviation σ its deviation
+//! is `s = σ/sqrt(Σp²)`, and a contact of ratio r has the detectability `d' = r/s`. Found is what
+//! exceeds `z s`, z from the number of places and the false alarms allowed. Noise that is not white
+//! raises s to the scatter of r itself.
 //!
-//! A contact is separate from the first when its samples begin after the ringing of the filter: `length/2`, at least 8
-//! samples, after the end of the pulse. For a Chebyshev filter of 16 poles or a Butterworth of 8, edge at 0.4 of the sampling
-//! rate, and half sines of 3 to 200 samples what rings later is below 0.002 of the pulse in r; of still shorter ones it is not,
-//! so that within 64 samples of those a contact counts from a twentieth on. Nearer
-//! contacts are found where the force rises again inside the pulse, for pulses of ten samples and more (shorter ones ring as
-//! high), see [`least_delay_samples`].
+//! A contact is separate from the first when its samples begin after the ringing of the filter:
+//! `length/2`, at least 8 samples, after the end of the pulse. For a Chebyshev filter of 16 poles
+//! or a Butterworth of 8, edge at 0.4 of the sampling rate, and half sines of 3 to 200 samples what
+//! rings later is below 0.002 of the pulse in r; of still shorter ones it is not, so that within 64
+//! samples of those a contact counts from a twentieth on. Nearer contacts are found where the force
+//! rises again inside the pulse, for pulses of ten samples and more (shorter ones ring as high),
+//! see [`least_delay_samples`].
 //!
 //! # Reference
-//! Kay (1998), Fundamentals of Statistical Signal Processing II: Detection Theory, section 4.3 (matched filter, d').
+//! Kay (1998), Fundamentals of Statistical Signal Processing II: Detection Theory, section 4.3
+//! (matched filter, d').
 
 use std::ops::Range;
 
@@ -33,8 +38,9 @@ use super::{Check, JudgeLimits, Outcome, Rule};
 const FOOT: usize = 2;
 /// Fewest samples after the pulse in which a steep filter rings above 0.002 of it, see the head.
 const LEAST_GUARD: usize = 8;
-/// A pulse of less area over height, samples, is hardly more than the response of the filter itself: a half sine of three
-/// samples has 1.9, an impulse behind a filter with its edge at 0.4 of the sampling rate 1.25,
+/// A pulse of less area over height, samples, is hardly more than the response of the filter
+/// itself: a half sine of three samples has 1.9, an impulse behind a filter with its edge at 0.4 of
+/// the sampling rate 1.25,
 const SHORTEST: f64 = 1.6;
 /// which rings for so long above 0.002 of it,
 const RINGING: usize = 64;
@@ -44,15 +50,18 @@ const RINGS_TO: f64 = 0.05;
 const TEMPLATE_SAMPLES: usize = 32;
 /// The drift is a mean over this many pulse lengths: a contact inside loses 2 % of its d'.
 const BASELINE_LENGTHS: usize = 40;
-/// Relative deviation of a scale from the median of n magnitudes, times sqrt(n), for Gaussian values.
+/// Relative deviation of a scale from the median of n magnitudes, times sqrt(n), for Gaussian
+/// values.
 const MAD_SPREAD: f64 = 1.17;
-/// Shortest pulse, between its half heights, that does not ring as high as a tenth of it: 9 samples of a half sine.
+/// Shortest pulse, between its half heights, that does not ring as high as a tenth of it: 9 samples
+/// of a half sine.
 const LEAST_RISE_WIDTH: usize = 6;
 /// Standard deviations of a single difference that no pair of samples of a pulse reaches by chance.
 const RISE_DEVIATIONS: f64 = 6.0;
 
 /// The least delay, onset to onset in samples, from which the matched filter sees a second contact:
-/// the length of the pulse, half of it again (at least 8 samples) for its ringing, and the foot of the second.
+/// the length of the pulse, half of it again (at least 8 samples) for its ringing, and the foot of
+/// the second.
 pub fn least_delay_samples(pulse: &Pulse) -> usize {
     pulse.end - pulse.onset + guard(pulse) + FOOT
 }
@@ -115,7 +124,8 @@ pub(super) fn double_hit(
     }
 }
 
-/// Delays at which what follows a pulse may be the ringing of the filter; none for a pulse that is longer than its response.
+/// Delays at which what follows a pulse may be the ringing of the filter; none for a pulse that is
+/// longer than its response.
 fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
     let own = &force_n[pulse.onset..pulse.end];
     let area: f64 = own.iter().map(|f| f - pulse.level_n).sum();
@@ -127,7 +137,8 @@ fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
     0.0..end
 }
 
-/// Looks twice: a high contact pulls the level of the whole record, so that the second look leaves the place of the first out of it.
+/// Looks twice: a high contact pulls the level of the whole record, so that the second look leaves
+/// the place of the first out of it.
 fn look(force_n: &[f64], pulse: &Pulse) -> Option<(Rest, Search)> {
     let first = Answer::new(&LevelFree::new(force_n, pulse, 0..0), pulse)?;
     let delay = first.places[first.clearest()?].delay;
@@ -210,11 +221,13 @@ impl Rest {
         }
     }
 
-    /// The highest place after a valley on either side of the peak, nearer than the matched filter looks.
+    /// The highest place after a valley on either side of the peak, nearer than the matched filter
+    /// looks.
     fn second_rise(&self, pulse: &Pulse, ratio: f64) -> Option<Contact> {
         let LevelFree { force_n, own } = &self.level_free;
         let height = force_n[pulse.peak];
-        // At half its height: the ringing of a filter lengthens the foot of a short pulse, not its middle.
+        // At half its height: the ringing of a filter lengthens the foot of a short pulse, not its
+        // middle.
         let high = |k: &usize| force_n[*k] / height > 0.5;
         let before = (own.0..pulse.peak).rev().take_while(high).count();
         let after = (pulse.peak..own.1).take_while(high).count();
@@ -234,7 +247,8 @@ impl Rest {
     }
 }
 
-/// The highest place that stands `least` above the lowest before it on the way, and above zero by as much.
+/// The highest place that stands `least` above the lowest before it on the way, and above zero by
+/// as much.
 fn rise(way: impl Iterator<Item = usize>, samples: &[f64], least: f64) -> Option<usize> {
     let (mut lowest, mut best): (f64, Option<usize>) = (f64::INFINITY, None);
     for k in way {
@@ -263,7 +277,8 @@ impl Sides {
         !self.place.contains(&k)
     }
 
-    /// Takes the common slope of both sides off all samples; between them the level may step, as a coupled amplifier makes it.
+    /// Takes the common slope of both sides off all samples; between them the level may step, as a
+    /// coupled amplifier makes it.
     fn take_slope_off(&self, samples: &mut [f64]) {
         let (mut cross, mut square) = (0.0, 0.0);
         for side in self.both() {
@@ -284,7 +299,8 @@ impl Sides {
         }
     }
 
-    /// Takes the mean over `half` samples to each side off every sample, never across the pulse; there the mean of its two ends.
+    /// Takes the mean over `half` samples to each side off every sample, never across the pulse;
+    /// there the mean of its two ends.
     fn take_level_off(&self, samples: &mut [f64], half: usize) {
         let mut level = vec![0.0; samples.len()];
         for side in self.both() {
@@ -324,7 +340,8 @@ struct Place {
     ratio: f64,
     /// Samples after the first contact.
     delay: f64,
-    /// Deviation of the ratio over that with a known level: few samples beside a contact know the level badly.
+    /// Deviation of the ratio over that with a known level: few samples beside a contact know the
+    /// level badly.
     spread: f64,
 }
 
@@ -372,7 +389,8 @@ impl Answer {
         (0..self.places.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))
     }
 
-    /// Top of the parabola through a place and its neighbours; the place itself at the end of a stretch.
+    /// Top of the parabola through a place and its neighbours; the place itself at the end of a
+    /// stretch.
     fn vertex(&self, best: usize) -> f64 {
         let here = self.places[best];
         let neighbours = self.places.get(best.wrapping_sub(1));

@@ -1,4 +1,5 @@
-//! A seeded sample of the population of `tests/population/hits.rs`, and the cases that a search for second contacts is prone to.
+//! A seeded sample of the population of `tests/population/hits.rs`, and the cases that a search for
+//! second contacts is prone to.
 
 use std::f64::consts::PI;
 
@@ -21,7 +22,8 @@ fn contact(width: f64, start: f64, at: usize) -> f64 {
     } else {
         0.0
     };
-    // At the end a slope of π/w stops: the filter's edge, 0.4 of the rate, answers with about this, and forgets over 12 samples.
+    // At the end a slope of π/w stops: the filter's edge, 0.4 of the rate, answers with about this,
+    // and forgets over 12 samples.
     let after = t - width;
     let ringing = if after > 0.0 {
         0.1 / width * (0.8 * PI * after).cos() * (-after / 12.0).exp()

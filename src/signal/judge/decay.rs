@@ -5,15 +5,18 @@ use super::super::{PreTrigger, Pulse};
 use super::quiet::{VARIANCE_DEVIATIONS, rms_about};
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
-/// The last part of the record by which its end is judged, and the first and last by which its drift is: an eighth.
+/// The last part of the record by which its end is judged, and the first and last by which its
+/// drift is: an eighth.
 const END_PART: usize = 8;
 /// Standard deviations of a drift that count: one in 10^6 by chance.
 const DRIFT_DEVIATIONS: f64 = 5.0;
 
-/// Amplitude at the end over the maximum: `sqrt(2 (s_end² - σ²)) / max|x|`, s_end the rms of the last eighth.
+/// Amplitude at the end over the maximum: `sqrt(2 (s_end² - σ²)) / max|x|`, s_end the rms of the
+/// last eighth.
 ///
-/// σ² is the variance before the hit. Where the end does not stand out of it by more than both variances scatter, the
-/// value is what could be hidden in that scatter, and the rule decides only when this is below the limit.
+/// σ² is the variance before the hit. Where the end does not stand out of it by more than both
+/// variances scatter, the value is what could be hidden in that scatter, and the rule decides only
+/// when this is below the limit.
 pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
     let limit = limits.decay;
     let after = &response[pulse.onset..];
@@ -50,14 +53,17 @@ pub struct Drift {
     pub offset: f64,
     /// Slope, SI unit of the channel per second.
     pub slope_per_s: f64,
-    /// Standard error of the difference between the end and the start that the slope stands for, SI unit of the channel.
+    /// Standard error of the difference between the end and the start that the slope stands for, SI
+    /// unit of the channel.
     pub error: f64,
 }
 
-/// Offset and drift of a channel from its mean before the hit and that of the last eighth of the record.
+/// Offset and drift of a channel from its mean before the hit and that of the last eighth of the
+/// record.
 ///
-/// `None` for fewer than eight samples in either. The line to take off is `offset + slope_per_s (t - t_onset)`. A response
-/// that still rings at the end leaves of its amplitude A about `A/(ω T/8)` in the mean.
+/// `None` for fewer than eight samples in either. The line to take off is `offset + slope_per_s
+/// (t - t_onset)`. A response that still rings at the end leaves of its amplitude A about `A/(ω
+/// T/8)` in the mean.
 pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
     let quiet = PreTrigger::of(samples.get(pulse.quiet())?)?;
     let part = samples.len().saturating_sub(pulse.end) / END_PART;

@@ -63,8 +63,9 @@ impl JudgeLimits {
     /// Checks the limits.
     ///
     /// # Errors
-    /// [`SignalError::JudgeLimit`] for a limit that is not positive and finite, a probability of 1 or more, a factor
-    /// of a level that is not above 1, and a limit of rejection below that of a note.
+    /// [`SignalError::JudgeLimit`] for a limit that is not positive and finite, a probability of 1
+    /// or more, a factor of a level that is not above 1, and a limit of rejection below that of a
+    /// note.
     pub fn validate(&self) -> Result<(), SignalError> {
         let positive = |got: f64| got > 0.0 && got.is_finite();
         let probability = |got: f64| positive(got) && got < 1.0;

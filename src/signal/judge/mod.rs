@@ -1,8 +1,9 @@
-//! Whether a hit can be trusted: each rule looks at the samples of one hit, or at one number per hit of a series.
+//! Whether a hit can be trusted: each rule looks at the samples of one hit, or at one number per
+//! hit of a series.
 //!
-//! Every rule yields a [`Check`] with its value, its limit and an [`Outcome`], also when it passed, so that each hit stays
-//! listed with the reason. What the noise does not let a rule decide is [`Outcome::NotDecidable`], never passed.
-//! Nothing here removes a hit or changes a sample.
+//! Every rule yields a [`Check`] with its value, its limit and an [`Outcome`], also when it passed,
+//! so that each hit stays listed with the reason. What the noise does not let a rule decide is
+//! [`Outcome::NotDecidable`], never passed. Nothing here removes a hit or changes a sample.
 //!
 //! | file | rules |
 //! |---|---|
@@ -118,9 +119,11 @@ pub struct Check {
     pub unit: &'static str,
     /// What follows.
     pub outcome: Outcome,
-    /// Double hit: onset to onset, s (negative: before the pulse). Roll-off: where the spectrum passes the limit, Hz.
+    /// Double hit: onset to onset, s (negative: before the pulse). Roll-off: where the spectrum
+    /// passes the limit, Hz.
     pub at: Option<f64>,
-    /// Double hit: `ratio sqrt(Σp²) / σ` of the contact found, or of one of the limit's ratio where none was found.
+    /// Double hit: `ratio sqrt(Σp²) / σ` of the contact found, or of one of the limit's ratio where
+    /// none was found.
     pub detectability: Option<f64>,
 }
 
@@ -183,11 +186,13 @@ fn undecided(rules: &[Rule], dof: Option<&Dof>) -> Vec<Check> {
     rules.iter().map(check).collect()
 }
 
-/// Judges the force of one hit: double hit, overload, pre-trigger, roll-off, dead channel, sign, drift.
+/// Judges the force of one hit: double hit, overload, pre-trigger, roll-off, dead channel, sign,
+/// drift.
 ///
-/// `force_n` are the samples before any window, `step_s` their spacing, `pulse` as [`Pulse::locate`] finds it.
-/// `full_scale_n` is the range of the channel where it is known, `band_end_hz` the highest frequency of interest.
-/// A pulse of another, longer record leaves all of them not decidable.
+/// `force_n` are the samples before any window, `step_s` their spacing, `pulse` as
+/// [`Pulse::locate`] finds it. `full_scale_n` is the range of the channel where it is known,
+/// `band_end_hz` the highest frequency of interest. A pulse of another, longer record leaves all of
+/// them not decidable.
 pub fn judge_force(
     force_n: &[f64],
     step_s: f64,
@@ -223,7 +228,8 @@ pub struct ResponseRecord<'a> {
     pub full_scale: Option<f64>,
 }
 
-/// Judges one response of a hit: overload, pre-trigger, decay, dead channel, drift. `pulse` is that of the force.
+/// Judges one response of a hit: overload, pre-trigger, decay, dead channel, drift. `pulse` is that
+/// of the force.
 ///
 /// A response that ends before the pulse does has all of them not decidable.
 pub fn judge_response(
@@ -253,7 +259,8 @@ pub fn judge_response(
     named.collect()
 }
 
-/// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any other.
+/// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any
+/// other.
 pub fn overloaded(
     samples: &[f64],
     extent: &Extent,

@@ -1,4 +1,5 @@
-//! What a channel does before the hit, whether it does anything after it, and the sign of the force.
+//! What a channel does before the hit, whether it does anything after it, and the sign of the
+//! force.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -6,18 +7,22 @@ use super::super::pulse::FEWEST_QUIET;
 use super::super::{PreTrigger, Pulse};
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
-/// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in it.
+/// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in
+/// it.
 const MOST_LAGS: usize = 50;
-/// Linear-phase filters answer a pulse before it comes; so many samples before the onset are not judged.
+/// Linear-phase filters answer a pulse before it comes; so many samples before the onset are not
+/// judged.
 const PRECURSOR: usize = 32;
 /// Probability with which white noise passes for ringing: one in 10,000 channels.
 const FALSE_RINGING: f64 = 1e-4;
-/// Standard deviations of a variance ratio that count as above the noise: below one in 10,000 for 8 samples and more.
+/// Standard deviations of a variance ratio that count as above the noise: below one in 10,000 for 8
+/// samples and more.
 pub(super) const VARIANCE_DEVIATIONS: f64 = 5.0;
 
 /// Deviation of noise in which up to a tenth of the samples are something else.
 ///
-/// Root of the mean square of the 90 % smallest, over that of a Gaussian cut there: `1 - 2 q φ(q)/0.9 = 0.6229`, `q = 1.6449`.
+/// Root of the mean square of the 90 % smallest, over that of a Gaussian cut there: `1 - 2 q
+/// φ(q)/0.9 = 0.6229`, `q = 1.6449`.
 pub(super) fn trimmed_deviation(samples: impl Iterator<Item = f64>) -> f64 {
     let mut squares: Vec<f64> = samples.map(|x| x * x).collect();
     let kept = squares.len() * 9 / 10;
@@ -30,7 +35,8 @@ pub(super) fn trimmed_deviation(samples: impl Iterator<Item = f64>) -> f64 {
 
 /// Step of the converter: the least distance of two different samples; 0 for a constant.
 ///
-/// Samples that are on no raster give a distance that is small against their noise and then does not matter.
+/// Samples that are on no raster give a distance that is small against their noise and then does
+/// not matter.
 pub(super) fn converter_step(samples: &[f64]) -> f64 {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -58,12 +64,13 @@ pub(super) fn force_pre_trigger(force_n: &[f64], pulse: &Pulse, limits: &JudgeLi
     }
 }
 
-/// Ringing before the hit over the response just after it: by how much it bends H in the worst phase.
+/// Ringing before the hit over the response just after it: by how much it bends H in the worst
+/// phase.
 ///
-/// The power of what is autocorrelated before the hit is `sqrt(2 (mean r_k² - s⁴/n))` over lags k up to n/4: a sine
-/// of power P has `r_k = P cos(ωk)`, white noise `E r_k² = s⁴/n`. Its root over the rms of as many samples after
-/// the onset is the value; both decay alike. What white noise explains ([`FALSE_RINGING`]) has passed, where the limit
-/// could have been seen.
+/// The power of what is autocorrelated before the hit is `sqrt(2 (mean r_k² - s⁴/n))` over lags k
+/// up to n/4: a sine of power P has `r_k = P cos(ωk)`, white noise `E r_k² = s⁴/n`. Its root over
+/// the rms of as many samples after the onset is the value; both decay alike. What white noise
+/// explains ([`FALSE_RINGING`]) has passed, where the limit could have been seen.
 ///
 /// # Reference
 /// Box and Pierce (1970), J. Amer. Statist. Assoc. 65, eq. 1.3 (`n Σ r_k²/r_0²` is chi squared).
@@ -126,7 +133,8 @@ pub(super) fn rms_about(samples: &[f64], mean: f64) -> f64 {
     (sum / samples.len().max(1) as f64).sqrt()
 }
 
-/// A force whose peak is no more than noise: `|height| / σ` against `sqrt(2 ln N) + 2`, two above what N samples reach.
+/// A force whose peak is no more than noise: `|height| / σ` against `sqrt(2 ln N) + 2`, two above
+/// what N samples reach.
 pub(super) fn dead_force(force_n: &[f64], pulse: &Pulse) -> Check {
     let Some(quiet) = PreTrigger::of(&force_n[pulse.quiet()]) else {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
@@ -147,8 +155,8 @@ pub(super) fn dead_force(force_n: &[f64], pulse: &Pulse) -> Check {
 
 /// A response that is constant, or nowhere above its own noise before the hit.
 ///
-/// The value is the largest rms of a sixteenth of the record after the onset over that before the hit; the limit is
-/// what the scatter of both explains, `sqrt(1 + 5 sqrt(2/n + 2/m))`.
+/// The value is the largest rms of a sixteenth of the record after the onset over that before the
+/// hit; the limit is what the scatter of both explains, `sqrt(1 + 5 sqrt(2/n + 2/m))`.
 pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
     let constant = response.iter().all(|x| (x - response[0]).abs() <= 0.0);
     if constant {

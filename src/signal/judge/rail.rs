@@ -1,10 +1,11 @@
 //! Overload: samples on the rail of the converter, jitter of its last bits included.
 //!
-//! With a known full scale the rail is there. Otherwise it is the extreme of the record, of either sign, if the
-//! samples pile up on it. Under a smooth top the depth below the extreme grows with the square of the distance, so that of the
-//! samples less than Kδ deep a share of `1/√K` is less than δ deep; noise and quantised tops have a smaller share, whereas a
-//! clipped signal leaves the rail at its full slope. The count is held against the binomial distribution of that
-//! share, for K from 5 on doubled up to half the height.
+//! With a known full scale the rail is there. Otherwise it is the extreme of the record, of either
+//! sign, if the samples pile up on it. Under a smooth top the depth below the extreme grows with
+//! the square of the distance, so that of the samples less than Kδ deep a share of `1/√K` is less
+//! than δ deep; noise and quantised tops have a smaller share, whereas a clipped signal leaves the
+//! rail at its full slope. The count is held against the binomial distribution of that share, for K
+//! from 5 on doubled up to half the height.
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -14,30 +15,33 @@ use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.
 const RAIL_STEPS: f64 = 4.5;
-/// The rail is at least so deep, relative to the range: samples that went through single precision are on no clean raster.
+/// The rail is at least so deep, relative to the range: samples that went through single precision
+/// are on no clean raster.
 const LEAST_DEPTH: f64 = 1e-6;
-/// Samples from the start of the record that show the step of the converter, together with as many of the upper half of each
-/// side.
+/// Samples from the start of the record that show the step of the converter, together with as many
+/// of the upper half of each side.
 const STEP_SAMPLES: usize = 1024;
 /// Samples from the start of the record by which the step is bounded at a glance.
 const GLANCED: usize = 64;
-/// Gap of two samples, relative to the range, that holds a step: above the rounding (see [`converter_step`]) between as many
-/// samples as show the step.
+/// Gap of two samples, relative to the range, that holds a step: above the rounding (see
+/// [`converter_step`]) between as many samples as show the step.
 const SURE_GAP: f64 = 4e-6;
 /// The smallest K: samples within five depths.
 const FIRST_DEPTHS: f64 = 5.0;
-/// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail of a 12-bit converter with one in
-/// the upper half of the height beside them are at 0.0018 (K = 160); smooth tops are more even than random ones and stay far above.
+/// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail
+/// of a 12-bit converter with one in the upper half of the height beside them are at 0.0018 (K =
+/// 160); smooth tops are more even than random ones and stay far above.
 const RAIL_CHANCE: f64 = 2e-3;
 
 /// Samples that are passed over together when none of them is in the upper half.
 const PIECE: usize = 64;
 
-/// Part of the range below its end in which a clipped record has its samples: the jitter of a converter of 12 bits.
+/// Part of the range below its end in which a clipped record has its samples: the jitter of a
+/// converter of 12 bits.
 const NEAR_THE_END: f64 = 2.5e-3;
 
-/// The rule; the value is the number of samples on the rail. A record with too few samples near its ends has passed at a
-/// glance. `extent` is that of the samples.
+/// The rule; the value is the number of samples on the rail. A record with too few samples near its
+/// ends has passed at a glance. `extent` is that of the samples.
 pub(super) fn overload(
     samples: &[f64],
     extent: &Extent,
@@ -76,7 +80,8 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     let depth_of_search = NEAR_THE_END * extent.range();
     let few_within =
         |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
-    // Most records have few samples even where a rail is sought, which is told faster than its depth.
+    // Most records have few samples even where a rail is sought, which is told faster than its
+    // depth.
     if extent.range() <= 0.0
         || few_within(depth_of_search)
         || few_within(most_depth(samples, extent).min(depth_of_search))
@@ -104,11 +109,11 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     counts.max().unwrap_or(0)
 }
 
-/// A bound of the depth of the rail from above, by which most records pass at a glance; infinite where the first samples know
-/// none.
+/// A bound of the depth of the rail from above, by which most records pass at a glance; infinite
+/// where the first samples know none.
 ///
-/// Two samples a step or more apart bound the step. Others may lie between them in steps that count as rounding, in all less
-/// than [`SURE_GAP`].
+/// Two samples a step or more apart bound the step. Others may lie between them in steps that count
+/// as rounding, in all less than [`SURE_GAP`].
 fn most_depth(samples: &[f64], extent: &Extent) -> f64 {
     let mut first = [0.0; GLANCED];
     let first = &mut first[..samples.len().min(GLANCED)];
@@ -138,7 +143,8 @@ struct Upper {
 }
 
 impl Upper {
-    /// Of the positive or the negative side; `None` where that is but the level of a pulse of the other.
+    /// Of the positive or the negative side; `None` where that is but the level of a pulse of the
+    /// other.
     fn of(samples: &[f64], sign: f64, extent: &Extent) -> Option<Self> {
         let highest = (sign * extent.hi).max(sign * extent.lo);
         let height = highest - sign * extent.sum / samples.len() as f64;

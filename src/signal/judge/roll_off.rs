@@ -5,15 +5,17 @@ use crate::fourier::ForwardPlan;
 use super::super::Pulse;
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
-/// Lines over the pulse's own resolution: the place where the spectrum passes a level is found to 1/16 of 1/length.
+/// Lines over the pulse's own resolution: the place where the spectrum passes a level is found to
+/// 1/16 of 1/length.
 const ZERO_PADDING: usize = 16;
 /// Shortest transform.
 const LEAST_SAMPLES: usize = 1024;
 
-/// The deepest fall of the pulse's spectrum inside the band below its maximum, dB, and in `at` where it first passes the limit, Hz.
+/// The deepest fall of the pulse's spectrum inside the band below its maximum, dB, and in `at`
+/// where it first passes the limit, Hz.
 ///
-/// The spectrum is that of the pulse alone, from half its length before the onset to as much after its end, the level
-/// taken off: noise and later contacts are not in it.
+/// The spectrum is that of the pulse alone, from half its length before the onset to as much after
+/// its end, the level taken off: noise and later contacts are not in it.
 pub(super) fn roll_off(
     force_n: &[f64],
     step_s: f64,

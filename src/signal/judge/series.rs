@@ -6,12 +6,15 @@ use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Fewest hits of which one can be far from the median.
 const FEWEST_FOR_LEVEL: usize = 3;
-/// Fewest hits of which one can be rejected as odd: the others then show their scatter with two degrees of freedom.
+/// Fewest hits of which one can be rejected as odd: the others then show their scatter with two
+/// degrees of freedom.
 const FEWEST_FOR_ODD: usize = 4;
 
-/// Peak force of each hit over the median of the series, one check per hit; the signs do not matter.
+/// Peak force of each hit over the median of the series, one check per hit; the signs do not
+/// matter.
 ///
-/// Noted beyond a factor (structures and noise are not linear), rejected beyond a larger one, see [`JudgeLimits`].
+/// Noted beyond a factor (structures and noise are not linear), rejected beyond a larger one, see
+/// [`JudgeLimits`].
 pub fn judge_levels(peaks_n: &[f64], limits: &JudgeLimits) -> Vec<Check> {
     let sizes: Vec<f64> = peaks_n.iter().map(|p| p.abs()).collect();
     let middle = median(&sizes);
@@ -51,21 +54,24 @@ fn median(values: &[f64]) -> f64 {
 
 /// Each hit's response against what H1 of the other hits makes of its force, one check per hit.
 ///
-/// `force[i]` and `response[i]` are spectra of hit i at the usable lines. With `H` and `S = Σ|F|²` from the other hits,
-/// `e_i = X_i - H F_i` has `1 + |F_i|²/S` times the variance of the noise, which the others show as `Q/(n-2)`, `Q` their
-/// residual. The value is
+/// `force[i]` and `response[i]` are spectra of hit i at the usable lines. With `H` and `S = Σ|F|²`
+/// from the other hits, `e_i = X_i - H F_i` has `1 + |F_i|²/S` times the variance of the noise,
+/// which the others show as `Q/(n-2)`, `Q` their residual. The value is
 ///
 /// `R = (n-2) Σ_k |e_i|²/(1 + |F_i|²/S) / Σ_k Q`,
 ///
-/// the sums over lines, so that lines count by their energy. How many degrees of freedom lines have together is not known
-/// (a hit beside its point differs at all lines at once), so the fewest are taken: `F(2, 2(n-2))`, exact for a scatter that is one
-/// complex Gaussian factor of a common shape, and further from the limit for any that is not. Its quantile is
-/// `(n-2) (p^(-1/(n-2)) - 1)`, p the allowed false alarms over n. A hit is rejected when R is beyond it and
-/// `Σ|e_i|² > d² Σ|X_i|²`, d the least difference that matters. Three hits are not decidable, and of fewer nothing is measured.
+/// the sums over lines, so that lines count by their energy. How many degrees of freedom lines have
+/// together is not known (a hit beside its point differs at all lines at once), so the fewest are
+/// taken: `F(2, 2(n-2))`, exact for a scatter that is one complex Gaussian factor of a common
+/// shape, and further from the limit for any that is not. Its quantile is `(n-2) (p^(-1/(n-2)) -
+/// 1)`, p the allowed false alarms over n. A hit is rejected when R is beyond it and `Σ|e_i|² > d²
+/// Σ|X_i|²`, d the least difference that matters. Three hits are not decidable, and of fewer
+/// nothing is measured.
 ///
 /// # Reference
-/// Bendat and Piersol (2010), Random Data, 4th ed., section 9.1 (variance of H); Johnson, Kotz and Balakrishnan (1995), Continuous
-/// Univariate Distributions 2, chapter 27 (F with two degrees of freedom in closed form).
+/// Bendat and Piersol (2010), Random Data, 4th ed., section 9.1 (variance of H); Johnson, Kotz and
+/// Balakrishnan (1995), Continuous Univariate Distributions 2, chapter 27 (F with two degrees of
+/// freedom in closed form).
 pub fn odd_one_out(
     force: &[&[Complex64]],
     response: &[&[Complex64]],

@@ -162,7 +162,8 @@ fn ringing_of_the_previous_hit_is_rejected_by_what_it_does_to_h() {
     assert_eq!(with(0.05).outcome, Outcome::Noted);
     let check = with(0.3);
     assert_eq!(check.outcome, Outcome::Rejected);
-    // Both decay alike over like stretches, so that the ratio is that of the amplitudes at the start of either.
+    // Both decay alike over like stretches, so that the ratio is that of the amplitudes at the
+    // start of either.
     assert!(
         (check.value.expect("the check has a value") - 0.3).abs() < 0.06,
         "{check:?}"
@@ -173,7 +174,8 @@ fn ringing_of_the_previous_hit_is_rejected_by_what_it_does_to_h() {
 
 #[test]
 fn what_is_left_at_the_end_is_the_amplitude_without_the_noise() {
-    // exp(-1e-3 * 3896) = 0.020 at the end; rms over the last eighth is that of its middle, exp(-1e-3 * 3652).
+    // exp(-1e-3 * 3896) = 0.020 at the end; rms over the last eighth is that of its middle,
+    // exp(-1e-3 * 3652).
     let check = of(&response(1e-3, 0.3, 1e-4, 5), Rule::Decay);
     assert_eq!(check.outcome, Outcome::Noted);
     let expected = (-1e-3f64 * 3652.0).exp();
@@ -273,7 +275,8 @@ fn levels_are_held_against_the_median() {
     assert_eq!(outcomes(&[0.0; 3]), [NotDecidable; 3]);
 }
 
-/// Forces, and responses of one mode with the noise of a ratio in dB; `odd` has another shape by this factor.
+/// Forces, and responses of one mode with the noise of a ratio in dB; `odd` has another shape by
+/// this factor.
 fn series(n: usize, snr_db: f64, odd: Option<(usize, f64)>, seed: u64) -> Vec<Outcome> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let h =

@@ -1,4 +1,5 @@
-//! The small structure that every draw is made of: a pair of modes and a third that stands apart, on a line of sensors.
+//! The small structure that every draw is made of: a pair of modes and a third that stands apart,
+//! on a line of sensors.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +13,9 @@ use super::Factor;
 
 /// What is fixed where a slice does not vary it.
 ///
-/// Modes lie at `f_1`, `f_2 = f_1 + s·2ζf_1` and `f_3 = f_2 + g`, all with the damping ratio ζ. Shapes are
-/// `sin(rπx)` at `responses` sensors `x = k/(n + 1)` of a supported line, of unit modal mass; the first, last and third sensor are hit.
+/// Modes lie at `f_1`, `f_2 = f_1 + s·2ζf_1` and `f_3 = f_2 + g`, all with the damping ratio ζ.
+/// Shapes are `sin(rπx)` at `responses` sensors `x = k/(n + 1)` of a supported line, of unit modal
+/// mass; the first, last and third sensor are hit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// `f_1`, Hz.
@@ -32,7 +34,8 @@ pub struct Case {
     pub lines: usize,
     /// Signal-to-noise ratio of FRFs or responses, dB.
     pub noise_db: f64,
-    /// Component of the second mode at the first hit, as a share of its largest; that of its shape without it.
+    /// Component of the second mode at the first hit, as a share of its largest; that of its shape
+    /// without it.
     pub node_distance: Option<f64>,
     /// Highest model order of the methods that have one; their own choice without it.
     pub order: Option<usize>,
@@ -42,7 +45,8 @@ pub struct Case {
     pub hits: usize,
     /// Signal-to-noise ratio of the force, dB.
     pub force_noise_db: f64,
-    /// Drift over roving positions, half-power widths of the first mode; all sensors at once where 0.
+    /// Drift over roving positions, half-power widths of the first mode; all sensors at once
+    /// where 0.
     pub mass_loading: f64,
     /// Share of hits with a second contact.
     pub second_contacts: f64,
@@ -53,8 +57,8 @@ pub struct Case {
 }
 
 impl Default for Case {
-    /// 100 Hz, 1 %, five half-power widths, 60 Hz to the third mode; 4 responses, 1 reference, 300 lines; 50 dB; 10 time constants,
-    /// 3 hits, 70 dB of force.
+    /// 100 Hz, 1 %, five half-power widths, 60 Hz to the third mode; 4 responses, 1 reference, 300
+    /// lines; 50 dB; 10 time constants, 3 hits, 70 dB of force.
     fn default() -> Self {
         Self {
             lowest_hz: 100.0,
@@ -156,7 +160,8 @@ impl Case {
         (1..=self.responses).map(dof).collect()
     }
 
-    /// The points that are hit: both ends of the line, then its third sensor. There the pair's shapes are independent.
+    /// The points that are hit: both ends of the line, then its third sensor. There the pair's
+    /// shapes are independent.
     pub fn hits(&self) -> Vec<Dof> {
         let numbers = [1, self.responses, 3];
         numbers[..self.references].iter().map(|n| dof(*n)).collect()
@@ -245,7 +250,8 @@ mod tests {
         assert!(at(0) / largest(0) > 0.4);
     }
 
-    /// With both ends hit the pair's participation factors are orthogonal: nothing but noise hides a repeated root.
+    /// With both ends hit the pair's participation factors are orthogonal: nothing but noise hides
+    /// a repeated root.
     #[test]
     fn two_references_tell_the_pair_apart() {
         let case = Case::default();

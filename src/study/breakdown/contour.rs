@@ -1,4 +1,5 @@
-//! Where a field on a grid crosses a level: lines for figures, places along a row or column for sentences.
+//! Where a field on a grid crosses a level: lines for figures, places along a row or column for
+//! sentences.
 //!
 //! Places are shares of the axes, 0 to 1.
 
@@ -13,7 +14,8 @@ pub type Point = [f64; 2];
 type Edge = (usize, usize, bool);
 
 impl Field {
-    /// Lines along which the field crosses a level, by linear interpolation between nodes (marching squares).
+    /// Lines along which the field crosses a level, by linear interpolation between nodes (marching
+    /// squares).
     ///
     /// # Reference
     /// Lorensen and Cline (1987), Marching cubes, Computer Graphics 21(4), in two dimensions.
@@ -85,7 +87,8 @@ impl Field {
         (1.0 - v) * row(j) + v * row(j + 1)
     }
 
-    /// Stretches along an axis, the other one held at a share, in which the field is at or above a level.
+    /// Stretches along an axis, the other one held at a share, in which the field is at or above a
+    /// level.
     pub fn stretches(&self, (along_x, held): (bool, f64), level: f64) -> Vec<(f64, f64)> {
         let count = if along_x {
             self.values.len()
@@ -113,7 +116,8 @@ impl Field {
         stretches
     }
 
-    /// Distance along an axis from a point to the nearest crossing of a level, with its sign; `None` where the field does not cross there.
+    /// Distance along an axis from a point to the nearest crossing of a level, with its sign;
+    /// `None` where the field does not cross there.
     pub fn distance(&self, point: Point, (along_x, level): (bool, f64)) -> Option<f64> {
         let (own, held) = match along_x {
             true => (point[0], point[1]),

@@ -1,4 +1,5 @@
-//! One draw of a case: FRFs with white noise of known variance, or a whole hammer test estimated as a user's would be.
+//! One draw of a case: FRFs with white noise of known variance, or a whole hammer test estimated as
+//! a user's would be.
 
 use num_complex::Complex64;
 use rand::Rng;
@@ -18,8 +19,8 @@ use crate::synth::{
 
 use super::{Case, Factor};
 
-/// Random numbers of a draw of a cell: of its coordinates and not of its place in a grid, so that a cell has the same draws however
-/// the slice was refined, split or run.
+/// Random numbers of a draw of a cell: of its coordinates and not of its place in a grid, so that a
+/// cell has the same draws however the slice was refined, split or run.
 pub fn random_of(seed: u64, values: [(Factor, f64); 2], draw: u32) -> ChaCha8Rng {
     let [(x, at_x), (y, at_y)] = values;
     let coordinates = [
@@ -45,7 +46,8 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// FRFs at the lines of the band with white noise of known variance. Modes are shifted against the lines by up to a line.
+    /// FRFs at the lines of the band with white noise of known variance. Modes are shifted against
+    /// the lines by up to a line.
     ///
     /// # Errors
     /// [`SynthError`] for a case that makes no mode.
@@ -86,7 +88,8 @@ impl Draw {
         };
         let estimated = hammer(&mut InMemory::new(&hits), &options);
         let middle = tests.len() / 2;
-        // Where a roving sensor loads the structure, no frequency is right; the middle one is the least wrong.
+        // Where a roving sensor loads the structure, no frequency is right; the middle one is the
+        // least wrong.
         let truth = tests[middle].truth.model.clone();
         Ok(Self {
             set: estimated
@@ -264,7 +267,8 @@ mod tests {
             noise += own.map(|(a, b)| (a - b).norm_sqr()).sum::<f64>() / power;
             signal += 1.0;
         }
-        // 4 functions of 300 lines: the mean of 1200 squares is known to 1/√1200 = 2.9 %; five of these.
+        // 4 functions of 300 lines: the mean of 1200 squares is known to 1/√1200 = 2.9 %; five of
+        // these.
         assert!((noise / signal / 0.01 - 1.0).abs() < 0.145, "{noise}");
     }
 

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Factor {
-    /// Signal-to-noise ratio: of the FRFs (rms over the band over rms noise of a line), or, where the slice needs a hammer test, of the
-    /// responses (rms of the record over rms noise), dB.
+    /// Signal-to-noise ratio: of the FRFs (rms over the band over rms noise of a line), or, where
+    /// the slice needs a hammer test, of the responses (rms of the record over rms noise), dB.
     Noise,
     /// Distance of the pair in half-power widths.
     Separation,
@@ -19,9 +19,11 @@ pub enum Factor {
     Hits,
     /// References: points that are hit.
     References,
-    /// Component of the pair's upper mode at the first hit point, as a share of its largest: its distance from a node.
+    /// Component of the pair's upper mode at the first hit point, as a share of its largest: its
+    /// distance from a node.
     NodeDistance,
-    /// Drift of all frequencies between the first and last position of a roving sensor, in half-power widths of the lowest mode.
+    /// Drift of all frequencies between the first and last position of a roving sensor, in
+    /// half-power widths of the lowest mode.
     MassLoading,
     /// Share of the hits that have a second contact.
     SecondContacts,
@@ -119,7 +121,8 @@ impl Factor {
         )
     }
 
-    /// Whether it lives in the recording, so that a hammer test has to be drawn; else FRFs with white noise will do.
+    /// Whether it lives in the recording, so that a hammer test has to be drawn; else FRFs with
+    /// white noise will do.
     pub fn needs_test(self) -> bool {
         matches!(
             self,
@@ -191,8 +194,8 @@ impl Axis {
         }
     }
 
-    /// The share of the axis at which a value lies; outside 0 to 1 beyond the ends, minus infinity for 0 on a
-    /// logarithmic axis; `None` for no number.
+    /// The share of the axis at which a value lies; outside 0 to 1 beyond the ends, minus infinity
+    /// for 0 on a logarithmic axis; `None` for no number.
     pub fn share(&self, value: f64) -> Option<f64> {
         let share = match self.scale {
             Scale::Linear => (value - self.lo) / (self.hi - self.lo),

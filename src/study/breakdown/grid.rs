@@ -25,7 +25,8 @@ impl Grid {
         (of(&self.x), of(&self.y))
     }
 
-    /// The values of a node. Halving makes the same shares of an axis bit for bit, so that they do not depend on the levels.
+    /// The values of a node. Halving makes the same shares of an axis bit for bit, so that they do
+    /// not depend on the levels.
     pub fn values(&self, node: Node) -> (f64, f64) {
         let (columns, rows) = self.size();
         let share = |at: usize, of: usize| at as f64 / (of - 1) as f64;
@@ -43,8 +44,9 @@ impl Grid {
         (0..columns).step_by(step).flat_map(column).collect()
     }
 
-    /// The nodes that the halving of a level, from 1, adds: those of every cell of the level before that has known corners on both
-    /// sides. A value that is already there, of a factor of whole numbers, is not added again.
+    /// The nodes that the halving of a level, from 1, adds: those of every cell of the level before
+    /// that has known corners on both sides. A value that is already there, of a factor of whole
+    /// numbers, is not added again.
     pub fn halved(&self, level: u32, inside: &BTreeMap<Node, bool>) -> BTreeSet<Node> {
         let step = 1usize << (self.levels + 1 - level);
         let half = step / 2;
@@ -87,8 +89,8 @@ impl Grid {
         differs(at - step) && differs(at + step)
     }
 
-    /// Values on the whole finest grid, by column: known ones as they are, those between as the mean of their neighbours in the level
-    /// before. The base must be known.
+    /// Values on the whole finest grid, by column: known ones as they are, those between as the
+    /// mean of their neighbours in the level before. The base must be known.
     pub fn filled(&self, known: &BTreeMap<Node, f64>) -> Field {
         let (columns, rows) = self.size();
         let mut values = vec![vec![f64::NAN; rows]; columns];

@@ -1,4 +1,5 @@
-//! Where methods fail: the share of seeded draws of a small structure in which each identifies its modes to a stated error, over two factors.
+//! Where methods fail: the share of seeded draws of a small structure in which each identifies its
+//! modes to a stated error, over two factors.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -16,7 +17,8 @@
 //! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
 //! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
 //!
-//! A contour tells of this case alone: a map shows which way and roughly where a method fails, not a limit that holds for every structure.
+//! A contour tells of this case alone: a map shows which way and roughly where a method fails, not
+//! a limit that holds for every structure.
 
 mod case;
 mod contour;

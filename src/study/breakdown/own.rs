@@ -24,8 +24,9 @@ pub struct OwnMode {
     pub values: BTreeMap<Factor, f64>,
 }
 
-/// The modes of a test: damping; distance to the nearest neighbour in half-power widths; number of references; size at the best of them;
-/// and from its FRFs, where they are known, noise over the band (the median of the functions), hits, and length of the record.
+/// The modes of a test: damping; distance to the nearest neighbour in half-power widths; number of
+/// references; size at the best of them; and from its FRFs, where they are known, noise over the
+/// band (the median of the functions), hits, and length of the record.
 pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<OwnMode> {
     let of_set = set.map_or_else(BTreeMap::new, |set| values_of_set(set, model));
     let mode = |(index, mode): (usize, &Mode)| {
@@ -113,7 +114,8 @@ pub struct Margin {
     pub method: String,
     /// Whether it meets the stated error where the mode is.
     pub inside: bool,
-    /// To its contour, along the axis on which that is nearer; `None` where it has none in the row and column of the mode.
+    /// To its contour, along the axis on which that is nearer; `None` where it has none in the row
+    /// and column of the mode.
     pub distance: Option<Distance>,
 }
 
@@ -161,7 +163,8 @@ impl OwnPoint {
         measured.min_by(|a, b| a.1.share.total_cmp(&b.1.share))
     }
 
-    /// `mode 4 (412.3 Hz) is 0.30 decades of separation from where circle fails; peak fails there already.`
+    /// `mode 4 (412.3 Hz) is 0.30 decades of separation from where circle fails; peak fails there
+    /// already.`
     pub fn sentence(&self) -> String {
         let name = self.mode.name();
         if !self.inside() {
@@ -187,8 +190,8 @@ impl OwnPoint {
 }
 
 impl SliceResult {
-    /// The modes of which both factors are known, those nearest to where a method fails first. A slice of hammer tests does not hold the
-    /// noise of its responses against that of FRFs.
+    /// The modes of which both factors are known, those nearest to where a method fails first. A
+    /// slice of hammer tests does not hold the noise of its responses against that of FRFs.
     pub fn points(&self, modes: &[OwnMode]) -> Vec<OwnPoint> {
         let (x, y) = (self.slice.x, self.slice.y);
         let noise = [x.factor, y.factor].contains(&Factor::Noise);

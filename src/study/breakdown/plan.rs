@@ -16,11 +16,13 @@ pub struct BreakdownTable {
     pub seed: Option<u64>,
     /// Names of methods; all of [`ESTIMATORS`] when not stated.
     pub methods: Option<Vec<String>>,
-    /// Draws for each cell; 80 when not stated: 73 without a failure are needed to tell a share of 95 %.
+    /// Draws for each cell; 80 when not stated: 73 without a failure are needed to tell a share of
+    /// 95 %.
     pub draws: Option<u32>,
     /// Halvings of cells near a contour; 2 when not stated.
     pub refine: Option<u32>,
-    /// A `modes.json`, relative to the spec, whose modes are shown in the slices; those of a scene's run when not stated.
+    /// A `modes.json`, relative to the spec, whose modes are shown in the slices; those of a
+    /// scene's run when not stated.
     pub modes: Option<String>,
     /// The stated error.
     #[serde(default)]

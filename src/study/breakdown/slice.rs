@@ -17,7 +17,8 @@ use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
 /// The share of the draws that a method has to meet the stated error in.
 pub const LEVEL: f64 = 0.95;
 
-/// A cell is left to a method that is good in less than this share of its first draws: one of 95 % would be once in 10⁹ cells.
+/// A cell is left to a method that is good in less than this share of its first draws: one of 95 %
+/// would be once in 10⁹ cells.
 const HOPELESS: f64 = 0.5;
 const FIRST: usize = 16;
 
@@ -239,7 +240,8 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    /// All draws of a cell, then method by method all draws: so that the time of one is not that of another.
+    /// All draws of a cell, then method by method all draws: so that the time of one is not that of
+    /// another.
     fn cell(&mut self, node: Node, methods: &[bool]) -> Result<Vec<Option<Count>>, SynthError> {
         let slice = self.slice;
         let (x, y) = self.grid.values(node);
@@ -326,8 +328,9 @@ impl SliceResult {
         self.slice.grid().filled(&known.collect())
     }
 
-    /// What the failing draws of a method show most, and in what share of them: those just outside its contour, in cells where half
-    /// of the draws or more are good; where there are none, all of them.
+    /// What the failing draws of a method show most, and in what share of them: those just outside
+    /// its contour, in cells where half of the draws or more are good; where there are none, all of
+    /// them.
     pub fn common_symptom(&self, method: usize) -> Option<(Symptom, f64)> {
         let counts = || {
             let cells = self.cells.iter();

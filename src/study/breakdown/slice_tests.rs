@@ -150,8 +150,9 @@ fn ends(factor: &str, (lo, hi): (f64, f64), method: &str, case: &str) -> [f64; 2
     [field.values[0][0], field.values[1][0]]
 }
 
-/// A method that does nearly always is good in 14 of 16 draws or more, one that fails in half of them or fewer: a share of 98 % or of
-/// 30 % falls beyond that in less than 0.5 and 3 % of all seeds.
+/// A method that does nearly always is good in 14 of 16 draws or more, one that fails in half of
+/// them or fewer: a share of 98 % or of 30 % falls beyond that in less than 0.5 and 3 % of all
+/// seeds.
 fn fails_and_does([failing, doing]: [f64; 2]) {
     assert!(failing <= 0.5 && doing >= 14.0 / 16.0, "{failing} {doing}");
 }

@@ -1,7 +1,9 @@
-//! Numerical stability: how many digits a method loses in the matrices that it solves, and in f32, as its order rises.
+//! Numerical stability: how many digits a method loses in the matrices that it solves, and in f32,
+//! as its order rises.
 //!
-//! Half as many modes as the order are spread evenly over a band, so that the order is exactly that of the data; without noise every
-//! error is rounding. The data of each method are of the form in which its model is exact:
+//! Half as many modes as the order are spread evenly over a band, so that the order is exactly that
+//! of the data; without noise every error is rounding. The data of each method are of the form in
+//! which its model is exact:
 //!
 //! | name | data | unknowns | matrix |
 //! |---|---|---|---|
@@ -10,12 +12,13 @@
 //! | `lsce` | samples of the impulse response | real coefficients of the recurrence | normal equations |
 //! | `lscf` | z-transform of those samples at lines of the band | complex coefficients of the denominator, the numerator eliminated | normal equations |
 //!
-//! Digits lost are `log₁₀` of the condition number of the matrix. Of the error of the poles, the largest distance of a true pole to the
-//! nearest one found over its half-power width is told: with all in f64, with the data rounded to f32, and with the data and the matrix
-//! rounded to f32 before it is solved in f64. A program that also solves in f32 loses no less than the last.
+//! Digits lost are `log₁₀` of the condition number of the matrix. Of the error of the poles, the
+//! largest distance of a true pole to the nearest one found over its half-power width is told: with
+//! all in f64, with the data rounded to f32, and with the data and the matrix rounded to f32 before
+//! it is solved in f64. A program that also solves in f32 loses no less than the last.
 //!
-//! References: Richardson and Formenti (1982), IMAC 1 (orthogonal polynomials in place of powers); Brown et al. (1979), SAE 790221;
-//! Guillaume et al. (2003), IMAC 21.
+//! References: Richardson and Formenti (1982), IMAC 1 (orthogonal polynomials in place of powers);
+//! Brown et al. (1979), SAE 790221; Guillaume et al. (2003), IMAC 21.
 
 use std::f64::consts::TAU;
 
@@ -49,7 +52,8 @@ pub struct StabilityPoint {
     pub order: usize,
     /// Condition number of the matrix; no more than 1e17, which is the most that f64 can tell.
     pub condition: f64,
-    /// Largest error of a pole in half-power widths, all in f64; `None` where the matrix cannot be solved.
+    /// Largest error of a pole in half-power widths, all in f64; `None` where the matrix cannot be
+    /// solved.
     pub error: Option<f64>,
     /// With the data rounded to f32.
     pub error_f32_data: Option<f64>,

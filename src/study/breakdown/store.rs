@@ -10,7 +10,8 @@ use super::slice::{MethodTime, Slice, SliceResult};
 use super::stability::{Stability, StabilityPlan};
 use super::{BreakdownError, Plan};
 
-/// Keeps finished slices by name. The library touches no file: where they are kept is the caller's, and a text is kept whole or not at all.
+/// Keeps finished slices by name. The library touches no file: where they are kept is the caller's,
+/// and a text is kept whole or not at all.
 pub trait CellStore {
     /// The text of a name, where it was kept.
     ///
@@ -101,7 +102,8 @@ pub fn compute(
 /// Puts the slices that the parts of a batch finished into one store.
 ///
 /// # Errors
-/// [`BreakdownError::OtherSpec`] for a slice of another spec, [`BreakdownError::Unfinished`] for one that no part has.
+/// [`BreakdownError::OtherSpec`] for a slice of another spec, [`BreakdownError::Unfinished`] for
+/// one that no part has.
 pub fn merge(
     plan: &Plan,
     parts: &[&dyn CellStore],

@@ -23,7 +23,8 @@ pub struct StatedError {
 }
 
 impl Default for StatedError {
-    /// A tenth of the half-power width, 10 % of the damping ratio, a MAC of 0.9, 20 % of the residues.
+    /// A tenth of the half-power width, 10 % of the damping ratio, a MAC of 0.9, 20 % of the
+    /// residues.
     fn default() -> Self {
         Self {
             frequency_widths: 0.1,
@@ -117,10 +118,12 @@ impl Symptom {
 /// A found mode belongs to the nearest true one that is within so many of its half-power widths.
 const REACH_WIDTHS: f64 = 1.0;
 
-/// A missing mode this near to a found one, in half-power widths, is told as one with it: there both make one peak.
+/// A missing mode this near to a found one, in half-power widths, is told as one with it: there
+/// both make one peak.
 const NEIGHBOUR_WIDTHS: f64 = 2.0;
 
-/// What is wrong with the modes of a method; `None` when all of the truth is found to the stated error and nothing else.
+/// What is wrong with the modes of a method; `None` when all of the truth is found to the stated
+/// error and nothing else.
 pub fn symptom(
     (truth, responses): (&ModalModel, &[Dof]),
     found: &ModalModel,
@@ -236,7 +239,8 @@ fn shape_mac((own, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> O
     }
 }
 
-/// Root of the sum of squares over the functions. Residues of a repeated root belong to all its modes, and are not held.
+/// Root of the sum of squares over the functions. Residues of a repeated root belong to all its
+/// modes, and are not held.
 fn residue_off(
     (own, found): (&Mode, &Mode),
     all: &[Mode],

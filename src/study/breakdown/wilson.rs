@@ -3,11 +3,12 @@
 /// Normal quantile of 95 %, two-sided.
 const QUANTILE: f64 = 1.959_963_984_540_054;
 
-/// 95 % interval of a share of which `good` of `draws` were counted: `(p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n)`.
-/// All of 0 to 1 for no draws.
+/// 95 % interval of a share of which `good` of `draws` were counted: `(p + z²/2n ± z √(p(1−p)/n +
+/// z²/4n²)) / (1 + z²/n)`. All of 0 to 1 for no draws.
 ///
 /// # Reference
-/// Wilson (1927), Probable inference, the law of succession, and statistical inference, JASA 22(158), eq. 5.
+/// Wilson (1927), Probable inference, the law of succession, and statistical inference, JASA
+/// 22(158), eq. 5.
 pub fn wilson(good: u32, draws: u32) -> (f64, f64) {
     if draws == 0 {
         return (0.0, 1.0);

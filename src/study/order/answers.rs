@@ -4,7 +4,8 @@ use crate::identify::Tried;
 
 use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, TheoryNeeds};
 
-/// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American Statistical Association 90).
+/// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American
+/// Statistical Association 90).
 const DECISIVE: f64 = 10.0;
 /// Misfit over noise from which on a last root may not be the last.
 const UNEXPLAINED: f64 = 2.0;
@@ -13,7 +14,8 @@ const NAMED: usize = 4;
 /// Chi-square over its degrees of freedom below which the deviations are larger than the errors.
 const SMALL: f64 = 0.25;
 
-/// What the scene needs and what it does not: modes, orders and methods of every test, theory, parameters.
+/// What the scene needs and what it does not: modes, orders and methods of every test, theory,
+/// parameters.
 pub fn answers(needs: &SceneNeeds) -> Vec<String> {
     let of_test = |test: &TestNeeds| {
         let all = [

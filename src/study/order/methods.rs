@@ -1,4 +1,5 @@
-//! The lowest order of every method that has one, and the modes for which a method of one mode at a time is enough.
+//! The lowest order of every method that has one, and the modes for which a method of one mode at a
+//! time is enough.
 
 use rayon::prelude::*;
 
@@ -11,7 +12,8 @@ use super::super::speed_accuracy::Refined;
 use super::super::{Judge, Method};
 use super::OrderOptions;
 
-/// Orders that are tried, as far as below the one that the method takes itself, or below [`ENOUGH`] where that one is wrong.
+/// Orders that are tried, as far as below the one that the method takes itself, or below [`ENOUGH`]
+/// where that one is wrong.
 const ORDERS: [usize; 17] = [
     4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 64, 96, 128,
 ];
@@ -43,7 +45,8 @@ impl OrderTried {
 pub struct LowestOrder {
     /// Its name in [`ESTIMATORS`].
     pub method: &'static str,
-    /// The order that it takes itself, with what it then makes of the modes; `None` where it refuses the data or finds no pole.
+    /// The order that it takes itself, with what it then makes of the modes; `None` where it
+    /// refuses the data or finds no pole.
     pub own: Option<OrderTried>,
     /// From the lowest on, until one is right; those that the method refuses are left out.
     pub tried: Vec<OrderTried>,
@@ -64,7 +67,8 @@ pub struct SingleMode {
     pub method: &'static str,
     /// Errors of natural frequency and damping ratio; `None` for a mode that it missed.
     pub errors: Option<[f64; 2]>,
-    /// Whether both are within what counts as enough, or within two deviations of the refined solution.
+    /// Whether both are within what counts as enough, or within two deviations of the refined
+    /// solution.
     pub enough: bool,
 }
 

@@ -1,4 +1,5 @@
-//! What a scene needs and what it does not: as few modes, as low an order, as simple a method, theory and parameter set as the data bear.
+//! What a scene needs and what it does not: as few modes, as low an order, as simple a method,
+//! theory and parameter set as the data bear.
 //!
 //! | file | question |
 //! |---|---|
@@ -78,8 +79,8 @@ pub struct SceneNeeds {
 /// Asks what a scene needs.
 ///
 /// # Errors
-/// [`StudyError`] for options that cannot be meant, for a model or an `[update]` that is wrong, and where there is nothing to tell: the first
-/// test's reason.
+/// [`StudyError`] for options that cannot be meant, for a model or an `[update]` that is wrong, and
+/// where there is nothing to tell: the first test's reason.
 pub fn order(
     scene: &Scene,
     options: &OrderOptions,

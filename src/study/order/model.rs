@@ -54,7 +54,8 @@ pub struct ParameterNeeds {
     pub explains: bool,
 }
 
-/// The simplest theory of a scene's model up to the end of its tests' bands; else why that is no question of it.
+/// The simplest theory of a scene's model up to the end of its tests' bands; else why that is no
+/// question of it.
 pub(super) fn theory(
     scene: &Scene,
     up_to_hz: Option<f64>,

@@ -10,11 +10,13 @@ use super::super::StudyError;
 pub struct OrderOptions {
     /// Names of the scene's tests; every test with data when none is named.
     pub tests: Vec<String>,
-    /// A method is enough for a mode whose frequency it has within this much of the refined one, percent ...
+    /// A method is enough for a mode whose frequency it has within this much of the refined one,
+    /// percent ...
     pub frequency_percent: f64,
     /// ... and whose damping ratio within this much, percent of itself.
     pub damping_percent: f64,
-    /// A simpler theory is enough that has every natural frequency of the tests' bands within this much, percent.
+    /// A simpler theory is enough that has every natural frequency of the tests' bands within this
+    /// much, percent.
     pub theory_percent: f64,
 }
 

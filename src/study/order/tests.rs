@@ -1,4 +1,5 @@
-//! What is asked of a study, and what it says; what a scene of known truth needs is shown by its command.
+//! What is asked of a study, and what it says; what a scene of known truth needs is shown by its
+//! command.
 
 use std::path::Path;
 

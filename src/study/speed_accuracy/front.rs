@@ -1,7 +1,7 @@
 //! The Pareto front of time and error.
 
-/// Numbers of the points (time, error, mistakes) of the fewest mistakes that no other such point undercuts in time and error, fastest
-/// first; points without time or error are on no front.
+/// Numbers of the points (time, error, mistakes) of the fewest mistakes that no other such point
+/// undercuts in time and error, fastest first; points without time or error are on no front.
 pub fn front(points: &[(Option<f64>, Option<f64>, usize)]) -> Vec<usize> {
     let known = |(number, point): (usize, &(Option<f64>, Option<f64>, usize))| {
         Some((number, point.0?, point.1?, point.2))

@@ -3,7 +3,8 @@
 use super::super::{Method, REFINED};
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
 
-/// A method is right at a level where it misses and invents no more than this share of the observable modes.
+/// A method is right at a level where it misses and invents no more than this share of the
+/// observable modes.
 const MOST_MISTAKES: f64 = 0.02;
 /// A method follows the noise where its error falls by half of what the noise does or more.
 const LEAST_FALL: f64 = 0.5;
@@ -115,7 +116,8 @@ fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     ))
 }
 
-/// By how much modes outside the band or the end of the record lift the refined method off its bound.
+/// By how much modes outside the band or the end of the record lift the refined method off its
+/// bound.
 fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
     let own = over_bound(test, study, (condition, refined()));
     let (least, most) = (own.first()?, own.last()?);

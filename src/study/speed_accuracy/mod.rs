@@ -1,8 +1,10 @@
-//! Speed against accuracy: every method, order, FRF estimator and length of record on the tests of a scene and on their twins.
+//! Speed against accuracy: every method, order, FRF estimator and length of record on the tests of
+//! a scene and on their twins.
 //!
-//! On a test's own data errors are those against its refined solution ([`super::REFINED`], from whole records), which itself is known
-//! no better than its Cramér-Rao bound. On the twin, a [`System`] of the test's modes, they are those against the truth, over draws of
-//! white noise, in three [`Condition`]s.
+//! On a test's own data errors are those against its refined solution ([`super::REFINED`], from
+//! whole records), which itself is known no better than its Cramér-Rao bound. On the twin, a
+//! [`System`] of the test's modes, they are those against the truth, over draws of white noise, in
+//! three [`Condition`]s.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -54,13 +56,15 @@ pub struct DataRow {
     pub step_hz: f64,
     /// Method and order.
     pub method: Method,
-    /// Whether it is the refined solution itself, by whatever order: it has no error against itself.
+    /// Whether it is the refined solution itself, by whatever order: it has no error against
+    /// itself.
     pub is_reference: bool,
     /// Errors against the refined solution.
     pub tally: Tally,
     /// What it cost.
     pub timing: Timing,
-    /// Whether it is on the [`front`] of processor time and frequency error among all rows of its test.
+    /// Whether it is on the [`front`] of processor time and frequency error among all rows of its
+    /// test.
     pub on_front: bool,
 }
 
@@ -146,8 +150,8 @@ pub struct SpeedAccuracy {
 /// Studies the tests of a scene.
 ///
 /// # Errors
-/// [`StudyError`] for options that cannot be meant, for a test whose data give no FRFs on one axis, and where the refined method
-/// finds no mode to compare with.
+/// [`StudyError`] for options that cannot be meant, for a test whose data give no FRFs on one axis,
+/// and where the refined method finds no mode to compare with.
 pub fn speed_accuracy(
     scene: &Scene,
     options: &SpeedAccuracyOptions,

@@ -18,14 +18,15 @@ pub struct SpeedAccuracyOptions {
     pub record_shares: Vec<f64>,
     /// Highest model orders beside each method's own choice, on the scene's own functions.
     pub orders: Vec<usize>,
-    /// Noise on the twin: rms of a function over the band over the rms noise of a line, dB, ascending.
+    /// Noise on the twin: rms of a function over the band over the rms noise of a line, dB,
+    /// ascending.
     pub snr_db: Vec<f64>,
     /// Draws of the noise at each level.
     pub draws: usize,
     /// End of the twin's short records, in time constants `1/(ζω)` of its slowest mode.
     pub record_time_constants: f64,
-    /// Lines that the twin has at least for each half-power width of its narrowest mode, where its test has more; all of the
-    /// test's lines without it.
+    /// Lines that the twin has at least for each half-power width of its narrowest mode, where its
+    /// test has more; all of the test's lines without it.
     pub lines_per_width: Option<f64>,
     /// Timed runs of each identification, after one that is not counted.
     pub repeats: usize,

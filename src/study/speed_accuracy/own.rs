@@ -11,7 +11,8 @@ use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally, Tru
 use super::data::TestSets;
 use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
 
-/// Signal-to-noise ratio of functions whose variance nobody states, dB: all modes count as observable.
+/// Signal-to-noise ratio of functions whose variance nobody states, dB: all modes count as
+/// observable.
 const UNSTATED_SNR_DB: f64 = 120.0;
 
 /// The refined solution of whole records.
@@ -101,7 +102,8 @@ pub(super) fn rows(
     let judge = refined.judge();
     let mut rows = Vec::new();
     for (number, variant) in data.sets.iter().enumerate() {
-        // Orders are tried on the scene's own functions alone: elsewhere they would tell the same again.
+        // Orders are tried on the scene's own functions alone: elsewhere they would tell the same
+        // again.
         let orders = options.orders.iter().copied().filter(|_| number == 0);
         for method in Method::all(&orders.collect::<Vec<usize>>()) {
             let identify = || method.identify(&variant.set, data.band).ok();
@@ -128,8 +130,8 @@ pub(super) fn rows(
 }
 
 impl DataRow {
-    /// Time, error and mistakes, as the front sees them; the refined solution has no error against itself, and an error below
-    /// what its frequencies are `known` to is no better than that.
+    /// Time, error and mistakes, as the front sees them; the refined solution has no error against
+    /// itself, and an error below what its frequencies are `known` to is no better than that.
     fn point(&self, known: f64) -> (Option<f64>, Option<f64>, usize) {
         let error = match self.is_reference {
             true => Some(known),
@@ -166,7 +168,8 @@ pub(super) fn timed<T>(work: impl Fn() -> T, repeats: usize, meter: &dyn Meter) 
     (result, timing)
 }
 
-/// Times a transform of every function, as long as its lines, and a pass over its values in the band.
+/// Times a transform of every function, as long as its lines, and a pass over its values in the
+/// band.
 pub(super) fn limits(set: &FrfSet, band: Band, meter: &dyn Meter) -> SpeedLimits {
     let lines = set.axis().lines(&band);
     let plan = ForwardPlan::new(2 * lines.len());

@@ -11,7 +11,8 @@ use super::super::{
 use super::own::{limits, timed};
 use super::{SpeedAccuracyOptions, SpeedLimits, TwinCost, TwinRow, front};
 
-/// Time before the hit, over the time from the hit to the end of a short record. Assumed: a measurement system keeps a few percent.
+/// Time before the hit, over the time from the hit to the end of a short record. Assumed: a
+/// measurement system keeps a few percent.
 const PRETRIGGER: f64 = 0.02;
 /// Fewest modes of a twin whose first and last can be left outside a band.
 const FEWEST_FOR_OUTSIDE: usize = 4;

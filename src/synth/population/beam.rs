@@ -24,7 +24,8 @@ const WIDTH_M: f64 = 0.04;
 const ELEMENTS: usize = 32;
 /// Points where a beam or a plate may be hit or listened to.
 const POINTS: usize = 30;
-/// Half-waves of a plate in each direction that are looked at: enough for the lowest [`MOST_MODES`] up to an aspect of 2.
+/// Half-waves of a plate in each direction that are looked at: enough for the lowest [`MOST_MODES`]
+/// up to an aspect of 2.
 const HALF_WAVES: usize = 9;
 
 /// `kind = "beam"`: a uniform steel beam.
@@ -43,7 +44,8 @@ pub struct BeamSpec {
     pub damping_ratio: Span,
 }
 
-/// `kind = "nodes"`: a steel beam on two supports with a reference exactly on a node of one of its modes.
+/// `kind = "nodes"`: a steel beam on two supports with a reference exactly on a node of one of its
+/// modes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodesSpec {
@@ -179,11 +181,12 @@ impl NodesSpec {
         ]
     }
 
-    /// `omega_j = (j pi / L)^2 sqrt(E I / (rho A))`, `phi_j = sqrt(2 / (rho A L)) sin(j pi x / L)`; the points divide the
-    /// length evenly, so that those of the mode's nodes are among them.
+    /// `omega_j = (j pi / L)^2 sqrt(E I / (rho A))`, `phi_j = sqrt(2 / (rho A L)) sin(j pi x / L)`;
+    /// the points divide the length evenly, so that those of the mode's nodes are among them.
     ///
     /// # Reference
-    /// Rao (2011), Mechanical Vibrations, 5th ed., section 8.5 (beam simply supported at both ends).
+    /// Rao (2011), Mechanical Vibrations, 5th ed., section 8.5 (beam simply supported at both
+    /// ends).
     pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Structure {
         let length_m = self.length_m.uniform(random);
         let thickness_m = self.thickness_m.log_uniform(random);

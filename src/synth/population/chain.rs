@@ -46,7 +46,8 @@ pub struct LocalSpec {
     pub damping_ratio: Span,
 }
 
-/// `kind = "dampers"`: a chain held at both ends with discrete dampers, which make its modes complex.
+/// `kind = "dampers"`: a chain held at both ends with discrete dampers, which make its modes
+/// complex.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DampersSpec {

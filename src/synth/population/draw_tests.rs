@@ -138,7 +138,8 @@ fn the_close_kind_has_the_spacing_that_was_asked_for() {
                     .expect("a drawn system is sound")
                     .half_power_width_hz();
                 let got = (upper.frequency_hz - lower.frequency_hz) / width;
-                // The distance of two frequencies is exact to their rounding over a width of 0.6 % of them.
+                // The distance of two frequencies is exact to their rounding over a width of 0.6 %
+                // of them.
                 assert!((got / widths - 1.0).abs() < 1e-11, "{}: {got}", member.name);
             }
         }

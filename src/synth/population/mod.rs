@@ -1,8 +1,9 @@
-//! Populations: hammer tests drawn at random from stated ranges, each the same wherever and whenever it is drawn.
+//! Populations: hammer tests drawn at random from stated ranges, each the same wherever and
+//! whenever it is drawn.
 //!
-//! A [`PopulationSpec`] states kinds of structures, how many of each, and how they are tested; it is written in TOML as
-//! schema [`SCHEMA`]. [`PopulationSpec::draw`] makes one [`Member`]: a [`HammerTest`] with its truth and the facts for
-//! which its kind is in the population.
+//! A [`PopulationSpec`] states kinds of structures, how many of each, and how they are tested; it
+//! is written in TOML as schema [`SCHEMA`]. [`PopulationSpec::draw`] makes one [`Member`]: a
+//! [`HammerTest`] with its truth and the facts for which its kind is in the population.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -141,7 +142,8 @@ pub struct Member {
     pub facts: Facts,
 }
 
-/// What is known of a member's truth; modes by their place in [`Truth::model`](super::Truth::model), from 0.
+/// What is known of a member's truth; modes by their place in
+/// [`Truth::model`](super::Truth::model), from 0.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Facts {
     /// The modes of each repeated root.
@@ -216,12 +218,13 @@ impl PopulationSpec {
 
     /// Member `number` of kind `kind`, both from 0.
     ///
-    /// Everything comes from one generator whose key is (seed, kind, number), so that a member depends neither on the
-    /// others nor on the order in which they are drawn.
+    /// Everything comes from one generator whose key is (seed, kind, number), so that a member
+    /// depends neither on the others nor on the order in which they are drawn.
     ///
     /// # Errors
-    /// Those of [`PopulationSpec::validate`]; [`SynthError::NoSuchMember`]; [`SynthError::Theory`] where the ranges allow
-    /// an impossible structure; [`SynthError::RecordTooLong`]; those of [`HammerTest::validate`].
+    /// Those of [`PopulationSpec::validate`]; [`SynthError::NoSuchMember`]; [`SynthError::Theory`]
+    /// where the ranges allow an impossible structure; [`SynthError::RecordTooLong`]; those of
+    /// [`HammerTest::validate`].
     pub fn draw(&self, kind: usize, number: usize) -> Result<Member, SynthError> {
         self.validate()?;
         let known = self.members.get(kind).filter(|m| number < m.count);

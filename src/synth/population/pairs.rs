@@ -11,7 +11,8 @@ use crate::synth::SynthError;
 use super::span::{Ends, MOST_PARTS, Span, Stated};
 use super::structure::{DrawnMode, Row, Structure, column, elastic};
 
-/// `kind = "close"`: two like chains, weakly coupled, so that each mode of one chain becomes a pair.
+/// `kind = "close"`: two like chains, weakly coupled, so that each mode of one chain becomes a
+/// pair.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CloseSpec {
@@ -21,9 +22,11 @@ pub struct CloseSpec {
     pub mass_kg: Span,
     /// Each spring, N/m, log-uniform.
     pub stiffness_n_per_m: Span,
-    /// Distance of the two natural frequencies in half-power bandwidths of the lower one, log-uniform, drawn for each pair.
+    /// Distance of the two natural frequencies in half-power bandwidths of the lower one,
+    /// log-uniform, drawn for each pair.
     pub spacing_widths: Span,
-    /// How a pair is shared between the chains, degrees, uniform: 0 leaves each mode in its chain, 45 gives each half.
+    /// How a pair is shared between the chains, degrees, uniform: 0 leaves each mode in its chain,
+    /// 45 gives each half.
     pub sharing_deg: Span,
     /// Damping ratio of each pair, log-uniform.
     pub damping_ratio: Span,
@@ -69,8 +72,9 @@ impl CloseSpec {
         ]
     }
 
-    /// In the modal coordinates of the two chains the stiffness of pair j is the 2 by 2 matrix with the eigenvalues
-    /// `omega_1^2`, `omega_2^2` and the eigenvectors `(cos, sin)`, `(-sin, cos)` of the sharing angle; the masses stay.
+    /// In the modal coordinates of the two chains the stiffness of pair j is the 2 by 2 matrix with
+    /// the eigenvalues `omega_1^2`, `omega_2^2` and the eigenvectors `(cos, sin)`, `(-sin, cos)` of
+    /// the sharing angle; the masses stay.
     pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
         let n = self.masses.whole(random);
         let row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
@@ -125,7 +129,8 @@ impl RepeatedSpec {
         }
     }
 
-    /// `omega_k^2 = (k_g + 4 k sin^2(pi k / n)) / m` with the shapes `cos(2 pi k i / n)` and `sin(2 pi k i / n)`.
+    /// `omega_k^2 = (k_g + 4 k sin^2(pi k / n)) / m` with the shapes `cos(2 pi k i / n)` and `sin(2
+    /// pi k i / n)`.
     ///
     /// # Reference
     /// Thomas (1979), Dynamics of rotationally periodic structures, Int. J. Numer. Meth. Eng. 14.

@@ -1,4 +1,5 @@
-//! A drawn structure becomes a hammer test: which modes, which points, how long and how fast it is recorded.
+//! A drawn structure becomes a hammer test: which modes, which points, how long and how fast it is
+//! recorded.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -22,12 +23,13 @@ const SAMPLE_STEP: usize = 256;
 
 /// `[test]`: how every structure is tested.
 ///
-/// Every point is hit as often as `averages` says while all responses are recorded as acceleration; the references are
-/// response points too, so that each has its driving point.
+/// Every point is hit as often as `averages` says while all responses are recorded as acceleration;
+/// the references are response points too, so that each has its driving point.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestSpec {
-    /// Number of elastic roots, from the lowest; fewer where a structure has fewer or the record would be too long.
+    /// Number of elastic roots, from the lowest; fewer where a structure has fewer or the record
+    /// would be too long.
     pub modes: Span,
     /// Number of hit points.
     pub references: Span,
@@ -37,7 +39,8 @@ pub struct TestSpec {
     pub averages: Span,
     /// Peak of the force over the rms of its noise, dB, uniform; left out, the force is clean.
     pub force_snr_db: Option<Span>,
-    /// Rms of each response over the record over the rms of its noise, dB, uniform; left out, responses are clean.
+    /// Rms of each response over the record over the rms of its noise, dB, uniform; left out,
+    /// responses are clean.
     pub response_snr_db: Option<Span>,
     /// Record after the pre-trigger in time constants of the slowest mode, uniform.
     pub time_constants: Span,
@@ -45,7 +48,8 @@ pub struct TestSpec {
     pub pretrigger_share: Span,
     /// Highest mode over 0.4 of the sampling rate, uniform.
     pub highest_over_edge: Span,
-    /// Highest mode times the contact time, uniform: 1.25 puts it 17 dB under the spectrum of the force at 0 Hz.
+    /// Highest mode times the contact time, uniform: 1.25 puts it 17 dB under the spectrum of the
+    /// force at 0 Hz.
     pub highest_times_contact: Span,
     /// Most samples of a record.
     pub most_samples: usize,
@@ -139,7 +143,8 @@ impl TestSpec {
         }
     }
 
-    /// Responses spread over the structure, one from each of as many equal stretches of its points; hits among them.
+    /// Responses spread over the structure, one from each of as many equal stretches of its points;
+    /// hits among them.
     fn places(&self, structure: &Structure, hits: usize, random: &mut ChaCha8Rng) -> Places {
         let points = structure.points();
         let count = self.responses.whole(random).min(points);
@@ -191,7 +196,8 @@ impl Record {
         steps as usize * SAMPLE_STEP
     }
 
-    /// The rigid-body modes and the lowest elastic roots, at most as many as wanted, whose record is short enough.
+    /// The rigid-body modes and the lowest elastic roots, at most as many as wanted, whose record
+    /// is short enough.
     fn fitting(
         &self,
         modes: &[DrawnMode],

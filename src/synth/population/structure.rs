@@ -11,8 +11,8 @@ use crate::theory::{
 
 use super::span::Span;
 
-/// Most modes that a structure brings and a test may want: what the elements of a beam and the products of a plate
-/// hold to 1e-3 of their frequency.
+/// Most modes that a structure brings and a test may want: what the elements of a beam and the
+/// products of a plate hold to 1e-3 of their frequency.
 pub(super) const MOST_MODES: usize = 12;
 
 /// One mode at the points of its structure, in their order.
@@ -73,7 +73,8 @@ pub(super) fn elastic(frequency_hz: f64, damping_ratio: f64, shape: Vec<f64>) ->
     }
 }
 
-/// Undamped modes with a damping ratio drawn for every elastic root, log-uniform; a repeated root has one ratio.
+/// Undamped modes with a damping ratio drawn for every elastic root, log-uniform; a repeated root
+/// has one ratio.
 pub(super) fn damped(
     theory: &TheoryModes,
     damping_ratio: Span,
@@ -97,7 +98,8 @@ pub(super) fn damped(
     modes
 }
 
-/// Masses in a row; spring `i` ties mass `i` to the one before it, the first and the last spring tie to the ground.
+/// Masses in a row; spring `i` ties mass `i` to the one before it, the first and the last spring
+/// tie to the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
     pub mass_kg: Vec<f64>,

@@ -1,18 +1,21 @@
-//! The cycloid ball planetary transmission: input shaft, centre disc, reduction balls, planet disc, pin balls, output.
+//! The cycloid ball planetary transmission: input shaft, centre disc, reduction balls, planet disc,
+//! pin balls, output.
 //!
-//! Everything lies in one plane. Input shaft and centre disc have their centre at O1 = (0, 0), the planet disc at
-//! O3 = (0, 2e), the output at O1. A reduction ball touches both discs along a common normal that passes through the pitch
-//! point P = (0, -(Z2 - 1) e); it sits on a circle of radius Z2 r0 about (0, e), r0 = e/K the rolling circle. Each
-//! ball's four contacts are springs along the normal; only their part in the plane counts, hence cos²β. The pin balls
-//! between planet disc and output move along y.
+//! Everything lies in one plane. Input shaft and centre disc have their centre at O1 = (0, 0), the
+//! planet disc at O3 = (0, 2e), the output at O1. A reduction ball touches both discs along a
+//! common normal that passes through the pitch point P = (0, -(Z2 - 1) e); it sits on a circle of
+//! radius Z2 r0 about (0, e), r0 = e/K the rolling circle. Each ball's four contacts are springs
+//! along the normal; only their part in the plane counts, hence cos²β. The pin balls between planet
+//! disc and output move along y.
 //!
-//! The paper's own quirks are kept, because its table 2 has them: the contact force acts on the centre disc with the arm Z3 e
-//! of the planet disc ((Z2 - 1) e would be right; at most 0.21 % in a frequency), and the y coordinate of a
-//! pin ball is its only one.
+//! The paper's own quirks are kept, because its table 2 has them: the contact force acts on the
+//! centre disc with the arm Z3 e of the planet disc ((Z2 - 1) e would be right; at most 0.21 % in a
+//! frequency), and the y coordinate of a pin ball is its only one.
 //!
 //! # Reference
-//! Yang, An and Duan (2016), Analysis of free vibration of cycloid ball planetary transmission, China Mechanical
-//! Engineering 27(14), 1883, equations 1 to 8; the geometry is not printed there and follows from the pitch point.
+//! Yang, An and Duan (2016), Analysis of free vibration of cycloid ball planetary transmission,
+//! China Mechanical Engineering 27(14), 1883, equations 1 to 8; the geometry is not printed there
+//! and follows from the pitch point.
 
 use std::f64::consts::TAU;
 
@@ -39,16 +42,18 @@ const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 const BALLS: &str = "ball_count";
 /// Number of pin balls Z4.
 const PIN_BALLS: usize = 6;
-/// A share of the kinetic energy below which a group of coordinates counts as still: far above rounding.
+/// A share of the kinetic energy below which a group of coordinates counts as still: far above
+/// rounding.
 const STILL: f64 = 1e-12;
 /// A share above which one body has the motion for itself.
 const ALONE: f64 = 0.99;
 
-/// The transmission with `11 + 2 Z2 + Z4` coordinates: 37 with the 10 reduction balls (`ball_count`) and 6 pin balls that
-/// were tested.
+/// The transmission with `11 + 2 Z2 + Z4` coordinates: 37 with the 10 reduction balls
+/// (`ball_count`) and 6 pin balls that were tested.
 ///
-/// Bodies: `input` (x0, y0, u0), `centre-disc` (x1, y1, u1), `ball-1` ... (x2_1, y2_1, ...), `planet-disc` (x3, y3, u3),
-/// `pin-ball-1` ... (y4_1, ...), `output` (y5, u5). Positions of sensors refer to the nominal geometry.
+/// Bodies: `input` (x0, y0, u0), `centre-disc` (x1, y1, u1), `ball-1` ... (x2_1, y2_1, ...),
+/// `planet-disc` (x3, y3, u3), `pin-ball-1` ... (y4_1, ...), `output` (y5, u5). Positions of
+/// sensors refer to the nominal geometry.
 #[derive(Clone, Debug)]
 pub struct CycloidBall {
     name: String,
@@ -56,8 +61,8 @@ pub struct CycloidBall {
 }
 
 impl CycloidBall {
-    /// The model with a parameter set: `B` (the physical reference), `A` (as printed), `C` or `D` (fitted); `None` for
-    /// another name.
+    /// The model with a parameter set: `B` (the physical reference), `A` (as printed), `C` or `D`
+    /// (fitted); `None` for another name.
     pub fn new(set: &str) -> Option<Self> {
         SET_NAMES.contains(&set).then(|| Self {
             name: format!("cycloid ball transmission, set {set}"),
@@ -165,8 +170,8 @@ impl CycloidBall {
         all
     }
 
-    /// The contacts A, B with the planet disc and C, D with the centre disc. They act along the normal through the pitch
-    /// point, so that its foot there gives the arm Z3 e sin Φ3.
+    /// The contacts A, B with the planet disc and C, D with the centre disc. They act along the
+    /// normal through the pitch point, so that its foot there gives the arm Z3 e sin Φ3.
     fn add_balls(&self, values: &Values<'_>, all: &mut Machine) {
         let balls = values.get(BALLS).value;
         let arm = (balls + 1.0) * values.get("half_eccentricity");

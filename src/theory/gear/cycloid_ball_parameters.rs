@@ -1,6 +1,7 @@
 //! The parameters of the cycloid ball transmission, in four sets, with where each value comes from.
 //!
-//! Printed: section 2.1 and table 1 of the paper. Inferred: what reproduces its table 2. Assumed: what nothing fixes.
+//! Printed: section 2.1 and table 1 of the paper. Inferred: what reproduces its table 2. Assumed:
+//! what nothing fixes.
 
 use crate::theory::{ParameterSpec, ParameterStatus};
 
@@ -8,12 +9,14 @@ use ParameterStatus::{Assumed, Inferred, Printed};
 
 /// The sets by name, the physical reference first.
 ///
-/// A: everything as printed. B: m3 = 36.4 g for the printed 96.4 g, and a geometry that a machine could have. C: K, e and
-/// Rw fitted to table 2. D: k03y fitted as well. C and D are fits, not data: they need a rolling-circle radius of 1.4 mm.
+/// A: everything as printed. B: m3 = 36.4 g for the printed 96.4 g, and a geometry that a machine
+/// could have. C: K, e and Rw fitted to table 2. D: k03y fitted as well. C and D are fits, not
+/// data: they need a rolling-circle radius of 1.4 mm.
 pub(super) const SET_NAMES: &[&str] = &["B", "A", "C", "D"];
 
-/// Angular frequencies that table 2 prints for the torque balls alone and for the reduction balls alone, rad/s. They depend on
-/// one contact angle each, which the paper does not print, and give it.
+/// Angular frequencies that table 2 prints for the torque balls alone and for the reduction balls
+/// alone, rad/s. They depend on one contact angle each, which the paper does not print, and give
+/// it.
 const PIN_BALL_OMEGA_RAD_S: f64 = 33_679.0;
 const BALL_OMEGA_RAD_S: f64 = 49_176.0;
 

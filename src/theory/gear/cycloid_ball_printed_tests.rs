@@ -29,7 +29,8 @@ impl Named<'_> {
     }
 }
 
-/// The printed matrix (section 1.4 of the paper, its misprints cos b1^2 read as cos^2 b1) with any angles Φ4.
+/// The printed matrix (section 1.4 of the paper, its misprints cos b1^2 read as cos^2 b1) with any
+/// angles Φ4.
 fn printed(named: &Named<'_>, phi4: &[f64]) -> RealMatrix {
     let k = |name: &str| named.get(name);
     let (balls, pins) = (phi4.len(), 6);

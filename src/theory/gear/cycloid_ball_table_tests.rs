@@ -1,5 +1,6 @@
-//! Table 2 of the cycloid ball transmission: the roots of the four sets beside the printed ones, what follows for the contact
-//! angles and the geometry, and the paper's arm of the centre disc against the right one.
+//! Table 2 of the cycloid ball transmission: the roots of the four sets beside the printed ones,
+//! what follows for the contact angles and the geometry, and the paper's arm of the centre disc
+//! against the right one.
 
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::parameter::{nominal_values, override_values};
@@ -26,8 +27,8 @@ fn printed(value: f64, text: &str) {
     assert_eq!(format!("{value:.decimals$}"), text);
 }
 
-/// Printed ω, the same by the sets A to D, rad/s, the error of D, percent, and the multiplicity. Two roots alone are not
-/// printed with an error: the zero root, and ω15, which table 2 leaves out.
+/// Printed ω, the same by the sets A to D, rad/s, the error of D, percent, and the multiplicity.
+/// Two roots alone are not printed with an error: the zero root, and ω15, which table 2 leaves out.
 type Row = (Option<f64>, [f64; 4], Option<&'static str>, usize);
 const TABLE_2: [Row; 17] = [
     (None, [0.0; 4], None, 11),
@@ -182,7 +183,8 @@ fn sums_over_the_normals_of_the_balls_are_the_reference() {
     ] {
         let model = CycloidBall::new(set).unwrap();
         let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
-        // Stiffness of the centre disc less that of its bearing and of the input: cos²β (k_c + k_d) S.
+        // Stiffness of the centre disc less that of its bearing and of the input: cos²β (k_c + k_d)
+        // S.
         let contact =
             nominal(&model, "cos2_beta") * (nominal(&model, "k_c") + nominal(&model, "k_d"));
         for (axis, text) in [("x", sines), ("y", cosines)] {

@@ -1,5 +1,6 @@
-//! Roots, multiplicities, energies and motions of the cycloid ball transmission. Roots against another program's
-//! (`tests/reference/cycloid_ball.py`); energies and studies against an independent derivation, to its printed digits.
+//! Roots, multiplicities, energies and motions of the cycloid ball transmission. Roots against
+//! another program's (`tests/reference/cycloid_ball.py`); energies and studies against an
+//! independent derivation, to its printed digits.
 
 use crate::geometry::Target;
 use crate::theory::parameter::nominal_values;
@@ -28,7 +29,8 @@ fn with_balls(balls: f64) -> (CycloidBall, Vec<f64>) {
     (model, values.unwrap())
 }
 
-/// All 37 angular frequencies of a set, rad/s, from the printed matrix by `tests/reference/cycloid_ball.py`.
+/// All 37 angular frequencies of a set, rad/s, from the printed matrix by
+/// `tests/reference/cycloid_ball.py`.
 fn reference(set: &str) -> Vec<f64> {
     let lines = include_str!("../../../tests/reference/cycloid_ball.txt").lines();
     let own = lines.filter_map(|line| line.strip_prefix(set)?.strip_prefix(' '));
@@ -202,7 +204,8 @@ fn more_balls_add_zero_and_ball_roots_and_no_others() {
 
 #[test]
 fn the_mode_that_jumps_meets_its_neighbour_where_the_reference_has_it() {
-    // Set B over k03y: root 14 rises, and is constant above 3.19e7 N/m; an exact crossing, no veering.
+    // Set B over k03y: root 14 rises, and is constant above 3.19e7 N/m; an exact crossing, no
+    // veering.
     let model = CycloidBall::new("B").unwrap();
     let at = model.parameters().iter().position(|p| p.name == "k_03y");
     let fourteenth = |k: f64| {
@@ -267,7 +270,8 @@ fn the_number_of_balls_is_whole_has_no_derivative_and_moves_the_sensors_with_it(
     }
     let error = model.derivative(&values, j).unwrap_err();
     assert!(matches!(error, TheoryError::NoDerivative { name } if name == "ball_count"));
-    // Ball 12 is there, on its circle of radius Z2 e/K about (0, e), and reads its own coordinate alone.
+    // Ball 12 is there, on its circle of radius Z2 e/K about (0, e), and reads its own coordinate
+    // alone.
     let matrices = model.assemble(&values).unwrap();
     assert_eq!(matrices.coordinates.len(), 11 + 2 * 12 + 6);
     let last = matrices.coordinates.iter().position(|c| c.name == "y2_12");

@@ -1,8 +1,9 @@
-//! The parameter studies of the cycloid ball transmission's paper: how its third, fourth, thirteenth and fourteenth root
-//! go over the trochoid ratio, the rolling circle, two stiffnesses and the number of balls, and where modes change places.
+//! The parameter studies of the cycloid ball transmission's paper: how its third, fourth,
+//! thirteenth and fourteenth root go over the trochoid ratio, the rolling circle, two stiffnesses
+//! and the number of balls, and where modes change places.
 //!
-//! Roots are counted as the paper counts them, distinct ones in ascending order from the root at 0, so that a number passes
-//! from one mode to another where loci cross.
+//! Roots are counted as the paper counts them, distinct ones in ascending order from the root at 0,
+//! so that a number passes from one mode to another where loci cross.
 //!
 //! # Reference
 //! Yang, An and Duan (2016), figures 6 to 8 and the text beside them.
@@ -18,7 +19,8 @@ use crate::theory::{
 const ROOTS: [usize; 4] = [3, 4, 13, 14];
 /// Trochoid ratio K at one rolling circle, as parts of its value.
 const RATIOS: [f64; 5] = [0.6, 0.8, 1.0, 1.1, 1.15];
-/// Radius r0 of the rolling circle at one trochoid ratio, as parts of its value: 2 to 7 mm in set B.
+/// Radius r0 of the rolling circle at one trochoid ratio, as parts of its value: 2 to 7 mm in set
+/// B.
 const RADII: [f64; 8] = [0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75];
 /// Stiffnesses between input and planet disc, N/m.
 const STIFFNESSES: [f64; 7] = [1e7, 2e7, 3e7, 4e7, 5e7, 7e7, 9e7];
@@ -45,7 +47,8 @@ impl Studies<'_> {
         Ok(self.values[self.index(name)?])
     }
 
-    /// The four roots with values changed; not numbers where a value is out of its bounds or a root is not there.
+    /// The four roots with values changed; not numbers where a value is out of its bounds or a root
+    /// is not there.
     pub fn roots(&self, changes: &[(&str, f64)]) -> Result<[f64; 4], TheoryError> {
         let mut values = self.values.to_vec();
         for (name, value) in changes {
@@ -96,8 +99,8 @@ impl Studies<'_> {
         MORE_BALLS.iter().map(at).collect()
     }
 
-    /// Over the number of reduction balls, the largest departure of a root's multiplicity from the paper's words: the first and
-    /// the twelfth root change as Z2 does, the others not at all.
+    /// Over the number of reduction balls, the largest departure of a root's multiplicity from the
+    /// paper's words: the first and the twelfth root change as Z2 does, the others not at all.
     pub fn multiplicities_off(&self) -> Result<f64, TheoryError> {
         let balls = self.value("ball_count")?;
         let (less, more) = (MORE_BALLS[0], MORE_BALLS[MORE_BALLS.len() - 1]);
@@ -124,7 +127,8 @@ impl Studies<'_> {
         Ok((1..).zip(&swept.loci).map(off).fold(0.0, f64::max))
     }
 
-    /// Where locus `lower`, numbered from 1 as the roots at the first value, crosses the next one, with the event's coupling.
+    /// Where locus `lower`, numbered from 1 as the roots at the first value, crosses the next one,
+    /// with the event's coupling.
     fn crossing(
         &self,
         parameter: &str,

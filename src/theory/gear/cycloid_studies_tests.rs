@@ -70,8 +70,8 @@ fn roots_over_the_geometry_of_the_fitted_set_are_the_reference() {
         model: &model,
         values: &values,
     };
-    // The rolling circle kept; 0.6 to 1.1 of the set's own K, to three digits. The reference has 1.15, too, 0.995, which is
-    // beyond the bounds of the parameter.
+    // The rolling circle kept; 0.6 to 1.1 of the set's own K, to three digits. The reference has
+    // 1.15, too, 0.995, which is beyond the bounds of the parameter.
     let circle = studies.value("half_eccentricity").expect("a parameter")
         / studies.value("trochoid_ratio").expect("a parameter");
     let over_ratio = [0.519, 0.692, 0.866, 0.952].map(|k| {

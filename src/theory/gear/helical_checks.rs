@@ -1,5 +1,5 @@
-//! What the computation of the helical planetary gear's motion says of itself: how its energy drifts where none is lost, and how
-//! far two integrators are apart that share nothing.
+//! What the computation of the helical planetary gear's motion says of itself: how its energy
+//! drifts where none is lost, and how far two integrators are apart that share nothing.
 
 use crate::theory::integrate::{ExtrapolatedMidpoint, Integrator, RungeKutta4};
 use crate::theory::{ModelQuantity, TheoryError};
@@ -45,7 +45,8 @@ pub(super) fn shaken(motion: &Motion) -> Vec<f64> {
     state
 }
 
-/// Change of the energy of a motion without losses over mesh periods, as a part of the strain energy at the start.
+/// Change of the energy of a motion without losses over mesh periods, as a part of the strain
+/// energy at the start.
 pub(super) fn energy_drift(
     integrator: &mut dyn Integrator,
     motion: &Motion,

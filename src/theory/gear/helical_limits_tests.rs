@@ -1,4 +1,5 @@
-//! Up to which stiffness of its bearings a simpler model of the helical planetary gear serves, against the reference.
+//! Up to which stiffness of its bearings a simpler model of the helical planetary gear serves,
+//! against the reference.
 
 use rayon::prelude::*;
 
@@ -12,8 +13,8 @@ use crate::theory::{HelicalPlanetary, TheoreticalModel};
 
 /// Mean mesh stiffness, N/m.
 const MESH: f64 = 4e8;
-/// The stiffest bearings with which the reference's dampers are proportional to the stiffness, N/m: stiffer ones keep those
-/// of 5e4 N s/m.
+/// The stiffest bearings with which the reference's dampers are proportional to the stiffness, N/m:
+/// stiffer ones keep those of 5e4 N s/m.
 const DAMPED_BEARING: f64 = 1e10;
 
 /// The model's values with bearings of a multiple of the mesh stiffness.
@@ -29,8 +30,9 @@ fn reaches_a_hundredth([(x0, y0), (x1, y1)]: [(f64, f64); 2]) -> f64 {
     x0 * (x1 / x0).powf(part)
 }
 
-/// Bearing over mesh stiffness; of the exact angle against the constant one the distance of the sun mesh's deflection, the changes
-/// of its standard deviation and of its largest value, and of the standard deviation of the sun's x.
+/// Bearing over mesh stiffness; of the exact angle against the constant one the distance of the sun
+/// mesh's deflection, the changes of its standard deviation and of its largest value, and of the
+/// standard deviation of the sun's x.
 type Row = (f64, [f64; 4]);
 
 fn changes(load_nm: f64, ratio: f64) -> [f64; 4] {
@@ -60,8 +62,9 @@ fn changes(load_nm: f64, ratio: f64) -> [f64; 4] {
 
 #[test]
 fn the_constant_angle_is_worst_and_the_suns_motion_within_a_percent_where_the_reference_has_it() {
-    // At 7.5e-3 a natural frequency is at the mesh frequency: the deflection is worst there. The others are on both sides of
-    // where the sun's motion is off by a hundredth, of which the first is the worst one, too, with 40 N m.
+    // At 7.5e-3 a natural frequency is at the mesh frequency: the deflection is worst there. The
+    // others are on both sides of where the sun's motion is off by a hundredth, of which the first
+    // is the worst one, too, with 40 N m.
     let tables: [(f64, &str, &[Row]); 3] = [
         (
             40.0,
@@ -153,7 +156,8 @@ fn the_torsional_model_comes_within_a_percent_at_a_hundred_and_twelve_times_the_
     .collect();
     let limit = reaches_a_hundredth([found[3], found[4]]);
     assert_eq!(format!("{limit:.0}"), "112");
-    // With dampers as stiff as the bearings the deviation is another, the distance the same to its digits.
+    // With dampers as stiff as the bearings the deviation is another, the distance the same to its
+    // digits.
     let values = with(&model, 100.0, 40.0);
     let details = [Detail::Torsional, Detail::ConstantAngle];
     let own = model.responses(&values, span, &details).unwrap();
@@ -175,7 +179,8 @@ fn the_constant_angle_suffices_at_every_bearing_stiffness_and_the_torsional_mode
     let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
     let values = nominal_values(model.parameters());
     let points = bearing_points(&model, &values).unwrap();
-    // Constant angle from the exact one. Below 0.1 the reference's longer runs are nearer to the steady state.
+    // Constant angle from the exact one. Below 0.1 the reference's longer runs are nearer to the
+    // steady state.
     let reference = [
         None,
         None,

@@ -1,5 +1,6 @@
-//! The meshes of the helical planetary gear: how far its teeth are pressed together, in the detail that is asked for, and how
-//! stiff they are over the mesh period. The formulas stand in `helical_motion`.
+//! The meshes of the helical planetary gear: how far its teeth are pressed together, in the detail
+//! that is asked for, and how stiff they are over the mesh period. The formulas stand in
+//! `helical_motion`.
 
 /// How much of the motion a model has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,25 +1,29 @@
-//! The motion of the helical planetary gear over time: large rotations, parametric mesh stiffness, and pressure angles that
-//! follow the centres of the gears, in the detail that is asked for.
+//! The motion of the helical planetary gear over time: large rotations, parametric mesh stiffness,
+//! and pressure angles that follow the centres of the gears, in the detail that is asked for.
 //!
-//! State: `xc, yc, psi_c, xs, ys, psi_s`, then `xi, eta, psi` of each planet, then their rates. `xi` and `eta` are displacements of a
-//! planet's centre against its pin along and across the turning radius; `psi` are the rotations less those of the ideal
-//! motion, `theta_c = W t + psi_c`, `theta_s = (1 + Zr/Zs) W t + psi_s`, `theta_i = (Rr/Rp) W t + psi_i`, in which planets are
+//! State: `xc, yc, psi_c, xs, ys, psi_s`, then `xi, eta, psi` of each planet, then their rates.
+//! `xi` and `eta` are displacements of a planet's centre against its pin along and across the
+//! turning radius; `psi` are the rotations less those of the ideal motion, `theta_c = W t + psi_c`,
+//! `theta_s = (1 + Zr/Zs) W t + psi_s`, `theta_i = (Rr/Rp) W t + psi_i`, in which planets are
 //! counted against the carrier: `theta_c - theta_i` is a planet's absolute rotation.
 //!
-//! With `u` and `v` the centre of a planet seen from that of the sun along and across its radius, β = atan2(v, u) and
-//! `cos α = Rb / sqrt(u^2 + v^2)`, `Rb` the sum or difference of the base radii, a mesh is compressed by
-//! `g(u, v) + Rs (psi_s - psi_c) - Rp psi_i` (sun, σ = 1) or `g(u, v) + Rp psi_i - Rr psi_c` (ring, σ = -1; `u`, `v` from the
-//! ring's centre), where `g` is
+//! With `u` and `v` the centre of a planet seen from that of the sun along and across its radius,
+//! β = atan2(v, u) and `cos α = Rb / sqrt(u^2 + v^2)`, `Rb` the sum or difference of the base
+//! radii, a mesh is compressed by `g(u, v) + Rs (psi_s - psi_c) - Rp psi_i` (sun, σ = 1) or `g(u,
+//! v) + Rp psi_i - Rr psi_c` (ring, σ = -1; `u`, `v` from the ring's centre), where `g` is
 //!
 //! - constant angle: `-σ (u - Rc) sin α0 - v cos α0`;
-//! - as printed (equations 8 to 11): the same with α - σβ for α0, which counts the term of second order twice;
-//! - exact (involutes): `-Rb (β + σ (inv α - inv α0))`, whose gradient is the actual line of action.
+//! - as printed (equations 8 to 11): the same with α - σβ for α0, which counts the term of second
+//!   order twice;
+//! - exact (involutes): `-Rb (β + σ (inv α - inv α0))`, whose gradient is the actual line of
+//!   action.
 //!
-//! The planets' equations are solved for their own accelerations, which leaves the carrier its own mass and moment of
-//! inertia: the system is explicit.
+//! The planets' equations are solved for their own accelerations, which leaves the carrier its own
+//! mass and moment of inertia: the system is explicit.
 //!
 //! # Reference
-//! Zhang, Liao and Huang (2013), equations 1 to 27, derived again; the exact compression from the involute.
+//! Zhang, Liao and Huang (2013), equations 1 to 27, derived again; the exact compression from the
+//! involute.
 
 use crate::theory::integrate::Equations;
 use crate::theory::{TheoreticalModel, TheoryError};
@@ -60,7 +64,8 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// The motion of a model with these values. Bearings of a torsional model are rigid whatever the detail.
+    /// The motion of a model with these values. Bearings of a torsional model are rigid whatever
+    /// the detail.
     ///
     /// # Errors
     /// As [`TheoreticalModel::assemble`].
@@ -113,8 +118,9 @@ impl Motion {
         })
     }
 
-    /// The same with another number of teeth in the ring on the same pins. Where angles vary, its mesh starts from that at
-    /// which base circles at this distance are in mesh; where not, it keeps that of the sun's.
+    /// The same with another number of teeth in the ring on the same pins. Where angles vary, its
+    /// mesh starts from that at which base circles at this distance are in mesh; where not, it
+    /// keeps that of the sun's.
     pub fn with_ring_teeth(mut self, teeth: f64) -> Self {
         self.ring_teeth = teeth;
         self.radius_r = self.radius_s * teeth / SUN_TEETH;
@@ -140,7 +146,8 @@ impl Motion {
         self
     }
 
-    /// The same without damping, with steady mesh stiffnesses, and without torques: what conserves energy.
+    /// The same without damping, with steady mesh stiffnesses, and without torques: what conserves
+    /// energy.
     pub fn conservative(mut self) -> Self {
         self.load_nm = 0.0;
         self.with_steady_meshes().undamped()
@@ -257,7 +264,8 @@ impl Motion {
         ]
     }
 
-    /// Kinetic energy of the motion and energy in bearings and meshes, J, with the mesh stiffness of this time.
+    /// Kinetic energy of the motion and energy in bearings and meshes, J, with the mesh stiffness
+    /// of this time.
     pub fn energy(&self, time_s: f64, state: &[f64]) -> [f64; 2] {
         let rate = &state[COORDINATES..];
         let turning = self.speed_rad_s + rate[2];
@@ -289,7 +297,8 @@ impl Motion {
     }
 }
 
-/// A planet at a time: its frame, its centre in it, the offsets of the carrier from sun and ring, and both meshes.
+/// A planet at a time: its frame, its centre in it, the offsets of the carrier from sun and ring,
+/// and both meshes.
 struct Placed {
     sin: f64,
     cos: f64,

@@ -1,4 +1,5 @@
-//! The equations of motion of the helical planetary gear: gradients, energy, orders, and the reference's snapshots.
+//! The equations of motion of the helical planetary gear: gradients, energy, orders, and the
+//! reference's snapshots.
 
 use super::helical_checks::{energy_drift, run};
 use super::helical_mesh::{Detail, MeshGeometry};
@@ -87,7 +88,8 @@ fn the_equilibrium_is_the_reference_and_rests() {
     }
     let mut rate = vec![0.0; motion.len()];
     motion.rate(0.123, &state, &mut rate);
-    // A centrifugal force of a radius longer by xi, and torques of 40 N m that cancel to rounding over 1e-4 kg m2.
+    // A centrifugal force of a radius longer by xi, and torques of 40 N m that cancel to rounding
+    // over 1e-4 kg m2.
     let largest = rate.iter().fold(0.0f64, |most, own| most.max(own.abs()));
     assert!(largest < 1e-4, "{largest}");
 }
@@ -200,14 +202,16 @@ fn after_ten_periods_the_state_is_the_reference_by_both_integrators() {
             &mut state,
         );
         let followed = state.clone();
-        // With a varying angle the free rotation of all bodies, which nothing holds, is off by 1e-10 rad.
+        // With a varying angle the free rotation of all bodies, which nothing holds, is off by
+        // 1e-10 rad.
         let turn = state[2] - expected[2];
         assert!(turn.abs() < 1.3e-10, "{detail:?}: {turn}");
         state[2] -= turn;
         state[5] -= (1.0 + 83.0 / 21.0) * turn;
         (0..4).for_each(|planet| state[8 + 3 * planet] -= 83.0 / 31.0 * turn);
         for (i, wanted) in expected.iter().enumerate() {
-            // The reference's Runge-Kutta method has an error of 4e-10 of the largest displacement left, 1e-6 m.
+            // The reference's Runge-Kutta method has an error of 4e-10 of the largest displacement
+            // left, 1e-6 m.
             assert!(
                 (state[i] - wanted).abs()
                     < 3e-9 * wanted.abs() + if i % 3 == 2 { 2e-14 } else { 1e-15 },

@@ -1,6 +1,7 @@
 //! The parameters of the helical planetary gear, with where each value comes from.
 //!
-//! Printed: the data of the paper's section 4. Inferred: what follows from them. Assumed: what the paper leaves open.
+//! Printed: the data of the paper's section 4. Inferred: what follows from them. Assumed: what the
+//! paper leaves open.
 
 use std::f64::consts::PI;
 
@@ -11,8 +12,8 @@ use ParameterStatus::{Assumed, Inferred, Printed};
 /// The sets: both bearing stiffnesses of the paper, and rigid bearings.
 pub(super) const SET_NAMES: &[&str] = &["kb-1.5e8", "kb-1e10", "torsional"];
 
-/// Teeth of sun, planet and ring. The paper prints 82 for the ring, which fits neither the centre distance nor the assembly
-/// of four planets, (21 + 82)/4; 83 fits both.
+/// Teeth of sun, planet and ring. The paper prints 82 for the ring, which fits neither the centre
+/// distance nor the assembly of four planets, (21 + 82)/4; 83 fits both.
 pub(super) const SUN_TEETH: f64 = 21.0;
 const PLANET_TEETH: f64 = 31.0;
 pub(super) const RING_TEETH: f64 = 83.0;

@@ -1,15 +1,18 @@
-//! The helical planetary gear with its ring fixed: carrier, sun and four planets on bearings, in the plane of rotation.
+//! The helical planetary gear with its ring fixed: carrier, sun and four planets on bearings, in
+//! the plane of rotation.
 //!
-//! Coordinates of the matrices are absolute: `x`, `y` and the rotation of carrier and sun; of each planet its displacement
-//! along and across the radius on which it sits, and its rotation. A mesh is compressed along its line of action, which
-//! leaves the base circles at the transverse pressure angle α; a planet's bearing stretches between its pin on the carrier
-//! and its centre. With rigid bearings (set `torsional`) rotations alone are left, and the planets' masses go with the
+//! Coordinates of the matrices are absolute: `x`, `y` and the rotation of carrier and sun; of each
+//! planet its displacement along and across the radius on which it sits, and its rotation. A mesh
+//! is compressed along its line of action, which leaves the base circles at the transverse pressure
+//! angle α; a planet's bearing stretches between its pin on the carrier and its centre. With rigid
+//! bearings (set `torsional`) rotations alone are left, and the planets' masses go with the
 //! carrier. The motion over time, with its changing pressure angles, is that of `helical_motion`.
 //!
 //! # Reference
-//! Zhang Jie, Liao Yinghua, Huang Bo (2013), Dynamic modelling and analysis of a helical planetary gear with varying pressure
-//! angle (in Chinese), Journal of Sichuan University of Science and Engineering 26, equations 1 to 28. The print has errors in most
-//! of them; what is here is derived again, and its natural frequencies are those of a separate derivation.
+//! Zhang Jie, Liao Yinghua, Huang Bo (2013), Dynamic modelling and analysis of a helical planetary
+//! gear with varying pressure angle (in Chinese), Journal of Sichuan University of Science and
+//! Engineering 26, equations 1 to 28. The print has errors in most of them; what is here is derived
+//! again, and its natural frequencies are those of a separate derivation.
 
 use std::f64::consts::TAU;
 
@@ -30,12 +33,14 @@ const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
-/// A share of the kinetic energy below which a body counts as still: far above the rounding of repeated roots.
+/// A share of the kinetic energy below which a body counts as still: far above the rounding of
+/// repeated roots.
 const STILL: f64 = 1e-9;
 
 /// The gear with 18 coordinates, or 6 with rigid bearings.
 ///
-/// Bodies: `carrier` (xc, yc, thc), `sun` (xs, ys, ths), `planet-1` (radial_1, tangential_1, th_1) ... `planet-4`.
+/// Bodies: `carrier` (xc, yc, thc), `sun` (xs, ys, ths), `planet-1` (radial_1, tangential_1, th_1)
+/// ... `planet-4`.
 #[derive(Clone, Debug)]
 pub struct HelicalPlanetary {
     name: String,
@@ -50,8 +55,8 @@ pub(super) fn planet_angle(planet: usize) -> f64 {
 }
 
 impl HelicalPlanetary {
-    /// The model with both bearing stiffnesses of the paper (`kb-1.5e8`, `kb-1e10`) or with rigid bearings (`torsional`);
-    /// `None` for another name.
+    /// The model with both bearing stiffnesses of the paper (`kb-1.5e8`, `kb-1e10`) or with rigid
+    /// bearings (`torsional`); `None` for another name.
     pub fn new(set: &str) -> Option<Self> {
         SET_NAMES.contains(&set).then(|| {
             let torsional = set == "torsional";
@@ -108,7 +113,8 @@ impl HelicalPlanetary {
             let of_planet = rolled(&own, radius("base_radius_p"));
             let of_sun = rolled("sun", radius("base_radius_s"));
             let [sun_mesh, ring_mesh] = if self.torsional {
-                // Planets go with their pins, by R_c cos α per unit of the carrier's rotation along both lines.
+                // Planets go with their pins, by R_c cos α per unit of the carrier's rotation along
+                // both lines.
                 let pins = rolled("carrier", radius_of_pins(values) * cos);
                 [
                     minus(sum(of_sun, of_planet.clone()), pins.clone()),

@@ -1,4 +1,5 @@
-//! The matrices of the helical planetary gear against the reference, and what follows for its geometry and torques.
+//! The matrices of the helical planetary gear against the reference, and what follows for its
+//! geometry and torques.
 
 use std::f64::consts::TAU;
 
@@ -95,7 +96,8 @@ fn natural_frequencies_and_classes_are_the_reference_for_both_bearings_and_rigid
     }
 }
 
-/// Means of the stiffness wave, over which three pairs of teeth are in contact 0.37 and 0.64 of the period.
+/// Means of the stiffness wave, over which three pairs of teeth are in contact 0.37 and 0.64 of the
+/// period.
 #[test]
 fn natural_frequencies_with_the_means_of_the_wave_are_the_reference() {
     let motion = motion(&[]);
@@ -181,7 +183,8 @@ fn radii_and_the_mesh_frequency_are_the_reference() {
     );
     let degrees = nominal("pressure_angle").to_degrees();
     printed(degrees, "20.646896");
-    // Turned by one radian, the carrier stretches the ring's mesh by the ring's base radius, and the planets sit on its pins.
+    // Turned by one radian, the carrier stretches the ring's mesh by the ring's base radius, and
+    // the planets sit on its pins.
     let motion = motion(&[]);
     let mut state = vec![0.0; motion.equilibrium().len()];
     state[2] = 1.0;
@@ -219,7 +222,8 @@ fn the_printed_teeth_and_torques_fit_neither_the_pins_nor_each_other() {
     let ratio = nominal("load") / value("balanced_drive");
     printed(ratio, "4.952381");
     printed(nominal("load") / 9.65, "4.1451");
-    // The printed drive accelerates the gear without its springs, whose free motion has unit modal mass.
+    // The printed drive accelerates the gear without its springs, whose free motion has unit modal
+    // mass.
     let solved = modes(&model, &values, &[], &ModeOptions::default()).unwrap();
     let carrier = solved.coordinates.iter().position(|own| own.name == "thc");
     let inertia = solved.vectors[(carrier.unwrap(), 0)].powi(-2);
@@ -228,7 +232,8 @@ fn the_printed_teeth_and_torques_fit_neither_the_pins_nor_each_other() {
     printed(acceleration, "71.42");
     let gained = acceleration * 20.0 * motion(&[]).mesh_period_s() * 60.0 / TAU;
     printed(nominal("speed") + gained, "203.25");
-    // Base circles of planet and a ring of 82 teeth at the pins' distance, by equation 11, and those of sun and planet.
+    // Base circles of planet and a ring of 82 teeth at the pins' distance, by equation 11, and
+    // those of sun and planet.
     let (sun, planet) = (nominal("base_radius_s"), nominal("base_radius_p"));
     let ring = sun * 82.0 / 21.0;
     let rest_angle = nominal("pressure_angle");

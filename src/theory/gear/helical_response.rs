@@ -1,4 +1,5 @@
-//! The steady response of the helical planetary gear in four details, and what the paper says of it.
+//! The steady response of the helical planetary gear in four details, and what the paper says of
+//! it.
 
 use rayon::prelude::*;
 
@@ -15,7 +16,8 @@ use super::helical_mesh::{Detail, MeshState};
 use super::helical_motion::{COORDINATES, Motion};
 use super::helical_parameters::{PLANETS, RING_TEETH, SUN_TEETH};
 
-/// Harmonics of the mesh frequency that are told: up to 22 kHz at 80 rpm, above every natural frequency.
+/// Harmonics of the mesh frequency that are told: up to 22 kHz at 80 rpm, above every natural
+/// frequency.
 const HARMONICS: usize = 200;
 /// Corners of the mesh stiffness lie on multiples of this part of the period.
 const CORNERS: usize = 100;
@@ -63,7 +65,8 @@ impl HelicalPlanetary {
         Ok(side_by_side(&motions?, (span, steps)))
     }
 
-    /// The responses by constant and printed varying angle with the teeth that the ring has in print.
+    /// The responses by constant and printed varying angle with the teeth that the ring has in
+    /// print.
     fn printed_teeth(
         &self,
         values: &[f64],
@@ -191,7 +194,8 @@ pub(super) fn run(
         detail: motion.detail.name(),
         coordinates: if torsional { 2 + PLANETS } else { COORDINATES },
         evaluations_per_period: steps * integrator.evaluations(),
-        // Two for the frame; three for each mesh with a varying angle, and two for its printed direction.
+        // Two for the frame; three for each mesh with a varying angle, and two for its printed
+        // direction.
         functions_per_evaluation: 2 + match motion.detail {
             Detail::Torsional => 0,
             Detail::ConstantAngle => 2 * 2 * PLANETS,
@@ -249,7 +253,8 @@ fn with_bearings(
     Ok(values)
 }
 
-/// What the paper says in figures and words, for a model with bearings; of a torsional one the geometry alone.
+/// What the paper says in figures and words, for a model with bearings; of a torsional one the
+/// geometry alone.
 pub(super) fn response_quantities(
     model: &HelicalPlanetary,
     values: &[f64],
@@ -288,7 +293,8 @@ pub(super) fn response_quantities(
     Ok(all)
 }
 
-/// Figures 7 and 8 with the teeth that the ring has in print, and the angles at rest by which the runs differ besides.
+/// Figures 7 and 8 with the teeth that the ring has in print, and the angles at rest by which the
+/// runs differ besides.
 pub(super) fn printed_teeth_quantities(
     model: &HelicalPlanetary,
     values: &[f64],

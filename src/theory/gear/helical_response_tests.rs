@@ -1,4 +1,5 @@
-//! The steady response of the helical planetary gear against the reference, and what follows for the detail that is needed.
+//! The steady response of the helical planetary gear against the reference, and what follows for
+//! the detail that is needed.
 
 use std::sync::OnceLock;
 
@@ -40,8 +41,8 @@ pub(super) fn signal<'a>(
     found.detail(detail.name()).unwrap().signal(name).unwrap()
 }
 
-/// rms, std, max, min of the sun mesh; rms, std, max of the ring mesh; largest changes of both angles, deg; load sharing
-/// most and least; std of the sun's x.
+/// rms, std, max, min of the sun mesh; rms, std, max of the ring mesh; largest changes of both
+/// angles, deg; load sharing most and least; std of the sun's x.
 type Row = (
     Detail,
     [f64; 7],

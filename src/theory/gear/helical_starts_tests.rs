@@ -1,4 +1,5 @@
-//! The helical planetary gear without damping from three starts, as the paper may have computed it, against the reference.
+//! The helical planetary gear without damping from three starts, as the paper may have computed it,
+//! against the reference.
 
 use std::f64::consts::TAU;
 
@@ -48,8 +49,8 @@ impl Start {
     }
 }
 
-/// The state in which the motion rests under mean mesh stiffnesses, by its own angles: Newton's iteration from that of the
-/// constant angle, over the displacements that all planets share.
+/// The state in which the motion rests under mean mesh stiffnesses, by its own angles: Newton's
+/// iteration from that of the constant angle, over the displacements that all planets share.
 fn settled(motion: &Motion) -> Vec<f64> {
     let steady = motion.clone().with_steady_meshes();
     let mut state = steady.equilibrium();
@@ -121,14 +122,16 @@ fn lines(samples: &[f64], count: usize) -> usize {
     all.iter().filter(|own| **own > 0.01 * largest).count()
 }
 
-/// rms, standard deviation, largest and least of the sun mesh's deflection, m; largest change of its angle, deg; lines
-/// of its spectrum above 1 %; standard deviation of the sun's x, m; least and largest load sharing, where no mesh is unloaded.
+/// rms, standard deviation, largest and least of the sun mesh's deflection, m; largest change of
+/// its angle, deg; lines of its spectrum above 1 %; standard deviation of the sun's x, m; least and
+/// largest load sharing, where no mesh is unloaded.
 type Row = ([f64; 4], f64, usize, f64, Option<[f64; 2]>);
-/// Printed and exact angle against the constant one: distance, changes of standard deviation and of the largest, and of the
-/// standard deviation of the sun's x.
+/// Printed and exact angle against the constant one: distance, changes of standard deviation and of
+/// the largest, and of the standard deviation of the sun's x.
 type Change = [f64; 4];
 
-/// So many digits, as a number has them that begins with 1; of changes no more than 1e-9, which rounding leaves.
+/// So many digits, as a number has them that begins with 1; of changes no more than 1e-9, which
+/// rounding leaves.
 fn digits(own: f64, expected: f64, digits: i32, about: &dyn std::fmt::Debug) {
     let rounding = if digits < 5 { 1e-9 } else { 0.0 };
     let limit = 0.51 * 10f64.powi(1 - digits) * expected.abs() + rounding;

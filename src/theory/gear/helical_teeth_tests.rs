@@ -1,5 +1,6 @@
-//! The helical planetary gear with the 82 teeth in the ring that the paper prints, against the reference: its natural
-//! frequencies by the energies of its motion, which know the ring's own radius, and its steady response.
+//! The helical planetary gear with the 82 teeth in the ring that the paper prints, against the
+//! reference: its natural frequencies by the energies of its motion, which know the ring's own
+//! radius, and its steady response.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +32,8 @@ fn hessian(motion: &Motion, energy: usize, (first, step): (usize, f64)) -> RealM
 
 /// Natural frequencies, Hz.
 fn frequencies(motion: &Motion) -> Vec<f64> {
-    // The carrier's rotation turns the meshes, so that steps are small; in the rates the energy is quadratic.
+    // The carrier's rotation turns the meshes, so that steps are small; in the rates the energy is
+    // quadratic.
     let stiffness = hessian(motion, 1, (0, 1e-5));
     let mass = hessian(motion, 0, (COORDINATES, 1.0));
     let modes = symmetric_modes(&stiffness, &mass).unwrap();

@@ -1,18 +1,22 @@
-//! The spider reducer HJW-18B: an input shaft whose two eccentrics, half a turn apart, drive two spider gears, which four
-//! spider shafts keep from turning; the gears mesh inside the ring gear of the output shaft.
+//! The spider reducer HJW-18B: an input shaft whose two eccentrics, half a turn apart, drive two
+//! spider gears, which four spider shafts keep from turning; the gears mesh inside the ring gear of
+//! the output shaft.
 //!
-//! All bodies are rigid. z runs along the input shaft towards the input end; `i` counts the phases (spider gears), `j` the
-//! spider shafts. Bearings are two equal springs along x and y: the output and spider shafts and one end of the input
-//! shaft on the housing, the other end of the input shaft inside the output shaft (`k_i2`), the input shaft in each gear
-//! (`k_a`), every spider shaft's eccentric in each gear (`k_p1`, `k_p2`). A mesh is a spring along the line of action
-//! `(cos psi_i, sin psi_i)`, `psi_i = pi/2 - alpha + phi_i`, between gear and ring, which touches both base circles.
+//! All bodies are rigid. z runs along the input shaft towards the input end; `i` counts the phases
+//! (spider gears), `j` the spider shafts. Bearings are two equal springs along x and y: the output
+//! and spider shafts and one end of the input shaft on the housing, the other end of the input
+//! shaft inside the output shaft (`k_i2`), the input shaft in each gear (`k_a`), every spider
+//! shaft's eccentric in each gear (`k_p1`, `k_p2`). A mesh is a spring along the line of action
+//! `(cos psi_i, sin psi_i)`, `psi_i = pi/2 - alpha + phi_i`, between gear and ring, which touches
+//! both base circles.
 //!
 //! The input shaft's own rotation is held, as in the paper, so that there is no rigid-body mode.
 //!
 //! # Reference
-//! Zhang, Guo and Xie (2015), Elastodynamic modelling and modal analysis of the spider reducer with small tooth number
-//! difference (in Chinese), Journal of Vibration and Shock, doi:10.13465/j.cnki.jvs.2015.12.029, equations 1 to 9. Its tables and figures are lost; of its results only 66.2 Hz, 272.6 Hz and an error of
-//! 17 % stand in the text.
+//! Zhang, Guo and Xie (2015), Elastodynamic modelling and modal analysis of the spider reducer with
+//! small tooth number difference (in Chinese), Journal of Vibration and Shock,
+//! doi:10.13465/j.cnki.jvs.2015.12.029, equations 1 to 9. Its tables and figures are lost; of its
+//! results only 66.2 Hz, 272.6 Hz and an error of 17 % stand in the text.
 
 use std::f64::consts::{PI, TAU};
 
@@ -40,9 +44,9 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// The reducer with `15 + 5 m` coordinates: 35 with its 4 spider shafts.
 ///
-/// Bodies: `output` (xo, yo, box, boy, boz), `input` (xi, yi, bix, biy), `shaft-1` ... (xs1, ys1, bsx1, bsy1, bsz1),
-/// `gear-1` and `gear-2` (xp1, yp1, theta1). Positions of sensors refer to the nominal geometry, the centre of mass of the
-/// output at the origin.
+/// Bodies: `output` (xo, yo, box, boy, boz), `input` (xi, yi, bix, biy), `shaft-1` ... (xs1, ys1,
+/// bsx1, bsy1, bsz1), `gear-1` and `gear-2` (xp1, yp1, theta1). Positions of sensors refer to the
+/// nominal geometry, the centre of mass of the output at the origin.
 #[derive(Clone, Debug)]
 pub struct SpiderReducer {
     parameters: Vec<ParameterSpec>,
@@ -104,7 +108,8 @@ impl SpiderReducer {
         all
     }
 
-    /// Centre of the hole for a spider shaft (from 0), seen from the centre of a gear; also the place of the shaft.
+    /// Centre of the hole for a spider shaft (from 0), seen from the centre of a gear; also the
+    /// place of the shaft.
     fn hole(&self, values: &Values<'_>, j: usize) -> [Dual; 2] {
         let (sin, cos) = (TAU * j as f64 / self.shafts as f64).sin_cos();
         let radius = values.get("hole_radius");
@@ -170,7 +175,8 @@ impl SpiderReducer {
         all
     }
 
-    /// Housing bearings of a spider shaft, and those of its eccentrics in the gears, along one axis.
+    /// Housing bearings of a spider shaft, and those of its eccentrics in the gears, along one
+    /// axis.
     fn add_shaft(&self, values: &Values<'_>, j: usize, axis: [Dual; 3], all: &mut Machine) {
         let body = format!("shaft-{}", j + 1);
         for (name, station) in [("k_s1", "b_1"), ("k_s2", "b_2")] {
@@ -187,8 +193,8 @@ impl SpiderReducer {
         }
     }
 
-    /// Compression of the mesh of one phase. The line of action touches the base circles at their radius times
-    /// `(sin psi, -cos psi)` from the centres.
+    /// Compression of the mesh of one phase. The line of action touches the base circles at their
+    /// radius times `(sin psi, -cos psi)` from the centres.
     fn mesh_stretch(&self, values: &Values<'_>, i: usize, machine: &Machine) -> Stretch {
         let quarter = Dual::constant(0.5 * PI);
         let psi = quarter - values.get("pressure_angle") + crank_angle(values, i);

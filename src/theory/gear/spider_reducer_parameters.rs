@@ -1,8 +1,9 @@
 //! The parameters of the spider reducer HJW-18B, with where each value comes from.
 //!
-//! Printed: the bearing and mesh stiffnesses, teeth, module and working pressure angle. Inferred: eccentricity and base
-//! radii, from these with a cutter of 20 degrees. Assumed: every mass, moment of inertia and station, from a plain steel
-//! machine of this size, since the paper prints none; two of them make the first and the ninth root the printed ones.
+//! Printed: the bearing and mesh stiffnesses, teeth, module and working pressure angle. Inferred:
+//! eccentricity and base radii, from these with a cutter of 20 degrees. Assumed: every mass, moment
+//! of inertia and station, from a plain steel machine of this size, since the paper prints none;
+//! two of them make the first and the ninth root the printed ones.
 
 use crate::theory::{ParameterSpec, ParameterStatus};
 
@@ -33,8 +34,8 @@ const STIFFNESSES: [(&str, f64); 10] = [
     ("k_m", 300e6),
 ];
 
-/// Assumed masses and moments of inertia: output, input, one spider shaft, one spider gear. `j_sz` is the first of the two
-/// that are calibrated.
+/// Assumed masses and moments of inertia: output, input, one spider shaft, one spider gear. `j_sz`
+/// is the first of the two that are calibrated.
 const INERTIAS: [(&str, f64, &str); 10] = [
     ("m_o", 66.0, "kg"),
     ("j_ox", 1.52, "kg m2"),
@@ -48,8 +49,9 @@ const INERTIAS: [(&str, f64, &str); 10] = [
     ("j_pz", 0.178, "kg m2"),
 ];
 
-/// Assumed stations along the axis from each body's centre of mass, m, with the paper's names but z1 ... z5 of the output
-/// shaft, which are `z_o1` ... `z_o5`. `z_o2` is the second of the two that are calibrated.
+/// Assumed stations along the axis from each body's centre of mass, m, with the paper's names but
+/// z1 ... z5 of the output shaft, which are `z_o1` ... `z_o5`. `z_o2` is the second of the two that
+/// are calibrated.
 const STATIONS: [(&str, f64); 13] = [
     ("z_o1", -0.0005),
     ("z_o2", -0.1209),

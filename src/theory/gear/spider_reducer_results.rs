@@ -1,5 +1,5 @@
-//! What the spider reducer's paper says in figures, worked out with its model: frequencies over a crank turn, shares of
-//! bearings, and the static balance under load.
+//! What the spider reducer's paper says in figures, worked out with its model: frequencies over a
+//! crank turn, shares of bearings, and the static balance under load.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,8 @@ const POSITIONS: usize = 24;
 const LOAD_NM: f64 = 1000.0;
 /// Eccentricity error of the input's first eccentric, m.
 const ERROR_M: f64 = 1e-5;
-/// A mode in which one kind of subsystem has no more than this share of the kinetic energy is compound.
+/// A mode in which one kind of subsystem has no more than this share of the kinetic energy is
+/// compound.
 const COMPOUND: f64 = 0.9;
 
 /// Every quantity, by name.
@@ -234,7 +235,8 @@ fn forces(matrices: &SystemMatrices, name: &str, moved: &[f64]) -> Vec<f64> {
     .collect()
 }
 
-/// An error along `direction` of the first eccentric is a stretch of its two springs that nothing has relieved yet.
+/// An error along `direction` of the first eccentric is a stretch of its two springs that nothing
+/// has relieved yet.
 fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> Result<[f64; 2], TheoryError> {
     let own = matrices
         .springs

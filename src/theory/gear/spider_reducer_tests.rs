@@ -1,5 +1,5 @@
-//! Frequencies, energies, crank turn and static balance of the spider reducer, against an independent computation from the
-//! paper's equations, to its printed digits.
+//! Frequencies, energies, crank turn and static balance of the spider reducer, against an
+//! independent computation from the paper's equations, to its printed digits.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

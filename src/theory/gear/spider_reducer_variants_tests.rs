@@ -1,5 +1,6 @@
-//! What the spider reducer gives beside its nominal machine, to the reference's digits: derived geometry, the calibration,
-//! unequal shafts over a crank turn, a free input shaft, and functions of frequency.
+//! What the spider reducer gives beside its nominal machine, to the reference's digits: derived
+//! geometry, the calibration, unequal shafts over a crank turn, a free input shaft, and functions
+//! of frequency.
 
 use std::f64::consts::TAU;
 
@@ -164,7 +165,8 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
     }
 }
 
-/// The machine with the input's rotation as a further coordinate, the last one, which moves both eccentrics.
+/// The machine with the input's rotation as a further coordinate, the last one, which moves both
+/// eccentrics.
 fn with_free_input() -> SystemMatrices {
     let model = paper();
     let held = model

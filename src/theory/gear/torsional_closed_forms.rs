@@ -1,13 +1,16 @@
-//! Closed forms of the torsional planetary gear with one member fixed: its roots, and where they cross or veer.
+//! Closed forms of the torsional planetary gear with one member fixed: its roots, and where they
+//! cross or veer.
 //!
-//! The rotational roots above 0 solve `f1 lambda^2 + f2 lambda + f3 = 0`. With the carrier fixed, their sum and product
-//! are `s = N k_s/m_s + N k_r/m_r + (k_r + k_s)/m_p` and `p = N k_r k_s (N m_p + m_r + m_s)/(m_r m_s m_p)`; the planet
-//! root is met where `f1 lambda_p^2 + f2 lambda_p + f3 = 0`, and `(omega_5 - omega_2)^2 = s - 2 sqrt(p)`.
+//! The rotational roots above 0 solve `f1 lambda^2 + f2 lambda + f3 = 0`. With the carrier fixed,
+//! their sum and product are `s = N k_s/m_s + N k_r/m_r + (k_r + k_s)/m_p` and `p = N k_r k_s (N
+//! m_p + m_r + m_s)/(m_r m_s m_p)`; the planet root is met where `f1 lambda_p^2 + f2 lambda_p +
+//! f3 = 0`, and `(omega_5 - omega_2)^2 = s - 2 sqrt(p)`.
 //!
 //! # Reference
-//! Wang et al. (2005), equations 3 to 9. The last `m_s` in their f2 with the sun fixed is a misprint of
-//! `m_r`: with it the roots are those of the matrices. Their veering criterion (7) makes the discriminant smallest over k_s,
-//! which is near the smallest distance of the roots over k_r, but is not its place.
+//! Wang et al. (2005), equations 3 to 9. The last `m_s` in their f2 with the sun fixed is a
+//! misprint of `m_r`: with it the roots are those of the matrices. Their veering criterion (7)
+//! makes the discriminant smallest over k_s, which is near the smallest distance of the roots over
+//! k_r, but is not its place.
 
 use std::f64::consts::TAU;
 
@@ -129,7 +132,8 @@ impl ClosedForms {
         all
     }
 
-    /// Crossings with the planet modes and nearest approach of the rotational ones, over k_r at the present k_s.
+    /// Crossings with the planet modes and nearest approach of the rotational ones, over k_r at the
+    /// present k_s.
     fn veering_over_mesh(&self) -> [ModelQuantity; 6] {
         let (n_p, m_r, m_s) = (self.planets * self.m_p, self.m_r, self.m_s);
         let criterion = m_r * (n_p + m_s).powi(2)
@@ -227,7 +231,8 @@ impl ClosedForms {
     }
 }
 
-/// Both roots of `a x^2 + b x + c = 0` with `b < 0`, ascending; the smaller one from the product, without cancellation.
+/// Both roots of `a x^2 + b x + c = 0` with `b < 0`, ascending; the smaller one from the product,
+/// without cancellation.
 fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
     let larger = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
     [c / (a * larger), larger]

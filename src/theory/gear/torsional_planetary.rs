@@ -1,16 +1,18 @@
 //! The purely torsional 2K-H planetary gear: carrier, ring and sun, and planets between them.
 //!
-//! Coordinates are displacements along base circles, `u = r theta`, and masses are equivalent ones, `m = I / r^2`. A planet
-//! meshes with the ring and with the sun; with α the pressure angle the meshes are compressed by
-//! `ur - uc cos α - un` and `us - uc cos α + un`. Each of carrier, ring and sun may have a torsional support.
+//! Coordinates are displacements along base circles, `u = r theta`, and masses are equivalent ones,
+//! `m = I / r^2`. A planet meshes with the ring and with the sun; with α the pressure angle the
+//! meshes are compressed by `ur - uc cos α - un` and `us - uc cos α + un`. Each of carrier, ring
+//! and sun may have a torsional support.
 //!
-//! A planet mode leaves carrier, ring and sun still, `lambda = (k_r + k_s)/m_p`, N - 1 of them. In a rotational mode all
-//! planets move alike. With one member fixed its two roots above 0 solve a quadratic; where it meets the planet modes and
-//! where its own roots come nearest are closed forms, too (`torsional_closed_forms`).
+//! A planet mode leaves carrier, ring and sun still, `lambda = (k_r + k_s)/m_p`, N - 1 of them. In
+//! a rotational mode all planets move alike. With one member fixed its two roots above 0 solve a
+//! quadratic; where it meets the planet modes and where its own roots come nearest are closed
+//! forms, too (`torsional_closed_forms`).
 //!
 //! # Reference
-//! Wang et al. (2005), Natural characteristics and mode jumps of planetary gear transmissions (in Chinese), Journal of
-//! Vibration Engineering 18(4), 412, equations 1 to 19.
+//! Wang et al. (2005), Natural characteristics and mode jumps of planetary gear transmissions (in
+//! Chinese), Journal of Vibration Engineering 18(4), 412, equations 1 to 19.
 
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
@@ -45,8 +47,9 @@ pub struct TorsionalPlanetary {
 }
 
 impl TorsionalPlanetary {
-    /// The model of a set: `table-2` with 4 planets; `carrier-fixed`, `ring-fixed` and `sun-fixed` with 3, the number to
-    /// which the places of veering belong that the paper prints. `None` for another name.
+    /// The model of a set: `table-2` with 4 planets; `carrier-fixed`, `ring-fixed` and `sun-fixed`
+    /// with 3, the number to which the places of veering belong that the paper prints. `None` for
+    /// another name.
     pub fn new(set: &str) -> Option<Self> {
         Self::with_planets(set, if set == SET_NAMES[0] { 4 } else { 3 })
     }

@@ -1,5 +1,5 @@
-//! Table 2, closed forms, energies and veering of the torsional planetary gear, against an independent computation from the
-//! paper's equations, to its printed digits.
+//! Table 2, closed forms, energies and veering of the torsional planetary gear, against an
+//! independent computation from the paper's equations, to its printed digits.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,5 @@
-//! What the torsional planetary gear's paper says in figures, worked out with its matrices and closed forms.
+//! What the torsional planetary gear's paper says in figures, worked out with its matrices and
+//! closed forms.
 
 use std::f64::consts::TAU;
 
@@ -13,13 +14,15 @@ use super::torsional_sensitivities::sensitivity_quantities;
 
 /// The carrier as printed, without the planets that it carries, kg.
 const PRINTED_CARRIER_KG: f64 = 4.90;
-/// Planets whose motions differ by less than this part of the largest motion move alike: far above rounding.
+/// Planets whose motions differ by less than this part of the largest motion move alike: far above
+/// rounding.
 const ALIKE: f64 = 1e-9;
 /// How far before and after a place of veering the energies are told.
 const BEFORE: f64 = 0.8;
 const AFTER: f64 = 1.25;
 
-/// Ranges of the sweeps as parts of the sun mesh's stiffness and of the ring's mass: wide enough for both crossings.
+/// Ranges of the sweeps as parts of the sun mesh's stiffness and of the ring's mass: wide enough
+/// for both crossings.
 const MESH_RANGE: [f64; 2] = [0.02, 200.0];
 const SUN_RANGE: [f64; 2] = [0.1, 25.0];
 /// Values of a sweep; the places do not depend on them.

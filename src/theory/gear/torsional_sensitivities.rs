@@ -1,8 +1,9 @@
-//! What the torsional planetary gear's paper says of sensitivities and modal energies, each held against the matrices.
+//! What the torsional planetary gear's paper says of sensitivities and modal energies, each held
+//! against the matrices.
 //!
 //! # Reference
-//! Wang et al. (2005), equations 13 (derivatives of an eigenvalue), 14 and 19 (kinetic and strain energy of a mode by
-//! them) and the rates of the mesh energies after equation 19.
+//! Wang et al. (2005), equations 13 (derivatives of an eigenvalue), 14 and 19 (kinetic and strain
+//! energy of a mode by them) and the rates of the mesh energies after equation 19.
 
 use crate::theory::parameter::index_of;
 use crate::theory::quantity::allowed_or;
@@ -11,7 +12,8 @@ use crate::theory::{
     TheoryModes, TorsionalPlanetary, model_roots, modes, sensitivities, system_derivatives,
 };
 
-/// Parameters that equation 13 is printed for, and the supports, for which equation 19 gives it a meaning.
+/// Parameters that equation 13 is printed for, and the supports, for which equation 19 gives it a
+/// meaning.
 const STIFFNESSES: [&str; 5] = ["k_r", "k_s", "k_cu", "k_ru", "k_su"];
 const MASSES: [(&str, &str); 4] = [
     ("m_c", "carrier"),
@@ -19,7 +21,8 @@ const MASSES: [(&str, &str); 4] = [
     ("m_s", "sun"),
     ("m_p", "planet-"),
 ];
-/// Step of the differences as a part of the value: their error is of its fourth power, their rounding 1e-16 over it.
+/// Step of the differences as a part of the value: their error is of its fourth power, their
+/// rounding 1e-16 over it.
 const STEP: f64 = 1e-3;
 
 /// Modes, roots and sensitivities at some values.
@@ -72,8 +75,8 @@ impl<'a> State<'a> {
         squares.sum::<f64>() / own.len() as f64
     }
 
-    /// `p dlambda/dp` of a root by equation 13: `k` times the squared compressions, `-lambda m` times the squared motions,
-    /// the mean over the modes of the root.
+    /// `p dlambda/dp` of a root by equation 13: `k` times the squared compressions, `-lambda m`
+    /// times the squared motions, the mean over the modes of the root.
     fn equation_13(&self, root: usize, name: &str) -> Result<f64, TheoryError> {
         let own = &self.roots[root].modes;
         let vectors = &self.modes.vectors;
@@ -129,7 +132,8 @@ impl<'a> State<'a> {
         Ok(names)
     }
 
-    /// Largest difference of equation 13 from the differences, as a part of the root's largest `|p dlambda/dp|`.
+    /// Largest difference of equation 13 from the differences, as a part of the root's largest `|p
+    /// dlambda/dp|`.
     fn equation_13_error(&self) -> Result<f64, TheoryError> {
         let elastic = self.elastic();
         let mut off = vec![0.0f64; elastic.len()];
@@ -148,7 +152,8 @@ impl<'a> State<'a> {
             .fold(0.0, f64::max))
     }
 
-    /// Largest difference from `lambda/2`, as a part of it, of an energy by the sensitivities of a root.
+    /// Largest difference from `lambda/2`, as a part of it, of an energy by the sensitivities of a
+    /// root.
     fn energy_error(
         &self,
         energy: impl Fn(usize) -> Result<f64, TheoryError>,
@@ -164,7 +169,8 @@ impl<'a> State<'a> {
         Ok(self.slope(root, self.index(name)?))
     }
 
-    /// `dlambda/dp`; not a number for a root that is not there: one that is met at a step is none of its own there.
+    /// `dlambda/dp`; not a number for a root that is not there: one that is met at a step is none
+    /// of its own there.
     fn slope(&self, root: usize, j: usize) -> f64 {
         let own = self.sensitivities.get(root);
         own.and_then(|own| own.mean(j)).unwrap_or(f64::NAN)
@@ -183,8 +189,8 @@ impl<'a> State<'a> {
         Ok(energy)
     }
 
-    /// Equation 19, `factor` in front of the last sum: `k_r/2 dlambda/dk_r + k_s/2 dlambda/dk_s - factor sum k_h
-    /// dlambda/dm_h`.
+    /// Equation 19, `factor` in front of the last sum: `k_r/2 dlambda/dk_r + k_s/2 dlambda/dk_s -
+    /// factor sum k_h dlambda/dm_h`.
     fn strain(&self, root: usize, factor: f64) -> Result<f64, TheoryError> {
         let mut energy = 0.0;
         for name in ["k_r", "k_s"] {
@@ -196,8 +202,9 @@ impl<'a> State<'a> {
         Ok(energy)
     }
 
-    /// Largest difference of `dU_r/dk_r` from `1/2 dlambda/dk_r`, as a part of the latter, over the roots above 0. The
-    /// energy in the ring meshes is `U_r = k_r/2 dlambda/dk_r`; its rate is a difference.
+    /// Largest difference of `dU_r/dk_r` from `1/2 dlambda/dk_r`, as a part of the latter, over the
+    /// roots above 0. The energy in the ring meshes is `U_r = k_r/2 dlambda/dk_r`; its rate is a
+    /// difference.
     fn mesh_rate_error(&self) -> Result<f64, TheoryError> {
         let j = self.index("k_r")?;
         let k_r = self.values[j];
@@ -216,7 +223,8 @@ impl<'a> State<'a> {
     }
 }
 
-/// The claims of section 3 about sensitivities as errors in percent, each the largest over the roots above 0.
+/// The claims of section 3 about sensitivities as errors in percent, each the largest over the
+/// roots above 0.
 pub(super) fn sensitivity_quantities(
     model: &TorsionalPlanetary,
     values: &[f64],

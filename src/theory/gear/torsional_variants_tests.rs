@@ -1,5 +1,6 @@
-//! What the torsional planetary gear would give with other readings of the print, to the reference's digits: supports and
-//! masses of table 1, the symbol of the abscissa of figure 3, and where eigenvalues rather than frequencies are nearest.
+//! What the torsional planetary gear would give with other readings of the print, to the
+//! reference's digits: supports and masses of table 1, the symbol of the abscissa of figure 3, and
+//! where eigenvalues rather than frequencies are nearest.
 
 use std::f64::consts::TAU;
 
@@ -55,7 +56,8 @@ fn other_readings_of_table_1_miss_table_2() {
     let gear = TorsionalPlanetary::new("table-2").unwrap();
     let support = ("k_cu", 0.0);
     for (changes, expected) in [
-        // The support of 1e9 N/m on the ring, and on the carrier, with the carrier's printed 4.90 kg.
+        // The support of 1e9 N/m on the ring, and on the carrier, with the carrier's printed 4.90
+        // kg.
         (
             vec![("m_c", 4.90), support, ("k_ru", 1e9)],
             ["1747.69", "7619.19", "13854.21"],
@@ -112,13 +114,15 @@ fn vertex(at: f64, quadratic: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn eigenvalues_are_nearest_where_the_reference_has_them_and_not_where_frequencies_are() {
-    // Sum and product of the eigenvalues are linear in k_r and in 1/m_s, their squared distance s² - 4p a quadratic.
+    // Sum and product of the eigenvalues are linear in k_r and in 1/m_s, their squared distance
+    // s² - 4p a quadratic.
     let mesh = vertex(2.5e9, |k_r| squared_gap(&[("k_r", k_r)]));
     scientific(mesh, "2.499664e9");
     scientific(squared_gap(&[("k_r", mesh)]).sqrt(), "3.850811e8");
     let sun = 1.0 / vertex(1.0 / 1.4, |inverse| squared_gap(&[("m_s", 1.0 / inverse)]));
     printed(sun, "1.500000");
-    // The discriminant f2² - 4 f1 f3 of equation 5 is the same times f1² = (m_r m_s m_p)²; it is a quadratic in m_s.
+    // The discriminant f2² - 4 f1 f3 of equation 5 is the same times f1² = (m_r m_s m_p)²; it is a
+    // quadratic in m_s.
     let discriminant = |m_s: f64| (1.5 * m_s * 5.81).powi(2) * squared_gap(&[("m_s", m_s)]);
     printed(vertex(1.4, discriminant), "1.456842");
     // Equation 7 makes it least over k_s: at the printed k_s for its k_r.
@@ -138,8 +142,8 @@ fn eigenvalues_are_nearest_where_the_reference_has_them_and_not_where_frequencie
 
 #[test]
 fn the_printed_symbol_of_figure_3_gives_other_places() {
-    // Figure 3 prints k_sn under its abscissa. Equations 7 and 8 are a ratio k_r/k_s; with k_r kept at 5e8 N/m they give a k_s
-    // that the paper does not print.
+    // Figure 3 prints k_sn under its abscissa. Equations 7 and 8 are a ratio k_r/k_s; with k_r kept
+    // at 5e8 N/m they give a k_s that the paper does not print.
     let gear = carrier_fixed();
     for (name, text) in [
         ("veering_k_r", "9.951288e7"),

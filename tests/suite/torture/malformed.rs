@@ -1,4 +1,5 @@
-//! Bad files: where the error must be placed, and that the good function behind or before it is delivered.
+//! Bad files: where the error must be placed, and that the good function behind or before it is
+//! delivered.
 
 use super::build::{
     Binary, binary, changed, doubles, header, lines, rows, singles, survivor, text, uneven,

@@ -1,5 +1,6 @@
-//! Universal files that are odd, damaged or hostile, built from bytes: what must be delivered of each, and where each
-//! error must be placed. For every bad one the good functions beside it are still delivered.
+//! Universal files that are odd, damaged or hostile, built from bytes: what must be delivered of
+//! each, and where each error must be placed. For every bad one the good functions beside it are
+//! still delivered.
 
 mod build;
 mod malformed;
@@ -23,7 +24,8 @@ struct Delivered {
     ends: Option<(f64, f64)>,
 }
 
-/// What a file delivers, and its errors as printed (those of opening, then those of reading a function).
+/// What a file delivers, and its errors as printed (those of opening, then those of reading a
+/// function).
 fn deliver(bytes: Vec<u8>) -> (Vec<Delivered>, Vec<String>) {
     let hints = Hints {
         path: PATH.to_owned(),
@@ -51,7 +53,8 @@ fn deliver(bytes: Vec<u8>) -> (Vec<Delivered>, Vec<String>) {
     (delivered, errors)
 }
 
-/// What `convert` delivers of a file, and its exit code; `--partial` says that this will do, and changes nothing.
+/// What `convert` delivers of a file, and its exit code; `--partial` says that this will do, and
+/// changes nothing.
 fn converted(bytes: &[u8]) -> (Vec<Delivered>, Option<i32>) {
     let folder = tempfile::tempdir().unwrap();
     let [input, output] = ["in.uff", "out.uff"].map(|name| folder.path().join(name));

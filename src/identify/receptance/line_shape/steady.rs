@@ -1,8 +1,10 @@
-//! FRF sets of a test under steady random force, computed from its time series, for the tests of this stage.
+//! FRF sets of a test under steady random force, computed from its time series, for the tests of
+//! this stage.
 //!
-//! The force is white. Each mode answers by the recursion `y_n = e^(λΔt) y_(n−1) + f_n`, which is exact for the sampled force:
-//! nothing of what a record loses at its ends is left away. Records are cut one after the other, weighted with a window,
-//! transformed and averaged to H1 and its coherence.
+//! The force is white. Each mode answers by the recursion `y_n = e^(λΔt) y_(n−1) + f_n`, which is
+//! exact for the sampled force: nothing of what a record loses at its ends is left away. Records
+//! are cut one after the other, weighted with a window, transformed and averaged to H1 and its
+//! coherence.
 
 use num_complex::Complex64;
 use rand::SeedableRng;

@@ -9,7 +9,8 @@ use crate::identify::{IdentifyOptions, MethodOptions, identify};
 use crate::modal::{ModalModel, Mode};
 
 const POINTS: usize = 10;
-/// Natural frequencies, Hz, and damping ratios: of the kind of a highway bridge, half-power bandwidths of 1.7 to 3.4 lines.
+/// Natural frequencies, Hz, and damping ratios: of the kind of a highway bridge, half-power
+/// bandwidths of 1.7 to 3.4 lines.
 const MODES: [(f64, f64); 6] = [
     (2.48, 0.0106),
     (2.96, 0.0129),
@@ -117,7 +118,8 @@ fn damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation() {
             "{given}: {mean} {scatter}"
         );
         assert!(scatter < 0.06, "{given}: {scatter}");
-        // 95 % intervals: 99.9 % of binomial counts of 72 are above 61. No deviation is twice what it need be.
+        // 95 % intervals: 99.9 % of binomial counts of 72 are above 61. No deviation is twice what
+        // it need be.
         let inside = |own: &&Damping| own.error.abs() < 1.96 * own.std;
         let covered = all.iter().filter(inside).count();
         assert!(covered >= 62, "{given}: {covered} of {count}, {normalised}");

@@ -1,4 +1,5 @@
-//! Methods in the z-domain: complex exponentials of samples, and the complex frequency domain of their transform.
+//! Methods in the z-domain: complex exponentials of samples, and the complex frequency domain of
+//! their transform.
 
 use num_complex::Complex64;
 
@@ -38,8 +39,8 @@ pub fn exponentials(modes: &Modes, rounded: Rounded) -> Problem {
     Problem::new(matrix, right, rounded, Box::new(poles))
 }
 
-/// `H(z) A(z) = B(z)` at lines of the band from 0 on, `H(z) = Σ a z/(z − e^{λT})`, `A_n = 1`; the numerator eliminated from the normal
-/// equations, `M = T − Sᴴ R⁻¹ S`.
+/// `H(z) A(z) = B(z)` at lines of the band from 0 on, `H(z) = Σ a z/(z − e^{λT})`, `A_n = 1`; the
+/// numerator eliminated from the normal equations, `M = T − Sᴴ R⁻¹ S`.
 pub fn complex_frequency(modes: &Modes, rounded: Rounded) -> Problem {
     let order = modes.order();
     let z = |k: usize| Complex64::from_polar(1.0, std::f64::consts::PI * k as f64 / LINES as f64);

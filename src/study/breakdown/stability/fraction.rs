@@ -1,7 +1,7 @@
 //! Rational fractions in the Laplace domain, in powers and in orthogonal polynomials.
 //!
-//! `Σ_k |N(x_k) − H_k D(x_k)|²` over the lines, `x = iω/ω_max`, the highest coefficient of `D` one, all coefficients real: rows of the real and
-//! of the imaginary parts.
+//! `Σ_k |N(x_k) − H_k D(x_k)|²` over the lines, `x = iω/ω_max`, the highest coefficient of `D` one,
+//! all coefficients real: rows of the real and of the imaginary parts.
 
 use num_complex::Complex64;
 
@@ -26,7 +26,8 @@ fn lines(modes: &Modes, rounded: Rounded) -> (Vec<Complex64>, Vec<Complex64>) {
     (x, values)
 }
 
-/// Normal equations of numerator columns and `−H` times denominator columns, the last of which goes to the right-hand side.
+/// Normal equations of numerator columns and `−H` times denominator columns, the last of which goes
+/// to the right-hand side.
 fn equations(
     (numerator, denominator): (&[Vec<Complex64>], &[Vec<Complex64>]),
     values: &[Complex64],
@@ -69,7 +70,8 @@ pub fn powers(modes: &Modes, rounded: Rounded) -> Problem {
     Problem::new(matrix, right, rounded, Box::new(poles))
 }
 
-/// Polynomials orthonormal on the lines and their conjugates: the numerator's as they are, the denominator's under `|H|²`.
+/// Polynomials orthonormal on the lines and their conjugates: the numerator's as they are, the
+/// denominator's under `|H|²`.
 pub fn orthogonal(modes: &Modes, rounded: Rounded) -> Problem {
     let order = modes.order();
     let (x, values) = lines(modes, rounded);
@@ -97,8 +99,8 @@ fn unweighted(column: &[Complex64], weight: &[f64]) -> Vec<Complex64> {
 
 /// Polynomials with real coefficients, orthonormal over the lines and their conjugates.
 ///
-/// Forsythe (1957), J. SIAM 5(2): on points symmetric about zero `x φ_j = a_j φ_{j+1} − a_{j−1} φ_{j−1}`; orthogonalised against all before,
-/// twice, as rounding asks for.
+/// Forsythe (1957), J. SIAM 5(2): on points symmetric about zero `x φ_j = a_j φ_{j+1} − a_{j−1}
+/// φ_{j−1}`; orthogonalised against all before, twice, as rounding asks for.
 struct Basis {
     columns: Vec<Vec<Complex64>>,
     /// `x φ_j = Σ_i h_ji φ_i`.
