@@ -1,4 +1,5 @@
-//! The integration tests, one binary: the command line as a user runs it, real recordings, and the architecture.
+//! The integration tests, one binary: the command line as a user runs it, real recordings, and the
+//! architecture.
 
 mod architecture;
 mod bad_input;
@@ -49,3 +50,4 @@ mod truncation;
 mod twins;
 mod unneeded;
 mod updating;
+mod vocabulary;

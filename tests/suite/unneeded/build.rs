@@ -6,7 +6,8 @@ use num_complex::Complex64;
 
 pub const LINES: usize = 141;
 
-/// One dataset 58 in text: function type, record 6 behind it, abscissa and ordinate records, values.
+/// One dataset 58 in text: function type, record 6 behind it, abscissa and ordinate records,
+/// values.
 pub struct Function<'a> {
     pub kind: usize,
     pub points: &'a str,

@@ -1,4 +1,5 @@
-//! Parts of files that an answer does not need: their damage is a finding with place, got and expected, and the answer is given.
+//! Parts of files that an answer does not need: their damage is a finding with place, got and
+//! expected, and the answer is given.
 
 mod build;
 mod verbs;
@@ -37,7 +38,8 @@ fn assert_right(modes: &Value, what: &str) {
 
 #[test]
 fn padded_trace_lines_are_read() {
-    // 98 entries stated: rows of 7 filled up with a zero, one row of zeros at the end, zeros that are not counted.
+    // 98 entries stated: rows of 7 filled up with a zero, one row of zeros at the end, zeros that
+    // are not counted.
     let head = "         1        98         8";
     let row =
         |labels: &[i64]| -> String { labels.iter().map(|own| format!("{own:>10}")).collect() };

@@ -200,7 +200,8 @@ fn shapes_whose_nodes_and_systems_are_both_damaged_are_used_only_with_partial() 
 
 #[test]
 fn lost_units_are_not_those_of_another_dataset() {
-    // Headers without units take them from dataset 164: the damaged one governs the functions behind it.
+    // Headers without units take them from dataset 164: the damaged one governs the functions
+    // behind it.
     let silent = frfs().replace("m/s2", "    ").replace(" N  ", "    ");
     let millimetres = dataset(&["   164", "         5", "1.0D+03 1.0D+00 1.0D+00", "0.0"]);
     let damaged = dataset(&["   164", "  nothing"]);
