@@ -4,21 +4,23 @@
 //! Holds what is done to one hit alone, and how far a hit can be trusted. It must not hold an FRF
 //! that is kept, or a mode: that is the FRF stage.
 
-mod condition;
+mod conditioning;
 mod error;
-mod judge;
-mod lanes;
+mod hit_quality;
+mod impact_detection;
 mod pulse;
-mod segment;
+mod simd_sums;
 mod window;
 
-pub use condition::{Conditioning, Frame, Offset, check_axis, force_cut, locate, offset_of, to_si};
+pub use conditioning::{
+    Conditioning, Frame, Offset, check_axis, force_cut, locate, offset_of, to_si,
+};
 pub use error::SignalError;
-pub use judge::{
+pub use hit_quality::{
     Check, Drift, JudgeLimits, Outcome, ResponseRecord, Rule, drift_of, judge_force, judge_levels,
     judge_response, least_delay_samples, odd_one_out, overloaded,
 };
-pub use lanes::{Extent, lane_count, lane_moments, lane_sum, lane_sum_of_pairs};
+pub use impact_detection::{Segment, Segments, TriggerOptions, segments};
 pub use pulse::{ONSET_FRACTION, PreTrigger, Pulse};
-pub use segment::{Segment, Segments, TriggerOptions, segments};
+pub use simd_sums::{Extent, lane_count, lane_moments, lane_sum, lane_sum_of_pairs};
 pub use window::{ExponentialWindow, ForceWindow};

@@ -371,5 +371,5 @@ impl Plan {
 }
 
 #[cfg(test)]
-#[path = "segment_tests.rs"]
+#[path = "impact_detection_tests.rs"]
 mod tests;

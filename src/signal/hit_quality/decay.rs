@@ -2,7 +2,7 @@
 
 use super::super::pulse::FEWEST_QUIET;
 use super::super::{PreTrigger, Pulse};
-use super::quiet::{VARIANCE_DEVIATIONS, rms_about};
+use super::pretrigger::{VARIANCE_DEVIATIONS, rms_about};
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
 /// The last part of the record by which its end is judged, and the first and last by which its

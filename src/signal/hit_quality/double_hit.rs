@@ -31,7 +31,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::linalg::vectorised;
 
 use super::super::Pulse;
-use super::quiet::{converter_step, trimmed_deviation};
+use super::pretrigger::{converter_step, trimmed_deviation};
 use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Samples on both sides of the pulse that belong to it: the foot below the onset threshold.

@@ -10,7 +10,7 @@
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::super::Extent;
-use super::quiet::converter_step;
+use super::pretrigger::converter_step;
 use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.

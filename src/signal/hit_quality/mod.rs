@@ -14,16 +14,16 @@
 //! | `roll_off` | how far the force spectrum falls inside the band |
 //! | `series` | level, odd one out |
 
-mod contact;
+mod consistency;
 mod decay;
+mod double_hit;
+mod force_bandwidth;
 mod limits;
-mod quiet;
-mod rail;
-mod roll_off;
-mod series;
+mod overload;
+mod pretrigger;
 
 #[cfg(test)]
-mod contact_tests;
+mod double_hit_tests;
 #[cfg(test)]
 mod tests;
 
@@ -31,10 +31,10 @@ use crate::dof::Dof;
 
 use super::{Extent, Pulse};
 
-pub use contact::least_delay_samples;
+pub use consistency::{judge_levels, odd_one_out};
 pub use decay::{Drift, drift_of};
+pub use double_hit::least_delay_samples;
 pub use limits::JudgeLimits;
-pub use series::{judge_levels, odd_one_out};
 
 /// What a check looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -205,12 +205,12 @@ pub fn judge_force(
         return undecided(&FORCE_RULES, None);
     }
     vec![
-        contact::double_hit(force_n, step_s, pulse, limits),
-        rail::overload(force_n, &Extent::of(force_n), full_scale_n, limits),
-        quiet::force_pre_trigger(force_n, pulse, limits),
-        roll_off::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
-        quiet::dead_force(force_n, pulse),
-        quiet::sign(pulse),
+        double_hit::double_hit(force_n, step_s, pulse, limits),
+        overload::overload(force_n, &Extent::of(force_n), full_scale_n, limits),
+        pretrigger::force_pre_trigger(force_n, pulse, limits),
+        force_bandwidth::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
+        pretrigger::dead_force(force_n, pulse),
+        pretrigger::sign(pulse),
         decay::force_drift(force_n, step_s, pulse, limits),
     ]
 }
@@ -241,15 +241,15 @@ pub fn judge_response(
         return undecided(&RESPONSE_RULES, Some(record.dof));
     }
     let checks = [
-        rail::overload(
+        overload::overload(
             record.samples,
             &Extent::of(record.samples),
             record.full_scale,
             limits,
         ),
-        quiet::response_pre_trigger(record.samples, pulse, limits),
+        pretrigger::response_pre_trigger(record.samples, pulse, limits),
         decay::decay(record.samples, pulse, limits),
-        quiet::dead_response(record.samples, pulse),
+        pretrigger::dead_response(record.samples, pulse),
         decay::response_drift(record.samples, record.step_s, pulse, limits),
     ];
     let named = checks.into_iter().map(|check| Check {
@@ -267,6 +267,6 @@ pub fn overloaded(
     full_scale: Option<f64>,
     limits: &JudgeLimits,
 ) -> Option<Check> {
-    let check = rail::overload(samples, extent, full_scale, limits);
+    let check = overload::overload(samples, extent, full_scale, limits);
     (check.outcome == Outcome::Rejected).then_some(check)
 }
