@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::sums::LineSums;
+use super::spectra_sums::LineSums;
 
 /// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n
 /// − 1), and finite.

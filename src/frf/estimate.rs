@@ -22,10 +22,12 @@ use crate::record::{Hit, HitInfo, InMemory, Recording, Samples};
 use crate::signal::{JudgeLimits, lane_count};
 
 use super::force::{Extent, ForceHit, read_force};
-use super::function::{Estimation, Finished, Group, SharedRecording, Task, Work, force_power};
+use super::frf_estimation::{
+    Estimation, Finished, Group, SharedRecording, Task, Work, force_power,
+};
 use super::preconditions::check;
 use super::truncation::{QuarterEnergies, truncation_finding};
-use super::usable::ForcePower;
+use super::usable_band::ForcePower;
 use super::variance::independent_lines;
 use super::{EstimateOptions, FrfError, FrfSet, Truncation};
 

@@ -14,22 +14,24 @@
 //!
 //! Values are SI in the kind that the function states. It identifies no mode and reads no file.
 
-mod checks;
 mod coherence;
+mod consistency;
 mod convert;
 mod error;
 mod estimate;
 mod force;
-mod function;
-mod hammer;
-mod judged;
+mod frf_estimation;
+mod hammer_test;
+mod hit_report;
+mod local_pole;
 mod options;
+mod peaks;
 mod preconditions;
 mod set;
-mod sums;
-mod synthesise;
+mod spectra_sums;
+mod synthesis;
 mod truncation;
-mod usable;
+mod usable_band;
 mod variance;
 mod window;
 
@@ -42,18 +44,18 @@ mod hammer_tests;
 #[cfg(test)]
 mod recording_tests;
 
-pub(crate) use checks::check_functions;
-pub use checks::check_set;
-pub(crate) use checks::runs;
 pub(crate) use coherence::variance_from_coherence;
+pub(crate) use consistency::check_functions;
+pub use consistency::check_set;
+pub(crate) use consistency::runs;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, Selection, estimate, estimate_recording, truncation_bounds};
-pub use hammer::{HammerOptions, Hammered, ResponseWindow, hammer};
-pub use judged::HitReport;
+pub use hammer_test::{HammerOptions, Hammered, ResponseWindow, hammer};
+pub use hit_report::HitReport;
 pub use options::EstimateOptions;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};
-pub use synthesise::{Residues, modal_terms, synthesise};
+pub use synthesis::{Residues, modal_terms, synthesise};
 pub use truncation::{TRUNCATION_LIMIT, Truncation};
-pub use usable::usable_band;
+pub use usable_band::usable_band;
 pub use window::Window;

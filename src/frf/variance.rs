@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::linalg::vectorised;
 
-use super::sums::{LineSums, Sums};
+use super::spectra_sums::{LineSums, Sums};
 
 /// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with
 /// three hits a line has four degrees of freedom, and its stated deviation is off by a third.

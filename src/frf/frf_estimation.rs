@@ -13,7 +13,7 @@ use crate::signal::{Extent, offset_of, overloaded, to_si};
 use super::coherence::coherence;
 use super::force::ForceHit;
 use super::preconditions::kind_of;
-use super::sums::{LineError, Sums};
+use super::spectra_sums::{LineError, Sums};
 use super::truncation::QuarterEnergies;
 use super::variance::{Averaged, NoisePowers, variances};
 use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData, Selection};

@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::finding;
+use super::discrepancy::finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to
@@ -33,7 +33,7 @@ pub(super) fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frf::checks::synthetic::{Beam, add_noise, scaled};
+    use crate::frf::consistency::synthetic::{Beam, add_noise, scaled};
 
     fn found(set: &crate::frf::FrfSet) -> Vec<f64> {
         let found = findings(&Mobilities::new(set).unwrap());

@@ -9,10 +9,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 
-use super::driving::CLEAR;
-use super::local::{LocalPole, Window};
+use super::driving_point::CLEAR;
 use super::mobility::Mobilities;
-use super::peaks::{Peak, clear_peaks};
+use crate::frf::local_pole::{LocalPole, Window};
+use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Lines between half-power points that a fit of one resonance needs.
 pub(super) const FEWEST_LINES: f64 = 5.0;
@@ -183,7 +183,7 @@ fn refined(phases: &[Phase], first_s: f64, interval_s: f64) -> Delay {
 mod tests {
     use super::*;
     use crate::frf::FrfSet;
-    use crate::frf::checks::synthetic::{Beam, add_noise, delayed, joined};
+    use crate::frf::consistency::synthetic::{Beam, add_noise, delayed, joined};
 
     /// Half of one over the last line, 500 Hz.
     const INTERVAL_S: f64 = 1e-3;

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use crate::finding::{Code, Finding, Severity};
 
 use super::mobility::{Mobilities, site};
-use super::peaks::{Peak, clear_peaks};
+use crate::frf::peaks::{Peak, clear_peaks};
 
 /// A clear peak is this far above the noise, as power (25 dB). Its amplitude and that of a
 /// half-power point are `0.29 |Y|` apart, and their difference has the standard deviation `√v`: at
@@ -57,7 +57,7 @@ fn wrong_share(values: &[Complex64], peak: &Peak) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frf::checks::synthetic::{Beam, add_noise, delayed};
+    use crate::frf::consistency::synthetic::{Beam, add_noise, delayed};
     use crate::frf::{FrfSet, convert};
     use crate::quantity::FrfKind;
 

@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::difference::finding;
+use super::discrepancy::finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %,
@@ -31,7 +31,7 @@ pub(super) fn repeats(data: &Mobilities) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frf::checks::synthetic::{Beam, scaled};
+    use crate::frf::consistency::synthetic::{Beam, scaled};
 
     #[test]
     fn the_measurement_that_differs_is_named() {

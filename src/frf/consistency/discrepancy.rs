@@ -5,9 +5,9 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::finding::{Code, Finding, Severity};
 
-use super::driving::CLEAR;
+use super::driving_point::CLEAR;
 use super::mobility::Mobilities;
-use super::peaks::clear_peaks;
+use crate::frf::peaks::clear_peaks;
 
 /// Probability that noise alone is taken for a difference: a set of a hundred pairs is then wrong
 /// once in a hundred.

@@ -9,11 +9,11 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Severity};
 use crate::frf::Function;
 
-use super::delay::{FEWEST_LINES, reach};
-use super::driving::CLEAR;
-use super::local::{LocalPole, Window};
+use super::channel_delay::{FEWEST_LINES, reach};
+use super::driving_point::CLEAR;
 use super::mobility::{Mobilities, site};
-use super::peaks::{Peak, clear_peaks};
+use crate::frf::local_pole::{LocalPole, Window};
+use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Half-power widths between an isolated resonance and the next; the slope of its fit then holds
 /// the other to 1 %.
@@ -250,7 +250,7 @@ fn by_mass(resonances: &[Resonance]) -> bool {
 mod tests {
     use super::*;
     use crate::frf::FrfSet;
-    use crate::frf::checks::synthetic::{Beam, add_noise, component, dof, joined};
+    use crate::frf::consistency::synthetic::{Beam, add_noise, component, dof, joined};
 
     fn found(set: &FrfSet) -> Vec<Finding> {
         findings(&Mobilities::new(set).unwrap())

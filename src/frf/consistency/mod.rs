@@ -3,39 +3,37 @@
 //!
 //! | check | holds for | reference |
 //! |---|---|---|
-//! | [`driving`] | a passive structure: `Re Y ≥ 0` where force and response meet | Ewins (2000), Modal Testing, section 3.7 |
+//! | [`driving_point`] | a passive structure: `Re Y ≥ 0` where force and response meet | Ewins (2000), Modal Testing, section 3.7 |
 //! | [`reciprocity`] | a linear structure: `H_ij = H_ji` | Maxwell and Betti; Ewins (2000), section 2.8 |
-//! | [`repeated`] | the same pair measured twice | — |
-//! | [`delay`] | real modes: residues of one phase | — |
-//! | [`drift`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
+//! | [`repeatability`] | the same pair measured twice | — |
+//! | [`channel_delay`] | real modes: residues of one phase | — |
+//! | [`mass_loading`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
 //!
 //! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A
 //! check says nothing where the data cannot carry it. It fits single resonances to compare
 //! functions; it lists no modes.
 
-mod delay;
-mod difference;
-mod drift;
-mod driving;
-mod local;
+mod channel_delay;
+mod discrepancy;
+mod driving_point;
+mod mass_loading;
 mod mobility;
-mod peaks;
 mod reciprocity;
-mod repeated;
+mod repeatability;
 
 #[cfg(test)]
 mod false_alarm_tests;
 #[cfg(test)]
 mod synthetic;
 
-pub(crate) use drift::runs;
+pub(crate) use mass_loading::runs;
 
 use num_complex::Complex64;
 
 use crate::finding::{Code, Finding, Place, Severity};
 
 use super::FrfSet;
-use difference::gross_finding;
+use discrepancy::gross_finding;
 use mobility::Mobilities;
 
 /// What functions of which nobody knows how they were measured say by themselves: signs at driving
@@ -54,11 +52,11 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
     let live = set.part(&live);
     if let Some(data) = Mobilities::new(&live) {
-        let signs = driving::findings(&data).into_iter();
+        let signs = driving_point::findings(&data).into_iter();
         findings.extend(signs.filter(|finding| finding.value > Some(MOST_WRONG)));
         for (pairs, code) in [
             (reciprocity::reciprocal(&data), Code::NotReciprocal),
-            (repeated::repeats(&data), Code::RepeatsDiffer),
+            (repeatability::repeats(&data), Code::RepeatsDiffer),
         ] {
             let pairs = pairs.into_iter();
             findings.extend(pairs.filter_map(|pair| gross_finding(&data, pair, code)));
@@ -82,11 +80,11 @@ pub fn check_set(set: &FrfSet) -> Vec<Finding> {
         return Vec::new();
     };
     let checks = [
-        driving::findings,
+        driving_point::findings,
         reciprocity::findings,
-        repeated::findings,
-        delay::findings,
-        drift::findings,
+        repeatability::findings,
+        channel_delay::findings,
+        mass_loading::findings,
     ];
     checks.iter().flat_map(|check| check(&data)).collect()
 }

@@ -8,9 +8,9 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::record::Recording;
 use crate::signal::{ExponentialWindow, JudgeLimits, Outcome, Rule};
 
-use super::checks::check_set;
+use super::consistency::check_set;
 use super::estimate::{Estimated, Selection, estimate_recording};
-use super::judged::{HitReport, judge};
+use super::hit_report::{HitReport, judge};
 use super::{EstimateOptions, FrfError};
 
 /// The exponential window on force and responses.

@@ -153,7 +153,7 @@ fn roughness(values: &[Complex64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frf::checks::synthetic::{Beam, add_noise};
+    use crate::frf::consistency::synthetic::{Beam, add_noise};
 
     #[test]
     fn the_roughness_of_noise_is_its_variance() {
