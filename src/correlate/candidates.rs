@@ -7,12 +7,12 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::chance::{ChanceLevel, MIN_DOFS_OF_SHAPE, Setting, effective_part};
-use super::common_factor::{Unlike, common_factor};
+use super::global_stiffness_factor::{Unlike, common_factor};
+use super::modal_contribution::{Share, shares};
+use super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::pairing::{
     Basis, LEAST_DIRECTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict,
 };
-use super::roots::{Root, elastic_modes, elastic_roots};
-use super::share::{Share, shares};
 use super::{CorrelateError, PairOptions, assign};
 
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside

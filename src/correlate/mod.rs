@@ -9,27 +9,27 @@
 mod alignment;
 mod assignment;
 mod candidates;
-mod cell;
 mod chance;
-mod common_factor;
 mod dof_map;
 mod dof_names;
 mod error;
 mod expansion;
 mod footnote;
+mod global_stiffness_factor;
 pub mod measures;
+mod modal_contribution;
+mod model_roots;
 mod nearest;
 mod observability;
 mod options;
 mod pairing;
 mod placement;
-mod points;
+mod placement_candidates;
 pub mod published;
-mod reversed;
-mod roots;
-mod share;
+mod reversed_sensors;
 mod subspace;
 mod table;
+mod table_cell;
 
 #[cfg(test)]
 mod alignment_tests;
@@ -52,6 +52,7 @@ pub use dof_names::{DofNames, Reading};
 pub use error::CorrelateError;
 pub use expansion::expanded;
 pub use footnote::Footnote;
+pub(crate) use model_roots::highest_rigid_hz;
 pub use observability::{
     AgainstNoise, LARGEST_STD_OF_SPACING, NotJudged, Observability, PEAK_OVER_NOISE_DB,
     RootDamping, observability,
@@ -59,7 +60,6 @@ pub use observability::{
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{Basis, NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
 pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
-pub(crate) use roots::highest_rigid_hz;
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{
     ComparisonTable, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,

@@ -16,7 +16,7 @@ use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
-use super::roots::{Root, elastic_roots};
+use super::model_roots::{Root, elastic_roots};
 
 /// Strength at a pair below which a root stands still, relative to the product of the largest
 /// values that any mode has at its response and at its reference.

@@ -12,8 +12,8 @@ use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
 use super::chance::ChanceLevel;
-use super::reversed::{ReversedSensor, detect, reversed_findings, signs};
-use super::roots::{Root, check_model, highest_rigid_hz};
+use super::model_roots::{Root, check_model, highest_rigid_hz};
+use super::reversed_sensors::{ReversedSensor, detect, reversed_findings, signs};
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions};
 

@@ -18,7 +18,7 @@ use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
 use super::observability::{NotJudged, Sight};
-use super::points::{Added, AllPoints, NewPoints, Row, Target, squared};
+use super::placement_candidates::{Added, AllPoints, NewPoints, Row, Target, squared};
 use super::subspace::orthonormal;
 
 /// Points that a test could have.

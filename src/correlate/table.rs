@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
-use super::cell::{TestSight, mean};
 use super::footnote::{Footnote, footnotes};
-use super::roots::{Root, check_model, elastic_roots};
+use super::model_roots::{Root, check_model, elastic_roots};
+use super::table_cell::{TestSight, mean};
 use super::{
     Basis, ChanceLevel, CorrelateError, ErrorReference, Observability, PairOptions, Pairing,
 };

@@ -2,7 +2,7 @@
 
 use crate::finding::{Finding, Severity};
 
-use super::chain::{finished_modes, test_data};
+use super::run::{finished_modes, test_data};
 use super::{Scene, SceneError, TestPlan, TestSource};
 
 /// Findings on the bad parts of the files of a test; none where all were sound.

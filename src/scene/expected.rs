@@ -16,8 +16,8 @@ use crate::correlate::published::{
 use crate::theory::ModelRoot;
 
 use super::SceneError;
-use super::claims::{ClaimTable, check_names, claim};
 use super::model::{check_schema, value_error};
+use super::published_claims::{ClaimTable, check_names, claim};
 use super::toml_text::{parse, read_text};
 
 /// The schema text of published results.

@@ -1,8 +1,8 @@
 use crate::correlate::published::Statement;
 
 use super::SceneError;
-use super::claims::KINDS;
 use super::expected::{Expected, beside, load_expected};
+use super::published_claims::KINDS;
 
 const HEAD: &str = r#"
 schema = "modalign-expected/1"

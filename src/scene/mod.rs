@@ -3,9 +3,6 @@
 //! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene
 //! computes nothing itself.
 
-mod chain;
-mod change;
-mod claims;
 mod columns;
 mod damage;
 mod draft;
@@ -24,10 +21,13 @@ mod modes_file;
 mod observer;
 mod placement;
 mod plan;
+mod published_claims;
 mod quantities;
 mod recording;
 mod reduced;
+mod regression_check;
 mod result;
+mod run;
 mod synth_spec;
 mod synth_truth;
 mod toml_text;
@@ -39,16 +39,6 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
-#[cfg(feature = "cli")]
-pub(crate) use chain::with_dofs;
-pub use chain::{
-    Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
-    run_observed, test_data,
-};
-pub use change::{
-    Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
-    RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
-};
 pub use damage::{damage, lost_parts};
 pub use draft::{Draft, DraftFile, DraftModel, DraftPlan, draft_scene};
 pub use error::SceneError;
@@ -67,7 +57,17 @@ pub use observer::{Observer, run};
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
+pub use regression_check::{
+    Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
+    RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
+};
 pub use result::{SceneResult, TestResult};
+#[cfg(feature = "cli")]
+pub(crate) use run::with_dofs;
+pub use run::{
+    Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
+    run_observed, test_data,
+};
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{

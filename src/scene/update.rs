@@ -13,11 +13,11 @@ use crate::update::{
 };
 
 use super::SceneError;
-use super::chain::{Comparison, NamedTest, compare_tests, run_test, theory_band};
 use super::expected::Expected;
 use super::model::{LoadedModel, Theory, named_model, table_model, value_error};
 use super::plan::Scene;
 use super::result::TestResult;
+use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
 use super::updated_model::{overrides_note, replaced, table};

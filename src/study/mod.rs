@@ -11,7 +11,7 @@
 //! | `meter` | [`Meter`]: processor time and memory, supplied by the caller |
 //! | `seed` | [`cell_random`]: random numbers from the coordinates of a cell |
 //! | `spec` | [`StudyFile`]: `study.toml` as typed |
-//! | `tally` | [`Tally`]: errors of found modes, summed over identifications |
+//! | `detection_counts` | [`Tally`]: errors of found modes, summed over identifications |
 //! | `twin` | [`System::twin`]: the system of a test's modes |
 //! | `speed_accuracy` | [`speed_accuracy()`]: every method on a scene's tests and on their twins |
 //!
@@ -20,6 +20,7 @@
 
 mod bound;
 pub mod breakdown;
+mod detection_counts;
 mod error;
 mod meter;
 mod method;
@@ -29,10 +30,10 @@ mod seed;
 mod spec;
 mod speed_accuracy;
 mod system;
-mod tally;
 mod twin;
 
 pub use bound::{Deviation, NoisyLines, deviations};
+pub use detection_counts::Tally;
 pub use error::StudyError;
 pub use meter::{Cost, Meter};
 pub use method::{Method, REFINED};
@@ -48,4 +49,3 @@ pub use speed_accuracy::{
     TwinCost, TwinRow, front, lessons, speed_accuracy,
 };
 pub use system::{FrfNoise, System, TrueMode, with_noise};
-pub use tally::Tally;

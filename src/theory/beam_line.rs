@@ -5,7 +5,7 @@
 use crate::linalg::Vector3;
 
 use super::description::{BeamDescription, End};
-use super::expected::nearest_name;
+use super::nearest_name::nearest_name;
 use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 

@@ -16,8 +16,8 @@ use crate::geometry::{Sensor, Target};
 use crate::linalg::{self, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling, modal_phase_collinearity};
 
-use super::basis::{canonicalise, fix_sign};
 use super::energy::{StrainShares, kinetic_shares, part_shares, strain_shares};
+use super::repeated_root_basis::{canonicalise, fix_sign};
 use super::system::System;
 use super::{
     Condensation, Coordinate, ParameterStatus, SystemMatrices, TheoreticalModel, TheoryError,

@@ -4,7 +4,7 @@ use crate::dof::Dof;
 use crate::linalg::LinalgError;
 
 use super::MassError;
-use super::expected::{expected_bounds, expected_name, expected_nearest};
+use super::nearest_name::{expected_bounds, expected_name, expected_nearest};
 
 /// Why a model cannot be built, assembled, observed or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -454,7 +454,7 @@ pub enum TheoryError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::expected::nearest_name;
+    use crate::theory::nearest_name::nearest_name;
 
     #[test]
     fn the_sentence_names_what_was_given_what_was_expected_and_the_nearest() {

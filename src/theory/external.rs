@@ -12,7 +12,7 @@ use crate::linalg::SparseMatrix;
 
 use super::description::distinct;
 use super::eigen::check_damping_ratio;
-use super::expected::nearest_name;
+use super::nearest_name::nearest_name;
 use super::parameter::{check_values, index_of, nominal_values};
 use super::sparse::{SparseDerivative, SparseSystem, check_symmetric};
 use super::{

@@ -4,10 +4,10 @@ use crate::geometry::Target;
 
 use super::description::{SCHEMA, Value, distinct};
 use super::dual::Values;
-use super::expected::nearest_name;
 use super::lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
+use super::nearest_name::nearest_name;
 use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::{Attachment, RigidBodies};

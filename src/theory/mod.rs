@@ -5,7 +5,6 @@
 //! into the same [`ModalModel`](crate::modal::ModalModel) in which a test ends. This module must
 //! not know what a test measured, read a file or compare anything.
 
-mod basis;
 mod beam;
 mod beam_line;
 mod compare;
@@ -16,12 +15,11 @@ mod condensation_tests;
 mod condensation_uses_tests;
 mod damped;
 mod description;
-mod direct;
+mod direct_frf;
 mod dual;
 mod eigen;
 mod energy;
 mod error;
-mod expected;
 mod external;
 #[cfg(test)]
 mod external_tests;
@@ -33,20 +31,22 @@ mod hermite;
 mod integrate;
 mod lumped;
 mod lumped_description;
-mod machine;
 mod mass_error;
 mod massless;
+mod nearest_name;
 mod parameter;
 mod property;
 mod quantity;
 mod reduction;
 #[cfg(test)]
 mod reduction_tests;
+mod repeated_root_basis;
 mod residues;
 mod response;
 mod rigid;
 mod sensitivity;
 mod sparse;
+mod spring_assembly;
 mod sweep;
 mod sweep_events;
 mod sweep_track;
@@ -79,7 +79,7 @@ pub use damped::{DampedModes, damped_model, damped_modes};
 pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };
-pub use direct::direct_receptance;
+pub use direct_frf::direct_receptance;
 pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
 pub use energy::{ModelRoot, StrainShares, model_roots};
 pub use error::TheoryError;

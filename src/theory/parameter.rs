@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::TheoryError;
-use super::expected::nearest_name;
+use super::nearest_name::nearest_name;
 
 /// Where a parameter's nominal value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

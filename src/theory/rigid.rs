@@ -11,7 +11,7 @@ use crate::dof::{Axis, Dof};
 use crate::geometry::{self, Sensor, Target};
 use crate::linalg::{Vector3, real_matrix};
 
-use super::expected::nearest_name;
+use super::nearest_name::nearest_name;
 use super::{Coordinate, Motion, Spring, SystemMatrices, TheoryError};
 
 /// The bodies of a model and how they may move.

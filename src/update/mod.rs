@@ -8,33 +8,33 @@
 //! modes or print.
 
 mod bounded;
-mod changes;
-mod data;
 mod dynamic;
 mod error;
 mod evaluate;
 mod findings;
 mod frfs;
-mod graduated;
 mod history;
 mod identifiability;
-mod links;
+mod mode_tracking;
 mod options;
 mod parameter;
+mod parameter_subsets;
 mod problem;
 mod residual;
+mod residual_selection;
 mod result;
+mod shape_continuation;
 mod solve;
 mod target;
 
-#[cfg(test)]
-mod changes_tests;
 #[cfg(test)]
 mod cycloid_tests;
 #[cfg(test)]
 mod dynamic_tests;
 #[cfg(test)]
 mod frfs_tests;
+#[cfg(test)]
+mod parameter_subsets_tests;
 #[cfg(test)]
 mod problem_tests;
 #[cfg(test)]
@@ -46,14 +46,14 @@ mod test_models;
 #[cfg(test)]
 mod weights_tests;
 
-pub use changes::{Change, Explanation, Foretold, check_always, explain, single_changes};
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};
 pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
-pub use links::Link;
+pub use mode_tracking::Link;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
+pub use parameter_subsets::{Change, Explanation, Foretold, check_always, explain, single_changes};
 pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,

@@ -15,7 +15,7 @@ use crate::theory::{
 };
 
 use super::frfs::FrfTarget;
-use super::links::{PairedModes, follow, with_whole_roots, without_unseen};
+use super::mode_tracking::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
 use super::residual::LinkResidual;
 use super::target::{ReversedSensors, ShapeRows, targets_of};

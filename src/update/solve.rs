@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use crate::linalg::{RealMatrix, real_matrix, upper_triangle};
 
 use super::bounded::bounded_least_squares;
-use super::graduated::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model};
 use super::history::{Iteration, PairingChange, StopReason};
+use super::shape_continuation::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model};
 use super::{Evaluation, Link, UpdateError, UpdateProblem};
 
 /// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no

@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
+use super::super::model_roots::check_model;
 use super::super::pairing::Shapes;
-use super::super::roots::check_model;
 use super::super::{CorrelateError, DofMap, PairOptions};
 use super::{MacMatrix, ModeName};
 

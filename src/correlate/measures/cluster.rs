@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::modal::ModalModel;
 
+use super::super::model_roots::elastic_modes;
 use super::super::pairing::Shapes;
-use super::super::roots::elastic_modes;
 use super::super::subspace::principal_angles_deg;
 use super::super::{CorrelateError, Pair, Pairing};
 use super::ModeName;

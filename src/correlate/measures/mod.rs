@@ -42,7 +42,7 @@ pub use orthogonality::{
     reduced_mass,
 };
 
-pub use super::reversed::{ReversedSensor, reversed_findings, reversed_sensors, turned};
+pub use super::reversed_sensors::{ReversedSensor, reversed_findings, reversed_sensors, turned};
 pub use serep_modes::serep_modes;
 
 use auto_mac::at_sensors;

@@ -9,8 +9,8 @@ use crate::linalg::{RealMatrix, real_matrix};
 use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{SystemMatrices, guyan, serep_expansion};
 
+use super::super::model_roots::{elastic_modes, highest_rigid_hz};
 use super::super::pairing::without_rounding;
-use super::super::roots::{elastic_modes, highest_rigid_hz};
 use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
 use super::ModeName;

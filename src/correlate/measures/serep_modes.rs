@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use crate::dof::Dof;
 use crate::modal::ModalModel;
 
+use super::super::model_roots::elastic_modes;
 use super::super::pairing::without_rounding;
-use super::super::roots::elastic_modes;
 
 /// Least part outside the modes kept before, as a part of the largest reading of a kept mode. At
 /// 1/100 an error of 1 % at the sensors becomes as large as the shape.

@@ -125,7 +125,7 @@ pub fn figures(
     let updatable = model
         .as_ref()
         .is_some_and(|model| !model.model.parameters().is_empty());
-    let band = super::chain::theory_band(scene, &result.tests);
+    let band = super::run::theory_band(scene, &result.tests);
     let motion = match &model {
         Some(model) => bodies::theory_motion(model, band)?,
         None => None,

@@ -6,13 +6,13 @@
 //! | `plan` | [`BreakdownTable`]: `[breakdown]` of `study.toml` as typed; [`Plan`]: what it means |
 //! | `factor` | [`Factor`]: what a slice varies; [`Axis`]: its values |
 //! | `case` | [`Case`]: three modes on a line of sensors |
-//! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer_test`], from the seed of a cell's coordinates |
-//! | `symptom` | [`StatedError`], and the [`Symptom`] of a draw that does not meet it |
+//! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer()`], from the seed of a cell's coordinates |
+//! | `failure_mode` | [`StatedError`], and the [`Symptom`] of a draw that does not meet it |
 //! | `wilson` | [`wilson`]: the interval of a counted share |
 //! | `grid` | [`Grid`]: cells halved near a contour |
 //! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: what was counted |
 //! | `contour` | lines and places where a share crosses 95 % |
-//! | `own` | [`OwnMode`]: a user's modes in a slice, and their distance from where a method fails |
+//! | `user_modes` | [`OwnMode`]: a user's modes in a slice, and their distance from where a method fails |
 //! | `summary` | a slice in words |
 //! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
 //! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
@@ -25,8 +25,8 @@ mod contour;
 mod draw;
 mod error;
 mod factor;
+mod failure_mode;
 mod grid;
-mod own;
 mod plan;
 mod slice;
 #[cfg(test)]
@@ -34,15 +34,15 @@ mod slice_tests;
 mod stability;
 mod store;
 mod summary;
-mod symptom;
+mod user_modes;
 mod wilson;
 
 pub use case::Case;
 pub use contour::Point;
 pub use error::BreakdownError;
 pub use factor::{Axis, FACTORS, Factor, Scale};
+pub use failure_mode::{SYMPTOMS, StatedError, Symptom};
 pub use grid::{Field, Grid, Node};
-pub use own::{Distance, Margin, OwnMode, OwnPoint, own_modes};
 pub use plan::{
     AxisTable, BreakdownTable, CaseTable, Plan, SliceTable, StabilityTable, StatedTable,
 };
@@ -50,5 +50,5 @@ pub use slice::{Bound, Cell, Count, LEVEL, MethodTime, Slice, SliceResult};
 pub use stability::{Stability, StabilityCourse, StabilityPlan, StabilityPoint};
 pub use store::{CellStore, Finished, Part, compute, merge};
 pub use summary::{Reach, short, told};
-pub use symptom::{SYMPTOMS, StatedError, Symptom};
+pub use user_modes::{Distance, Margin, OwnMode, OwnPoint, own_modes};
 pub use wilson::wilson;

@@ -11,7 +11,7 @@ use crate::study::Meter;
 use crate::synth::SynthError;
 
 use super::draw::{Draw, random_of};
-use super::symptom::{SYMPTOMS, symptom};
+use super::failure_mode::{SYMPTOMS, symptom};
 use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
 
 /// The share of the draws that a method has to meet the stated error in.

@@ -6,14 +6,14 @@
 //! | `options` | [`OrderOptions`]: what counts as enough |
 //! | `methods` | the lowest order of every method that has one, and the modes for which one mode at a time is enough |
 //! | `model` | the simplest theory, and the fewest parameters that bring it to the tests |
-//! | `answers` | [`answers`]: what the numbers say, in sentences |
+//! | `summary` | [`answers`]: what the numbers say, in sentences |
 //!
 //! How many modes the data support is told by [`crate::identify::support`].
 
-mod answers;
 mod methods;
 mod model;
 mod options;
+mod summary;
 #[cfg(test)]
 mod tests;
 
@@ -27,10 +27,10 @@ use crate::scene::{Observer, Scene, TestPlan, TestSource};
 use super::speed_accuracy::{Refined, SpeedAccuracyOptions, chosen_tests, of_test};
 use super::{Method, REFINED, StudyError};
 
-pub use answers::answers;
 pub use methods::{LowestOrder, ModeNeeds, OrderTried, SingleMode};
 pub use model::{ParameterNeeds, TheoryNeeds};
 pub use options::OrderOptions;
+pub use summary::answers;
 
 /// What a test needs.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,16 +10,16 @@
 //! |---|---|
 //! | `options` | [`SpeedAccuracyOptions`]: what is varied |
 //! | `data` | a test's FRFs by estimator and length of record |
-//! | `own` | methods on a test's own data, with their cost |
+//! | `test_data` | methods on a test's own data, with their cost |
 //! | `twins` | methods on the twin over noise |
-//! | `lessons` | [`lessons`]: what the numbers teach, in sentences |
+//! | `recommendations` | [`lessons`]: what the numbers teach, in sentences |
 //! | `front` | [`front`]: who is not both slower and worse than another |
 
 mod data;
 mod front;
-mod lessons;
 mod options;
-mod own;
+mod recommendations;
+mod test_data;
 mod twins;
 
 use crate::modal::InputFile;
@@ -29,9 +29,9 @@ use super::{Meter, Method, StudyError, System, Tally};
 
 pub(super) use data::of_test;
 pub use front::front;
-pub use lessons::lessons;
 pub use options::SpeedAccuracyOptions;
-pub(super) use own::Refined;
+pub use recommendations::lessons;
+pub(super) use test_data::Refined;
 pub use twins::Condition;
 
 /// What repeats of one identification cost.
@@ -241,7 +241,7 @@ fn test_study(
     let mut data = of_test(scene, test, options)?;
     let refined = Refined::new(&data)?;
     steps.step("methods on its data", 2);
-    let rows = own::rows(&data, &refined, (options, meter));
+    let rows = test_data::rows(&data, &refined, (options, meter));
     steps.step("methods on its twin", 3);
     let set = &data.sets[0].set;
     let of_truth = data.truth.as_ref();
@@ -263,7 +263,7 @@ fn test_study(
         twin_of_truth: of_truth.is_some(),
         twin_modes: twin.modes,
         twin_step_hz: twin.step_hz,
-        limits: [own::limits(set, data.band, meter), twin.limits],
+        limits: [test_data::limits(set, data.band, meter), twin.limits],
         data: rows,
         twin: twin.rows,
         twin_costs: twin.costs,

@@ -8,7 +8,7 @@ use crate::frf::FrfSet;
 use super::super::{
     FrfNoise, Judge, Meter, Method, StudyError, System, Tally, cell_random, with_noise,
 };
-use super::own::{limits, timed};
+use super::test_data::{limits, timed};
 use super::{SpeedAccuracyOptions, SpeedLimits, TwinCost, TwinRow, front};
 
 /// Time before the hit, over the time from the hit to the end of a short record. Assumed: a

@@ -21,9 +21,9 @@ use std::f64::consts::TAU;
 
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::machine::{Machine, minus};
 use crate::theory::parameter::{check_derivable, check_values, nominal_values};
 use crate::theory::rigid::RigidBodies;
+use crate::theory::spring_assembly::{Machine, minus};
 use crate::theory::{
     Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
     TheoreticalModel, TheoryError,

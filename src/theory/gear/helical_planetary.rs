@@ -18,9 +18,9 @@ use std::f64::consts::TAU;
 
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::machine::{Machine, Stretch, minus};
 use crate::theory::parameter::check_values;
 use crate::theory::rigid::RigidBodies;
+use crate::theory::spring_assembly::{Machine, Stretch, minus};
 use crate::theory::{
     Assumption, Coordinate, ModelQuantity, Motion, Nonlinear, ParameterSpec, SystemDerivative,
     SystemMatrices, TheoreticalModel, TheoryError,

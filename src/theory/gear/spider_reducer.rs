@@ -22,9 +22,9 @@ use std::f64::consts::{PI, TAU};
 
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::machine::{Machine, Stretch, minus};
 use crate::theory::parameter::{check_values, nominal_values};
 use crate::theory::rigid::RigidBodies;
+use crate::theory::spring_assembly::{Machine, Stretch, minus};
 use crate::theory::{
     Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
     TheoreticalModel, TheoryError,

@@ -16,9 +16,9 @@
 
 use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::machine::Machine;
 use crate::theory::parameter::check_values;
 use crate::theory::rigid::RigidBodies;
+use crate::theory::spring_assembly::Machine;
 use crate::theory::{
     Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, ParameterStatus,
     SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError,

@@ -10,11 +10,11 @@ use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
+use super::model_roots::Root;
 use super::observability::{
     LARGEST_STD_OF_SPACING, NotJudged, PEAK_OVER_NOISE_DB, Peak, STILL, Sight, over_root_mass,
 };
 use super::placement::Candidates;
-use super::roots::Root;
 
 /// Points to be added together.
 #[derive(Clone, Copy, Debug, Default)]

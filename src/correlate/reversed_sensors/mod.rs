@@ -119,8 +119,8 @@ pub fn reversed_sensors(
     options: &PairOptions,
 ) -> Result<Vec<ReversedSensor>, CorrelateError> {
     options.validate()?;
-    super::roots::check_model("test", test)?;
-    super::roots::check_model("theory", theory)?;
+    super::model_roots::check_model("test", test)?;
+    super::model_roots::check_model("theory", theory)?;
     let map = DofMap::of_models(test, theory);
     let shapes = Shapes::new(test, theory, &map, options)?;
     Ok(detect((test, theory), &map, &shapes, options))

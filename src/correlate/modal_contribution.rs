@@ -18,9 +18,9 @@ use crate::linalg::{
 };
 use crate::modal::ModalModel;
 
+use super::model_roots::Root;
 use super::observability::modal_mass_kg;
 use super::pairing::Shapes;
-use super::roots::Root;
 
 /// Deviation of a measured value from any sum of the theory's modes, over the root mean square of
 /// the shape.
@@ -281,8 +281,8 @@ fn held(shape: &[Complex64], columns: &[Vec<Complex64>], coordinates: &[Complex6
 
 #[cfg(test)]
 mod tests {
+    use crate::correlate::model_roots::elastic_roots;
     use crate::correlate::pairing_tests::{mode, model, shape};
-    use crate::correlate::roots::elastic_roots;
     use crate::correlate::{DofMap, PairOptions};
     use crate::modal::{ModeShape, Scaling};
 

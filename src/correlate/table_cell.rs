@@ -6,7 +6,7 @@ use crate::finding::{Code, Finding, Place};
 use crate::modal::{ModalModel, Mode};
 
 use super::chance::MIN_DOFS_OF_SHAPE;
-use super::roots::Root;
+use super::model_roots::Root;
 use super::table::{PairedTest, Status, TestCell};
 use super::{
     Basis, ChanceLevel, ErrorReference, Observability, Pair, PairOptions, Partner, Rival, Verdict,

@@ -4,8 +4,8 @@
 use num_complex::Complex64;
 
 use super::super::chance::{ChanceLevel, Setting, effective_part};
+use super::super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::super::pairing::{FEWEST_DOFS, Shapes};
-use super::super::roots::{Root, elastic_modes, elastic_roots};
 use super::super::subspace::orthonormal;
 use super::super::{PairOptions, assign};
 use crate::modal::ModalModel;
