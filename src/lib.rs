@@ -11,8 +11,8 @@
 //! # A whole job
 //!
 //! What `modalign run` does, stage by stage: a hammer test of a bar is recorded (here computed from
-//! a stated truth, so that the example needs no file), estimated, identified, and held against the
-//! bar's model.
+//! a stated truth, so that the example needs no file), estimated, identified, and compared with
+//! the bar's model.
 //!
 //! ```
 //! use std::collections::BTreeMap;
@@ -120,7 +120,7 @@
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
 //! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
-//! | [`scene::RowVerdict`] | a result held against its baseline, row by row | `scene` |
+//! | [`scene::RowVerdict`] | a result compared with its baseline, row by row | `scene` |
 //! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
 //! | [`scene::Observer`] | who hears how far long work has come | `scene` |
 //! | [`scene::Figures`] | what the figures of a report show | `scene` |

@@ -114,7 +114,7 @@ pub struct ChannelInfo {
     pub quantity: Quantity,
     /// SI value = `to_si` × sample.
     pub to_si: f64,
-    /// Largest magnitude that the converter can hold, SI unit; `None` when nobody says.
+    /// Largest magnitude that the converter can hold, SI unit; `None` when it is not stated.
     pub full_scale: Option<f64>,
 }
 

@@ -336,7 +336,7 @@ pub struct CorrelateArgs {
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
     /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose
-    /// model is meant; FRFs where the test is FRFs. Without it each test is held against itself
+    /// model is meant; FRFs where the test is FRFs. Without it each test is compared with itself
     /// (autoMAC).
     #[arg(long)]
     pub theory: Option<PathBuf>,

@@ -317,8 +317,7 @@ fn csv(block: Block) -> Vec<u8> {
     CsvText.render(&[block]).into_bytes()
 }
 
-/// Everything that goes into the folder beside the cells. What was measured on a clock stands in a
-/// file of its own.
+/// The files of the folder other than the cells. Measured times are in a separate file.
 fn files(own: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         (

@@ -73,7 +73,7 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     if rows.is_empty() {
         return Err(Error::Argument {
             argument: "--against",
-            got: format!("{}, which states no limit that this result can be held against", args.against.display()),
+            got: format!("{}, which states no limit for this kind of result", args.against.display()),
             expected: "a TOML file with [limits] for this kind of result, or an earlier result of the same kind".to_owned(),
         });
     }

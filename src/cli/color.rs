@@ -61,7 +61,8 @@ pub fn message(line: &str) -> String {
     }
 }
 
-/// A result with its verdicts in colour: words of their own, so that columns stay in line.
+/// A result with its verdicts in colour. Whole words alone are coloured, so that columns stay
+/// aligned.
 pub fn result(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {

@@ -32,8 +32,8 @@ use super::output::{MODES, Output, check_extension};
 use super::study::SceneReading;
 use super::targets::{check_correlate, numbered};
 
-/// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are held
-/// against FRFs, a test without a theory against itself.
+/// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are
+/// compared with FRFs, a test without a theory with itself.
 pub fn correlate(
     args: &CorrelateArgs,
     format: Option<&str>,

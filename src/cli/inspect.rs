@@ -32,7 +32,7 @@ pub fn inspect(
         };
         let source = match open_path(path, &hints, format) {
             Ok(source) => source,
-            // One of several files that nobody can read does not hide the others.
+            // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
                 output.blocks(&[Block::Text(format!("not read: {error}"))]);
                 files.push(json!({ "path": hints.path, "error": error.to_string() }));

@@ -79,7 +79,7 @@ fn temporaries(folder: &Path) -> BTreeSet<PathBuf> {
 fn remove_begun(begun: &Begun) {
     for (folder, before) in begun {
         for path in temporaries(folder).difference(before) {
-            // The program ends; there is nobody to tell.
+            // The program ends: an error has no reader.
             let _ = std::fs::remove_file(path);
         }
     }

@@ -55,10 +55,10 @@ fn sentence(check: &LimitCheck) -> String {
         let limit = short(check.limit, DIGITS);
         return format!("{what}: got nothing, expected {relation} {limit}");
     };
-    // As many digits as tell the two apart.
+    // As many digits as distinguish the two.
     let texts = (DIGITS..=17).map(|digits| [value, check.limit].map(|own| short(own, digits)));
-    let mut told = texts.filter(|[got, limit]| got != limit);
-    let [got, limit] = told
+    let mut distinct = texts.filter(|[got, limit]| got != limit);
+    let [got, limit] = distinct
         .next()
         .unwrap_or_else(|| [value, check.limit].map(|own| own.to_string()));
     format!("{what}: got {got}, expected {relation} {limit}")

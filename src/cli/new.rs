@@ -71,8 +71,8 @@ const EXPECTED: &str =
 # omega_rad_s = 0.0
 ";
 
-/// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; says what is left to be
-/// filled in.
+/// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; lists the entries that
+/// are still to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     check_free(args)?;
     let opened = args
@@ -133,7 +133,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (source, _) in &opened {
         output.findings(&source.catalog().findings);
     }
-    output.blocks(&[Block::Text(told(args, &draft.scene))]);
+    output.blocks(&[Block::Text(next_steps(args, &draft.scene))]);
     output.json(|| {
         let open: Vec<_> = open_lines(&draft.scene)
             .into_iter()
@@ -146,7 +146,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
 }
 
 /// What the scene still needs, line by line, and what to type next.
-fn told(args: &NewArgs, scene: &str) -> String {
+fn next_steps(args: &NewArgs, scene: &str) -> String {
     let path = args.folder.join("scene.toml");
     let open = open_lines(scene);
     let mut text = format!("{}: ", path.display());

@@ -216,7 +216,7 @@ impl Output {
             let paints = self.color.paints(&std::io::stderr());
             for line in finding_lines(&self.findings, self.language) {
                 let line = if paints { color::message(&line) } else { line };
-                // Nobody may be listening on standard error, which is no failure.
+                // A closed standard error is no failure.
                 let _ = writeln!(std::io::stderr(), "{line}");
             }
         }
@@ -257,8 +257,8 @@ fn finding_lines(findings: &[(String, Finding)], language: Language) -> Vec<Stri
             format!("{test}: ")
         };
         let severity = language.severity(finding.severity);
-        let (told, code) = (language.finding(finding), finding.code.name());
-        let line = format!("{severity}: {name}{told} [{code}]");
+        let (sentence, code) = (language.finding(finding), finding.code.name());
+        let line = format!("{severity}: {name}{sentence} [{code}]");
         if known.insert(line.clone()) {
             lines.push(line);
         }

@@ -20,7 +20,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins with the name of the verb, unless nobody is to see it.
+    /// Begins with the name of the verb, unless the output is quiet.
     pub fn new(what: &str, quiet: bool) -> Self {
         let wanted = !quiet && std::io::stderr().is_terminal() && !is_dumb();
         Self {
@@ -32,7 +32,7 @@ impl Progress {
 impl Observer for Progress {
     fn step(&self, what: &str, number: usize, count: usize) {
         if let Some((sender, _)) = &self.shown {
-            // A line that nobody draws any more is no failure.
+            // A progress line that is already gone is no failure.
             let _ = sender.send(line(what, number, count));
         }
     }

@@ -218,7 +218,7 @@ fn files(
         "comparison.json".to_owned(),
         comparison_json(table, result).into_bytes(),
     ));
-    let told: Vec<Block> = blocks
+    let with_findings: Vec<Block> = blocks
         .iter()
         .cloned()
         .chain(findings_blocks(result, language))
@@ -229,7 +229,7 @@ fn files(
         let part = if renderer.name() == "csv" {
             &comparison[..1]
         } else {
-            told.as_slice()
+            with_findings.as_slice()
         };
         files.push((
             format!("comparison.{}", renderer.extension()),

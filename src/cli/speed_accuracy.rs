@@ -57,7 +57,7 @@ pub fn study(
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }
 
-/// Measured times stand in files of their own: `speed-accuracy.csv` has the same bytes on every
+/// Measured times are in separate files, so that `speed-accuracy.csv` has the same bytes on every
 /// run.
 fn files(own: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
     let texts = [

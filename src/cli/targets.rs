@@ -52,7 +52,7 @@ pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error>
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     match Scene::is_path(path).then(|| Scene::load(path)) {
         Some(Ok(scene)) => scene_files(&scene),
-        // What cannot be loaded is told by the verb.
+        // The verb reports a scene that cannot be loaded.
         _ => vec![path.to_owned()],
     }
 }

@@ -67,7 +67,7 @@ pub fn theory(
     }
     let json = match &named {
         Named::Model(model) => {
-            let part = told(args, model, &result, &mut blocks, output)?;
+            let part = details(args, model, &result, &mut blocks, output)?;
             let special = special(args, model, &mut blocks)?.unwrap_or(json);
             if part.is_empty() {
                 special
@@ -161,7 +161,7 @@ fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
 }
 
 /// Energies, sensitivities and quantities.
-fn told<'a>(
+fn details<'a>(
     args: &TheoryArgs,
     model: &LoadedModel,
     result: &'a Theory,
@@ -207,7 +207,7 @@ fn told<'a>(
     Ok(part)
 }
 
-/// Responses, comparisons and sweeps, which have a JSON of their own.
+/// Responses, comparisons and sweeps, each with a separate JSON.
 fn special(
     args: &TheoryArgs,
     model: &LoadedModel,

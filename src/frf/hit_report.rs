@@ -13,8 +13,8 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
 use crate::signal::{
-    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, judge_force,
-    judge_levels, judge_response, odd_one_out, to_si,
+    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, inconsistent_hits,
+    judge_force, judge_levels, judge_response, to_si,
 };
 
 use super::preconditions::check;
@@ -56,7 +56,7 @@ impl HitReport {
     /// response alone.
     pub(super) fn rejects(&self, check: &Check) -> bool {
         // What rings before the hit does so at every sensor.
-        let of_hit = matches!(check.rule, Rule::OddOneOut | Rule::PreTrigger);
+        let of_hit = matches!(check.rule, Rule::InconsistentHit | Rule::PreTrigger);
         check.outcome == Outcome::Rejected && (check.dof.is_none() || of_hit)
     }
 
@@ -108,7 +108,7 @@ fn code(rule: Rule) -> Code {
         Rule::Dead => Code::DeadChannel,
         Rule::Sign => Code::NegativeForce,
         Rule::Drift => Code::ChannelDrift,
-        Rule::OddOneOut => Code::OddOneOut,
+        Rule::InconsistentHit => Code::OddOneOut,
     }
 }
 
@@ -303,7 +303,7 @@ fn series(judged: &mut [Judged], limits: &JudgeLimits) {
             .map(|hit| judged[*hit].spectra.1.as_slice())
             .collect();
         let levels = judge_levels(&peaks, limits);
-        let odd = odd_one_out(&forces, &responses, limits);
+        let odd = inconsistent_hits(&forces, &responses, limits);
         for (hit, check) in hits.iter().zip(levels) {
             judged[*hit].report.checks.push(check);
         }

@@ -30,7 +30,7 @@ const BLOCK: usize = 4;
 /// A pair is converged when its residual is below this part of its theta; the error of theta is the
 /// square of it.
 const CONVERGED: f64 = 1e-11;
-/// What is left of a vector without its parts along others counts as nothing below this part of it.
+/// A vector depends on the others when orthogonalisation reduces its norm below this fraction.
 const DEPENDENT: f64 = 1e-12;
 /// The first shift as a part of the least `K_ii / M_ii`, which no lowest eigenvalue exceeds.
 const FIRST_SHIFT: f64 = 1e-9;

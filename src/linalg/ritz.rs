@@ -1,4 +1,4 @@
-//! What an iteration knows of a spectrum, held against what is wanted of it.
+//! Ritz values of an iteration: which have converged, and whether they contain the wanted modes.
 
 use super::sparse::Pencil;
 use super::{LinalgError, RealMatrix};

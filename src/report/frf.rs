@@ -100,7 +100,7 @@ fn reasons(hit: &HitReport) -> String {
     let told = hit.checks.iter().filter(|check| match check.outcome {
         Outcome::Passed => false,
         // Too few hits to compare with: that shows in the table itself.
-        Outcome::NotDecidable => !matches!(check.rule, Rule::Level | Rule::OddOneOut),
+        Outcome::NotDecidable => !matches!(check.rule, Rule::Level | Rule::InconsistentHit),
         Outcome::Noted | Outcome::Rejected => true,
     });
     let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.3}"));

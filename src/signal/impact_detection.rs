@@ -18,7 +18,7 @@ const FALSE_CROSSINGS: f64 = 1e-3;
 /// Noise deviations above which a sample still belongs to a pulse while walking back to its onset:
 /// one sample of noise in 740 is as far up, and the walk takes no more than a few.
 const ONSET_DEVIATIONS: f64 = 3.0;
-/// Contacts closer than this are one hit: nobody swings a hammer ten times a second, and it bounces
+/// Contacts closer than this are one hit: a hammer is not swung ten times a second, and it bounces
 /// within that time.
 const CLOSEST_HITS_S: f64 = 0.1;
 /// Contacts closer than this share of the median distance are one hit: a hundred times less than
@@ -114,9 +114,9 @@ pub struct Segments {
 /// ln(N/0.001))`, which Gaussian noise of `N` samples reaches less than once in a thousand records.
 /// Contacts less than 0.1 s or 5 % of the median distance after the one before belong to its hit;
 /// with a stated length, all within the record of the hit before. Without a stated length the
-/// length is the smallest distance of two hits, or what is left after the last where that uses more
-/// of the recording than leaving the last out. The pre-trigger is stated, or 2 % of the length, at
-/// least 16 samples, but no more than lies between a hit and the contact before it.
+/// length is the smallest distance of two hits, or the samples after the last hit where that uses
+/// more of the recording than leaving the last hit out. The pre-trigger is stated, or 2 % of the
+/// length, at least 16 samples, but no more than lies between a hit and the contact before it.
 ///
 /// # Errors
 /// [`SignalError::WindowParameter`] for an option or time step out of range, a length of less than
@@ -298,7 +298,7 @@ fn quiet_before(contacts: &[Range<usize>], hits: &[Range<usize>]) -> Option<usiz
     first.map(|c| contacts[c].start - contacts[c - 1].end).min()
 }
 
-/// What is known before length and pre-trigger are.
+/// Positions of the hits, from which length and pre-trigger follow.
 struct Plan {
     /// Onsets of the hits.
     hits: Vec<usize>,
@@ -307,7 +307,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// The smallest distance of two hits, or what is left after the last where all hits of that
+    /// The smallest distance of two hits, or the samples after the last hit, where all hits of that
     /// length are more samples than all but the last of the other.
     fn common_length(&self, pretrigger: Option<usize>) -> usize {
         let left = self.end - self.hits.last().copied().unwrap_or(self.end);

@@ -73,7 +73,7 @@ fn hits_of_a_clean_recording_get_one_length_and_do_not_overlap() {
 
 #[test]
 fn the_last_hit_shortens_all_or_is_left_out_whichever_keeps_more_samples() {
-    // Four hits 10,000 apart: three of 10,000 against four of what is left after the last with its
+    // Four hits 10,000 apart: three of 10,000 against four of the samples after the last with its
     // 2 %.
     let last = |len: usize| Recording::clean(len, &[3_000, 13_000, 23_000, 33_000]).cut(&AUTO);
     let cut = last(33_000 + 7_600);

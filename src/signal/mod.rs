@@ -17,8 +17,8 @@ pub use conditioning::{
 };
 pub use error::SignalError;
 pub use hit_quality::{
-    Check, Drift, JudgeLimits, Outcome, ResponseRecord, Rule, drift_of, judge_force, judge_levels,
-    judge_response, least_delay_samples, odd_one_out, overloaded,
+    Check, Drift, JudgeLimits, Outcome, ResponseRecord, Rule, drift_of, inconsistent_hits,
+    judge_force, judge_levels, judge_response, least_delay_samples, overloaded,
 };
 pub use impact_detection::{Segment, Segments, TriggerOptions, segments};
 pub use pulse::{ONSET_FRACTION, PreTrigger, Pulse};

@@ -1,11 +1,12 @@
 //! End to end: H1 = X/F of one clean hit against the true FRF, over the lines a test would use
 //! (force within 20 dB of its maximum, up to 0.4 of the sampling rate, not 0 Hz).
 //!
-//! What is left is the truncation. The part of a mode after the record's end is `e^((lambda - i w)
-//! T)` of its term `lambda^2 A/(i w - lambda)`, so that the error is e^-n of the sum of these
-//! magnitudes, n the slowest mode's time constants in the record. Against the terms as they stand
-//! in an accelerance, `(i w)^2 A/(i w - lambda)`, the same error is `(f_r/f)^2` larger: below its
-//! lowest mode a held structure hardly accelerates, and a truncated record says little there.
+//! The remaining error is that of truncation. The part of a mode after the record's end is
+//! `e^((lambda - i w) T)` of its term `lambda^2 A/(i w - lambda)`, so that the error is e^-n of the
+//! sum of these magnitudes, n the slowest mode's time constants in the record. Against the terms as
+//! they stand in an accelerance, `(i w)^2 A/(i w - lambda)`, the same error is `(f_r/f)^2` larger:
+//! below its lowest mode a held structure hardly accelerates, and a truncated record says little
+//! there.
 
 use std::f64::consts::TAU;
 

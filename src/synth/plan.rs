@@ -74,7 +74,7 @@ pub struct Faults {
 ///
 /// Hit `i` (from 0) is average `i % averages_per_point` of plan entry `i / averages_per_point`. The
 /// record starts at time 0 and the pulse begins inside the sample interval after `pretrigger_s`.
-/// Every random number is drawn from a generator of its own for (seed, plan entry, average,
+/// Random numbers are drawn from a separate generator for each (seed, plan entry, average,
 /// channel), so that a sample depends neither on the number of threads nor on what else is
 /// generated.
 #[derive(Clone, Debug, PartialEq)]

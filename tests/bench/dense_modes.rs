@@ -26,7 +26,7 @@ use matrix_zoo::{Ends, Specimen};
 const REPEATS: usize = 5;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("one thread each; time over numpy's; part of the time for the check by itself");
+    println!("one thread each; time over numpy's; fraction of the time for the check alone");
     for size in [35, 100, 300, 1000] {
         let elements = (size - 2) / 2;
         for (name, (k, m)) in [

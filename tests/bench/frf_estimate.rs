@@ -209,7 +209,7 @@ impl BareLoop {
     }
 }
 
-/// A decaying cosine of its own for each channel, with noise.
+/// A different decaying cosine for each channel, with noise.
 fn write(sizes: &Sizes, path: &Path) {
     let [channels, hits, samples] = *sizes;
     let mut state = 1u64;

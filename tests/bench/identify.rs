@@ -12,7 +12,7 @@
 //! sdypy-EMA takes every order from 1 to the highest. Our LSCF is timed at these (`every order`)
 //! and at those that an identification looks at, some 20 from a sixth of the highest on (`20
 //! orders`). An order is a number of poles with positive frequency in both. The conversion of the
-//! FRFs to receptances with their noise is no part of an LSCF, and has a line of its own.
+//! FRFs to receptances with their noise is no part of an LSCF, and has a separate line.
 
 use std::fs::File;
 use std::path::Path;
@@ -267,15 +267,15 @@ fn timed<T, E: Into<Failure>>(
     Ok((Time { clock, processor }, result.ok_or("one run at least")?))
 }
 
-/// Processor time of this process, s; not a number where the system does not tell it.
+/// Processor time of this process, s; NaN where the system has no such file.
 fn processor_s() -> f64 {
-    let told = || -> Option<f64> {
+    let read = || -> Option<f64> {
         let text = std::fs::read_to_string("/proc/self/stat").ok()?;
         let words: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
         let ticks = |place: usize| words.get(place)?.parse::<f64>().ok();
         Some((ticks(11)? + ticks(12)?) / 100.0)
     };
-    told().unwrap_or(f64::NAN)
+    read().unwrap_or(f64::NAN)
 }
 
 /// sdypy-EMA on the same FRFs: version, time and the poles of the highest order, rad/s.

@@ -160,7 +160,7 @@ def inputs(folder, maker, draws):
 
 
 def commands(frfs, recordings, quick):
-    """Name and arguments of every command; `out` is a folder of its own for each."""
+    """Name and arguments of every command; `out` is a separate folder for each."""
     for model in MODELS:
         yield f"theory {model}", ["theory", model, "--json"]
     for scene in SCENES:

@@ -64,5 +64,5 @@ if __name__ == "__main__":
     print(f"# numpy {np.__version__}, Python {platform.python_version()}; rad/s, ascending")
     for name, values in SETS.items():
         for omega in omegas(*values):
-            # What is left of the eleven zeros is rounding of the largest root.
+            # The eleven zeros differ from 0 by rounding of the largest root.
             print(name, f"{0.0 if omega < 1.0 else omega:.9f}")

@@ -11,8 +11,8 @@ use modalign::io::{
 };
 use modalign::record::{Hit, collect};
 use modalign::signal::{
-    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, judge_force, judge_levels,
-    judge_response, odd_one_out,
+    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, inconsistent_hits,
+    judge_force, judge_levels, judge_response,
 };
 use num_complex::Complex64;
 
@@ -102,7 +102,7 @@ fn series_checks(hits: &[Hit], band_hz: (f64, f64)) -> Vec<Check> {
         let response = hits.iter().map(|hit| lines(&hit.responses[channel].si()));
         let response: Vec<_> = response.collect();
         let response: Vec<&[Complex64]> = response.iter().map(Vec::as_slice).collect();
-        checks.extend(odd_one_out(&force, &response, &limits));
+        checks.extend(inconsistent_hits(&force, &response, &limits));
     }
     checks
 }

@@ -1,4 +1,4 @@
-//! Rules that hold a hit against the others of its series: level and odd one out.
+//! Consistency of the hits of a series: the level of a hit, and its FRF beside those of the others.
 
 use num_complex::Complex64;
 
@@ -60,19 +60,18 @@ fn median(values: &[f64]) -> f64 {
 ///
 /// `R = (n-2) Σ_k |e_i|²/(1 + |F_i|²/S) / Σ_k Q`,
 ///
-/// the sums over lines, so that lines count by their energy. How many degrees of freedom lines have
-/// together is not known (a hit beside its point differs at all lines at once), so the fewest are
-/// taken: `F(2, 2(n-2))`, exact for a scatter that is one complex Gaussian factor of a common
-/// shape, and further from the limit for any that is not. Its quantile is `(n-2) (p^(-1/(n-2)) -
-/// 1)`, p the allowed false alarms over n. A hit is rejected when R is beyond it and `Σ|e_i|² > d²
-/// Σ|X_i|²`, d the least difference that matters. Three hits are not decidable, and of fewer
-/// nothing is measured.
+/// the sums over lines, so that lines count by their energy. The number of independent lines is
+/// unknown (a hit beside its point differs at all lines at once), so the minimum is taken: `F(2,
+/// 2(n-2))`, exact for a scatter that is one complex Gaussian factor of a common shape, and further
+/// from the limit for any that is not. Its quantile is `(n-2) (p^(-1/(n-2)) - 1)`, p the allowed
+/// false alarms over n. A hit is rejected when R is beyond it and `Σ|e_i|² > d² Σ|X_i|²`, d the
+/// least difference that matters. Three hits are not decidable, and of fewer nothing is measured.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., section 9.1 (variance of H); Johnson, Kotz and
 /// Balakrishnan (1995), Continuous Univariate Distributions 2, chapter 27 (F with two degrees of
 /// freedom in closed form).
-pub fn odd_one_out(
+pub fn inconsistent_hits(
     force: &[&[Complex64]],
     response: &[&[Complex64]],
     limits: &JudgeLimits,
@@ -80,7 +79,7 @@ pub fn odd_one_out(
     let n = force.len().min(response.len());
     let judge = |hit: usize| {
         let Some(residual) = Residual::of(hit, &force[..n], &response[..n]) else {
-            return Check::new(Rule::OddOneOut, Outcome::NotDecidable);
+            return Check::new(Rule::InconsistentHit, Outcome::NotDecidable);
         };
         let others = (n - 2) as f64;
         let limit = others * ((limits.odd_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
@@ -93,13 +92,13 @@ pub fn odd_one_out(
         } else {
             Outcome::Noted
         };
-        Check::new(Rule::OddOneOut, outcome).value(residual.ratio, limit, "")
+        Check::new(Rule::InconsistentHit, outcome).value(residual.ratio, limit, "")
     };
     (0..n).map(judge).collect()
 }
 
 struct Residual {
-    /// R of [`odd_one_out`].
+    /// R of [`inconsistent_hits`].
     ratio: f64,
     /// `sqrt(Σ|e|²/Σ|X|²)`.
     difference: f64,

@@ -1,4 +1,4 @@
-//! What is left of a response at the end of the record, and the offset and drift of a channel.
+//! Amplitude of a response at the end of the record, and the offset and drift of a channel.
 
 use super::super::pulse::FEWEST_QUIET;
 use super::super::{PreTrigger, Pulse};
@@ -14,9 +14,9 @@ const DRIFT_DEVIATIONS: f64 = 5.0;
 /// Amplitude at the end over the maximum: `sqrt(2 (s_end² - σ²)) / max|x|`, s_end the rms of the
 /// last eighth.
 ///
-/// σ² is the variance before the hit. Where the end does not stand out of it by more than both
-/// variances scatter, the value is what could be hidden in that scatter, and the rule decides only
-/// when this is below the limit.
+/// σ² is the variance before the hit. Where `s_end² - σ²` is within the scatter of both variances,
+/// the value is the largest amplitude that this scatter can hide, and the rule decides only when it
+/// is below the limit.
 pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
     let limit = limits.decay;
     let after = &response[pulse.onset..];
@@ -32,13 +32,13 @@ pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Ch
     let scatter = (2.0 / quiet.samples as f64 + 2.0 / last.len() as f64).sqrt();
     let hidden = VARIANCE_DEVIATIONS * scatter * quiet.variance;
     let left = |power: f64| (2.0 * power).sqrt() / largest;
-    let stands_out = power - quiet.variance > hidden;
-    let value = left(if stands_out {
+    let above_noise = power - quiet.variance > hidden;
+    let value = left(if above_noise {
         power - quiet.variance
     } else {
         hidden
     });
-    let otherwise = if stands_out {
+    let otherwise = if above_noise {
         Outcome::Noted
     } else {
         Outcome::NotDecidable

@@ -199,7 +199,7 @@ impl LevelFree {
     }
 }
 
-/// What the first contact stands out of.
+/// The record after the first contact, with its noise.
 struct Rest {
     level_free: LevelFree,
     noise_n: f64,
@@ -345,7 +345,7 @@ struct Place {
     spread: f64,
 }
 
-/// The matched filter over what is left of the record.
+/// The matched filter over the record after the first contact.
 struct Answer {
     places: Vec<Place>,
     /// `Σp²` of the template.

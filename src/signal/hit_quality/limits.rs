@@ -31,7 +31,7 @@ pub struct JudgeLimits {
     pub roll_off_db: f64,
     /// Largest excursion of offset and drift over the peak.
     pub drift: f64,
-    /// False alarms of the odd one out, per series.
+    /// False alarms of the test for an inconsistent hit, per series.
     pub odd_false_alarms: f64,
     /// Least relative difference of an FRF that is rejected as odd.
     pub odd_difference: f64,

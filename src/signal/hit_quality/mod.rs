@@ -7,12 +7,12 @@
 //!
 //! | file | rules |
 //! |---|---|
-//! | `contact` | double hit: matched filter of the pulse's own shape |
-//! | `rail` | overload |
-//! | `quiet` | pre-trigger, dead channel, sign |
-//! | `decay` | what is left at the end of the record; offset and drift |
-//! | `roll_off` | how far the force spectrum falls inside the band |
-//! | `series` | level, odd one out |
+//! | `double_hit` | double hit: filter matched to the shape of the pulse |
+//! | `overload` | clipped samples |
+//! | `pretrigger` | pre-trigger signal, dead channel, sign |
+//! | `decay` | amplitude at the end of the record; offset and drift |
+//! | `force_bandwidth` | decrease of the force spectrum inside the band |
+//! | `consistency` | level and FRF beside those of the other hits of the series |
 
 mod consistency;
 mod decay;
@@ -31,7 +31,7 @@ use crate::dof::Dof;
 
 use super::{Extent, Pulse};
 
-pub use consistency::{judge_levels, odd_one_out};
+pub use consistency::{inconsistent_hits, judge_levels};
 pub use decay::{Drift, drift_of};
 pub use double_hit::least_delay_samples;
 pub use limits::JudgeLimits;
@@ -58,7 +58,7 @@ pub enum Rule {
     /// Offset and drift of a channel.
     Drift,
     /// An FRF unlike that of the other hits.
-    OddOneOut,
+    InconsistentHit,
 }
 
 impl Rule {
@@ -74,7 +74,7 @@ impl Rule {
             Rule::Dead => "dead",
             Rule::Sign => "sign",
             Rule::Drift => "drift",
-            Rule::OddOneOut => "odd-one-out",
+            Rule::InconsistentHit => "odd-one-out",
         }
     }
 }
@@ -113,7 +113,7 @@ pub struct Check {
     pub dof: Option<Dof>,
     /// What was found; `None` where there is nothing to measure it from.
     pub value: Option<f64>,
-    /// What it was held against.
+    /// The limit of the value.
     pub limit: Option<f64>,
     /// Unit of value and limit, empty for a plain number.
     pub unit: &'static str,

@@ -4,8 +4,8 @@
 //! sign, if the samples pile up on it. Under a smooth top the depth below the extreme grows with
 //! the square of the distance, so that of the samples less than Kδ deep a share of `1/√K` is less
 //! than δ deep; noise and quantised tops have a smaller share, whereas a clipped signal leaves the
-//! rail at its full slope. The count is held against the binomial distribution of that share, for K
-//! from 5 on doubled up to half the height.
+//! rail at its full slope. The count is compared with the binomial distribution of that share, for
+//! K from 5 on doubled up to half the height.
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -80,8 +80,8 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     let depth_of_search = NEAR_THE_END * extent.range();
     let few_within =
         |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
-    // Most records have few samples even where a rail is sought, which is told faster than its
-    // depth.
+    // Most records have few samples even where a rail is sought, and counting them is faster than
+    // the depth.
     if extent.range() <= 0.0
         || few_within(depth_of_search)
         || few_within(most_depth(samples, extent).min(depth_of_search))

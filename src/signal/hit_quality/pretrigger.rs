@@ -99,7 +99,7 @@ pub(super) fn response_pre_trigger(response: &[f64], pulse: &Pulse, limits: &Jud
 struct Ringing {
     mean: f64,
     power: f64,
-    /// The least power that stands out of the noise.
+    /// The minimum power that is detected in the noise.
     least_power: f64,
     significant: bool,
 }
@@ -115,7 +115,7 @@ impl Ringing {
         };
         let noise = covariance(0).powi(2) / n;
         let square = (1..=lags).map(|k| covariance(k).powi(2)).sum::<f64>() / lags as f64;
-        // Infallible for one lag and more; without a distribution nothing stands out.
+        // Infallible for one lag and more; without a distribution nothing is detected.
         let quantile = ChiSquared::new(lags as f64).map_or(f64::INFINITY, |chi| {
             chi.inverse_cdf(1.0 - FALSE_RINGING) / lags as f64
         });

@@ -173,7 +173,7 @@ fn ringing_of_the_previous_hit_is_rejected_by_what_it_does_to_h() {
 }
 
 #[test]
-fn what_is_left_at_the_end_is_the_amplitude_without_the_noise() {
+fn amplitude_at_the_end_excludes_the_noise() {
     // exp(-1e-3 * 3896) = 0.020 at the end; rms over the last eighth is that of its middle,
     // exp(-1e-3 * 3652).
     let check = of(&response(1e-3, 0.3, 1e-4, 5), Rule::Decay);
@@ -261,7 +261,7 @@ fn offset_and_drift_are_those_that_were_put_in() {
 }
 
 #[test]
-fn levels_are_held_against_the_median() {
+fn levels_are_compared_with_the_median() {
     let outcomes = |peaks: &[f64]| -> Vec<Outcome> {
         let checks = judge_levels(peaks, &JudgeLimits::default());
         checks.iter().map(|c| c.outcome).collect()
@@ -295,7 +295,7 @@ fn series(n: usize, snr_db: f64, odd: Option<(usize, f64)>, seed: u64) -> Vec<Ou
     }
     let force: Vec<&[Complex64]> = force.iter().map(Vec::as_slice).collect();
     let response: Vec<&[Complex64]> = response.iter().map(Vec::as_slice).collect();
-    let checks = odd_one_out(&force, &response, &JudgeLimits::default());
+    let checks = inconsistent_hits(&force, &response, &JudgeLimits::default());
     checks.iter().map(|c| c.outcome).collect()
 }
 

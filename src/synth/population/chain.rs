@@ -28,7 +28,7 @@ pub struct ChainSpec {
     pub damping_ratio: Span,
 }
 
-/// `kind = "local"`: a chain held at both ends that carries a small mass on a spring of its own.
+/// `kind = "local"`: a chain clamped at both ends with a small mass on a spring.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocalSpec {

@@ -138,11 +138,11 @@ pub struct Member {
     pub kind: &'static str,
     /// The test with its truth.
     pub test: HammerTest,
-    /// What is known of it.
+    /// Properties of its truth.
     pub facts: Facts,
 }
 
-/// What is known of a member's truth; modes by their place in
+/// Properties of the truth of a member; modes by their index in
 /// [`Truth::model`](super::Truth::model), from 0.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Facts {
