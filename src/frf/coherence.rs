@@ -133,8 +133,8 @@ mod tests {
         );
         let variance = variance_from_coherence(&h, &[1.0; 4], 3);
         assert!(variance.iter().all(|v| v.abs() < 1e-300));
-        // Nothing that hangs together with the force, and nothing measured: as unsure as the mean
-        // of the others would be.
+        // Nothing coherent with the force, and nothing measured: the variance is that of the mean
+        // of the others.
         let infinite = Complex64::new(f64::INFINITY, 0.0);
         let variance =
             variance_from_coherence(&[h[0], Complex64::ZERO, infinite], &[1.0, 0.0, 1.0], 3);

@@ -45,8 +45,7 @@ pub struct Estimated {
 pub struct Selection {
     /// Their numbers, from 0.
     pub hits: Vec<usize>,
-    /// Limits by which a single response that ran into the rail is left out of its own function;
-    /// `None` leaves none out.
+    /// Limits by which a single clipped response is left out of its function; `None` keeps all.
     pub overloads: Option<JudgeLimits>,
     /// Hits of which no response is left out, from 0.
     pub accepted: BTreeSet<usize>,

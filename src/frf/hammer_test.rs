@@ -26,8 +26,9 @@ pub enum ResponseWindow {
     End(f64),
 }
 
-/// Value at the record's end of a window that nobody states (Fladung and Rost 1997, Application and
-/// correction of the exponential window for frequency response functions: about 1 %).
+/// Value at the end of the record of a window that is not specified (Fladung and Rost 1997,
+/// Application and correction of the exponential window for frequency response functions: about 1
+/// %).
 const WINDOW_END: f64 = 0.01;
 
 /// Truncation error of H above which its sign at a resonance is not judged: two degrees of phase.
@@ -212,7 +213,7 @@ fn windowed(
     Ok((estimate, finding))
 }
 
-/// A response still rings at the end of its record and nobody wants a window.
+/// A response still rings at the end of its record and no window is wanted.
 fn not_decayed(left: f64) -> Finding {
     Finding::new(Severity::Warning, Code::NotDecayed, Place::Whole)
         .value(left, "")

@@ -198,7 +198,7 @@ fn a_second_contact_is_left_out_unless_the_user_says_otherwise() {
 }
 
 #[test]
-fn a_response_on_its_rail_is_left_out_of_its_own_function_alone() {
+fn clipped_response_is_left_out_of_its_function_alone() {
     let clean = hits(|_, _| {});
     let mut clipped = clean.clone();
     clipped[1].responses[1] = hit(&Made {
@@ -219,16 +219,16 @@ fn a_response_on_its_rail_is_left_out_of_its_own_function_alone() {
         .map(|f| f.averages)
         .collect();
     assert_eq!(averages, [Some(5), Some(4)]);
-    let told: Vec<_> = own
+    let overloads: Vec<_> = own
         .estimated
         .set
         .findings
         .iter()
         .filter(|f| f.code == Code::Overload)
         .collect();
-    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(overloads.len(), 1, "{overloads:?}");
     assert_eq!(
-        told[0].place,
+        overloads[0].place,
         Place::HitChannel {
             hit: 2,
             dof: dof("2:-Z")
@@ -264,13 +264,13 @@ fn a_point_of_which_no_hit_passes_keeps_its_hits_and_says_so() {
     });
     let own = run(&bad, &HammerOptions::default());
     assert_eq!(used(&own), [1, 2, 3, 4, 5]);
-    let told = own
+    let reported = own
         .estimated
         .set
         .findings
         .iter()
         .find(|f| f.code == Code::NoHitPassed);
-    assert_eq!(told.unwrap().value, Some(2.0));
+    assert_eq!(reported.unwrap().value, Some(2.0));
     // One of them named by the user: the other one goes.
     let stated = HammerOptions {
         accept: numbers(&[2]),

@@ -1,4 +1,4 @@
-//! Every hit held against the rules, before any is averaged.
+//! Every hit tested by the rules, before any is averaged.
 //!
 //! The force is judged, and as many responses as tell whether the hit was good; of a test with many
 //! sensors the other responses are read once only, when they are transformed.
@@ -62,7 +62,7 @@ impl HitReport {
 
     /// A finding for each rule that the hit does not pass.
     pub(super) fn findings(&self) -> impl Iterator<Item = Finding> + '_ {
-        let told = |check: &&Check| match check.outcome {
+        let is_reported = |check: &&Check| match check.outcome {
             Outcome::Passed | Outcome::NotDecidable => false,
             // The window and the usable band are those of the whole test, which says so once.
             Outcome::Noted => !matches!(check.rule, Rule::Decay | Rule::RollOff),
@@ -70,7 +70,7 @@ impl HitReport {
         };
         self.checks
             .iter()
-            .filter(told)
+            .filter(is_reported)
             .map(|check| self.finding(check))
     }
 
@@ -121,7 +121,7 @@ struct Judged {
     compared: Dof,
 }
 
-/// Judges every hit by itself and against the others of its point.
+/// Tests every hit alone and against the others of its point.
 ///
 /// # Errors
 /// [`FrfError`] for hits that cannot be averaged, and for samples that cannot be read or used.
@@ -240,7 +240,7 @@ impl Read {
 }
 
 impl Read {
-    /// A force that is constant: a hit that nobody made.
+    /// A constant force: no impact.
     fn without_pulse(&self, info: &HitInfo) -> Judged {
         let check = Check::new(Rule::Dead, Outcome::Rejected);
         Judged {

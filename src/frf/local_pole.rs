@@ -24,7 +24,7 @@ pub(super) struct LocalPole {
     pub residue: Complex64,
     /// Variance of its phase, rad².
     pub phase_variance: f64,
-    /// Other modes at the resonance over the top of its own peak.
+    /// Other modes at the resonance over the maximum of the peak.
     pub background: f64,
 }
 

@@ -54,11 +54,11 @@ pub struct Function {
     /// Estimator; `None` when the file does not say.
     pub estimator: Option<Estimator>,
     /// Degrees of freedom of the variance: real numbers of which each line's is the mean square;
-    /// `None` when nobody says.
+    /// `None` when it is not stated.
     pub variance_dof: Option<f64>,
 }
 
-/// Values of one function with what is known of their quality, each of the axis's length.
+/// Values of one function with coherence and variance, each of the length of the axis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FunctionData {
     /// Complex values in the SI unit of the kind.
@@ -116,7 +116,7 @@ pub struct FrfSet {
     pub mixed_windows: Vec<Window>,
     /// Length of the records that the functions came from, s; `None` when the file does not say.
     pub record_duration_s: Option<f64>,
-    /// Where the force excites and the anti-alias filter is open; `None` when nobody knows.
+    /// Where the force excites and the anti-alias filter is open; `None` when it is unknown.
     pub valid_band: Option<Band>,
     /// Where the force excites at all, up to half the sampling rate; above the valid band at the
     /// reader's own risk.
@@ -230,7 +230,7 @@ impl FrfSet {
         self.functions.is_empty()
     }
 
-    /// Some of its functions, by their indices, with what is known of the whole.
+    /// Some of its functions, by their indices, with the properties of the whole set.
     ///
     /// # Panics
     /// When an index is out of range or given twice.

@@ -1,5 +1,5 @@
-//! How wrong H is because the record ends before the response has decayed, told from the record
-//! itself.
+//! Truncation error of H, because the record ends before the response has decayed, estimated from
+//! the record itself.
 //!
 //! One mode of decay rate σ rings as `e^{λt}`, λ = -σ + iω_d. Transformed over a stretch `T` from
 //! the hit instead of for ever, its part of H is multiplied by `1 - e^{(λ - iω)T}`, at every line:
@@ -12,9 +12,8 @@
 //! over the three falls: for one mode the truth, to 4ζ of itself by where in their cycle the
 //! quarters begin; for modes that do not beat the last fall; for two equal modes with at least one
 //! beat in the record not below 0.55 of the truth (and far above it when the beat is about as long
-//! as two quarters; a bound may be). It speaks for the modes that fill the last quarter; a slower
-//! one that is hidden under them is not seen here but by the check of each identified mode's time
-//! constants.
+//! as two quarters; a bound may be). It holds for the modes that fill the last quarter; a slower
+//! one that is hidden under them is found by the check of each identified mode's time constants.
 //!
 //! The noise before the hit is taken off each quarter, and what is constant in a quarter (an
 //! offset) does not count.
@@ -48,7 +47,7 @@ pub struct Truncation {
 }
 
 impl Truncation {
-    /// Nothing can be told.
+    /// No estimate is possible.
     pub const NOT_DECIDABLE: Truncation = Truncation {
         bound: None,
         time_constants: None,
@@ -149,7 +148,7 @@ fn energy_without_offset(samples: &[f64], weights: &[f64]) -> f64 {
     lane_sum_of_pairs(samples, weights, |x, w| (x - offset * w) * (x - offset * w))
 }
 
-/// The one finding of a set: its worst bound, or that none can be told.
+/// The one finding of a set: its worst bound, or that none can be estimated.
 pub(super) fn truncation_finding(bounds: &BTreeMap<(Dof, Dof), Truncation>) -> Finding {
     let worst = bounds
         .iter()

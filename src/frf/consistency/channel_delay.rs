@@ -44,7 +44,7 @@ struct Phase {
     variance: f64,
 }
 
-/// A delay with the limit that it is held against, s.
+/// A delay with its limit, s.
 struct Delay {
     tau_s: f64,
     limit_s: f64,

@@ -10,8 +10,8 @@ use crate::frf::peaks::{Peak, clear_peaks};
 
 /// A clear peak is this far above the noise, as power (25 dB). Its amplitude and that of a
 /// half-power point are `0.29 |Y|` apart, and their difference has the standard deviation `√v`: at
-/// 300 v noise digs such a hole into a flank once in 3 million lines (5 deviations), and makes no
-/// peak of its own.
+/// 300 v noise cuts such a gap into a flank once in 3 million lines (5 deviations), and makes no
+/// additional peak.
 pub(super) const CLEAR: f64 = 300.0;
 /// Lines between the half-power points of a peak that shows the sign of its real part.
 const FEWEST_LINES: f64 = 3.0;

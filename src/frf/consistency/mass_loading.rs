@@ -31,7 +31,7 @@ const LIMIT_WIDTHS: f64 = 0.15;
 const DEVIATIONS: f64 = 5.0;
 /// Share of the scatter between runs that the sensor's mass must explain to be named.
 const EXPLAINED: f64 = 0.5;
-/// Runs at which a proportion can be told from two points on a line.
+/// Runs from which a proportion is distinguished from two points on a line.
 const FEWEST_RUNS_OF_MASS: usize = 3;
 
 /// One resonance in one run.
@@ -256,7 +256,7 @@ mod tests {
         findings(&Mobilities::new(set).unwrap())
     }
 
-    /// Every point from 1 to 8 in a run of its own, mode `m` of point `p` with its frequency times
+    /// Every point from 1 to 8 in a separate run, mode `m` of point `p` with its frequency times
     /// `1 + shift(p, m)`.
     fn roving(shift: impl Fn(usize, usize) -> f64, hammer: bool) -> FrfSet {
         let run = |point: usize| {

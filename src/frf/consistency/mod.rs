@@ -36,12 +36,12 @@ use super::FrfSet;
 use discrepancy::gross_finding;
 use mobility::Mobilities;
 
-/// What functions of which nobody knows how they were measured say by themselves: signs at driving
-/// points, reciprocity, repeated measurements, and functions that are 0 throughout.
+/// Consistency of FRFs of unknown origin: signs at driving points, reciprocity, repeated
+/// measurements, and functions that are 0 throughout.
 ///
-/// Files often state no band and no variances, and an axis reaches to where neither force nor
-/// sensor do: functions are held against each other at their clear resonances alone, and what is
-/// told is gross: a sign, another point, a gain of a third.
+/// Files often state no band and no variances, and the axis may extend beyond the range of force
+/// and sensor: functions are compared at their clear resonances alone, and only gross differences
+/// are reported: a sign, another point, a gain of a third.
 pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let is_dead = |i: &usize| set.values(*i).iter().all(|value| *value == Complex64::ZERO);
     let (dead, live): (Vec<usize>, Vec<usize>) = (0..set.len()).partition(is_dead);
@@ -95,7 +95,7 @@ mod tests {
     use synthetic::{Beam, scaled};
 
     #[test]
-    fn functions_from_anywhere_are_held_against_each_other() {
+    fn functions_of_unknown_origin_are_compared_with_each_other() {
         let pairs = [
             ("1:+Z", "1:+Z"),
             ("2:+Z", "1:+Z"),
