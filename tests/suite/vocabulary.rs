@@ -41,7 +41,7 @@ const MAX_COMMENT_COLUMNS: usize = 100;
 /// Part of the project, with its number of phrases, of the word `own`, and of constants named by a
 /// direction.
 const COUNTS: [(&str, [usize; 3]); 28] = [
-    ("README.md", [16, 9, 0]),
+    ("README.md", [0, 3, 0]),
     ("measurements/cycloid-ball", [0, 1, 0]),
     ("measurements/free-free-beam", [0, 1, 0]),
     ("measurements/helical-planetary", [0, 1, 0]),
