@@ -26,234 +26,37 @@
 //! the poles of all orders. A single reference or response cannot show it, and a repeated root then
 //! gives one mode.
 
-#[cfg(test)]
-mod accuracy_tests;
-mod automatic;
-mod background;
-#[cfg(test)]
-mod beam_tests;
-mod block;
-mod checks;
-mod choice;
-#[cfg(test)]
-mod choice_tests;
-mod circle;
-mod circle_detail;
-mod close;
-#[cfg(test)]
-mod close_tests;
-mod companions;
-mod correlation;
-mod doubled;
-mod doubts;
+mod data;
 mod error;
-#[cfg(test)]
-mod failed_decomposition_tests;
-mod far;
-#[cfg(test)]
-mod high_snr_tests;
-#[cfg(test)]
-mod hump_tests;
-mod indicator;
-mod indicators;
-mod influence;
-mod leakage;
-mod left_over;
-mod line;
-mod linearised;
-mod lsce;
-#[cfg(test)]
-mod lscf_tests;
-#[cfg(test)]
-mod methods_tests;
-mod misfit;
-#[cfg(test)]
-mod ml_tests;
-mod moving;
-mod multi;
-mod narrower_bands;
+mod estimator;
+mod fit;
+mod mdof;
+mod ml;
+mod mode_indicators;
+mod modes;
 mod noise;
-mod noise_course;
-mod noise_profile;
+mod order_selection;
 #[cfg(test)]
-mod options_tests;
-mod outside;
-mod parts;
-#[cfg(test)]
-mod parts_tests;
-mod peak;
-mod plscf;
-mod pruning;
-#[cfg(test)]
-mod rank_tests;
-mod reasons;
-mod receptance;
-mod refine;
-mod repeated;
-#[cfg(test)]
-mod repeated_tests;
-mod residues;
-mod rfp;
-mod roots;
-mod run_partners;
-mod search;
-mod seeds;
-mod selection;
-mod several;
-mod shape;
-#[cfg(test)]
-mod shape_tests;
-mod shared;
-mod sides;
-mod significance;
-mod single;
-mod spread;
-mod stabilization;
-mod stable;
+mod order_selection_tests;
+mod run_variation;
+mod sdof;
 #[doc(hidden)]
 pub mod stages;
-mod standing;
-mod strength;
-mod support;
-#[cfg(test)]
-mod support_tests;
 #[cfg(test)]
 mod synthetic;
-mod transforms;
-mod tries;
-mod turning;
-mod unexplained;
-mod window;
 #[cfg(test)]
-mod window_tests;
+mod tests;
 
-use num_complex::Complex64;
-
-use crate::axis::Band;
-use crate::dof::Dof;
-use crate::finding::Finding;
 use crate::frf::FrfSet;
-use crate::modal::{ModalModel, Pole, PoleSelection};
+use crate::modal::ModalModel;
 
-use moving::Moved;
-
-pub use circle_detail::{CircleDetail, circle_detail};
 pub use error::IdentifyError;
-pub use indicators::{Indicators, cmif_at, indicators};
-pub use support::{Foretold, Support, Tried, support};
-
-/// Options that an estimator is built with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MethodOptions {
-    /// Probability of taking noise for a peak anywhere in the band, between 0 and 1.
-    pub false_alarm_probability: f64,
-    /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
-    pub max_modes: Option<usize>,
-    /// Highest model order of a method that has one, 4 or more; chosen by the number of peaks
-    /// without it.
-    pub max_order: Option<usize>,
-}
-
-impl Default for MethodOptions {
-    fn default() -> Self {
-        Self {
-            false_alarm_probability: 1e-3,
-            max_modes: None,
-            max_order: None,
-        }
-    }
-}
-
-/// A pole that an estimator proposes. What a method does not give is `None`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
-    /// Model order at which it was found.
-    pub order: Option<usize>,
-    /// Pole as in the data: the damping of an exponential window is still in.
-    pub pole: Pole,
-    /// Participation of each of [`FrfSet::references`].
-    pub participation: Option<Vec<Complex64>>,
-    /// Receptance residue of each function of the set, in its order, m/(N s).
-    pub residues: Option<Vec<Complex64>>,
-    /// Standard deviation of real and of imaginary part of each residue, m/(N s), but for a factor
-    /// that all have in common.
-    pub residue_stds: Option<Vec<f64>>,
-    /// Modes that share this pole, as far as the residues show: 1 for a single one.
-    pub multiplicity: usize,
-    /// Standard deviation of the frequency, Hz.
-    pub frequency_std_hz: Option<f64>,
-    /// Standard deviation of the damping ratio.
-    pub damping_std: Option<f64>,
-    /// Correlation of the errors of frequency and damping.
-    pub frequency_damping_correlation: Option<f64>,
-    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data
-    /// tell.
-    pub frequency_bias_hz: Option<f64>,
-    /// The same of the damping ratio.
-    pub damping_bias: Option<f64>,
-    /// Figure of merit of the method; for the circle fit the relative standard deviation of the
-    /// damping surface.
-    pub quality: Option<f64>,
-}
-
-/// What became of a pole of one model order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PoleStatus {
-    /// It stays over fewer than three orders.
-    Alone,
-    /// It stays over three orders or more, and no mode was made of it.
-    Stable,
-    /// A mode was made of it, as [`identification`] tells.
-    Chosen,
-}
-
-impl PoleStatus {
-    /// Its name in the listing.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Alone => "alone",
-            Self::Stable => "stable",
-            Self::Chosen => "chosen",
-        }
-    }
-}
-
-/// A pole of one model order: a point of the stabilisation diagram.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PoleAtOrder {
-    /// Model order.
-    pub order: usize,
-    /// Pole as in the data.
-    pub pole: Pole,
-    /// What became of it.
-    pub status: PoleStatus,
-}
-
-/// What an estimator found.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct PoleTable {
-    /// Poles in ascending order, then frequency.
-    pub candidates: Vec<Candidate>,
-    /// What the data said on the way.
-    pub findings: Vec<Finding>,
-    /// Poles of all model orders, for a method that has orders.
-    pub stabilization: Vec<PoleAtOrder>,
-    /// Modes that move from run to run.
-    moved: Moved,
-}
-
-/// A method that finds poles in a set of FRFs.
-pub trait PoleEstimator {
-    /// Its name in [`ESTIMATORS`].
-    fn name(&self) -> &'static str;
-
-    /// Poles in a band.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] when set, band and options do not go together or a matrix problem has no
-    /// answer.
-    fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError>;
-}
+pub use estimator::{
+    Candidate, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus, PoleTable,
+};
+pub use mode_indicators::{Indicators, cmif_at, indicators};
+pub use order_selection::{Foretold, Support, Tried, support};
+pub use sdof::circle_detail::{CircleDetail, circle_detail};
 
 /// An estimator by name.
 pub struct Entry {
@@ -271,8 +74,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "peak",
         has_order: false,
         build: |options| {
-            Box::new(single::SingleModeEstimator {
-                method: peak::PeakPicking,
+            Box::new(sdof::estimator::SingleModeEstimator {
+                method: sdof::peak_picking::PeakPicking,
                 options: *options,
             })
         },
@@ -281,8 +84,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "circle",
         has_order: false,
         build: |options| {
-            Box::new(single::SingleModeEstimator {
-                method: circle::CircleFit,
+            Box::new(sdof::estimator::SingleModeEstimator {
+                method: sdof::circle_fit::CircleFit,
                 options: *options,
             })
         },
@@ -291,8 +94,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "line",
         has_order: false,
         build: |options| {
-            Box::new(single::SingleModeEstimator {
-                method: line::LineFit,
+            Box::new(sdof::estimator::SingleModeEstimator {
+                method: sdof::line_fit::LineFit,
                 options: *options,
             })
         },
@@ -301,8 +104,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "rfp",
         has_order: true,
         build: |options| {
-            Box::new(multi::MultiModeEstimator {
-                method: rfp::RationalFractions {
+            Box::new(mdof::estimator::MultiModeEstimator {
+                method: mdof::rfp::RationalFractions {
                     max_order: options.max_order,
                 },
                 options: *options,
@@ -313,8 +116,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "lsce",
         has_order: true,
         build: |options| {
-            Box::new(multi::MultiModeEstimator {
-                method: lsce::ComplexExponentials {
+            Box::new(mdof::estimator::MultiModeEstimator {
+                method: mdof::lsce::ComplexExponentials {
                     max_order: options.max_order,
                 },
                 options: *options,
@@ -325,8 +128,8 @@ pub const ESTIMATORS: &[Entry] = &[
         name: "lscf",
         has_order: true,
         build: |options| {
-            Box::new(multi::MultiModeEstimator {
-                method: seeds::LeastSquaresComplexFrequency {
+            Box::new(mdof::estimator::MultiModeEstimator {
+                method: mdof::lscf::LeastSquaresComplexFrequency {
                     max_order: options.max_order,
                 },
                 options: *options,
@@ -336,44 +139,12 @@ pub const ESTIMATORS: &[Entry] = &[
     Entry {
         name: "ml",
         has_order: true,
-        build: |options| Box::new(automatic::Automatic { options: *options }),
+        build: |options| Box::new(ml::estimator::Automatic { options: *options }),
     },
 ];
 
 /// What `auto` stands for.
 const AUTO: &str = "ml";
-
-/// Options of an identification.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IdentifyOptions {
-    /// Name of an estimator, or `auto` (maximum likelihood).
-    pub method: String,
-    /// Band to search, cut to the data; without it the set's valid band, and where that is unknown
-    /// the whole axis above 0 Hz.
-    pub band: Option<Band>,
-    /// References to use; all without it.
-    pub references: Option<Vec<Dof>>,
-    /// Whether functions with a value in the band that is no number are left out, with a finding;
-    /// an error without it.
-    pub partial: bool,
-    /// A person's choice among the poles of the method; all that the data support without it.
-    pub selection: Option<PoleSelection>,
-    /// Options of the estimator.
-    pub estimator: MethodOptions,
-}
-
-impl Default for IdentifyOptions {
-    fn default() -> Self {
-        Self {
-            method: "auto".to_owned(),
-            band: None,
-            references: None,
-            partial: false,
-            selection: None,
-            estimator: MethodOptions::default(),
-        }
-    }
-}
 
 impl IdentifyOptions {
     /// The estimator that these options name, their numbers checked.
@@ -391,7 +162,7 @@ impl IdentifyOptions {
             });
         }
         if let Some(order) = self.estimator.max_order
-            && order < stabilization::LEAST_HIGHEST
+            && order < mdof::stabilization::LEAST_HIGHEST
         {
             return Err(IdentifyError::OptionOutOfRange {
                 name: "order",
@@ -496,24 +267,24 @@ pub fn identification(
     options: &IdentifyOptions,
 ) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
-    let chosen = selection::chosen(set, options)?;
+    let chosen = data::prepare::chosen(set, options)?;
     let (set, band) = (chosen.set.as_ref(), chosen.band);
     let estimator = (entry.build)(&options.estimator);
     let mut table = estimator.estimate(set, band)?;
     if let Some(selection) = &options.selection {
-        table = choice::chosen((set, band), table, selection)?;
+        table = modes::pole_selection::chosen((set, band), table, selection)?;
     }
     let findings = chosen.findings.into_iter();
     table
         .findings
-        .splice(0..0, findings.chain(checks::window_decay(set)));
-    stabilization::mark_chosen(&mut table);
+        .splice(0..0, findings.chain(sdof::findings::window_decay(set)));
+    mdof::stabilization::mark_chosen(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);
     }
     Ok(Identification {
-        model: selection::modal_model(set, band, estimator.name(), table)?,
+        model: modes::modal_model::modal_model(set, band, estimator.name(), table)?,
         stabilization,
     })
 }

@@ -6,13 +6,13 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use super::IdentifyError;
-use super::moving::Moved;
-use super::multi::at_poles;
-use super::plscf::Lscf;
-use super::receptance::Receptances;
-use super::sides::Sides;
-use super::transforms::Transforms;
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::frf_matrix::Sides;
+use crate::identify::error::IdentifyError;
+use crate::identify::mdof::estimator::at_poles;
+use crate::identify::mdof::normal_equations::Transforms;
+use crate::identify::mdof::plscf::Lscf;
+use crate::identify::run_variation::Moved;
 
 /// Receptances of a band, of all references or of one that stands for all.
 pub struct Lines {

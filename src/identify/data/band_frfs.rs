@@ -1,0 +1,439 @@
+//! The functions of a set inside a band, as receptances with the variance of every value.
+//!
+//! All functions are brought to one kind once, here, and the arguments of every estimator are
+//! checked here. A set may carry the decay rate `a` of an exponential window: its values were
+//! sampled at `s = iω + a`, so that mobility is `s X/F` and accelerance `s² X/F`. Dividing by the
+//! power of `s` leaves `X/F = Σ A/(iω − λ) + conj.` with `λ = λ_true − a`: an ordinary receptance
+//! whose poles carry the window's damping. Everything behind this file works on that and never
+//! meets `a` again.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, OnceLock};
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::axis::Band;
+use crate::frf::{FrfSet, Function};
+use crate::linalg::{self, ComplexMatrix};
+
+use crate::identify::data::out_of_band_basis::Outside;
+use crate::identify::data::residual::Far;
+use crate::identify::error::IdentifyError;
+use crate::identify::noise::force_noise::Shared;
+use crate::identify::noise::input_variance::{self, Noise};
+use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::variance_model::Smooth;
+
+use crate::identify::data::line_shape::LineShape;
+use crate::identify::noise::model::ToldFrom;
+
+/// Lines beside a band that are used with it, as a share of its own.
+const GUARD: f64 = 0.05;
+/// Fewest lines in a band that are worth a search.
+const FEWEST_LINES: usize = 8;
+/// Dynamic range of a set, beyond any converter's: least noise over the largest response.
+const RANGE: f64 = 1e-10;
+
+/// Values of functions: lines × functions.
+pub(in crate::identify) struct Values(ComplexMatrix);
+
+impl Values {
+    /// All of them.
+    pub fn matrix(&self) -> &ComplexMatrix {
+        &self.0
+    }
+
+    /// By function.
+    pub fn iter(&self) -> impl Iterator<Item = &[Complex64]> {
+        (0..self.0.ncols()).map(|f| &self[f])
+    }
+}
+
+impl std::ops::Index<usize> for Values {
+    type Output = [Complex64];
+
+    fn index(&self, function: usize) -> &[Complex64] {
+        self.0.col_as_slice(function)
+    }
+}
+
+/// Receptances on the lines of a band.
+pub(in crate::identify) struct Receptances {
+    /// Angular frequency of every line, rad/s.
+    pub omega: Vec<f64>,
+    /// Spacing of the lines, rad/s.
+    pub step: f64,
+    /// What the records make of a pole.
+    pub line_shape: LineShape,
+    /// Line shape of leakage that poles without it may have biased: of the stated window, or of one
+    /// that none states.
+    pub leakage: Option<LineShape>,
+    /// Values, m/N.
+    pub values: Values,
+    /// Variance E|H − E H|² of every value, (m/N)², positive.
+    pub variance: Vec<Vec<f64>>,
+    /// Part of every variance that the force makes, as far as it is known.
+    pub by_force: Vec<Vec<f64>>,
+    /// Variances of each function as they came with the data, where they did.
+    pub stated: Vec<Option<Smooth>>,
+    /// What is known of modes outside the lines.
+    outside: Outside,
+    /// What follows from it, while it and the variances stay.
+    far: OnceLock<Far>,
+    /// How often both changed.
+    version: u64,
+    /// How the noise of neighbouring lines hangs together, as far as it is known.
+    pub correlation: Correlation,
+    /// How functions of one hit point err together, as far as it is known.
+    pub shared: Shared,
+    /// What tells the noise where the data do not.
+    pub told_from: ToldFrom,
+    /// Least variance of each function, as measured.
+    floors: Vec<f64>,
+    /// Magnitude of measured values over receptances, one vector per function: noise is even in
+    /// what was measured.
+    pub measured_scale: Vec<Arc<Vec<f64>>>,
+}
+
+impl Receptances {
+    /// The functions of a set on the lines of a band, the line at 0 Hz left out.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoFunctions`], [`IdentifyError::BandOutside`],
+    /// [`IdentifyError::TooFewLines`], [`IdentifyError::OptionOutOfRange`] for an impossible added
+    /// damping, [`IdentifyError::NotFinite`].
+    pub fn new(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
+        let lines = checked_lines(set, band)?;
+        Self::on_lines(set, lines)
+    }
+
+    /// As [`Self::new`], with [`GUARD`] of its lines more on each side as far as the set has them.
+    ///
+    /// # Errors
+    /// As [`Self::new`], for the band itself.
+    pub fn guarded(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
+        let lines = checked_lines(set, band)?;
+        // Outside the band nobody promised good values.
+        Self::on_lines(set, guarded(set, &lines)).or_else(|_| Self::on_lines(set, lines))
+    }
+
+    fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
+        let lines = without_blanks(set, lines);
+        for i in 0..set.len() {
+            check_finite(set, i, lines.clone())?;
+        }
+        let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
+        let step = std::f64::consts::TAU * set.axis().step_hz;
+        let scales = Scales::new(set, &omega);
+        let noise = input_variance::of_set(set, &lines);
+        let by_force = noise.iter().map(|own| own.by_force.clone()).collect();
+        let window = Correlation::of_window(set.added_damping_rad_s, (step, lines.len()));
+        let shared = Shared::of_variances(set.functions(), &noise, &window);
+        let of_receptance = |(i, noise): (usize, Noise)| {
+            let (_, scale) = scales.of(set, i);
+            let variance = noise.variance.iter().zip(scale.iter());
+            let own = Smooth {
+                variance: variance.map(|(v, s)| v / (s * s)).collect(),
+                by_force: noise.by_force,
+            };
+            let variance = own.variance.clone();
+            (variance, noise.measured.then_some(own))
+        };
+        let noise = noise.into_par_iter().enumerate().map(of_receptance);
+        let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
+        let mut values = ComplexMatrix::zeros(omega.len(), set.len());
+        linalg::by_column(&mut values, |i, column| {
+            let measured = &set.values(i)[lines.clone()];
+            for ((value, measured), factor) in
+                column.iter_mut().zip(measured).zip(&scales.of(set, i).0)
+            {
+                *value = factor * measured;
+            }
+        });
+        let mut data = Self {
+            step,
+            line_shape: LineShape::EXACT,
+            leakage: LineShape::suspected(set),
+            values: Values(values),
+            variance,
+            by_force,
+            stated,
+            outside: Outside::Anywhere,
+            far: OnceLock::new(),
+            version: 0,
+            correlation: window,
+            shared,
+            told_from: ToldFrom::Differences,
+            floors: Vec::new(),
+            measured_scale: (0..set.len())
+                .map(|i| Arc::clone(&scales.of(set, i).1))
+                .collect(),
+            omega,
+        };
+        data.floors = data.floors();
+        data.raise_variances();
+        Ok(data)
+    }
+
+    /// No function is better known than [`RANGE`] of the strongest response: what is far below it
+    /// (directions that symmetry keeps still) is no response, whatever its own noise. The floor is
+    /// even in what was measured, as noise is.
+    pub fn raise_variances(&mut self) {
+        let (floors, scales) = (&self.floors, &self.measured_scale);
+        let raise = |(f, variance): (usize, &mut Vec<f64>)| {
+            for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
+                *v = v.max(floors[f] / (s * s));
+            }
+        };
+        self.variance.par_iter_mut().enumerate().for_each(raise);
+    }
+
+    fn floors(&self) -> Vec<f64> {
+        let mut strongest = vec![0.0f64; self.lines()];
+        for values in self.values.iter() {
+            for (most, h) in strongest.iter_mut().zip(values) {
+                *most = most.max(h.norm_sqr());
+            }
+        }
+        let floor = |scale: &Arc<Vec<f64>>| {
+            let powers = strongest.iter().zip(scale.iter()).map(|(p, s)| p * s * s);
+            RANGE * RANGE * powers.sum::<f64>() / self.lines() as f64
+        };
+        self.measured_scale.par_iter().map(floor).collect()
+    }
+
+    /// Whether the variances of all functions came with the data.
+    pub fn variance_measured(&self) -> bool {
+        self.stated.iter().all(Option::is_some)
+    }
+
+    pub fn renew(&mut self) {
+        self.far = OnceLock::new();
+        self.version += 1;
+    }
+
+    /// A number that tells whether the noise, or what is known of modes outside, changed since.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// What is known of modes outside the lines.
+    pub fn outside(&self) -> &Outside {
+        &self.outside
+    }
+
+    /// Takes over what is known of modes outside the lines; what was known before.
+    pub fn set_outside(&mut self, outside: Outside) -> Outside {
+        self.renew();
+        std::mem::replace(&mut self.outside, outside)
+    }
+
+    /// The background of all lines.
+    pub fn far(&self) -> &Far {
+        self.far.get_or_init(|| Far::new(self, &self.outside))
+    }
+
+    /// Number of functions.
+    pub fn functions(&self) -> usize {
+        self.values.0.ncols()
+    }
+
+    /// Number of lines.
+    pub fn lines(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// The line nearest to a pole.
+    pub fn line_of(&self, lambda: Complex64) -> usize {
+        let line = ((lambda.im - self.omega[0]) / self.step).round();
+        (line.max(0.0) as usize).min(self.lines() - 1)
+    }
+
+    /// Takes over the line shape of poles, with the correlation of noise that goes with it.
+    pub fn observe(&mut self, line_shape: LineShape) {
+        self.line_shape = line_shape;
+        if let Some(correlation) = line_shape.noise_correlation() {
+            self.correlation = correlation;
+        }
+        self.renew();
+    }
+
+    /// Adds to a function what is to be corrected of it at each frequency, rad/s.
+    pub fn correct(&mut self, function: usize, by: impl Fn(f64) -> Complex64) {
+        let values = self.values.0.col_as_slice_mut(function);
+        for (value, omega) in values.iter_mut().zip(&self.omega) {
+            *value += by(*omega);
+        }
+        self.renew();
+    }
+
+    /// Standard deviation of the noise of a function at one line, m/N.
+    pub fn deviation(&self, function: usize, line: usize) -> f64 {
+        self.variance[function][line].sqrt()
+    }
+
+    /// Range of the lines, rad/s.
+    pub fn range(&self) -> f64 {
+        self.omega[self.lines() - 1] - self.omega[0]
+    }
+
+    /// How far a frequency lies from the lines, rad/s; 0 among them.
+    pub fn beyond(&self, omega: f64) -> f64 {
+        let (first, last) = (self.omega[0], self.omega[self.lines() - 1]);
+        (first - omega).max(omega - last).max(0.0)
+    }
+
+    /// Mean variance of a function over some lines, (m/N)².
+    pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
+        let count = lines.len().max(1) as f64;
+        self.variance[function][lines].iter().sum::<f64>() / count
+    }
+}
+
+/// What turns measured values into receptances, line by line, and the magnitude of its inverse: for
+/// each order of derivative.
+struct Scales(BTreeMap<i32, (Vec<Complex64>, Arc<Vec<f64>>)>);
+
+impl Scales {
+    fn new(set: &FrfSet, omega: &[f64]) -> Self {
+        let of_order = |order: i32| {
+            let factor = |w: &f64| Complex64::new(set.added_damping_rad_s, *w).powi(-order);
+            let factors: Vec<Complex64> = omega.iter().map(factor).collect();
+            let scale = factors.iter().map(|factor| factor.norm().recip()).collect();
+            (factors, Arc::new(scale))
+        };
+        let orders = set.functions().iter().map(order_of);
+        let orders: BTreeSet<i32> = orders.collect();
+        Self(orders.into_iter().map(|n| (n, of_order(n))).collect())
+    }
+
+    fn of(&self, set: &FrfSet, function: usize) -> &(Vec<Complex64>, Arc<Vec<f64>>) {
+        &self.0[&order_of(&set.functions()[function])]
+    }
+}
+
+fn order_of(function: &Function) -> i32 {
+    function.kind.derivative_order()
+}
+
+/// The whole usable band of a set: from its first line above 0 Hz to its last.
+pub(in crate::identify) fn whole_band(set: &FrfSet) -> Option<Band> {
+    let axis = set.axis();
+    let first = (0..axis.len).find(|k| axis.hz(*k) > 0.0)?;
+    Band::new(axis.hz(first), axis.hz(axis.len - 1)).ok()
+}
+
+/// The error of a set whose axis holds no band.
+pub(in crate::identify) fn no_band(set: &FrfSet) -> IdentifyError {
+    IdentifyError::TooFewLines {
+        got: set.axis().len,
+        expected: FEWEST_LINES,
+    }
+}
+
+fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, IdentifyError> {
+    if set.is_empty() {
+        return Err(IdentifyError::NoFunctions);
+    }
+    let added = set.added_damping_rad_s;
+    if !(added >= 0.0 && added.is_finite()) {
+        return Err(IdentifyError::OptionOutOfRange {
+            name: "added damping of the set in rad/s",
+            got: added,
+            expected: "a finite number, 0 or more",
+        });
+    }
+    let whole = whole_band(set).ok_or_else(|| no_band(set))?;
+    let slack = 0.5 * set.axis().step_hz;
+    let lower_reaches =
+        band.lo_hz >= whole.lo_hz - slack || (band.lo_hz >= 0.0 && set.axis().start_hz <= 0.0);
+    if !(lower_reaches && band.lo_hz < band.hi_hz && band.hi_hz <= whole.hi_hz + slack) {
+        return Err(IdentifyError::BandOutside {
+            got_lo_hz: band.lo_hz,
+            got_hi_hz: band.hi_hz,
+            lo_hz: whole.lo_hz,
+            hi_hz: whole.hi_hz,
+        });
+    }
+    let lines = set.axis().lines(&band);
+    let first = lines.clone().find(|k| set.axis().hz(*k) > 0.0);
+    let lines = first.unwrap_or(lines.end)..lines.end;
+    if lines.len() < FEWEST_LINES {
+        return Err(IdentifyError::TooFewLines {
+            got: lines.len(),
+            expected: FEWEST_LINES,
+        });
+    }
+    Ok(lines)
+}
+
+/// Lines of a band with [`GUARD`] of them more on each side, as far as the set has them.
+fn guarded(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+    let guard = (GUARD * lines.len() as f64).ceil() as usize;
+    let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
+    let start = lines.start.saturating_sub(guard);
+    let end = (lines.end + guard).min(set.axis().len);
+    start.max(first.unwrap_or(lines.start))..end
+}
+
+/// The lines of a band and beside it that an identification looks at; none where the band is none.
+pub(in crate::identify) fn looked_at(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
+    checked_lines(set, band).map_or(0..0, |lines| guarded(set, &lines))
+}
+
+/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser
+/// leaves them, or no number: between these and the first value lies no resonance. All lines where
+/// that leaves too few.
+fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
+    let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
+    let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
+    let start = lines.clone().find(|k| !blank(*k));
+    let end = lines.clone().rev().find(|k| !blank(*k));
+    match (start, end) {
+        (Some(start), Some(last)) if last + 1 - start >= FEWEST_LINES => start..last + 1,
+        _ => lines,
+    }
+}
+
+/// Numbers of the functions with a value in a band that is no number, with the frequency of the
+/// first, Hz.
+pub(in crate::identify) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
+    let lines = checked_lines(set, band).unwrap_or_default();
+    let lines = without_blanks(set, lines);
+    let damaged = |i: usize| match check_finite(set, i, lines.clone()) {
+        Err(IdentifyError::NotFinite { hz, .. }) => Some((i, hz)),
+        _ => None,
+    };
+    (0..set.len()).filter_map(damaged).collect()
+}
+
+fn check_finite(
+    set: &FrfSet,
+    i: usize,
+    lines: std::ops::Range<usize>,
+) -> Result<(), IdentifyError> {
+    let values = set.values(i);
+    let error = |k: usize, what, got| IdentifyError::NotFinite {
+        response: set.functions()[i].response.clone(),
+        reference: set.functions()[i].reference.clone(),
+        hz: set.axis().hz(k),
+        what,
+        got,
+    };
+    if let Some(k) = lines.clone().find(|k| !values[*k].is_finite()) {
+        return Err(error(k, "value", values[k].to_string()));
+    }
+    let overflows = |k: &usize| !values[*k].norm_sqr().is_finite();
+    if let Some(k) = lines.clone().find(overflows) {
+        return Err(error(k, "square of the value", format!("{:e}", values[k])));
+    }
+    let Some(variance) = set.variance(i) else {
+        return Ok(());
+    };
+    let legal = |v: f64| v.is_finite() && v >= 0.0;
+    match lines.clone().find(|k| !legal(variance[*k])) {
+        Some(k) => Err(error(k, "variance of 0 or more", variance[k].to_string())),
+        None => Ok(()),
+    }
+}

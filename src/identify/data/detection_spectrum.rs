@@ -1,0 +1,48 @@
+//! The mode indicator: the power of all functions on one axis, in which peaks are searched.
+//!
+//! `S_k = Σ_f w_f ω_k² |R_fk|²`: a weighted sum of squared *mobilities*. A viscously damped mode is
+//! symmetric in mobility (its peak lies at the natural frequency, its half-power points at
+//! `ω_n(√(1+ζ²) ∓ ζ)`), and neither the stiffness line that dominates a receptance at low
+//! frequencies nor the mass line that dominates an accelerance at high ones hides a peak. The
+//! weight of a function is one over its noise variance (the median over the band) when the
+//! variances came with the data, else one over its own mean square, so that no function drowns the
+//! others.
+
+use crate::identify::data::band_frfs::Receptances;
+
+/// Weighted power of all functions.
+pub(in crate::identify) struct Indicator {
+    /// `S_k` at every line.
+    pub power: Vec<f64>,
+    /// `w_f` of every function.
+    pub weights: Vec<f64>,
+}
+
+impl Indicator {
+    /// The indicator of a set of receptances.
+    pub fn new(data: &Receptances) -> Self {
+        let weights: Vec<f64> = (0..data.functions()).map(|f| weight(data, f)).collect();
+        let mut power = vec![0.0; data.lines()];
+        for (values, weight) in data.values.iter().zip(&weights) {
+            for ((sum, value), omega) in power.iter_mut().zip(values).zip(&data.omega) {
+                *sum += weight * omega * omega * value.norm_sqr();
+            }
+        }
+        Self { power, weights }
+    }
+}
+
+fn weight(data: &Receptances, function: usize) -> f64 {
+    let squared = |k: usize| data.omega[k] * data.omega[k];
+    let scale = if data.variance_measured() {
+        let mut variances: Vec<f64> = (0..data.lines())
+            .map(|k| squared(k) * data.variance[function][k])
+            .collect();
+        let middle = variances.len() / 2;
+        *variances.select_nth_unstable_by(middle, f64::total_cmp).1
+    } else {
+        let power = |k: usize| squared(k) * data.values[function][k].norm_sqr();
+        (0..data.lines()).map(power).sum::<f64>() / data.lines() as f64
+    };
+    if scale > 0.0 { 1.0 / scale } else { 0.0 }
+}

@@ -1,0 +1,331 @@
+//! The search for resonances: local maxima of the indicator that are peaks, not noise.
+//!
+//! A maximum becomes a peak when
+//! 1. it is the highest point within its own half-power band: going outwards, the power falls to
+//!    half before it rises above the maximum, at least on one side; on the other side the band may
+//!    end, or a higher line may come, but only farther away;
+//! 2. it stands above the noise. With the functions whitened by their variances, the deviation of
+//!    the vector of all `n` functions at the maximum from the straight line between its two flank
+//!    lines has, where there is only noise on a smooth background, a power that is chi-squared with
+//!    `2n` degrees of freedom. The limit is its quantile at `1 − p/N` for the stated false-alarm
+//!    probability `p` in the whole band of `N` lines (Bonferroni). This holds on any straight
+//!    background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not
+//!    pass. Where a higher line ends one flank, the dip before it must be deeper than noise makes
+//!    it as well: on a background that bends, as at an antiresonance, a wiggle's flank lines are
+//!    far from it and off any straight line;
+//! 3. it is stable: the values run clockwise with frequency, which is what a pole with positive
+//!    damping does.
+//!
+//! A peak must also be fitted later by the method, or turn as a resonance does between its
+//! half-power points ([`drop_humps`]).
+//!
+//! A maximum that stands above the noise and fails one of the others is dropped with a finding;
+//! noise is dropped without a word.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::detection_spectrum::Indicator;
+
+/// Least part of a resonance's turn between its half-power points: noise or a neighbour may take
+/// most of it away. Before an antiresonance the values turn the other way.
+pub(in crate::identify) const LEAST_TURN: f64 = 0.2;
+
+/// Where the search outwards from a maximum ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::identify) enum Flank {
+    /// First line below half power.
+    Half(usize),
+    /// A line above the maximum comes first; with the lowest line between.
+    Higher {
+        /// First line above the maximum.
+        line: usize,
+        /// Lowest line between.
+        valley: usize,
+    },
+    /// The band ends first.
+    Edge(usize),
+}
+
+impl Flank {
+    /// The line that the maximum is compared with.
+    fn foot(self) -> usize {
+        match self {
+            Flank::Half(line) | Flank::Edge(line) => line,
+            Flank::Higher { valley, .. } => valley,
+        }
+    }
+
+    /// Lines between the maximum and what ended the search.
+    fn distance(self, top: usize) -> usize {
+        match self {
+            Flank::Half(line) | Flank::Edge(line) | Flank::Higher { line, .. } => {
+                line.abs_diff(top)
+            }
+        }
+    }
+}
+
+/// A maximum of the indicator with its flanks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::identify) struct Peak {
+    /// Line of the maximum.
+    pub line: usize,
+    /// Towards lower frequencies.
+    pub left: Flank,
+    /// Towards higher frequencies.
+    pub right: Flank,
+    /// Indicator at the maximum.
+    pub power: f64,
+}
+
+/// Why a maximum above the noise is not a peak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::identify) enum Drop {
+    /// A higher line inside the half-power band: power at the maximum over power in the valley, at
+    /// least 2 expected.
+    NotHighest(f64),
+    /// Not fitted, and turning less than [`LEAST_TURN`] of what a resonance turns.
+    NotTurning(f64),
+    /// Anticlockwise: relative area of the triangle of the three lines, more than 0 expected.
+    Unstable(f64),
+}
+
+/// What the search found, in ascending frequency.
+#[derive(Debug, Default)]
+pub(in crate::identify) struct Found {
+    /// Resonances.
+    pub peaks: Vec<Peak>,
+    /// Maxima above the noise that are none.
+    pub dropped: Vec<(Peak, Drop)>,
+}
+
+/// Searches the indicator for peaks at a false-alarm probability for the whole band.
+pub(in crate::identify) fn search(
+    data: &Receptances,
+    indicator: &Indicator,
+    false_alarm: f64,
+) -> Found {
+    let limit = noise_limit(data.functions(), data.lines(), false_alarm);
+    let mut found = Found::default();
+    for line in 1..data.lines() - 1 {
+        let Some(peak) = maximum_at(&indicator.power, line) else {
+            continue;
+        };
+        match defect(data, indicator, &peak) {
+            _ if deviation(data, &peak) <= limit => {}
+            None | Some(Drop::NotHighest(_))
+                if !above_its_valley(data, indicator, &peak, limit) => {}
+            None => found.peaks.push(peak),
+            Some(drop) => found.dropped.push((peak, drop)),
+        }
+    }
+    found
+}
+
+/// Drops the peaks in which no resonance could be fitted and whose values do not turn as around
+/// one: humps of the background, such as that between a minimum and an antiresonance. Says whether
+/// there were any.
+pub(in crate::identify) fn drop_humps(
+    found: &mut Found,
+    (data, indicator): (&Receptances, &Indicator),
+    fitted: impl Fn(usize) -> bool,
+) -> bool {
+    let peaks = std::mem::take(&mut found.peaks);
+    let before = peaks.len();
+    for (mode, peak) in peaks.into_iter().enumerate() {
+        let turn = turn_of_a_resonance(data, indicator, &peak);
+        if fitted(mode) || turn >= LEAST_TURN {
+            found.peaks.push(peak);
+        } else {
+            found.dropped.push((peak, Drop::NotTurning(turn)));
+        }
+    }
+    found.dropped.sort_by_key(|(peak, _)| peak.line);
+    found.peaks.len() < before
+}
+
+/// Clockwise angle between the half-power points that there are, or between one and the top, as a
+/// part of what it is for a resonance: 45 degrees on either side.
+fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+    let foot = |flank: Flank| match flank {
+        Flank::Half(line) => (line, 1.0),
+        _ => (peak.line, 0.0),
+    };
+    let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
+    let term = |(h, weight): (&[Complex64], &f64)| weight * h[low].conj() * h[high];
+    let sum: Complex64 = data.values.iter().zip(&indicator.weights).map(term).sum();
+    let sides: f64 = left + right;
+    -sum.arg() / (sides.max(1.0) * std::f64::consts::FRAC_PI_4)
+}
+
+/// Quantile of chi-squared with `2n` degrees of freedom at `1 − p/N`.
+pub(in crate::identify) fn noise_limit(functions: usize, lines: usize, false_alarm: f64) -> f64 {
+    let share = (false_alarm / lines as f64).clamp(1e-14, 0.5);
+    ChiSquared::new(2.0 * functions as f64)
+        .expect("degrees of freedom are positive")
+        .inverse_cdf(1.0 - share)
+}
+
+fn maximum_at(power: &[f64], line: usize) -> Option<Peak> {
+    let top = power[line];
+    (top > 0.0 && top >= power[line - 1] && top > power[line + 1]).then(|| Peak {
+        line,
+        left: flank(power, top, (0..line).rev()),
+        right: flank(power, top, line + 1..power.len()),
+        power: top,
+    })
+}
+
+fn flank(power: &[f64], top: f64, outwards: impl Iterator<Item = usize>) -> Flank {
+    let mut valley = (f64::INFINITY, 0);
+    let mut last = 0;
+    for line in outwards {
+        if power[line] > top {
+            return Flank::Higher {
+                line,
+                valley: valley.1,
+            };
+        }
+        if power[line] < 0.5 * top {
+            return Flank::Half(line);
+        }
+        if power[line] < valley.0 {
+            valley = (power[line], line);
+        }
+        last = line;
+    }
+    Flank::Edge(last)
+}
+
+/// Share of the left foot in the straight line between the feet, at the maximum.
+fn left_share(peak: &Peak) -> f64 {
+    let (left, right) = (peak.left.foot(), peak.right.foot());
+    (right - peak.line) as f64 / (right - left) as f64
+}
+
+/// Squared deviation from the line between the feet in units of its noise, summed over functions;
+/// chi-squared with two degrees of freedom for every function when there is only noise on a
+/// straight line.
+fn deviation(data: &Receptances, peak: &Peak) -> f64 {
+    let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
+    let share = left_share(peak);
+    let term = |(h, v): (&[Complex64], &Vec<f64>)| {
+        let between = share * h[left] + (1.0 - share) * h[right];
+        let variance = v[top] + share * share * v[left] + (1.0 - share).powi(2) * v[right];
+        2.0 * (h[top] - between).norm_sqr() / variance
+    };
+    data.values.iter().zip(&data.variance).map(term).sum()
+}
+
+/// Lowest line on the way to a higher one.
+fn valley(peak: &Peak) -> Option<usize> {
+    [peak.left, peak.right]
+        .into_iter()
+        .find_map(|flank| match flank {
+            Flank::Higher { valley, .. } => Some(valley),
+            _ => None,
+        })
+}
+
+/// Whether the dip before a higher line is more than noise; without a higher line there is none to
+/// judge.
+fn above_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
+    valley(peak).is_none() || dip(data, indicator, peak) > limit
+}
+
+/// Squared difference of the root of the indicator at the maximum and in the valley before the
+/// higher line, in units of its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the values
+/// turn as well, which is no peak: only the magnitude counts here.
+fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+    let Some(valley) = valley(peak) else {
+        return 0.0;
+    };
+    let line = peak.line;
+    let term = |f: usize| {
+        let weighted = indicator.weights[f] * data.omega[line].powi(2);
+        weighted * weighted * data.values[f][line].norm_sqr() * data.variance[f][line]
+    };
+    let variance: f64 = (0..data.functions()).map(term).sum::<f64>() / peak.power;
+    let difference = peak.power.sqrt() - indicator.power[valley].sqrt();
+    difference * difference / variance
+}
+
+fn defect(data: &Receptances, indicator: &Indicator, peak: &Peak) -> Option<Drop> {
+    if !highest_in_its_band(peak) {
+        let lowest = valley(peak).map_or(peak.power, |line| indicator.power[line]);
+        return Some(Drop::NotHighest(peak.power / lowest));
+    }
+    let turn = clockwise(data, indicator, peak);
+    (turn <= 0.0).then_some(Drop::Unstable(turn))
+}
+
+fn highest_in_its_band(peak: &Peak) -> bool {
+    let distance = |flank: Flank| flank.distance(peak.line);
+    match (peak.left, peak.right) {
+        (Flank::Half(_), Flank::Half(_) | Flank::Edge(_)) | (Flank::Edge(_), Flank::Half(_)) => {
+            true
+        }
+        (Flank::Half(_), other) => distance(other) > distance(peak.left),
+        (other, Flank::Half(_)) => distance(other) > distance(peak.right),
+        _ => false,
+    }
+}
+
+/// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of their
+/// squared sides at the maximum; positive for positive damping, whatever constant lies under the
+/// resonance.
+fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+    let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
+    let (mut area, mut sides) = (0.0, 0.0);
+    for (h, weight) in data.values.iter().zip(&indicator.weights) {
+        let (rise, fall) = (h[top] - h[left], h[right] - h[top]);
+        area -= weight * (rise.conj() * fall).im;
+        sides += weight * rise.norm() * fall.norm();
+    }
+    if sides > 0.0 { area / sides } else { 0.0 }
+}
+
+/// First estimate of a pole, rad/s, from the lines of the indicator around its peak: top by a
+/// parabola, decay rate from the nearer half-power point; looking no farther than the valleys to
+/// the neighbouring maxima.
+pub(in crate::identify) fn first_pole(
+    data: &Receptances,
+    indicator: &Indicator,
+    found: &Found,
+    peak: &Peak,
+) -> Complex64 {
+    let maxima = found
+        .peaks
+        .iter()
+        .chain(found.dropped.iter().map(|(other, _)| other));
+    let (mut first, mut end) = (0, data.lines());
+    for other in maxima.map(|other| other.line) {
+        if other < peak.line {
+            first = first.max(lowest(&indicator.power, other..peak.line));
+        } else if other > peak.line {
+            end = end.min(lowest(&indicator.power, peak.line + 1..other + 1) + 1);
+        }
+    }
+    let (omega, power) = (&data.omega[first..end], &indicator.power[first..end]);
+    let side = (peak.line - first).min(end - 1 - peak.line).max(1);
+    crate::identify::sdof::peak_picking::half_power(omega, power, peak.line - first).map_or_else(
+        || Complex64::new(-0.5 * side as f64 * data.step, data.omega[peak.line]),
+        |fit| Complex64::new(-fit.narrower_rad_s(), fit.omega_rad_s),
+    )
+}
+
+fn lowest(power: &[f64], lines: std::ops::Range<usize>) -> usize {
+    let start = lines.start;
+    lines
+        .min_by(|a, b| power[*a].total_cmp(&power[*b]))
+        .unwrap_or(start)
+}
+
+/// Frequency of a line, Hz.
+pub(in crate::identify) fn hz(data: &Receptances, line: usize) -> f64 {
+    data.omega[line] / TAU
+}

@@ -1,0 +1,146 @@
+//! The FRFs that an identification reads: references that were asked for, the band cut to the
+//! data, missing lines and outlier lines interpolated, FRFs without values rejected.
+
+use std::borrow::Cow;
+
+use crate::axis::Band;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::{FrfSet, Function};
+
+use crate::identify::data::band_frfs::{damaged, looked_at, no_band, whole_band};
+use crate::identify::data::outlier_lines::{filled, without_spikes};
+use crate::identify::error::IdentifyError;
+use crate::identify::estimator::IdentifyOptions;
+
+/// Most rounds in which spikes are sought.
+const ROUNDS: usize = 3;
+
+/// What an identification looks at.
+pub(in crate::identify) struct Chosen<'a> {
+    pub set: Cow<'a, FrfSet>,
+    pub band: Band,
+    /// Of what was left out or replaced.
+    pub findings: Vec<Finding>,
+}
+
+/// The functions of the references that the options name, and the band: that of the options, else
+/// the set's valid band, else its axis; as far as there are lines. Lines without any value and
+/// spikes are replaced by what their neighbours say ([`spikes`]).
+///
+/// # Errors
+/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`]
+/// for an axis without any band.
+pub(in crate::identify) fn chosen<'a>(
+    set: &'a FrfSet,
+    options: &IdentifyOptions,
+) -> Result<Chosen<'a>, IdentifyError> {
+    let mut set = Cow::Borrowed(set);
+    if let Some(references) = &options.references {
+        let known = set.references();
+        if let Some(got) = references.iter().find(|dof| !known.contains(dof)) {
+            return Err(IdentifyError::UnknownReference {
+                got: got.clone(),
+                known,
+            });
+        }
+        let of_them = |i: &usize| references.contains(&set.functions()[*i].reference);
+        let own: Vec<usize> = (0..set.len()).filter(of_them).collect();
+        set = Cow::Owned(set.part(&own));
+    }
+    let band = options.band.or(set.valid_band);
+    let band = band.or_else(|| whole_band(&set));
+    let band = band.ok_or_else(|| no_band(&set))?;
+    let (band, mut findings) = cut(&set, band);
+    findings.extend(ends_without_numbers(&set, band));
+    if let Some((filled, blanks)) = filled(&set, looked_at(&set, band)) {
+        set = Cow::Owned(filled);
+        findings.extend(blanks);
+    }
+    if options.partial {
+        let damaged = damaged(&set, band);
+        let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
+        let sound: Vec<usize> = sound.collect();
+        // Of nothing but damage, the error says what it is.
+        if !damaged.is_empty() && !sound.is_empty() {
+            let left_out = |(i, hz): (&usize, &f64)| left_out(&set.functions()[*i], *hz);
+            findings.extend(damaged.iter().map(left_out));
+            set = Cow::Owned(set.part(&sound));
+        }
+    }
+    // A weak line beside a strong one is seen when that is gone.
+    for _ in 0..ROUNDS {
+        let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) else {
+            break;
+        };
+        set = Cow::Owned(without);
+        findings.extend(spikes);
+    }
+    Ok(Chosen {
+        set,
+        band,
+        findings,
+    })
+}
+
+/// A band without what lies beyond the lines by half a step or more, and what was cut off; one
+/// beside the lines, or none, stays as it is.
+fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
+    let inside = |whole: &Band| {
+        let lo_hz = band.lo_hz.max(whole.lo_hz);
+        Band::new(lo_hz, band.hi_hz.min(whole.hi_hz)).ok()
+    };
+    let legal = Band::new(band.lo_hz, band.hi_hz).ok();
+    let whole = legal.and_then(|_| whole_band(set));
+    let Some((whole, own)) = whole.and_then(|whole| Some((whole, inside(&whole)?))) else {
+        return (band, Vec::new());
+    };
+    // From 0 Hz on is from the first line above it.
+    let slack = 0.5 * set.axis().step_hz;
+    let low = band.lo_hz < whole.lo_hz - slack && set.axis().start_hz > 0.0;
+    let high = band.hi_hz > whole.hi_hz + slack;
+    let finding = |stated: f64, limit: f64| {
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        finding.value(stated, "Hz").limit(limit)
+    };
+    let ends = [
+        low.then(|| finding(band.lo_hz, whole.lo_hz)),
+        high.then(|| finding(band.hi_hz, whole.hi_hz)),
+    ];
+    let findings: Vec<Finding> = ends.into_iter().flatten().collect();
+    match findings.is_empty() {
+        true => (band, findings),
+        false => (own, findings),
+    }
+}
+
+/// The findings of a band at whose ends no function has a number: those lines are left out.
+fn ends_without_numbers(set: &FrfSet, band: Band) -> Vec<Finding> {
+    let lines = set.axis().lines(&band);
+    let none = |k: &usize| (0..set.len()).all(|i| !set.values(i)[*k].is_finite());
+    let hz = |k: usize| set.axis().hz(k);
+    // Derivatives have no value at 0 Hz, and nobody looks there.
+    let first = lines.clone().find(|k| hz(*k) > 0.0 && !none(k));
+    let last = lines.clone().rev().find(|k| !none(k));
+    let (Some(first), Some(last)) = (first, last) else {
+        return Vec::new();
+    };
+    let finding = |end: usize, limit: usize| {
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        finding.value(hz(end), "Hz").limit(hz(limit))
+    };
+    let begin = lines.clone().find(|k| hz(*k) > 0.0);
+    let low = begin.filter(|begin| *begin < first);
+    let high = Some(lines.end - 1).filter(|end| *end > last);
+    let low = low.map(|begin| finding(begin, first));
+    low.into_iter()
+        .chain(high.map(|end| finding(end, last)))
+        .collect()
+}
+
+fn left_out(function: &Function, hz: f64) -> Finding {
+    let place = Place::Function {
+        response: Some(function.response.clone()),
+        reference: Some(function.reference.clone()),
+    };
+    Finding::new(Severity::Error, Code::ValueNotFinite, place).value(hz, "Hz")
+}

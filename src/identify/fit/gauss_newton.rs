@@ -1,0 +1,348 @@
+//! One step of the maximum likelihood fit of the modes in a window of lines: variable projection.
+//!
+//! In the window the receptance of function f (output o, input i) is `Σ_j ψ_oj L_ji/(iω − λ_j) +
+//! c_f + d_f x + (known terms)`, with known terms for the conjugates and for the modes outside. The
+//! noise is circular with variance `s_f² u_k²` (a level per function, a course over the lines that
+//! all functions share). What is linear is projected out: constant and slope of every function,
+//! which stand for all that is farther away, with one QR that all functions share, then the shapes
+//! ψ. What remains depends on λ and L alone, to which Gauss-Newton is applied with the Jacobian of
+//! Kaufman (1975). The model is analytic in all unknowns, so that the steps are complex least
+//! squares.
+//!
+//! The data of all functions are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j =
+//! σ_j/(iω − λ_j)` ([`window`](crate::identify::fit::compressed_band)): as many numbers as there are columns, and nothing
+//! that a step needs is lost.
+//!
+//! At the end the matrix of the normal equations is the Fisher information of (λ, L) with all
+//! linear unknowns profiled out: its inverse holds the Cramér-Rao bounds, twice the variance of
+//! real and imaginary part.
+//!
+//! References: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2); Kaufman (1975), BIT 15; Kay
+//! (1993), Fundamentals of Statistical Signal Processing: Estimation Theory, section 15.7.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::linalg::{self, ComplexMatrix};
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::model_pole::{Root, in_reach};
+use crate::identify::data::residual::courses;
+use crate::identify::fit::compressed_band::{Near, Window};
+use crate::identify::fit::mode_strength::{Strength, Strengths};
+use crate::identify::fit::shape_covariance::Turning;
+use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
+
+pub(in crate::identify) use crate::identify::fit::variable_projection::Unknown;
+
+/// Largest step of a pole, in decay rates, and of a participation factor.
+const LONGEST_STEP: f64 = 0.5;
+/// Damping of the normal equations relative to their diagonal (Marquardt 1963): at first, least and
+/// most. The least keeps poles that the data cannot tell apart where they are.
+const FIRST_DAMPING: f64 = 1e-3;
+const LEAST_DAMPING: f64 = 1e-10;
+const MOST_DAMPING: f64 = 1e6;
+/// After a step this short, in decay rates, the next would be its square: what the other blocks
+/// changed comes first.
+const SMALL: f64 = 1e-2;
+/// Rounding of the cost, relative to the energy of the data.
+const ROUNDING: f64 = 1e-14;
+
+/// Modes that are fitted together.
+#[derive(Clone, Debug)]
+pub(in crate::identify) struct Block {
+    /// Lines of the window.
+    pub lines: Range<usize>,
+    /// Numbers of the roots in the window, ascending.
+    pub members: Vec<usize>,
+    /// Places in `members` of those whose poles move.
+    pub free: Vec<usize>,
+    /// Places in `members` of those that this block decides.
+    pub core: Vec<usize>,
+}
+
+/// A fitted block.
+pub(in crate::identify) struct Fitted {
+    /// Its members with their residues.
+    pub members: Vec<Root>,
+    /// Unknowns in order.
+    pub unknowns: Vec<Unknown>,
+    /// Fisher information of the unknowns.
+    pub information: ComplexMatrix,
+    /// Mean square of what is left over, over that of the noise.
+    pub misfit: f64,
+    /// How strong the modes of each member are.
+    pub strengths: Vec<Strengths>,
+    /// The Gauss-Newton step that was not taken, by unknown, poles in decay rates; where no steps
+    /// were to be taken.
+    pub next: Vec<Complex64>,
+}
+
+/// What a block is fitted in.
+pub(in crate::identify) struct Surroundings<'a> {
+    pub data: &'a Receptances,
+    pub sides: &'a Sides,
+    /// All roots, and their residues.
+    pub roots: &'a [Root],
+    pub residues: &'a ComplexMatrix,
+    /// Coordinates of the background of all lines, where it is taken out first.
+    pub far: Option<&'a ComplexMatrix>,
+    /// Whether nothing is expected to move any more and the deviations of the shapes are wanted.
+    pub last: bool,
+}
+
+/// Fits a block with so many steps at most; none finds the residues alone. The window is left as
+/// the last step needed it.
+pub(in crate::identify) fn fit(
+    around: &Surroundings,
+    block: &Block,
+    (window, steps): (&mut Option<Window>, usize),
+) -> Fitted {
+    let mut members: Vec<Root> = block
+        .members
+        .iter()
+        .map(|j| around.roots[*j].clone())
+        .collect();
+    let unknowns = unknowns(&members, &block.free);
+    let mut problem = Windowed::new(around, block, window);
+    let mut here = problem.linearised(&members, &unknowns);
+    let mut damping = FIRST_DAMPING;
+    let mut taken = 0;
+    while taken < steps && damping < MOST_DAMPING {
+        let (trial, longest) = moved(&members, &unknowns, &here, damping);
+        if !trial.iter().all(|root| in_reach(root.lambda)) {
+            damping *= 10.0;
+            continue;
+        }
+        let there = problem.linearised(&trial, &unknowns);
+        if there.cost <= here.cost + ROUNDING * problem.near.energy {
+            (members, here) = (trial, there);
+            taken += 1;
+            damping = (0.1 * damping).max(LEAST_DAMPING);
+            if longest < SMALL {
+                break;
+            }
+        } else {
+            damping *= 10.0;
+        }
+    }
+    let misfit = here.cost / problem.freedom(&members, &unknowns);
+    for (root, residues) in members.iter_mut().zip(&mut here.residues) {
+        root.residues = std::mem::take(residues);
+    }
+    if around.last {
+        problem.widen((&members, &block.core), &mut here);
+    }
+    for (root, variances) in members.iter_mut().zip(here.residue_variances) {
+        root.residue_variances = variances;
+    }
+    let next = if steps == 0 && !unknowns.is_empty() {
+        let step = damped_solution(&here.information, &here.gradient, LEAST_DAMPING);
+        (0..unknowns.len()).map(|place| step[(place, 0)]).collect()
+    } else {
+        Vec::new()
+    };
+    *window = Some(problem.window);
+    Fitted {
+        misfit,
+        next,
+        members,
+        unknowns,
+        information: here.information,
+        strengths: here.strength.iter().map(Strength::values).collect(),
+    }
+}
+
+/// The members after one damped step, and its longest part.
+fn moved(
+    members: &[Root],
+    unknowns: &[Unknown],
+    here: &Linearised,
+    damping: f64,
+) -> (Vec<Root>, f64) {
+    let delta = damped_solution(&here.information, &here.gradient, damping);
+    let mut moved = members.to_vec();
+    let mut longest: f64 = 0.0;
+    for (place, unknown) in unknowns.iter().enumerate() {
+        let own = delta[(place, 0)];
+        let own = own * (LONGEST_STEP / own.norm().max(LONGEST_STEP));
+        longest = longest.max(own.norm());
+        match *unknown {
+            Unknown::Pole(j) => moved[j].lambda += members[j].decay().abs() * own,
+            Unknown::Factor(j, part, input) => moved[j].parts[part][input] += own,
+        }
+    }
+    (moved, longest)
+}
+
+/// The problem of a block in its window.
+struct Windowed<'a> {
+    around: &'a Surroundings<'a>,
+    window: Window,
+    /// Courses of all roots and their conjugates that the members do not stand for, lines × twice
+    /// the roots.
+    known: ComplexMatrix,
+    /// The values without them, and their energy.
+    near: Near,
+    energy: f64,
+    patterns: Vec<Pattern>,
+}
+
+impl<'a> Windowed<'a> {
+    fn new(around: &'a Surroundings, block: &Block, window: &mut Option<Window>) -> Self {
+        let poles: Vec<Complex64> = block
+            .members
+            .iter()
+            .map(|j| around.roots[*j].lambda)
+            .collect();
+        let window = match window.take() {
+            Some(mut own) => {
+                if !own.serves(&poles) {
+                    own.follow(around.data, poles);
+                }
+                own
+            }
+            None => Window::new(around.data, &block.lines, poles),
+        };
+        let known = known_courses(around.data, around.roots, block);
+        let near = window.near(around, &known);
+        Self {
+            energy: window.energy(around, (&known, &near)),
+            near,
+            patterns: patterns(around.sides, window.profile()),
+            around,
+            window,
+            known,
+        }
+    }
+
+    /// Complex values less complex unknowns, 1 at least.
+    fn freedom(&self, members: &[Root], unknowns: &[Unknown]) -> f64 {
+        let shapes: usize = members.iter().map(Root::multiplicity).sum();
+        let functions = self.around.data.functions();
+        let fitted = self.window.background() * functions
+            + shapes * self.around.sides.outputs.len()
+            + unknowns.len();
+        (self.known.nrows() * functions)
+            .saturating_sub(fitted)
+            .max(1) as f64
+    }
+
+    /// Adds to the variances of the residues of the core what the errors of the unknowns make of
+    /// them.
+    fn widen(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
+        if here.information.nrows() == 0 {
+            return;
+        }
+        let Some(covariance) = linalg::inverse_hermitian_raised(&here.information) else {
+            return;
+        };
+        let turning = Turning {
+            columns: &columns(members),
+            patterns: &self.patterns,
+            turns: &here.turns,
+            covariance: &covariance,
+        };
+        for &j in core {
+            turning.widen((j, &members[j]), &mut here.residue_variances[j]);
+        }
+    }
+
+    /// At some poles; the window follows where they leave what it serves.
+    fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
+        let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
+        if !self.window.serves(&poles) {
+            self.window.follow(self.around.data, poles);
+            self.near = self.window.near(self.around, &self.known);
+        }
+        let moving: Vec<usize> = unknowns
+            .iter()
+            .filter_map(|unknown| match unknown {
+                Unknown::Pole(j) => Some(*j),
+                Unknown::Factor(..) => None,
+            })
+            .collect();
+        let (data, explained) = self.window.compressed(&self.near, (members, &moving));
+        let columns = columns(members);
+        let of_pattern = |pattern: &Pattern| {
+            let problem = Problem {
+                data: &data,
+                members,
+                columns: &columns,
+                unknowns,
+                pattern,
+            };
+            problem.linearised()
+        };
+        let parts: Vec<Linearised> = self.patterns.par_iter().map(of_pattern).collect();
+        let functions = self.around.data.functions();
+        let mut sums = Linearised::none(members, unknowns.len(), functions);
+        sums.cost = self.energy - explained;
+        for part in parts {
+            sums.add(part);
+        }
+        sums
+    }
+}
+
+/// Member and part of each column of shapes.
+fn columns(members: &[Root]) -> Vec<(usize, usize)> {
+    (0..members.len())
+        .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
+        .collect()
+}
+
+fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
+    let mut unknowns = Vec::new();
+    for &j in free {
+        unknowns.push(Unknown::Pole(j));
+        for part in 0..members[j].multiplicity() {
+            let inputs = members[j].free_inputs();
+            unknowns.extend(inputs.map(|input| Unknown::Factor(j, part, input)));
+        }
+    }
+    unknowns
+}
+
+/// Courses of the other roots and of all conjugates; 0 for the members: lines × twice the roots.
+fn known_courses(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
+    let omega = &data.omega[block.lines.clone()];
+    let mut known = courses(data.line_shape, omega, roots);
+    for j in &block.members {
+        known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
+    }
+    known
+}
+
+/// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is
+/// no information.
+fn damped_solution(
+    information: &ComplexMatrix,
+    gradient: &ComplexMatrix,
+    damping: f64,
+) -> ComplexMatrix {
+    let count = information.nrows();
+    let scale: Vec<f64> = (0..count)
+        .map(|i| information[(i, i)].re.max(f64::MIN_POSITIVE).sqrt().recip())
+        .collect();
+    let right = linalg::complex_matrix(count, 1, |i, _| gradient[(i, 0)] * scale[i]);
+    let mut ridge = damping;
+    loop {
+        let scaled = linalg::complex_matrix(count, count, |i, j| {
+            let own = information[(i, j)] * (scale[i] * scale[j]);
+            if i == j { own + ridge } else { own }
+        });
+        if let Ok(lower) = linalg::cholesky(&scaled) {
+            let half = linalg::solve_lower(&lower, &right);
+            let solution = linalg::solve_lower_adjoint(&lower, &half);
+            return linalg::complex_matrix(count, 1, |i, _| solution[(i, 0)] * scale[i]);
+        }
+        if ridge > 1.0 {
+            return linalg::complex_matrix(count, 1, |_, _| Complex64::ZERO);
+        }
+        ridge *= 1e3;
+    }
+}

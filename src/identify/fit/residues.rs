@@ -1,0 +1,169 @@
+//! Residues of known poles, by linear least squares around each mode.
+//!
+//! Around mode `j` the receptance of one function is `A_j/(iω − λ_j) + Σ_near A_i/(iω − λ_i) +
+//! c_0 + c_1 (ω − ω_j)` plus what the farther poles and all conjugates put there. Constant and
+//! slope are the local form of the mass line and the stiffness line, the modes below and above the
+//! band; the coefficients are complex, so that nothing is assumed of the modes. Near poles, whose
+//! skirts the two terms cannot follow, are solved for together; farther ones and the conjugates are
+//! subtracted with the residues of the round before (Jacobi). All functions share one matrix, so
+//! that one QR serves them all.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::linalg::{self, ComplexMatrix};
+
+use crate::identify::data::band_frfs::Receptances;
+
+/// Rounds of the subtraction; each gains the coupling of separate modes, a factor of ten or more.
+const ROUNDS: usize = 6;
+/// Poles closer than this many mean half-power widths are solved for together.
+const NEAR: f64 = 6.0;
+
+/// Residues, m/(N s), by mode, then by function, for poles λ (rad/s) with the lines around each.
+pub(in crate::identify) fn residues(
+    data: &Receptances,
+    poles: &[Complex64],
+    windows: &[Range<usize>],
+) -> Vec<Vec<Complex64>> {
+    let mut residues = vec![vec![Complex64::ZERO; data.functions()]; poles.len()];
+    for _ in 0..ROUNDS {
+        residues = (0..poles.len())
+            .into_par_iter()
+            .map(|j| around_one_mode(data, poles, &residues, (j, windows[j].clone())))
+            .collect();
+    }
+    residues
+}
+
+fn around_one_mode(
+    data: &Receptances,
+    poles: &[Complex64],
+    before: &[Vec<Complex64>],
+    (mode, lines): (usize, Range<usize>),
+) -> Vec<Complex64> {
+    let together = near(poles, mode, lines.len());
+    let rest = remainder(data, poles, before, (&together, lines.clone()));
+    let first = lines.start;
+    let omega = |i: usize| data.omega[first + i];
+    let (center, reach) = (poles[mode].im, omega(lines.len() - 1) - omega(0));
+    let columns = linalg::complex_matrix(lines.len(), together.len() + 2, |i, c| {
+        match together.get(c) {
+            Some(j) => poles[*j].re.abs() / (Complex64::new(0.0, omega(i)) - poles[*j]),
+            None if c == together.len() => Complex64::ONE,
+            None => Complex64::from((omega(i) - center) / reach),
+        }
+    });
+    let right = linalg::complex_matrix(lines.len(), data.functions(), |i, f| rest[f][i]);
+    let solution = linalg::least_squares(&columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()));
+    (0..data.functions())
+        .map(|f| solution[(0, f)] * poles[mode].re.abs())
+        .collect()
+}
+
+/// Residues of one mode by function where every function has a frequency of its own near that of
+/// `λ`, for functions that were measured one after the other while the frequency drifted
+/// (temperature, a moved sensor): the column `1/(iω − λ)²` tells the shift (Gauss-Newton), then the
+/// residue is solved for at the shifted pole. The decay rate stays common: the height of a
+/// resonance is known far better than its width.
+pub(in crate::identify) fn with_own_frequencies(
+    data: &Receptances,
+    lambda: Complex64,
+    (rest, lines): (&[Vec<Complex64>], Range<usize>),
+) -> Vec<Complex64> {
+    let omega = &data.omega[lines];
+    let of_one = |values: &Vec<Complex64>| {
+        let values = std::slice::from_ref(values);
+        let mut own = lambda;
+        for _ in 0..ROUNDS {
+            let solution = one_pole(omega, values, own, 4);
+            let shift = (solution[(3, 0)] / solution[(0, 0)]).im * lambda.re.abs();
+            if shift.is_finite() {
+                let shift = (own.im + shift - lambda.im).clamp(lambda.re, -lambda.re);
+                own.im = lambda.im + shift;
+            }
+        }
+        one_pole(omega, values, own, 3)[(0, 0)] * lambda.re.abs()
+    };
+    rest.iter().map(of_one).collect()
+}
+
+/// Coefficients of `|σ|/(iω − λ)`, constant, slope and, as the fourth of `count`, `σ²/(iω − λ)²`; a
+/// column for every function.
+pub(in crate::identify) fn one_pole(
+    omega: &[f64],
+    values: &[Vec<Complex64>],
+    lambda: Complex64,
+    count: usize,
+) -> ComplexMatrix {
+    let columns = pole_columns(omega, lambda, count);
+    let right = linalg::complex_matrix(omega.len(), values.len(), |i, f| values[f][i]);
+    linalg::least_squares(&columns, &right)
+        .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()))
+}
+
+/// The columns of [`one_pole`].
+pub(in crate::identify) fn pole_columns(
+    omega: &[f64],
+    lambda: Complex64,
+    count: usize,
+) -> ComplexMatrix {
+    let reach = omega[omega.len() - 1] - omega[0];
+    linalg::complex_matrix(omega.len(), count, |i, c| {
+        let pole = lambda.re.abs() / (Complex64::new(0.0, omega[i]) - lambda);
+        match c {
+            0 => pole,
+            1 => Complex64::ONE,
+            2 => Complex64::from((omega[i] - lambda.im) / reach),
+            _ => pole * pole,
+        }
+    })
+}
+
+/// The mode itself, then the modes near it, nearest first, as many as the lines can carry.
+fn near(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
+    let distance = |i: &usize| (poles[*i].im - poles[mode].im).abs();
+    let width = |i: &usize| (poles[*i].re + poles[mode].re).abs();
+    let mut near: Vec<usize> = (0..poles.len())
+        .filter(|i| *i == mode || distance(i) < NEAR * width(i))
+        .collect();
+    near.sort_by(|a, b| {
+        distance(a)
+            .total_cmp(&distance(b))
+            .then((*b == mode).cmp(&(*a == mode)))
+    });
+    near.truncate(lines.saturating_sub(5).max(1));
+    near
+}
+
+/// The values of all functions on some lines without the conjugate terms of any mode and without
+/// the terms of all modes but the kept ones.
+pub(in crate::identify) fn remainder(
+    data: &Receptances,
+    poles: &[Complex64],
+    residues: &[Vec<Complex64>],
+    (kept, lines): (&[usize], Range<usize>),
+) -> Vec<Vec<Complex64>> {
+    let mut rest: Vec<Vec<Complex64>> = data
+        .values
+        .iter()
+        .map(|v| v[lines.clone()].to_vec())
+        .collect();
+    for (j, (lambda, own)) in poles.iter().zip(residues).enumerate() {
+        let keep = kept.contains(&j);
+        for (i, line) in lines.clone().enumerate() {
+            let s = Complex64::new(0.0, data.omega[line]);
+            let (term, mirrored) = ((s - lambda).inv(), (s - lambda.conj()).inv());
+            for (values, residue) in rest.iter_mut().zip(own) {
+                values[i] -= residue.conj() * mirrored;
+                if !keep {
+                    values[i] -= residue * term;
+                }
+            }
+        }
+    }
+    rest
+}

@@ -1,0 +1,98 @@
+//! What the errors of poles and participation factors add to those of a shape.
+//!
+//! The shapes ψ are fitted at poles and participation factors u that have errors themselves, of the
+//! covariance `C = E[δu δuᴴ]`, the inverse of the Fisher information with the shapes projected out.
+//! ψ follows them by `dψ/du_k = −R⁻¹QᴴD_k` (D the derivatives of the model, QR its columns), so
+//! that the residues of a mode get `Σ_kl s_k C_kl s_l*` beside the variance that they have at known
+//! u. What all residues of the mode share is a change of its scale, no part of the shape, and is
+//! taken out of `s_k` first, with the inverse variances as weights. A mode by itself that all
+//! outputs see through the same ratio of noise has nothing left.
+
+use num_complex::Complex64;
+
+use crate::linalg::ComplexMatrix;
+
+use crate::identify::data::model_pole::Root;
+use crate::identify::fit::variable_projection::{Pattern, Turn};
+
+/// Shapes of a block and how they follow its unknowns.
+pub(in crate::identify) struct Turning<'a> {
+    /// Member and part of each column of shapes.
+    pub columns: &'a [(usize, usize)],
+    pub patterns: &'a [Pattern],
+    /// One for each pattern.
+    pub turns: &'a [Turn],
+    /// Of the unknowns.
+    pub covariance: &'a ComplexMatrix,
+}
+
+impl Turning<'_> {
+    /// Adds to the variances of a member's residues what the unknowns make of them; nothing where
+    /// several modes share the root.
+    pub fn widen(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
+        if root.multiplicity() > 1 {
+            return;
+        }
+        let Some(column) = self.columns.iter().position(|own| own.0 == j) else {
+            return;
+        };
+        let mut added = vec![0.0; root.residues.len()];
+        let mut slopes = self.slopes(root, column);
+        for unknown in 0..slopes.ncols() {
+            without_scale(slopes.col_as_slice_mut(unknown), &root.residues, variances);
+        }
+        let by_covariance = &slopes * self.covariance;
+        for unknown in 0..slopes.ncols() {
+            let terms = by_covariance.col_as_slice(unknown).iter();
+            let terms = terms.zip(slopes.col_as_slice(unknown));
+            for (sum, (product, slope)) in added.iter_mut().zip(terms) {
+                *sum += product.re * slope.re + product.im * slope.im;
+            }
+        }
+        for (variance, added) in variances.iter_mut().zip(added) {
+            *variance += added.max(0.0);
+        }
+    }
+
+    /// Derivatives of the residues by each unknown, as far as they come by the shape: functions ×
+    /// unknowns.
+    fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
+        let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
+        for (pattern, turn) in self.patterns.iter().zip(self.turns) {
+            let factors: Vec<Complex64> = pattern
+                .inputs
+                .iter()
+                .map(|input| root.parts[0][*input] * root.decay().abs())
+                .collect();
+            for (t, &(unknown, of)) in turn.of.iter().enumerate() {
+                let moves = -turn.moves[(column, t)];
+                let slopes = slopes.col_as_slice_mut(unknown);
+                let shapes = turn.shapes.row(of);
+                for ((functions, level), shape) in pattern.outputs.iter().zip(shapes.iter()) {
+                    let slope = moves * shape * level;
+                    for (f, factor) in functions.iter().zip(&factors) {
+                        slopes[*f] += slope * factor;
+                    }
+                }
+            }
+        }
+        slopes
+    }
+}
+
+/// Leaves of a change of residues what is beside one that all have in common.
+fn without_scale(slope: &mut [Complex64], residues: &[Complex64], variances: &[f64]) {
+    let (mut product, mut square) = (Complex64::ZERO, 0.0);
+    for ((s, a), v) in slope.iter().zip(residues).zip(variances) {
+        if *v > 0.0 {
+            product += a.conj() * s / v;
+            square += a.norm_sqr() / v;
+        }
+    }
+    if square > 0.0 {
+        let common = product / square;
+        for (s, a) in slope.iter_mut().zip(residues) {
+            *s -= common * a;
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Least-squares complex exponentials: poles of impulse responses, for several references the
+//! polyreference time domain method.
+//!
+//! The inverse transform of the lines of a band is a complex impulse response that runs at the
+//! width of the band: `h_m = Σ_k W_k H_k e^{i2πkm/N}`, in which a pole is `z^m` with `z = e^{(λ −
+//! iω_0)T}`, `T = 2π/(N Δω)`. The samples of all outputs obey one recurrence `Σ_j h_{m+j} A_j = 0`
+//! with square matrices `A_j` of the number of inputs; with the *lowest* coefficient fixed it runs
+//! backwards in time, and the poles of noise come out unstable. The normal equations are sums of
+//! products of shifted responses, each entry from the one before on its diagonal; those of lower
+//! orders are leading blocks, as in [`plscf`](crate::identify::mdof::plscf), which solves both.
+//!
+//! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`,
+//! the shift undone before a natural frequency is formed. A band that is cut off sharply would ring
+//! in its impulse responses; its edges fall off as squared cosines `W` over [`TAPER`] of the lines,
+//! and the first samples, which the edges and all that is smooth over the band make, are left out.
+//! What is left is exponentials, but for what of the edges rings on: this bounds the method where
+//! there is no noise, and modes that decay within these samples are not seen. Within the edges
+//! modes are weakened, and those of their outer third are not told.
+//!
+//! *Length.* Samples are used until the responses are down to their noise, as it stands before the
+//! time zero.
+//!
+//! *Limits.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost.
+//! The estimate is not consistent. Fewer than 65 lines leave too few samples behind the first ones,
+//! and have no poles.
+//!
+//! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for
+//! modal analysis, SAE 790221; Vold, Kundrat, Rocklin and Russell (1982), A multi-input modal
+//! estimation algorithm for mini-computers, SAE 820194; Kumaresan and Tufts (1982), IEEE Trans.
+//! ASSP 30(6), for the direction of time.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::fourier::ComplexPlan;
+use crate::linalg::{self, ComplexMatrix};
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::peak_detection::Found;
+use crate::identify::error::IdentifyError;
+use crate::identify::mdof::lscf::{highest_order, split};
+use crate::identify::mdof::plscf::{Lscf, Plane, circle};
+use crate::identify::mdof::stabilization::{MultiModeMethod, Part};
+
+/// Share of the lines over which each edge of the band falls off.
+const TAPER: f64 = 0.1;
+/// Samples that are left out, in inverse widths of an edge: a squared cosine has fallen to 1e-3 of
+/// its first sample there, beside responses that are higher by their number of lines.
+const RINGING: f64 = 2.5;
+/// Samples that must be left, in orders.
+const FEWEST_SAMPLES: usize = 3;
+/// Responses end where their mean square is this many times that of the noise.
+const ABOVE_NOISE: f64 = 2.0;
+/// Samples whose mean square is taken together.
+const TOGETHER: usize = 8;
+
+/// Least-squares complex exponentials.
+pub(in crate::identify) struct ComplexExponentials {
+    /// Highest order, where it is not chosen by the number of peaks.
+    pub max_order: Option<usize>,
+}
+
+impl MultiModeMethod for ComplexExponentials {
+    fn name(&self) -> &'static str {
+        "lsce"
+    }
+
+    fn gives_participation(&self) -> bool {
+        true
+    }
+
+    fn weights_lines(&self) -> bool {
+        false
+    }
+
+    fn parts(
+        &self,
+        (data, sides): (&Receptances, &Sides),
+        (found, _): (&Found, &[Complex64]),
+    ) -> Result<Vec<Part>, IdentifyError> {
+        let parts = split(data, |end| {
+            let top = highest_order((end, found), sides.inputs, self.max_order);
+            let responses = Responses::new((data, sides), 0..end);
+            if !responses.serve() {
+                return Ok(Vec::new());
+            }
+            responses.equations(sides, top)?.tables()
+        });
+        // The outer third of an edge holds next to nothing; the lowest part has the lowest edge.
+        let mut parts = parts?;
+        let out = |lines: usize| (TAPER / 3.0 * lines as f64) as usize;
+        let last = data.lines() - 1 - out(data.lines());
+        for part in &mut parts {
+            part.to_rad_s = part.to_rad_s.min(data.omega[last]);
+        }
+        if let Some(lowest) = parts.last_mut() {
+            let lines = data.omega.iter().filter(|w| **w < lowest.to_rad_s);
+            lowest.from_rad_s = data.omega[out(lines.count())];
+        }
+        Ok(parts)
+    }
+}
+
+/// Impulse responses of all functions, over the noise of their outputs.
+struct Responses {
+    samples: Vec<Vec<Complex64>>,
+    plane: Plane,
+    /// First sample that is used.
+    first: usize,
+}
+
+impl Responses {
+    fn new((data, sides): (&Receptances, &Sides), lines: Range<usize>) -> Self {
+        let count = lines.len();
+        let points = circle(count, 0);
+        let plan = ComplexPlan::inverse(points);
+        let edge = ((TAPER * count as f64).round() as usize).max(1);
+        let levels = levels((data, sides), &lines);
+        let response = |f: usize| {
+            let value =
+                |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / levels[f]);
+            let mut samples: Vec<Complex64> = (0..count).map(value).collect();
+            samples.resize(points, Complex64::ZERO);
+            plan.run(&mut samples, &mut plan.scratch());
+            samples
+        };
+        let ringing = RINGING * points as f64 / edge as f64;
+        Self {
+            samples: (0..data.functions())
+                .into_par_iter()
+                .map(response)
+                .collect(),
+            plane: Plane {
+                omega_0: data.omega[lines.start],
+                step_s: std::f64::consts::TAU / (points as f64 * data.step),
+            },
+            first: ringing.ceil() as usize,
+        }
+    }
+
+    /// Whether enough samples are left in the half of the circle behind the time zero.
+    fn serve(&self) -> bool {
+        self.first + FEWEST_SAMPLES + TOGETHER <= self.samples[0].len() / 2
+    }
+
+    /// Reduced normal equations of the recurrence up to an order.
+    fn equations(&self, sides: &Sides, order: usize) -> Result<Lscf, IdentifyError> {
+        let order =
+            order.min((self.samples[0].len() / 2).saturating_sub(self.first) / FEWEST_SAMPLES);
+        let order = order.max(1);
+        let used = self.first..self.end(order);
+        let size = (order + 1) * sides.inputs;
+        let parts: Vec<ComplexMatrix> = sides
+            .outputs
+            .par_iter()
+            .map(|output| self.products(output, &used, order))
+            .collect();
+        let mut sum = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
+        for part in parts {
+            sum += part;
+        }
+        let scale = (0..sides.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / sides.inputs as f64;
+        Ok(Lscf::of_reduced(
+            &sum,
+            (sides.inputs, order),
+            (scale, self.plane),
+        )?)
+    }
+
+    /// End of the samples from which a recurrence of an order starts.
+    fn end(&self, order: usize) -> usize {
+        let points = self.samples[0].len();
+        let power = |m: usize| self.samples.iter().map(|h| h[m].norm_sqr()).sum::<f64>();
+        let mean = |range: Range<usize>| {
+            let count = range.len().max(1) as f64;
+            range.map(power).sum::<f64>() / count
+        };
+        // Before the time zero, away from what rings there, is nothing but noise.
+        let noise = mean(points * 5 / 8..points * 7 / 8);
+        let least = self.first + FEWEST_SAMPLES * order;
+        let most = (points * 5 / 8).saturating_sub(order).max(least);
+        let block =
+            |start: &usize| mean(*start..(start + TOGETHER).min(points)) < ABOVE_NOISE * noise;
+        let down = (self.first..most).step_by(TOGETHER).find(block);
+        down.unwrap_or(most).clamp(least, most).min(points - order)
+    }
+
+    /// `Σ_m h̄_{p,m+i} h_{q,m+j}` of one output, inputs p and q innermost: each entry is the one
+    /// before on its diagonal, without its first and with one more product.
+    fn products(
+        &self,
+        output: &[(usize, usize)],
+        used: &Range<usize>,
+        order: usize,
+    ) -> ComplexMatrix {
+        let m = output.len();
+        let h = |p: usize| self.samples[output[p].1].as_slice();
+        let size = (order + 1) * m;
+        let mut sums = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
+        for p in 0..m {
+            for q in 0..m {
+                for lag in 0..=order {
+                    let pair = |t: usize| h(p)[t].conj() * h(q)[t + lag];
+                    let mut sum: Complex64 = used.clone().map(pair).sum();
+                    for i in 0..=order - lag {
+                        sums[(i * m + p, (i + lag) * m + q)] = sum;
+                        sums[((i + lag) * m + q, i * m + p)] = sum.conj();
+                        if i < order - lag {
+                            sum += pair(used.end + i) - pair(used.start + i);
+                        }
+                    }
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// What each function is divided by: one level for all inputs of an output, the root of their mean
+/// precision's inverse. A level for each function would change the participation factors from
+/// output to output, which share one recurrence.
+fn levels((data, sides): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
+    let mut levels = vec![1.0; data.functions()];
+    for output in &sides.outputs {
+        let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());
+        let mean = output.iter().map(precision).sum::<f64>() / output.len() as f64;
+        for (_, f) in output {
+            levels[*f] = mean.sqrt().recip();
+        }
+    }
+    levels
+}
+
+/// A band that falls off at its edges as squared cosines.
+fn taper(k: usize, count: usize, edge: usize) -> f64 {
+    let inside = (k + 1).min(count - k);
+    if inside > edge {
+        return 1.0;
+    }
+    let phase = std::f64::consts::FRAC_PI_2 * inside as f64 / (edge + 1) as f64;
+    phase.sin().powi(2)
+}

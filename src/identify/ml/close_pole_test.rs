@@ -1,0 +1,182 @@
+//! Whether one root stands for two: what two close poles leave over beside one.
+//!
+//! Two poles `λ ± δ` with residues a and b are `(a + b)/(s − λ) + δ (a − b)/(s − λ)² + …`. A fit of
+//! one pole has the first term, and of the second what all functions have in common; the rest
+//! spreads thinly over the resonance, where its power is lost among that of all lines. Matched with
+//! the course of the second term it is not: the sum over the functions of `2 |⟨rest, d⟩|²`, d of
+//! norm 1 and with nothing of what the roots around can explain, is a chi-squared of two degrees of
+//! freedom for each where there is but one pole.
+
+use num_complex::Complex64;
+
+use crate::linalg;
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::model_pole::Root;
+use crate::identify::data::residual::Rest;
+use crate::identify::fit::detection_threshold::upper_quantile;
+use crate::identify::ml::pole_metrics::{lines_around, misfit};
+use crate::identify::ml::residual_peaks::strongest_inputs;
+use crate::identify::noise::band_profile::Profile;
+
+/// Half-power widths on either side in which the second term is looked for: beyond them it has a
+/// hundredth of its energy.
+const REACH: f64 = 3.0;
+/// Mean square of what is left over, above which it is no longer for this test to say what that is.
+const MOST_MISFIT: f64 = 4.0;
+/// Least part of the second term that nothing else explains.
+const OWN: f64 = 1e-3;
+/// Where the second root is tried: half-power widths from the first.
+const BESIDE: f64 = 0.25;
+
+/// Numbers of roots that stand for two, with the root to try beside each; the clearest first. Noise
+/// makes one with less than this probability anywhere.
+pub(in crate::identify) fn roots_to_double(
+    (data, sides): (&Receptances, &Sides),
+    roots: &[Root],
+    rest: &Rest,
+    chance: f64,
+) -> Vec<(usize, Root)> {
+    if roots.is_empty() {
+        return Vec::new();
+    }
+    let functions = data.functions();
+    let quantile = upper_quantile(2.0 * functions as f64, chance / roots.len() as f64);
+    let second = |j: usize| {
+        let root = &roots[j];
+        if misfit(data, rest, root) > MOST_MISFIT {
+            return None;
+        }
+        let terms = second_terms(data, (roots, j), rest)?;
+        let top = data.line_of(root.lambda);
+        let energy = data.shared.held((data, rest), top, |f| terms[f]);
+        let alike = data.correlation.of_amplitude(root.decay(), data.step);
+        if 2.0 * energy <= alike * quantile {
+            return None;
+        }
+        let physical = |f: usize| terms[f] * data.deviation(f, top);
+        let parts = strongest_inputs(sides, 1, physical);
+        let lambda = root.lambda + Complex64::new(0.0, BESIDE * root.width());
+        Some((energy, j, Root::single(lambda, &parts[0], functions)))
+    };
+    let mut found: Vec<_> = (0..roots.len()).filter_map(second).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, j, root)| (j, root)).collect()
+}
+
+/// What every function leaves over of the course of a double pole, over its noise; `None` where the
+/// roots around explain that course.
+fn second_terms(
+    data: &Receptances,
+    (roots, j): (&[Root], usize),
+    rest: &Rest,
+) -> Option<Vec<Complex64>> {
+    let lines = lines_around(data, &roots[j], REACH);
+    let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
+    let inside =
+        |root: &&Root| root.lambda.im > lo - root.width() && root.lambda.im < hi + root.width();
+    let near: Vec<&Root> = roots.iter().filter(inside).collect();
+    // Constant and slope for what is outside, and the rows to tell all of them apart.
+    if lines.len() < near.len() + 3 {
+        return None;
+    }
+    let course = Profile::new(data, lines.clone()).course;
+    let power = |k: usize, root: &Root, n: usize| {
+        let at = (data.omega[lines.start + k], root.lambda);
+        data.line_shape.power(root.decay(), at, n)
+    };
+    let middle = 0.5 * lines.len() as f64;
+    let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
+        let value = match near.get(column) {
+            Some(root) => power(k, root, 1),
+            None if column == near.len() => Complex64::ONE,
+            None => Complex64::from(k as f64 / middle - 1.0),
+        };
+        value / course[k]
+    });
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &roots[j], 2) / course[k]);
+    let basis = linalg::thin_qr(&others).ok()?.q;
+    let own = &second - &basis * (basis.adjoint() * &second);
+    let norm = own.norm_l2();
+    if norm < OWN * second.norm_l2() {
+        return None;
+    }
+    let term = |f: usize| -> Complex64 {
+        let products = lines
+            .clone()
+            .map(|k| own[(k - lines.start, 0)].conj() * rest.at(f, k));
+        products.sum::<Complex64>() / norm
+    };
+    Some((0..data.functions()).map(term).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::axis::{Band, FrequencyAxis};
+    use crate::identify::ml::close_pole_test::*;
+    use crate::identify::synthetic::{Measurement, Structure, white_noise};
+    use crate::modal::Pole;
+
+    const SENSORS: usize = 8;
+
+    /// One mode, its root, and noise that the fit leaves over.
+    fn fitted(seed: u64) -> (Receptances, Sides, Root, Rest) {
+        let axis = FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.05,
+            len: 3000,
+        };
+        let structure = Structure {
+            modes: vec![(100.0, 0.01, vec![1.0; SENSORS])],
+        };
+        let set = structure.measured(&Measurement {
+            snr_db: Some(60.0),
+            ..Measurement::of_sensors(SENSORS, axis)
+        });
+        let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let root = Root::single(
+            Pole::from_frequency(100.0, 0.01).lambda,
+            &[Complex64::ONE],
+            SENSORS,
+        );
+        let noise: Vec<Vec<Complex64>> = (0..SENSORS as u64)
+            .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
+            .collect();
+        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
+        let rest = Rest::of_all(rest);
+        (data, Sides::new(set.functions()), root, rest)
+    }
+
+    #[test]
+    fn a_double_pole_below_the_noise_of_every_line_is_told() {
+        let (data, sides, root, noise) = fitted(1);
+        let second = |k: usize| {
+            let first = root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda);
+            first * first
+        };
+        // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole
+        // explains it.
+        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
+            let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
+            noise.at(f, k) + sign * second(k)
+        });
+        let rest = Rest::of_all(rest);
+        let found = roots_to_double((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
+        let [(place, beside)] = &found[..] else {
+            panic!("{} roots", found.len());
+        };
+        assert_eq!(*place, 0);
+        assert!((beside.lambda - root.lambda).norm() < root.width());
+    }
+
+    #[test]
+    fn noise_alone_doubles_no_root() {
+        for seed in 0..20 {
+            let (data, sides, root, rest) = fitted(seed);
+            assert!(roots_to_double((&data, &sides), &[root], &rest, 1e-3).is_empty());
+        }
+        let (data, sides, _, rest) = fitted(0);
+        assert!(roots_to_double((&data, &sides), &[], &rest, 1e-3).is_empty());
+    }
+}

@@ -1,0 +1,157 @@
+//! Modes near which the residual exceeds the noise so far that their enlarged standard deviations
+//! matter.
+//!
+//! Where the reduced chi-square near a mode exceeds its limit, all its standard deviations are
+//! enlarged by the root of it ([`Standing::inflation`]). On measured FRFs of little noise that is
+//! so at nearly every mode and changes nothing that anybody does with them. A finding is made of
+//! those alone whose damping, frequency or shape becomes uncertain by it.
+
+use crate::finding::{Code, Finding, Place, Severity};
+
+use crate::identify::data::model_pole::Root;
+use crate::identify::ml::findings::Evidence;
+use crate::identify::ml::pole_metrics::{MOST_MISFIT, Standing, misfit_by_function, own_lines};
+
+/// Residual beyond the noise over the response, both root mean square near the pole, above which a
+/// misfit matters: what is not described moves the frequency by about as much of the half-power
+/// bandwidth. Larger: hardening that moves a frequency by a fifth of its bandwidth and a damping by
+/// 39 % may not be reported. Smaller: hardening with 0.021 is reported, whose frequencies are right
+/// to a thirtieth of the bandwidth (`hardening_is_reported_where_it_changes_the_modes`).
+const MAX_RESIDUAL_RATIO: f64 = 0.04;
+/// Enlarged standard deviation of the damping over the damping above which a misfit matters; that
+/// of the frequency is then a twentieth of the half-power bandwidth. Larger: the plate of one
+/// recorded function with 14 % is not reported. Smaller: recorded hits with 3 to 5 %, which agree
+/// over three hit points, are.
+const MAX_DAMPING_STD_RATIO: f64 = 0.1;
+/// Expected 1 − MAC of a shape with its true one above which a misfit matters: a MAC of 0.99 counts
+/// as the same shape. Larger: the recorded beam's modes with 0.016 and 0.029 are not reported.
+/// Smaller: shapes with 0.001 are.
+const MAX_SHAPE_MAC_LOSS: f64 = 0.01;
+/// FRFs that are listed, and modes.
+const LISTED_FUNCTIONS: usize = 3;
+const LISTED_MODES: usize = 5;
+
+/// What the misfit near a mode does to it.
+struct Consequence<'a> {
+    root: &'a Root,
+    standing: &'a Standing,
+    /// Residual beyond the noise over the response, root mean square.
+    residual: f64,
+    /// Enlarged standard deviation of the damping over the damping.
+    damping: f64,
+    /// Expected 1 − MAC by the enlarged standard deviations of the residues; `None` for a repeated
+    /// pole.
+    shape: Option<f64>,
+}
+
+impl Consequence<'_> {
+    fn matters(&self) -> bool {
+        let shape = self.shape.is_some_and(|loss| loss > MAX_SHAPE_MAC_LOSS);
+        self.residual > MAX_RESIDUAL_RATIO || self.damping > MAX_DAMPING_STD_RATIO || shape
+    }
+
+    /// Residual, factor of the standard deviations, and those of frequency (over the half-power
+    /// bandwidth), damping and shape.
+    fn figures(&self) -> String {
+        let factor = self.standing.inflation();
+        let (frequency, damping) = (0.5 * self.damping, 100.0 * self.damping);
+        let mut text = format!(
+            "|R|/|H| {:.1} %, σ × {factor:.1}, σ(f)/Δf₃dB {frequency:.3}, σ(ζ)/ζ {damping:.1} %",
+            100.0 * self.residual
+        );
+        if let Some(loss) = self.shape {
+            text += &format!(", 1−MAC {loss:.4}");
+        }
+        text
+    }
+}
+
+impl Evidence<'_> {
+    /// All modes whose misfit matters, the worst first.
+    pub(in crate::identify) fn of_misfit(&self) -> Option<Finding> {
+        let missed = self.kept.iter().filter(|own| own.1.misfit > MOST_MISFIT);
+        let consequences = missed.map(|(root, standing)| self.consequence(root, standing));
+        let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
+        let worth = |own: &Consequence| own.damping.max(own.residual);
+        all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        let worst = all.first()?;
+        let place = match all.len() {
+            1 => self.place(worst.root.lambda),
+            _ => Place::Whole,
+        };
+        let largest = all
+            .iter()
+            .map(|own| own.standing.misfit)
+            .fold(0.0, f64::max);
+        let finding = Finding::new(Severity::Warning, Code::ModelMisfit, place);
+        let finding = finding.value(largest.sqrt(), "").limit(MOST_MISFIT.sqrt());
+        Some(finding.detail(self.detail_of(&all)))
+    }
+
+    fn consequence<'a>(&self, root: &'a Root, standing: &'a Standing) -> Consequence<'a> {
+        let decay = root.decay() - self.set.added_damping_rad_s;
+        let correlation = &self.data.correlation;
+        let squared = standing.misfit * correlation.of_amplitude(root.decay(), self.data.step);
+        let variance: f64 = root.residue_variances.iter().sum();
+        let size: f64 = root.residues.iter().map(|a| a.norm_sqr()).sum();
+        Consequence {
+            root,
+            standing,
+            residual: ((standing.misfit - 1.0) / self.response_over_noise(root)).sqrt(),
+            // Where the window's decay is all that there is, damping is not determined.
+            damping: match decay > 0.0 {
+                true => root.quality.pole_std * standing.inflation() / decay,
+                false => f64::INFINITY,
+            },
+            shape: (root.multiplicity() == 1).then_some(squared * variance / size),
+        }
+    }
+
+    /// Mean square of the response over the noise on the lines on which the misfit is measured.
+    fn response_over_noise(&self, root: &Root) -> f64 {
+        let (lines, functions) = (own_lines(self.data, root), self.data.functions());
+        let of = |f: usize| {
+            let power = |k: usize| self.data.values[f][k].norm_sqr() / self.data.variance[f][k];
+            lines.clone().map(power).sum::<f64>()
+        };
+        (0..functions).map(of).sum::<f64>() / (lines.len() * functions) as f64
+    }
+
+    /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
+    /// residual over noise, those of the worst mode.
+    fn detail_of(&self, all: &[Consequence]) -> String {
+        let hz = |own: &Consequence| match self.place(own.root.lambda) {
+            Place::Mode(hz) => format!("{hz:.2} Hz: {}", own.figures()),
+            _ => own.figures(),
+        };
+        let mut texts = vec![format!(
+            "{} ({})",
+            hz(&all[0]),
+            self.functions_of(all[0].root)
+        )];
+        texts.extend(all[1..].iter().take(LISTED_MODES - 1).map(hz));
+        if all.len() > LISTED_MODES {
+            texts.push(format!("+ {}", all.len() - LISTED_MODES));
+        }
+        format!("{}/{}: {}", all.len(), self.kept.len(), texts.join("; "))
+    }
+
+    /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
+    fn functions_of(&self, root: &Root) -> String {
+        let rest = self.described.left_over(own_lines(self.data, root));
+        let misfits = misfit_by_function(self.data, &rest, root);
+        let above = misfits.iter().filter(|own| **own > MOST_MISFIT).count();
+        let mut order: Vec<usize> = (0..misfits.len()).collect();
+        order.sort_by(|a, b| misfits[*b].total_cmp(&misfits[*a]));
+        let named = order
+            .iter()
+            .take(LISTED_FUNCTIONS.min(above.max(1)))
+            .map(|f| {
+                let function = &self.set.functions()[*f];
+                let (response, reference) = (&function.response, &function.reference);
+                format!("{response}|{reference} × {:.1}", misfits[*f].sqrt())
+            });
+        let named: Vec<String> = named.collect();
+        format!("{}; {above}/{}", named.join(", "), misfits.len())
+    }
+}

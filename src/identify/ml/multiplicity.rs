@@ -1,0 +1,271 @@
+//! How many modes share a pole, before any participation factor is fitted: from residues of every
+//! function by itself.
+//!
+//! The normal equations of many references give a root of many modes as fewer poles than it has.
+//! With every function an output of its own, a root of any multiplicity is one pole: its residues,
+//! outputs × inputs over their noise, have as many singular values above those of noise as modes
+//! share it, and its right singular vectors are the participation factors (the CMIF of Shih et al.
+//! 1988, at a pole instead of a line).
+
+use num_complex::Complex64;
+
+use crate::linalg::{self, ComplexMatrix, LinalgError, RealMatrix};
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::model_pole::{Root, combined};
+use crate::identify::fit::detection_threshold::norm_of_uneven_noise;
+use crate::identify::fit::mode_strength::Strength;
+use crate::identify::ml::pole_metrics::{MOST_MISFIT, Standing};
+
+/// Modes of one root are at least this strong, relative to the strongest: what a single pole leaves
+/// over is weaker.
+const WEAKEST: f64 = 0.03;
+/// Roots within so many decay rates of a pole are its modes.
+const OWN: f64 = 1.0;
+
+/// One root of one mode for each distinct pole, of functions that are outputs of a single input.
+pub(in crate::identify) fn alone(roots: &[Root]) -> Vec<Root> {
+    let mut poles: Vec<Complex64> = Vec::new();
+    for root in roots {
+        let near = |pole: &Complex64| (*pole - root.lambda).norm() < 0.5 * root.decay();
+        if !poles.iter().any(near) {
+            poles.push(root.lambda);
+        }
+    }
+    let functions = roots.first().map_or(0, |root| root.residues.len());
+    let root = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    poles.iter().map(root).collect()
+}
+
+/// The roots with those replaced that share a pole with more modes than they have between them, or
+/// are its only one, and with the modes of poles that have no root: `free` are the poles with
+/// residues of each function by itself. Poles at which these miss the data say nothing.
+pub(in crate::identify) fn completed(
+    (data, sides): (&Receptances, &Sides),
+    roots: Vec<Root>,
+    (free, standings): (&[Root], &[Standing]),
+    chance: f64,
+) -> Vec<Root> {
+    let nearest = |root: &Root| {
+        let distance = |pole: &usize| (free[*pole].lambda - root.lambda).norm();
+        let pole = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(&pole) < OWN * root.decay().max(free[pole].decay())).then_some(pole)
+    };
+    let mut groups: Vec<Vec<Root>> = vec![Vec::new(); free.len()];
+    let mut completed = Vec::new();
+    for root in roots {
+        match nearest(&root) {
+            Some(pole) => groups[pole].push(root),
+            None => completed.push(root),
+        }
+    }
+    for (place, own) in groups.into_iter().enumerate() {
+        if standings[place].misfit > MOST_MISFIT {
+            completed.extend(own);
+            continue;
+        }
+        let parts = participation((data, sides), (&free[place], &standings[place]), chance);
+        let keeps_own = parts.len() < own.len() || (parts.len() == own.len() && own.len() > 1);
+        if keeps_own {
+            completed.extend(own);
+        } else {
+            completed.extend(sharing(&free[place], parts));
+        }
+    }
+    completed
+}
+
+/// One mode at a pole, with the participation factors of its strongest part, whatever noise could
+/// make of it.
+///
+/// # Errors
+/// [`LinalgError::NotConverged`].
+pub(in crate::identify) fn strongest(sides: &Sides, pole: &Root) -> Result<Root, LinalgError> {
+    let svd = linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]))?;
+    let factors: Vec<Complex64> = (0..sides.inputs)
+        .map(|i| svd.right[(i, 0)].conj())
+        .collect();
+    Ok(Root::single(pole.lambda, &factors, pole.residues.len()))
+}
+
+/// Two modes as two roots, which may move apart; more as one.
+fn sharing(pole: &Root, mut parts: Vec<Vec<Complex64>>) -> Vec<Root> {
+    let functions = pole.residues.len();
+    let single = |part: &Vec<Complex64>| Root::single(pole.lambda, part, functions);
+    if parts.len() <= 2 {
+        return parts.iter().map(single).collect();
+    }
+    let mut root = single(&parts[0]);
+    root.join(parts.split_off(1));
+    vec![root]
+}
+
+/// Participation factors of the modes that share a pole.
+fn participation(
+    (data, sides): (&Receptances, &Sides),
+    (pole, standing): (&Root, &Standing),
+    chance: f64,
+) -> Vec<Vec<Complex64>> {
+    let line = data.line_of(pole.lambda);
+    let level: Vec<f64> = (0..data.functions())
+        .map(|f| data.deviation(f, line))
+        .collect();
+    // The strength of a pole is twice the energy of its residues over their noise.
+    let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();
+    let energy: f64 = pole.residues.iter().zip(&level).map(over).sum();
+    let missed = pole.quality.by_lines * standing.misfit.max(1.0);
+    let noise = (2.0 * energy / pole.quality.significance() * missed).sqrt();
+    let residues = sides.matrix(|f| pole.residues[f]);
+    let deviations = linalg::real_matrix(sides.outputs.len(), sides.inputs, |o, i| {
+        noise * level[sides.outputs[o][i].1]
+    });
+    let above = parts_above_noise(&residues, &deviations, chance);
+    independent(&residues, &deviations, above)
+}
+
+/// Participation factors of as many parts of residues (outputs × inputs) as are above their noise.
+fn parts_above_noise(
+    residues: &ComplexMatrix,
+    deviations: &RealMatrix,
+    chance: f64,
+) -> Vec<Vec<Complex64>> {
+    let (outputs, inputs) = (residues.nrows(), residues.ncols());
+    let (by_output, by_input) = separate(deviations);
+    let over = |o: usize, i: usize| by_output[o] * by_input[i];
+    let whitened = linalg::complex_matrix(outputs, inputs, |o, i| residues[(o, i)] / over(o, i));
+    let Ok(svd) = linalg::singular_vectors(&whitened) else {
+        return Vec::new();
+    };
+    let own = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
+    let limit = norm_of_uneven_noise((outputs, inputs), own, chance);
+    let count = svd.values.iter().take_while(|s| **s > limit).count();
+    // A = U S Vᴴ, so that the row space is that of conj(V).
+    let factor = |rank: usize, i: usize| svd.right[(i, rank)].conj() * by_input[i];
+    (0..count)
+        .map(|rank| (0..inputs).map(|i| factor(rank, i)).collect())
+        .collect()
+}
+
+/// Those independent combinations of parts that are not far weaker than the strongest, by their
+/// strengths over all outputs.
+fn independent(
+    residues: &ComplexMatrix,
+    deviations: &RealMatrix,
+    parts: Vec<Vec<Complex64>>,
+) -> Vec<Vec<Complex64>> {
+    if parts.len() < 2 {
+        return parts;
+    }
+    let inputs = residues.ncols();
+    let mut strength = Strength::none(parts.len());
+    for o in 0..residues.nrows() {
+        // Row o of the residues is ψᵀL over its noise.
+        let courses = linalg::complex_matrix(inputs, parts.len(), |i, part| {
+            parts[part][i] / deviations[(o, i)]
+        });
+        let values =
+            linalg::complex_matrix(inputs, 1, |i, _| residues[(o, i)] / deviations[(o, i)]);
+        let Ok(qr) = linalg::thin_qr(&courses) else {
+            return parts;
+        };
+        let inverse = linalg::inverse_upper(&qr.r);
+        let shape = &inverse * (qr.q.adjoint() * values);
+        strength.add(&inverse * inverse.adjoint(), shape);
+    }
+    let strengths = strength.values();
+    let Some(strongest) = strengths.values.last() else {
+        return parts;
+    };
+    let weak = |s: &&f64| **s < WEAKEST * WEAKEST * strongest;
+    let weakest = strengths.values.iter().take_while(weak).count();
+    let mut kept = combined(&parts, &strengths.combinations).split_off(weakest);
+    kept.reverse();
+    kept
+}
+
+/// Factors of outputs and of inputs whose products are nearest to values by output and input, in
+/// the mean of logarithms.
+///
+/// What is divided by them keeps its rank, which what is divided by each value of its own does not.
+fn separate(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
+    let (outputs, inputs) = (values.nrows(), values.ncols());
+    let log = |o: usize, i: usize| values[(o, i)].ln();
+    let of_output = |o: usize| (0..inputs).map(|i| log(o, i)).sum::<f64>() / inputs as f64;
+    let of_input = |i: usize| (0..outputs).map(|o| log(o, i)).sum::<f64>() / outputs as f64;
+    let mean = (0..outputs).map(of_output).sum::<f64>() / outputs as f64;
+    let by_output = (0..outputs).map(|o| of_output(o).exp());
+    let by_input = (0..inputs).map(|i| (of_input(i) - mean).exp());
+    (by_output.collect(), by_input.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::identify::ml::multiplicity::*;
+    use crate::modal::mac;
+
+    const OUTPUTS: usize = 9;
+    const INPUTS: usize = 5;
+
+    /// Participation factors of three modes, and a value of each at every output.
+    fn factor(mode: usize, input: usize) -> f64 {
+        ((1 + mode) as f64 * (0.4 + input as f64)).sin()
+    }
+
+    fn residues(weakest: f64) -> ComplexMatrix {
+        linalg::complex_matrix(OUTPUTS, INPUTS, |o, i| {
+            let mode = |m: usize| ((2 + m) as f64 * (0.3 + o as f64)).cos() * factor(m, i);
+            Complex64::from(mode(0) + mode(1) + weakest * mode(2))
+        })
+    }
+
+    /// Noise that is no product of an output's and an input's, a hundred times more at one
+    /// function.
+    fn deviations(size: f64) -> RealMatrix {
+        linalg::real_matrix(OUTPUTS, INPUTS, |o, i| {
+            size * match (o, i) {
+                (3, 2) => 100.0,
+                _ => (1 + o) as f64 * (1.0 + (o * i % 3) as f64),
+            }
+        })
+    }
+
+    fn modes(weakest: f64, noise: f64) -> Vec<Vec<Complex64>> {
+        let (residues, deviations) = (residues(weakest), deviations(noise));
+        let above = parts_above_noise(&residues, &deviations, 1e-6);
+        independent(&residues, &deviations, above)
+    }
+
+    #[test]
+    fn residues_of_three_modes_have_three_parts_with_their_participation_factors() {
+        let parts = modes(1.0, 1e-5);
+        assert_eq!(parts.len(), 3);
+        // Every true factor is a combination of the parts.
+        let basis = linalg::complex_matrix(INPUTS, 3, |i, part| parts[part][i]);
+        for mode in 0..3 {
+            let own = linalg::complex_matrix(INPUTS, 1, |i, _| Complex64::from(factor(mode, i)));
+            let fitted = &basis * linalg::least_squares(&basis, &own).unwrap();
+            let column =
+                |m: &ComplexMatrix| -> Vec<Complex64> { (0..INPUTS).map(|i| m[(i, 0)]).collect() };
+            assert!(mac(&column(&own), &column(&fitted)) > Some(1.0 - 1e-9));
+        }
+    }
+
+    #[test]
+    fn a_part_below_the_noise_or_far_weaker_than_the_strongest_is_none() {
+        assert_eq!(modes(1e-5, 1e-3).len(), 2);
+        assert_eq!(modes(1e-3, 1e-9).len(), 2);
+        assert_eq!(modes(0.3, 1e-9).len(), 3);
+    }
+
+    #[test]
+    fn even_factors_of_a_product_are_found() {
+        let values = linalg::real_matrix(2, 3, |o, i| [2.0, 5.0][o] * [1.0, 3.0, 9.0][i]);
+        let (by_output, by_input) = separate(&values);
+        for o in 0..2 {
+            for i in 0..3 {
+                assert!((by_output[o] * by_input[i] / values[(o, i)] - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}

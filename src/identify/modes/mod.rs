@@ -1,0 +1,19 @@
+//! Modes from poles: shapes and modal scale from residues, repeated poles taken apart, selection by
+//! the user.
+//!
+//! This room knows candidates of any method, and no method.
+//!
+//! Terms: *rank-one term*, one summand of the residue matrix of a repeated pole; *reversed
+//! polarity*, the sign of a channel opposite to what its label states.
+
+pub(in crate::identify) mod modal_model;
+pub(in crate::identify) mod pole_selection;
+#[cfg(test)]
+mod pole_selection_tests;
+pub(in crate::identify) mod rank_one_terms;
+#[cfg(test)]
+mod rank_one_terms_tests;
+pub(in crate::identify) mod reversed_polarity;
+pub(in crate::identify) mod shape;
+#[cfg(test)]
+mod shape_tests;

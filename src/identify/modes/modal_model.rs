@@ -1,0 +1,177 @@
+//! The modal model from candidates: the damping of an exponential window taken out, shapes, groups
+//! of repeated poles, modal overlap.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::axis::Band;
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::FrfSet;
+use crate::modal::{
+    ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
+};
+
+use crate::identify::error::IdentifyError;
+use crate::identify::estimator::{Candidate, PoleTable};
+use crate::identify::modes::rank_one_terms;
+use crate::identify::modes::reversed_polarity::turned_function;
+use crate::identify::modes::shape::{self, Residues, ScaledShape};
+
+/// Share of the residues of one mode that several references may leave unexplained by one shape.
+const MOST_MISFIT: f64 = 0.25;
+
+/// The modal model of a table of candidates.
+///
+/// # Errors
+/// [`IdentifyError::Linalg`] when singular values do not converge.
+pub(in crate::identify) fn modal_model(
+    set: &FrfSet,
+    band: Band,
+    method: &'static str,
+    table: PoleTable,
+) -> Result<ModalModel, IdentifyError> {
+    let added = set.added_damping_rad_s;
+    let mut findings = table.findings;
+    findings.extend(turned_function(set, &table.candidates));
+    let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
+    let own: Vec<_> = table
+        .candidates
+        .par_iter()
+        .map(|candidate| modes_of_root(set, method, candidate))
+        .collect();
+    for (candidate, own) in table.candidates.iter().zip(own) {
+        let (mut modes, finding) = own?;
+        let lines = candidate.pole.half_power_width_hz() / set.axis().step_hz;
+        modes
+            .iter_mut()
+            .for_each(|mode| mode.half_power_lines = Some(lines));
+        roots.push(modes);
+        findings.extend(finding);
+    }
+    roots.sort_by(|a, b| a[0].frequency_hz.total_cmp(&b[0].frequency_hz));
+    let repeated = roots.iter_mut().filter(|modes| modes.len() > 1);
+    for (group, modes) in (1..).zip(repeated) {
+        modes.iter_mut().for_each(|mode| mode.group = Some(group));
+    }
+    put_overlap(&mut roots);
+    let modes = roots.into_iter().flatten().collect();
+    Ok(ModalModel {
+        producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
+        inputs: Vec::new(),
+        band: Some(band),
+        references: set.references(),
+        added_damping_rad_s: (added > 0.0).then_some(added),
+        modes,
+        findings,
+    })
+}
+
+/// Half-power width over the mean distance to the roots on either side, of every mode with a
+/// neighbour: 1 and more where resonances run into each other.
+fn put_overlap(roots: &mut [Vec<Mode>]) {
+    let hz: Vec<f64> = roots.iter().map(|modes| modes[0].frequency_hz).collect();
+    for (j, modes) in roots.iter_mut().enumerate() {
+        let below = j.checked_sub(1).map(|i| hz[j] - hz[i]);
+        let above = hz.get(j + 1).map(|next| next - hz[j]);
+        let distance = match (below, above) {
+            (Some(a), Some(b)) => Some(0.5 * (a + b)),
+            (one, other) => one.or(other),
+        };
+        for mode in modes {
+            let width = mode.pole().map(|pole| pole.half_power_width_hz());
+            let overlap = width
+                .zip(distance)
+                .map(|(width, distance)| width / distance);
+            mode.modal_overlap = overlap.filter(|value| value.is_finite());
+        }
+    }
+}
+
+/// The modes of one pole, with what is to be said of them.
+fn modes_of_root(
+    set: &FrfSet,
+    method: &'static str,
+    candidate: &Candidate,
+) -> Result<(Vec<Mode>, Vec<Finding>), IdentifyError> {
+    let pole = candidate
+        .pole
+        .without_added_damping(set.added_damping_rad_s);
+    let residues = by_pair(set, candidate.residues.as_deref().unwrap_or_default());
+    let residues: Residues = residues
+        .into_iter()
+        .map(|((response, reference), a)| ((response.clone(), reference.clone()), a))
+        .collect();
+    let frequency_hz = pole.natural_frequency_hz();
+    let warning = |code, value: f64, limit: f64| {
+        Finding::new(Severity::Warning, code, Place::Mode(frequency_hz))
+            .value(value, "")
+            .limit(limit)
+    };
+    let mut findings = Vec::new();
+    let modes = if candidate.multiplicity > 1 {
+        let parts = rank_one_terms::parts(&residues, candidate.multiplicity, pole.lambda.im)?;
+        let shaped = parts.into_iter().map(|part| {
+            let scaled = match part.reciprocal {
+                true => shape::shape_of(&part.residues, pole.lambda.im),
+                false => shape::unit_max_shape_of(&part.residues),
+            };
+            mode((set, method), candidate, pole, (part.residues, scaled))
+        });
+        shaped.collect()
+    } else {
+        let scaled = shape::shape_of(&residues, pole.lambda.im);
+        if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MOST_MISFIT) {
+            findings.push(warning(Code::CloseModes, misfit, MOST_MISFIT));
+        }
+        vec![mode((set, method), candidate, pole, (residues, scaled))]
+    };
+    let damping = pole.damping_ratio();
+    if damping <= 0.0 {
+        findings.push(warning(Code::DampingNotPositive, damping, 0.0));
+    }
+    Ok((modes, findings))
+}
+
+fn mode(
+    (set, method): (&FrfSet, &'static str),
+    candidate: &Candidate,
+    pole: Pole,
+    (residues, scaled): (Residues, ScaledShape),
+) -> Mode {
+    let ScaledShape {
+        shape,
+        scaling,
+        modal_mass_kg,
+        ..
+    } = scaled;
+    let components: Vec<Complex64> = shape.iter().map(|(_, value)| value).collect();
+    let damping = Some(pole.damping_ratio()).filter(|damping| *damping > 0.0);
+    let stds = candidate.residue_stds.as_deref();
+    let shape_std = stds.and_then(|stds| shape::deviations(&by_pair(set, stds), &residues, &shape));
+    Mode {
+        shape_std,
+        frequency_std_hz: candidate.frequency_std_hz,
+        damping_std: damping.and(candidate.damping_std),
+        frequency_damping_correlation: damping.and(candidate.frequency_damping_correlation),
+        frequency_bias_hz: candidate.frequency_bias_hz,
+        damping_bias: damping.and(candidate.damping_bias),
+        residues,
+        modal_mass_kg,
+        mpc: modal_phase_collinearity(&components),
+        method: Some(method.to_owned()),
+        order: candidate.order,
+        mean_phase_rad: mean_phase(&components),
+        mean_phase_deviation_rad: mean_phase_deviation(&components),
+        ..Mode::new(pole.natural_frequency_hz(), damping, shape, scaling)
+    }
+}
+
+fn by_pair<'a, T: Copy>(set: &'a FrfSet, values: &[T]) -> BTreeMap<(&'a Dof, &'a Dof), T> {
+    let pairs = set.functions().iter().zip(values);
+    pairs
+        .map(|(f, a)| ((&f.response, &f.reference), *a))
+        .collect()
+}

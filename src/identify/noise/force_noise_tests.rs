@@ -1,0 +1,84 @@
+//! Noise that functions of one hit point share, told from what is left over and from variances.
+
+use crate::identify::noise::force_noise::*;
+use crate::identify::synthetic::white_noise;
+
+fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
+    let along = white_noise(400, variance, seed);
+    let line = |along| Line {
+        along,
+        excess,
+        noise: true,
+    };
+    along.into_iter().map(line).collect()
+}
+
+#[test]
+fn noise_along_the_response_is_shared_when_it_is_larger_there() {
+    for seed in 0..20 {
+        // 400 squares of one exponential variable each tell their mean to 5 %.
+        assert!(shared_part(&lines(3.0, 3.0, seed), 1.0) > 0.7);
+        assert!((shared_part(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
+        assert!(shared_part(&lines(3.0, 1.0, seed), 1.0) <= 0.0);
+        // Functions without noise of the force have nothing to share.
+        assert!(shared_part(&lines(1.0, 1.0, seed), 1.0) <= 0.0);
+    }
+}
+
+#[test]
+fn variances_that_scatter_alike_are_of_the_same_hits() {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{ChiSquared, Distribution};
+
+    const FREEDOM: f64 = 6.0;
+    let scatter = ChiSquared::new(FREEDOM).expect("degrees of freedom are positive");
+    for seed in 0..10 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut of = |same: bool| {
+            let mut estimated = vec![Vec::new(); 4];
+            for _ in 0..100 {
+                let one = scatter.sample(&mut random) / FREEDOM;
+                for (f, own) in estimated.iter_mut().enumerate() {
+                    let other = scatter.sample(&mut random) / FREEDOM;
+                    own.push((1 + f) as f64 * if same { one } else { other });
+                }
+            }
+            let estimated: Vec<Estimated> = (estimated.into_iter().enumerate())
+                .map(|(f, variance)| Estimated {
+                    power: vec![(1 + f) as f64; variance.len()],
+                    variance,
+                    degrees_of_freedom: Some(FREEDOM),
+                    alike: 1.0,
+                    own: None,
+                })
+                .collect();
+            let smooth = Smooth {
+                variance: vec![1.0; 100],
+                by_force: vec![0.95; 100],
+            };
+            let all: Vec<&Estimated> = estimated.iter().collect();
+            told_by_variances(&all, &vec![smooth; 4])
+        };
+        assert!(of(true) > 0.999);
+        assert!(of(false) < 0.3);
+    }
+    // ψ′(1) is π²/6, ψ′(1/2) is π²/2.
+    let square = std::f64::consts::PI.powi(2);
+    assert!((trigamma(1.0) - square / 6.0).abs() < 1e-4);
+    assert!((trigamma(0.5) - square / 2.0).abs() < 1e-4);
+}
+
+#[test]
+fn energies_along_and_across_the_response_add_up() {
+    let response = [
+        Complex64::new(1.0, 1.0),
+        Complex64::new(0.0, -2.0),
+        Complex64::ONE,
+    ];
+    let of = |own: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], own, |f| response[f]);
+    let same = of(&|f| Complex64::new(0.0, 3.0) * response[f]);
+    assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
+    let other = of(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
+    assert!((other.along - 7.0).abs() < 1e-12 && (other.across - 42.0).abs() < 1e-12);
+}

@@ -1,0 +1,128 @@
+//! How many roots the data support, with known truth.
+
+use crate::axis::{Band, FrequencyAxis};
+
+use crate::identify::estimator::IdentifyOptions;
+use crate::identify::identification;
+use crate::identify::order_selection::{Support, support};
+use crate::identify::synthetic::{Measurement, Structure};
+
+fn axis() -> FrequencyAxis {
+    FrequencyAxis {
+        start_hz: 40.0,
+        step_hz: 0.1,
+        len: 1201,
+    }
+}
+
+/// Four modes between 40 and 160 Hz; the residues of the last are a tenth of those of the others.
+fn structure() -> Structure {
+    let shape = |a: f64, size: f64| (1..=6).map(|p| size * (a * f64::from(p)).cos()).collect();
+    Structure {
+        modes: vec![
+            (62.0, 0.008, shape(0.3, 1.0)),
+            (88.0, 0.01, shape(0.7, 1.0)),
+            (91.0, 0.01, shape(1.1, 1.0)),
+            (131.0, 0.012, shape(1.6, 0.3)),
+        ],
+    }
+}
+
+fn supported(structure: &Structure, how: &Measurement, band: Band) -> Support {
+    let set = structure.measured(how);
+    let options = IdentifyOptions {
+        band: Some(band),
+        ..IdentifyOptions::default()
+    };
+    let own = identification(&set, &options).expect("the set of this test has modes to count");
+    support(&set, band, &own).expect("the set of this test has modes to count")
+}
+
+fn at(snr_db: f64) -> Measurement {
+    Measurement {
+        snr_db: Some(snr_db),
+        seed: 5,
+        ..Measurement::of_sensors(6, axis())
+    }
+}
+
+#[test]
+fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
+    let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
+    for variance_given in [true, false] {
+        let how = Measurement {
+            variance_given,
+            ..at(50.0)
+        };
+        let own = supported(&structure(), &how, band);
+        assert_eq!((own.identified, own.by_bic()), (4, 4), "{own:?}");
+        assert_eq!(own.by_prediction(), Some(4), "{own:?}");
+        let four = &own.tried[4];
+        assert!(four.identified && (four.rest - 1.0).abs() < 0.1, "{four:?}");
+        assert!(
+            (four
+                .predicted
+                .expect("the set of this test has modes to count")
+                .mean
+                - 1.0)
+                .abs()
+                < 0.1,
+            "{four:?}"
+        );
+        // The weakest comes last, and no BIC rises on the way to it.
+        assert!(
+            (four
+                .pole
+                .expect("the set of this test has modes to count")
+                .natural_frequency_hz()
+                - 131.0)
+                .abs()
+                < 0.2
+        );
+        assert!(
+            own.tried[..=4]
+                .windows(2)
+                .all(|two| two[1].bic < two[0].bic)
+        );
+    }
+}
+
+#[test]
+fn a_mode_in_the_noise_is_not_supported() {
+    let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
+    let own = supported(&structure(), &at(15.0), band);
+    assert_eq!(own.by_bic(), 3, "{own:?}");
+}
+
+#[test]
+fn modes_outside_the_band_count_as_none() {
+    let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
+    let own = supported(&structure(), &at(60.0), band);
+    assert_eq!((own.identified, own.by_bic()), (2, 2), "{own:?}");
+    assert!((own.tried[2].rest - 1.0).abs() < 0.15, "{own:?}");
+}
+
+/// Leaving a value out costs the share of unknowns in the values; too few roots foretell nothing.
+#[test]
+fn what_is_left_out_is_foretold_by_the_right_number_of_roots() {
+    let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
+    let own = supported(&structure(), &at(40.0), band);
+    let (two, none) = (&own.tried[2], &own.tried[0]);
+    assert_eq!((own.stretch, own.by_prediction()), (1, Some(2)), "{own:?}");
+    let raised = two
+        .predicted
+        .expect("the set of this test has modes to count")
+        .mean
+        / two.rest;
+    assert!(raised > 1.0 && raised < 1.2, "{raised}");
+    assert!(
+        none.predicted
+            .expect("the set of this test has modes to count")
+            .mean
+            > 10.0
+                * two
+                    .predicted
+                    .expect("the set of this test has modes to count")
+                    .mean
+    );
+}

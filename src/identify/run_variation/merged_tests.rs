@@ -1,0 +1,120 @@
+//! What is made of modes that are known to move.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::identify::estimator::Candidate;
+use crate::modal::Pole;
+
+use crate::identify::data::line_shape::LineShape;
+use crate::identify::run_variation::{Moved, Moving, Told};
+
+#[test]
+fn a_function_is_brought_from_the_pole_of_its_run_to_the_mean() {
+    let mean = Complex64::new(-0.7, 60.0);
+    let shifts = vec![Complex64::new(0.02, -0.4), Complex64::new(-0.03, 0.9)];
+    let mode = Moving {
+        lambda: mean,
+        scatter: 0.6,
+        decay_std: 0.0,
+        stds: vec![0.1; 2],
+        residues: vec![Complex64::new(1.0, -2.0), Complex64::new(-0.5, 3.0)],
+        shifts: shifts.clone(),
+    };
+    let shape = LineShape::EXACT;
+    for (f, run) in [(0, 1), (1, 0)] {
+        let a = mode.residues[f];
+        for omega in [58.0, 60.3, 61.0] {
+            let with = |lambda: Complex64| {
+                let pole = |lambda: Complex64| shape.pole(omega, lambda);
+                a * pole(lambda) + a.conj() * pole(lambda.conj())
+            };
+            let brought = with(mean + shifts[run]) + mode.correction(shape, (f, run), omega);
+            assert!((brought - with(mean)).norm() < 1e-12, "{f} {omega}");
+        }
+    }
+}
+
+#[test]
+fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
+    let moving = |hz: f64, part: f64| Moving {
+        lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
+        scatter: part * TAU * hz,
+        decay_std: 0.0,
+        shifts: Vec::new(),
+        stds: Vec::new(),
+        residues: Vec::new(),
+    };
+    let moved = Moved {
+        modes: vec![
+            moving(10.0, 0.004),
+            moving(20.0, 0.001),
+            moving(30.0, 0.002),
+        ],
+        ..Moved::default()
+    };
+    let candidate = |hz: f64| Candidate {
+        order: None,
+        pole: Pole {
+            lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
+        },
+        participation: None,
+        residues: None,
+        residue_stds: None,
+        multiplicity: 1,
+        frequency_std_hz: Some(0.003),
+        damping_std: None,
+        frequency_damping_correlation: None,
+        frequency_bias_hz: None,
+        damping_bias: None,
+        quality: None,
+    };
+    let std = |hz: f64, missed: bool| {
+        moved
+            .merged(candidate(hz), missed)
+            .frequency_std_hz
+            .unwrap()
+    };
+    assert!((std(50.0, false) - 0.003).abs() < 1e-12);
+    // 0.2 % of the frequency.
+    let size = Complex64::new(-0.01, 1.0).norm();
+    assert!((std(50.0, true) - 0.003f64.hypot(0.1 * size)).abs() < 1e-12);
+    assert!((std(10.0, true) - 0.003f64.hypot(0.04)).abs() < 1e-12);
+}
+
+#[test]
+fn of_modes_that_move_together_one_that_does_not_is_left_out() {
+    let told = |shifts: [f64; 5], group: usize| Told {
+        mode: Moving {
+            lambda: Complex64::new(-1.0, 100.0),
+            scatter: 1.0,
+            decay_std: 0.0,
+            shifts: shifts.map(|shift| Complex64::new(0.0, shift)).to_vec(),
+            stds: vec![0.1; 5],
+            residues: vec![Complex64::ONE; 5],
+        },
+        alone: true,
+        known: false,
+        group,
+        gain: 1.0,
+    };
+    // The last two are one resonance, one of whose modes stays.
+    let all = [
+        told([1.0, -1.0, 2.0, 0.0, -2.0], 0),
+        told([1.1, -0.9, 2.2, 0.0, -2.1], 1),
+        told([2.0, 2.0, -2.0, -2.0, 0.0], 2),
+        told([0.5, -0.6, 1.0, 0.1, -1.0], 3),
+        told([0.5, -0.6, 1.0, 0.1, -1.0], 4),
+        told([0.0; 5], 4),
+    ];
+    let moved = Moved {
+        runs: (0..5).map(|run| vec![run]).collect(),
+        ..Moved::default()
+    };
+    let taken = moved.agreeing(all.iter().collect());
+    let groups: Vec<usize> = taken.iter().map(|told| told.group).collect();
+    assert_eq!(groups, [0, 1, 3]);
+    // One resonance alone has nothing to agree with.
+    assert!(moved.agreeing(all[4..].iter().collect()).is_empty());
+}

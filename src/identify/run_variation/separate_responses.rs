@@ -1,0 +1,115 @@
+//! Close modes each of which responds in runs of its own: parts of a structure, or one mode that
+//! moved from run to run. The functions do not tell which. Directions at one point are one run
+//! here: bending in two planes is no such case.
+
+use std::collections::BTreeMap;
+
+use num_complex::Complex64;
+
+use crate::frf::{Function, runs};
+
+use crate::identify::data::model_pole::Root;
+
+/// Half-power widths between two modes that may be one.
+const CLOSE: f64 = 2.0;
+/// Part of the power of both that the other one may have in a run.
+const OTHER: f64 = 0.05;
+/// Runs with less of the largest power than this say nothing.
+const LEAST: f64 = 0.01;
+/// Runs of each of them, fewest: two modes of few runs may look so by chance.
+const FEWEST_RUNS: usize = 2;
+
+/// The functions of each point that the sensor or the hammer went to, all directions together.
+pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
+    let (runs, roving_sensor) = runs(functions);
+    let mut points: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for f in runs.into_iter().flatten() {
+        let dof = match roving_sensor {
+            true => &functions[f].response,
+            false => &functions[f].reference,
+        };
+        points.entry(dof.point()).or_default().push(f);
+    }
+    points.into_values().collect()
+}
+
+/// The roots that have such a partner, with the distance to the nearest in half-power widths.
+pub(in crate::identify) fn run_partners(
+    roots: &[&Root],
+    runs: &[Vec<usize>],
+) -> Vec<(Complex64, f64)> {
+    let of = |own: &&Root| {
+        let partner = |other: &&Root| {
+            let width = 0.5 * (own.width() + other.width());
+            let distance = (own.lambda.im - other.lambda.im).abs() / width;
+            let near = distance > 0.0 && distance < CLOSE;
+            (near && share_runs(own, other, runs)).then_some(distance)
+        };
+        let nearest = roots.iter().filter_map(partner).min_by(f64::total_cmp);
+        nearest.map(|distance| (own.lambda, distance))
+    };
+    roots.iter().filter_map(of).collect()
+}
+
+/// Whether every run that has either of two roots has one of them alone, and each has some.
+fn share_runs(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
+    let power = |root: &Root, run: &[usize]| -> f64 {
+        run.iter().map(|f| root.residues[*f].norm_sqr()).sum()
+    };
+    let both = |run: &Vec<usize>| (power(a, run), power(b, run));
+    let powers: Vec<(f64, f64)> = runs.iter().map(both).collect();
+    let largest = powers.iter().map(|(a, b)| a + b).fold(0.0, f64::max);
+    let (mut of_a, mut of_b) = (0, 0);
+    for (a, b) in powers {
+        if a + b < LEAST * largest {
+            continue;
+        }
+        of_a += usize::from(b < OTHER * (a + b));
+        of_b += usize::from(a < OTHER * (a + b));
+        if a.min(b) >= OTHER * (a + b) {
+            return false;
+        }
+    }
+    of_a.min(of_b) >= FEWEST_RUNS
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::identify::run_variation::separate_responses::*;
+    use crate::quantity::FrfKind;
+
+    #[test]
+    fn modes_that_share_the_runs_between_them_are_told_and_no_others() {
+        let root = |hz: f64, residues: [f64; 6]| {
+            let mut root = Root::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
+            root.residues = residues.map(Complex64::from).to_vec();
+            root
+        };
+        let runs: Vec<Vec<usize>> = (0..6).map(|run| vec![run]).collect();
+        let first = root(100.0, [1.0, 2.0, 1.5, 0.1, 0.0, 0.02]);
+        // The last run has little of both.
+        let second = root(103.0, [0.1, 0.0, 0.2, 1.0, 0.8, 0.02]);
+        let everywhere = root(101.0, [1.0; 6]);
+        let far = root(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        let told = run_partners(&[&first, &everywhere, &second, &far], &runs);
+        assert_eq!(told, [(first.lambda, 1.5), (second.lambda, 1.5)]);
+        // Directions at one point are no runs of their own.
+        let function = |response: &str| Function {
+            response: response.parse().unwrap(),
+            reference: "9:+Z".parse().unwrap(),
+            kind: FrfKind::Receptance,
+            averages: None,
+            estimator: None,
+            variance_dof: None,
+        };
+        let functions = ["1:+X", "1:+Y", "2:+X", "2:+Y", "3:+X", "3:+Y"].map(function);
+        let points = by_point(&functions);
+        assert_eq!(points, [[0, 1], [2, 3], [4, 5]]);
+        let in_x = root(100.0, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
+        let in_y = root(101.0, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        assert!(run_partners(&[&in_x, &in_y], &points).is_empty());
+        // In one run alone it may be chance.
+        let alone = root(103.0, [0.1, 0.0, 0.2, 0.0, 0.8, 0.0]);
+        assert!(run_partners(&[&first, &alone], &runs).is_empty());
+    }
+}

@@ -1,0 +1,439 @@
+//! Tests whose runs disagree, against known truth.
+
+use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::axis::FrequencyAxis;
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Place};
+use crate::frf::{FrfSet, FunctionData};
+use crate::identify::estimator::IdentifyOptions;
+use crate::identify::identify;
+use crate::identify::synthetic::Pair;
+use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
+use crate::modal::{ModalModel, Mode, PoleSelection, SelectedPole, mac};
+
+/// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
+fn roving(
+    (structure, how): &(Structure, Measurement),
+    hammer: bool,
+    shift: impl Fn(usize, usize) -> f64,
+) -> FrfSet {
+    let mut set = FrfSet::new(how.axis);
+    for (point, (sensor, hit)) in how.pairs.iter().enumerate() {
+        let mut own = structure.clone();
+        for (j, mode) in own.modes.iter_mut().enumerate() {
+            mode.0 += shift(point, j) * width_hz(mode);
+        }
+        let pair = if hammer { (hit, sensor) } else { (sensor, hit) };
+        let run = own.measured(&Measurement {
+            pairs: vec![(pair.0.clone(), pair.1.clone())],
+            seed: how.seed + 100 * point as u64,
+            ..how.clone()
+        });
+        let data = FunctionData {
+            values: run.values(0).to_vec(),
+            coherence: None,
+            variance: run.variance(0).map(<[f64]>::to_vec),
+        };
+        set.push(run.functions()[0].clone(), data).unwrap();
+    }
+    set
+}
+
+/// Three to six separated modes at 60 dB.
+fn test(seed: u64) -> (Structure, Measurement) {
+    let (structure, mut how) = separated_modes(seed);
+    how.snr_db = Some(60.0);
+    (structure, how)
+}
+
+/// The mass of a sensor: the shift of the point that moves most, half-power widths.
+fn loaded(structure: &Structure, most: f64) -> impl Fn(usize, usize) -> f64 {
+    move |point, j| {
+        let shape = &structure.modes[j].2;
+        let largest = shape.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        -most * (shape[point] / largest).powi(2)
+    }
+}
+
+pub(super) fn found(set: &FrfSet) -> ModalModel {
+    identify(set, &IdentifyOptions::default()).unwrap()
+}
+
+pub(super) fn told(model: &ModalModel, code: Code) -> Vec<&Finding> {
+    let own = |finding: &&Finding| finding.code == code;
+    model.findings.iter().filter(own).collect()
+}
+
+#[test]
+fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviation() {
+    for (seed, most) in [(0, 0.05), (1, 0.2), (2, 0.5), (3, 0.5), (4, 0.2)] {
+        let test = test(seed);
+        let shift = loaded(&test.0, most);
+        let model = found(&roving(&test, false, &shift));
+        let modes = &test.0.modes;
+        assert_eq!(model.modes.len(), modes.len(), "{seed}");
+        assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+        for (j, (mode, truth)) in model.modes.iter().zip(modes).enumerate() {
+            let shifts: Vec<f64> = (0..truth.2.len()).map(|p| shift(p, j)).collect();
+            let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
+            let squares: f64 = shifts.iter().map(|d| (d - mean).powi(2)).sum();
+            let scatter = (squares / (shifts.len() - 1) as f64).sqrt() * width_hz(truth);
+            let error = mode.frequency_hz - truth.0 - mean * width_hz(truth);
+            assert!(error.abs() < 0.1 * scatter, "{seed} {j}: {error} {scatter}");
+            let std = mode.frequency_std_hz.unwrap();
+            assert!(
+                (std / scatter - 1.0).abs() < 0.2,
+                "{seed} {j}: {std} {scatter}"
+            );
+            let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+            assert!(damping.abs() < 0.01, "{seed} {j}: damping {damping}");
+            let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+            let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+            assert!(mac(&shape, &known).unwrap() > 0.9999);
+        }
+    }
+}
+
+#[test]
+fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
+    for seed in 0..4 {
+        let (structure, how) = test(seed);
+        let shift = loaded(&structure, 0.3);
+        let mut set = FrfSet::new(how.axis);
+        for hit in ["1:+Z", "2:+Z"] {
+            let mut own = how.clone();
+            for pair in &mut own.pairs {
+                pair.1 = hit.parse().unwrap();
+            }
+            let runs = roving(&(structure.clone(), own), false, &shift);
+            for (f, function) in runs.functions().iter().enumerate() {
+                let data = FunctionData {
+                    values: runs.values(f).to_vec(),
+                    coherence: None,
+                    variance: runs.variance(f).map(<[f64]>::to_vec),
+                };
+                set.push(function.clone(), data).unwrap();
+            }
+        }
+        let model = found(&set);
+        let modes = structure.modes.len();
+        assert_eq!(model.modes.len(), modes, "{seed}");
+        assert_eq!(told(&model, Code::RunsMerged).len(), modes, "{seed}");
+        for (mode, truth) in model.modes.iter().zip(&structure.modes) {
+            let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+            assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
+        }
+    }
+}
+
+#[test]
+fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
+    let test = test(1);
+    let set = roving(&test, false, loaded(&test.0, 0.3));
+    let by_itself = found(&set);
+    let pole = |mode: &Mode| SelectedPole {
+        frequency_hz: mode.frequency_hz,
+        damping_ratio: mode.damping_ratio,
+        order: None,
+    };
+    let chosen = |count: usize| {
+        let options = IdentifyOptions {
+            selection: Some(PoleSelection {
+                poles: by_itself.modes[..count].iter().map(pole).collect(),
+                tolerance_hz: None,
+            }),
+            ..IdentifyOptions::default()
+        };
+        identify(&set, &options).unwrap()
+    };
+    // Of the others nothing is said.
+    let first = chosen(1);
+    assert_eq!(
+        (first.modes.len(), told(&first, Code::RunsMerged).len()),
+        (1, 1)
+    );
+    let model = chosen(by_itself.modes.len());
+    assert_eq!(model.modes.len(), by_itself.modes.len());
+    assert_eq!(told(&model, Code::RunsMerged).len(), model.modes.len());
+    for (own, other) in model.modes.iter().zip(&by_itself.modes) {
+        let ratio = |of: fn(&Mode) -> Option<f64>| of(own).unwrap() / of(other).unwrap();
+        assert!((ratio(|mode| mode.frequency_std_hz) - 1.0).abs() < 0.01);
+        let damping = ratio(|mode| mode.damping_std);
+        assert!((damping - 1.0).abs() < 0.3, "{damping}");
+    }
+}
+
+/// Shifts of all modes together from run to run, as a part of the frequency: normal variables of
+/// such a deviation.
+fn drift(seed: u64, deviation: f64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    (0..16).map(|_| deviation * normal()).collect()
+}
+
+/// A test whose modes are merged and are where they should be.
+fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
+    let drift = drift(seed, deviation);
+    let modes = &test.0.modes;
+    let widths = |point: usize, j: usize| drift[point] * modes[j].0 / width_hz(&modes[j]);
+    let model = found(&roving(test, false, widths));
+    assert_eq!(model.modes.len(), modes.len(), "{seed}");
+    assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+    for (mode, truth) in model.modes.iter().zip(modes) {
+        let runs = truth.2.len();
+        let mean = drift[..runs].iter().sum::<f64>() / runs as f64;
+        let error = mode.frequency_hz / truth.0 - 1.0 - mean;
+        assert!(error.abs() < 0.02 * deviation, "{seed}: {error}");
+        let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+        assert!(damping.abs() < 0.02, "{seed}: damping {damping}");
+        let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
+        let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+        let same = mac(&shape, &known).unwrap();
+        assert!(same > 0.999, "{seed}: {same}");
+    }
+}
+
+#[test]
+fn modes_that_drift_by_as_much_as_they_are_wide_are_merged() {
+    // Of 0 to 11 without those whose first fit, with many roots on long records, takes minutes.
+    for seed in [0, 1, 3, 4, 5, 7, 8, 10, 11] {
+        drifts(seed, &test(seed), 0.005);
+    }
+}
+
+#[test]
+fn two_close_modes_that_drift_together_are_two_modes() {
+    for seed in 0..8 {
+        let (structure, mut how) = close_pair(
+            seed,
+            Pair {
+                spacing_widths: 1.2,
+                difference: None,
+                ratio: 1.0,
+                lines_per_width: (6.0, 12.0),
+            },
+        );
+        how.snr_db = Some(60.0);
+        drifts(seed, &(structure, how), 0.003);
+    }
+}
+
+#[test]
+fn the_run_that_changed_is_named() {
+    for hammer in [false, true] {
+        let changed = |point: usize, _: usize| if point == 2 { 0.3 } else { 0.0 };
+        let test = test(5);
+        let model = found(&roving(&test, hammer, changed));
+        assert_eq!(model.modes.len(), test.0.modes.len());
+        let [finding] = told(&model, Code::RunsDisagree)[..] else {
+            panic!("{:?}", model.findings);
+        };
+        let changed: Dof = "3:+Z".parse().unwrap();
+        let Place::Function {
+            response,
+            reference,
+        } = &finding.place
+        else {
+            panic!("{finding}");
+        };
+        let own = if hammer { reference } else { response };
+        assert_eq!(own.as_ref(), Some(&changed));
+        assert!(finding.value.unwrap() > finding.limit.unwrap());
+    }
+}
+
+#[test]
+fn runs_that_agree_are_not_touched() {
+    for seed in 0..40 {
+        let model = found(&roving(&test(seed), false, |_, _| 0.0));
+        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+        assert!(told(&model, Code::RunsDisagree).is_empty(), "{seed}");
+    }
+}
+
+/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by
+/// so many half-power widths, and noise that grows with the response beside some that does not.
+fn beam(seed: u64, widths: f64) -> (Structure, FrfSet) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let step_hz = 0.02;
+    let modes = [(11.2, 1.5), (30.7, 3.7), (59.6, 6.0), (97.4, 10.7)];
+    let modes = modes.map(|(hz, lines)| {
+        let shape = (0..9).map(|_| normal()).collect();
+        (hz, lines * step_hz / (2.0 * hz), shape)
+    });
+    let structure = Structure {
+        modes: modes.to_vec(),
+    };
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz,
+        len: 5500,
+    };
+    let how = Measurement {
+        snr_db: Some(70.0),
+        seed,
+        ..Measurement::of_sensors(9, axis)
+    };
+    let drift: Vec<f64> = (0..9).map(|_| widths * normal()).collect();
+    let runs = roving(&(structure.clone(), how), true, |point, _| drift[point]);
+    let mut set = FrfSet::new(axis);
+    for (f, function) in runs.functions().iter().enumerate() {
+        let mut noisy = |h: &Complex64| h * (1.0 + 0.02 * Complex64::new(normal(), normal()));
+        let data = FunctionData {
+            values: runs.values(f).iter().map(&mut noisy).collect(),
+            coherence: None,
+            variance: None,
+        };
+        set.push(function.clone(), data).unwrap();
+    }
+    (structure, set)
+}
+
+#[test]
+fn narrow_modes_in_noise_that_grows_with_them_are_no_more_modes_whether_they_move_or_not() {
+    for widths in [0.0, 0.1] {
+        for seed in 0..8 {
+            let (structure, set) = beam(seed, widths);
+            let model = found(&set);
+            let modes = structure.modes.len();
+            assert_eq!(model.modes.len(), modes, "{widths} {seed}");
+            let merged = told(&model, Code::RunsMerged).len();
+            assert_eq!(
+                merged,
+                if widths > 0.0 { modes } else { 0 },
+                "{widths} {seed}"
+            );
+            for (mode, truth) in model.modes.iter().zip(&structure.modes) {
+                let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
+                assert!(damping.abs() < 0.05, "{widths} {seed}: {damping}");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_close_modes_are_no_mode_that_moves() {
+    for (seed, spacing_widths) in [(0, 0.5), (1, 0.5), (2, 1.0), (3, 1.0)] {
+        let (structure, mut how) = close_pair(
+            seed,
+            Pair {
+                spacing_widths,
+                difference: None,
+                ratio: 1.0,
+                lines_per_width: (6.0, 12.0),
+            },
+        );
+        how.snr_db = Some(60.0);
+        let model = found(&structure.measured(&how));
+        assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
+        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+    }
+}
+
+/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power widths above the
+/// second, is the weaker. `None` where hardly anything tells it: its residues are a hundredth of
+/// the second's, or its shape is nearly that.
+fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let modes = [
+        (20.0, 2e-3, 1.0),
+        (50.0, 1e-3, 1.0),
+        (50.08, 1e-3, 0.4),
+        (75.0, 1e-3, 1.0),
+    ];
+    let modes = modes.map(|(hz, damping, scale)| {
+        let mut value = || -> f64 { StandardNormal.sample(&mut random) };
+        (hz, damping, vec![scale * value(), scale * value()])
+    });
+    let residues = |mode: usize| -> Vec<Complex64> {
+        let shape = &modes[mode].2;
+        shape.iter().map(|v| (v * shape[0]).into()).collect()
+    };
+    let size = |residues: &[Complex64]| residues.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let (strong, weak) = (residues(1), residues(2));
+    if size(&weak) < 1e-4 * size(&strong) || mac(&strong, &weak) > Some(0.9) {
+        return None;
+    }
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.02,
+        len: 5000,
+    };
+    let how = Measurement {
+        snr_db: Some(75.0),
+        variance_given: false,
+        seed,
+        ..Measurement::of_sensors(2, axis)
+    };
+    let structure = Structure {
+        modes: modes.to_vec(),
+    };
+    Some((structure.modes.len(), structure.measured(&how)))
+}
+
+#[test]
+fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
+    let tests: Vec<_> = (0..32).filter_map(weak_beside_strong).collect();
+    assert!(tests.len() > 20, "{}", tests.len());
+    for (place, (modes, set)) in tests.iter().enumerate() {
+        let found = found(set).modes;
+        assert_eq!(found.len(), *modes, "{place}");
+        let near = |mode: &Mode| (mode.frequency_hz - 50.08).abs() < 0.03;
+        assert!(found.iter().any(near), "{place}");
+    }
+}
+
+/// Three pairs of modes so many half-power widths apart, their shapes in phase, at ten sensors.
+fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, FrfSet) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut modes = Vec::new();
+    for hz in [100.0, 190.0, 300.0] {
+        let mut value = || random.random_range(0.3..1.0);
+        let first: Vec<f64> = (0..10).map(|_| value()).collect();
+        let second = first.iter().map(|v| v * (value() - 0.2)).collect();
+        modes.push((hz, 0.01, first));
+        modes.push((hz * (1.0 + 0.02 * widths), 0.01, second));
+    }
+    let axis = FrequencyAxis {
+        start_hz: 0.0,
+        step_hz: 0.2,
+        len: 2000,
+    };
+    let mut how = Measurement {
+        snr_db: Some(snr_db),
+        seed,
+        ..Measurement::of_sensors(10, axis)
+    };
+    let sensors: Vec<Dof> = how.pairs.iter().map(|pair| pair.0.clone()).collect();
+    let hits = sensors[..references].iter();
+    let pairs = hits.flat_map(|hit| sensors.iter().map(move |own| (own.clone(), hit.clone())));
+    how.pairs = pairs.collect();
+    let structure = Structure { modes };
+    let set = structure.measured(&how);
+    (structure, set)
+}
+
+#[test]
+fn a_structure_of_close_pairs_alone_has_no_mode_that_moves() {
+    for (widths, references, snr_db) in [
+        (0.08, 1, 40.0),
+        (0.1, 2, 40.0),
+        (0.2, 2, 20.0),
+        (0.3, 1, 30.0),
+    ] {
+        for seed in 0..4 {
+            let (_, set) = pairs(seed, widths, references, snr_db);
+            let model = found(&set);
+            let merged = told(&model, Code::RunsMerged);
+            assert!(
+                merged.is_empty(),
+                "{widths} {references} {seed}: {merged:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! What a single-mode result must say about itself: one finding per weakness, with the value and
+//! the limit it met.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::finding::{Code, Finding, Place, Severity};
+use crate::frf::FrfSet;
+use crate::modal::Pole;
+
+use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::peak_detection::{self, Drop, Found, Peak};
+use crate::identify::error::IdentifyError;
+use crate::identify::fit::residues;
+use crate::identify::sdof::estimator::Resonance;
+use crate::identify::sdof::repeated_poles::{self, Judgement, PairTable, Surroundings};
+use crate::identify::sdof::single_mode_test::{self, Excess};
+
+/// Lines across a half-power band that damping needs.
+const FEWEST_LINES: f64 = 5.0;
+/// Time constants that a record should hold.
+const FEWEST_TIME_CONSTANTS: f64 = 6.0;
+/// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines
+/// under a Hann window. At 5 % resonances of the 5 lines that peak-picking needs would be reported;
+/// at 30 % the bias of a bridge of 2 lines would not.
+pub(in crate::identify) const MAX_LEAKAGE_BIAS: f64 = 0.1;
+/// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a
+/// good one).
+const MOST_SPREAD: f64 = 0.05;
+/// Half-power widths between two visible peaks below which both are contaminated.
+const NEAREST: f64 = 3.0;
+
+/// All that the findings are made from.
+pub(in crate::identify) struct Context<'a> {
+    /// The set as it came.
+    pub set: &'a FrfSet,
+    /// Its receptances in the band.
+    pub data: &'a Receptances,
+    /// Result of the search.
+    pub found: &'a Found,
+    /// Fitted modes in ascending frequency.
+    pub resonances: &'a [Resonance],
+    /// What the close-mode tests say of each.
+    pub verdicts: &'a [Verdict],
+}
+
+/// Whether one pole is enough under a peak, and the residues that go with the answer.
+pub(in crate::identify) struct Verdict {
+    /// The first test that failed.
+    pub excess: Option<Excess>,
+    /// Modes that share the pole.
+    pub multiplicity: usize,
+    /// Residues by function, m/(N s).
+    pub residues: Vec<Complex64>,
+}
+
+/// Tests every mode for a second pole under its peak (a visible neighbour, functions that disagree
+/// on the frequency, a frequency dependence of more than one pole), then for several shapes with
+/// one pole. Above a highest frequency, where the anti-alias filter falls off, shapes are not
+/// counted: what is cut off its ringing has many.
+///
+/// # Errors
+/// [`IdentifyError::Linalg`] when singular values do not converge.
+pub(in crate::identify) fn verdicts(
+    data: &Receptances,
+    found: &Found,
+    (resonances, residues): (&[Resonance], &[Vec<Complex64>]),
+    (table, highest_rad_s): (Option<&PairTable>, f64),
+) -> Result<Vec<Verdict>, IdentifyError> {
+    let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
+    let verdict = |mode: usize| {
+        let own = &residues[mode];
+        let neighbour = nearest(data, found, resonances, mode);
+        if neighbour.is_some() {
+            return Ok(Verdict {
+                excess: neighbour,
+                multiplicity: 1,
+                residues: own.clone(),
+            });
+        }
+        let lines = resonances[mode].lines.clone();
+        let rest = residues::remainder(data, &poles, residues, (&[mode], lines.clone()));
+        let functions = 0..data.functions();
+        let variance: Vec<f64> = functions
+            .map(|f| data.mean_variance(f, lines.clone()))
+            .collect();
+        let shape = single_mode_test::second_shape(&rest, &variance)?;
+        let pole = single_mode_test::second_pole(data, &resonances[mode], own, (&rest, &variance));
+        let residues = match shape {
+            Some(_) => residues::with_own_frequencies(data, poles[mode], (&rest, lines)),
+            None => own.clone(),
+        };
+        let table = table.filter(|_| poles[mode].im <= highest_rad_s);
+        let judgement = match (table, shape.or(pole)) {
+            (_, Some(excess)) => Judgement::Apart(excess),
+            (None, None) => Judgement::OnePole(1),
+            (Some(table), None) => {
+                let around = Surroundings {
+                    omega: &data.omega[resonances[mode].lines.clone()],
+                    lambda: poles[mode],
+                    rest: &rest,
+                    variance: data.variance_measured().then_some(&variance),
+                };
+                repeated_poles::judge(table, &around)?
+            }
+        };
+        let (excess, multiplicity) = match judgement {
+            Judgement::Apart(excess) => (Some(excess), 1),
+            Judgement::OnePole(multiplicity) => (None, multiplicity),
+        };
+        Ok(Verdict {
+            excess,
+            multiplicity,
+            residues,
+        })
+    };
+    (0..resonances.len()).into_par_iter().map(verdict).collect()
+}
+
+/// Findings of some modes, by number, in order of frequency, then the dropped peaks.
+pub(in crate::identify) fn findings(context: &Context, modes: &[usize]) -> Vec<Finding> {
+    let modes = modes.iter().flat_map(|mode| of_one_mode(context, *mode));
+    let mut findings: Vec<Finding> = modes.collect();
+    let dropped = context.found.dropped.iter();
+    findings.extend(dropped.map(|(peak, drop)| dropped_peak(context.data, peak, drop)));
+    findings
+}
+
+/// The finding of a maximum that was not followed.
+pub(in crate::identify) fn dropped_peak(data: &Receptances, peak: &Peak, drop: &Drop) -> Finding {
+    let (value, limit) = match drop {
+        Drop::NotHighest(ratio) => (*ratio, 2.0),
+        Drop::Unstable(turn) => (*turn, 0.0),
+        Drop::NotTurning(turn) => (*turn, peak_detection::LEAST_TURN),
+    };
+    let place = Place::Mode(peak_detection::hz(data, peak.line));
+    Finding::new(Severity::Info, Code::PeakDropped, place)
+        .value(value, "")
+        .limit(limit)
+}
+
+/// The row that a finding belongs to: the mode's frequency without the window's damping.
+fn place(context: &Context, resonance: &Resonance) -> Place {
+    let pole = Pole {
+        lambda: resonance.lambda,
+    };
+    let pole = pole.without_added_damping(context.set.added_damping_rad_s);
+    Place::Mode(pole.natural_frequency_hz())
+}
+
+fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
+    let resonance = &context.resonances[mode];
+    let decay = -resonance.lambda.re;
+    let (data, place) = (context.data, place(context, resonance));
+    let warning = |code, value: f64, unit: &str, limit: f64| {
+        Finding::new(Severity::Warning, code, place.clone())
+            .value(value, unit)
+            .limit(limit)
+    };
+    let mut findings = Vec::new();
+    if let Some(excess) = context.verdicts[mode].excess {
+        findings.push(warning(Code::CloseModes, excess.value, "", excess.limit));
+    }
+    let multiplicity = context.verdicts[mode].multiplicity;
+    if multiplicity > 1 {
+        let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
+        findings.push(finding.value(multiplicity as f64, ""));
+    }
+    if resonance.fit.is_none() {
+        findings.push(Finding::new(
+            Severity::Warning,
+            Code::NotFitted,
+            place.clone(),
+        ));
+    }
+    let lines = 2.0 * decay / data.step;
+    if lines < FEWEST_LINES {
+        findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
+    }
+    if resonance.fit.is_some_and(|fit| fit.one_sided) {
+        findings.push(Finding::new(
+            Severity::Warning,
+            Code::HalfPowerMissing,
+            place.clone(),
+        ));
+    }
+    if let Some(spread) = resonance
+        .fit
+        .and_then(|fit| fit.spread)
+        .filter(|s| *s > MOST_SPREAD)
+    {
+        findings.push(warning(Code::DampingSpread, spread, "", MOST_SPREAD));
+    }
+    findings.extend(reach(context.set, data, resonance.lambda, &place));
+    findings
+}
+
+/// Findings of a pole whose record is short of time constants, or whose half-power width reaches
+/// the end of the lines.
+pub(in crate::identify) fn reach(
+    set: &FrfSet,
+    data: &Receptances,
+    lambda: Complex64,
+    place: &Place,
+) -> Vec<Finding> {
+    let (decay, mut findings) = (-lambda.re, Vec::new());
+    let warning = |code, value: f64, unit: &str, limit: f64| {
+        Finding::new(Severity::Warning, code, place.clone())
+            .value(value, unit)
+            .limit(limit)
+    };
+    let constants = set.record_duration_s.map(|duration| decay * duration);
+    if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
+        let limit = FEWEST_TIME_CONSTANTS;
+        findings.push(warning(Code::FewTimeConstants, constants, "", limit));
+    }
+    findings.extend(leakage(data, lambda, place));
+    let last = data.omega[data.lines() - 1];
+    let margin = (lambda.im - data.omega[0]).min(last - lambda.im);
+    if margin < 2.0 * decay {
+        let limit = 2.0 * decay / TAU;
+        findings.push(warning(Code::NearBandEdge, margin / TAU, "Hz", limit));
+    }
+    findings
+}
+
+/// The finding of a resonance so narrow that leakage would raise its damping, where that was not
+/// corrected and the data do not contradict it.
+fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
+    let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
+    let bias = shape.leakage_bias(-lambda.re)?;
+    let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, place.clone());
+    let finding = finding.detail(shape.window_name());
+    let value = |finding: Finding| {
+        finding
+            .value(100.0 * bias, "%")
+            .limit(100.0 * MAX_LEAKAGE_BIAS)
+    };
+    (bias > MAX_LEAKAGE_BIAS).then(|| match bias.is_finite() {
+        true => value(finding),
+        false => finding,
+    })
+}
+
+/// The finding of damping that a stated exponential window added at a rate that is not stated.
+pub(in crate::identify) fn window_decay(set: &FrfSet) -> Option<Finding> {
+    let mut windows = set.window.iter().chain(&set.mixed_windows);
+    let is_unknown =
+        set.added_damping_rad_s <= 0.0 && windows.any(|window| window.is_exponential());
+    let code = Code::WindowDecayUnknown;
+    is_unknown.then(|| Finding::new(Severity::Warning, code, Place::Whole))
+}
+
+/// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the
+/// mode, when it is too small.
+fn nearest(
+    data: &Receptances,
+    found: &Found,
+    resonances: &[Resonance],
+    mode: usize,
+) -> Option<Excess> {
+    let own = resonances[mode].lambda;
+    let others = resonances.iter().enumerate().filter(|(j, _)| *j != mode);
+    let dropped = found.dropped.iter();
+    others
+        .map(|(_, other)| other.lambda.im)
+        .chain(dropped.map(|(peak, _)| data.omega[peak.line]))
+        .map(|omega| (omega - own.im).abs() / (2.0 * own.re.abs()))
+        .min_by(f64::total_cmp)
+        .filter(|widths| *widths < NEAREST)
+        .map(|widths| Excess {
+            value: widths,
+            limit: NEAREST,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::identify::sdof::findings::*;
+    use crate::identify::synthetic::{Measurement, Structure};
+
+    #[test]
+    fn a_peak_without_a_fit_is_told() {
+        let axis = crate::axis::FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 0.1,
+            len: 1001,
+        };
+        let structure = Structure {
+            modes: vec![(60.0, 0.01, vec![1.0])],
+        };
+        let set = structure.measured(&Measurement::of_sensors(1, axis));
+        let band = crate::axis::Band::new(1.0, 100.0).unwrap();
+        let lambda = Pole::from_frequency(60.0, 0.01).lambda;
+        let context = Context {
+            set: &set,
+            data: &Receptances::new(&set, band).unwrap(),
+            found: &Found::default(),
+            resonances: &[Resonance {
+                first: lambda,
+                lambda,
+                fit: None,
+                lines: 500..700,
+            }],
+            verdicts: &[Verdict {
+                excess: None,
+                multiplicity: 1,
+                residues: vec![Complex64::ONE],
+            }],
+        };
+        let codes: Vec<Code> = findings(&context, &[0])
+            .iter()
+            .map(|finding| finding.code)
+            .collect();
+        assert_eq!(codes, [Code::NotFitted]);
+        assert!(findings(&context, &[]).is_empty());
+    }
+}

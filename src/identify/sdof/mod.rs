@@ -1,0 +1,22 @@
+//! Single-degree-of-freedom methods: peak-picking, circle fit, line fit, one resonance at a time.
+//!
+//! A peak of the detection spectrum gives initial values; each method refines them and states its
+//! scatter over FRFs. This room knows no model order and nothing of the multi-degree-of-freedom
+//! methods.
+//!
+//! Terms: *half-power points*, the frequencies at which the power is half of that of the peak;
+//! *damping surface*, damping estimates over all pairs of lines on both sides of the resonance.
+
+pub(in crate::identify) mod circle_detail;
+pub(in crate::identify) mod circle_fit;
+pub(in crate::identify) mod estimator;
+pub(in crate::identify) mod findings;
+pub(in crate::identify) mod line_fit;
+pub(in crate::identify) mod peak_picking;
+pub(in crate::identify) mod repeated_poles;
+#[cfg(test)]
+mod repeated_poles_tests;
+pub(in crate::identify) mod single_mode_test;
+#[cfg(test)]
+mod single_mode_test_tests;
+pub(in crate::identify) mod weighted_mean;

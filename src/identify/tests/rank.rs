@@ -1,0 +1,134 @@
+//! The judgement on its own: rank, noise, and poles of weak shapes.
+
+use num_complex::Complex64;
+
+use crate::frf::Function;
+use crate::identify::sdof::repeated_poles::{Judgement, PairTable, Surroundings, judge};
+use crate::identify::synthetic::white_noise;
+use crate::quantity::FrfKind;
+
+const LAMBDA: Complex64 = Complex64::new(-2.0, 500.0);
+const ROWS: usize = 5;
+const COLUMNS: usize = 4;
+
+fn functions() -> Vec<Function> {
+    let function = |(response, reference): (usize, usize)| Function {
+        response: format!("{response}:+Z").parse().unwrap(),
+        reference: format!("{reference}:+Z").parse().unwrap(),
+        kind: FrfKind::Receptance,
+        averages: None,
+        estimator: None,
+        variance_dof: None,
+    };
+    let pairs = (1..=ROWS).flat_map(|r| (1..=COLUMNS).map(move |k| (r, k)));
+    pairs.map(function).collect()
+}
+
+fn omega() -> Vec<f64> {
+    (-20..=20).map(|k| 500.0 + 0.5 * f64::from(k)).collect()
+}
+
+/// Orthogonal shapes over responses and references.
+fn shape(number: usize, index: usize, count: usize) -> f64 {
+    (std::f64::consts::PI * number as f64 * (index as f64 + 0.5) / count as f64).cos()
+}
+
+/// A shape's strength, and its shift of the pole, rad/s, by response and reference.
+type Part<'a> = (f64, &'a dyn Fn(usize, usize) -> f64);
+
+/// Values of all functions.
+fn values(shapes: &[Part<'_>]) -> Vec<Vec<Complex64>> {
+    let value = |r: usize, k: usize, w: f64| {
+        let term = |(j, (strength, shift)): (usize, &Part<'_>)| {
+            let residue = strength * shape(j, r, ROWS) * shape(j, k, COLUMNS);
+            residue / (Complex64::new(0.0, w - shift(r, k)) - LAMBDA)
+        };
+        shapes.iter().enumerate().map(term).sum::<Complex64>()
+    };
+    let pairs = (0..ROWS).flat_map(|r| (0..COLUMNS).map(move |k| (r, k)));
+    let function = |(r, k)| omega().iter().map(|w| value(r, k, *w)).collect();
+    pairs.map(function).collect()
+}
+
+fn judged(rest: &[Vec<Complex64>], variance: Option<&[f64]>) -> Judgement {
+    let around = Surroundings {
+        omega: &omega(),
+        lambda: LAMBDA,
+        rest,
+        variance,
+    };
+    judge(&PairTable::complete(&functions()).unwrap(), &around).unwrap()
+}
+
+#[test]
+fn shapes_of_one_pole_are_counted_down_to_the_least_share() {
+    let none = |_: usize, _: usize| 0.0;
+    // The first shape is constant, with a norm √2 times that of each other wave on either side.
+    for (share, expected) in [(0.06, 3), (0.04, 2)] {
+        let rest = values(&[(1.0, &none), (1.0, &none), (2.0 * share, &none)]);
+        assert_eq!(judged(&rest, None), Judgement::OnePole(expected), "{share}");
+    }
+}
+
+#[test]
+fn a_weak_shape_with_a_pole_of_its_own_is_no_repeated_root() {
+    let none = |_: usize, _: usize| 0.0;
+    // Half a half-power width of 2 · 2 rad/s: too weak a second shape for the functions to disagree
+    // on the frequency.
+    for (widths, repeated) in [(0.5, false), (0.05, true)] {
+        let apart = move |_: usize, _: usize| 4.0 * widths;
+        let rest = values(&[(1.0, &none), (0.15, &apart)]);
+        match judged(&rest, None) {
+            Judgement::OnePole(multiplicity) => assert!(repeated && multiplicity == 2),
+            Judgement::Apart(excess) => {
+                assert!(
+                    !repeated && excess.value > 0.25 && excess.value < 0.5,
+                    "{excess:?}"
+                )
+            }
+        }
+    }
+}
+
+#[test]
+fn a_frequency_that_moves_from_hit_to_hit_is_no_second_shape() {
+    let moved = |_: usize, k: usize| 0.1 * k as f64;
+    assert_eq!(
+        judged(&values(&[(1.0, &moved)]), None),
+        Judgement::OnePole(1)
+    );
+}
+
+#[test]
+fn a_shape_within_the_noise_does_not_count() {
+    let none = |_: usize, _: usize| 0.0;
+    let rest = values(&[(1.0, &none), (0.2, &none)]);
+    // Peaks of the first shape are 1/2 high, those of the second 1/10.
+    for (deviation, expected) in [(1e-4, 2), (0.3, 1)] {
+        let variance = vec![deviation * deviation; ROWS * COLUMNS];
+        let noisy: Vec<Vec<Complex64>> = (0..rest.len())
+            .map(|f| {
+                let noise = white_noise(rest[f].len(), variance[f], f as u64);
+                rest[f].iter().zip(noise).map(|(h, z)| h + z).collect()
+            })
+            .collect();
+        for given in [Some(variance.as_slice()), None] {
+            assert_eq!(
+                judged(&noisy, given),
+                Judgement::OnePole(expected),
+                "{deviation} {}",
+                given.is_some()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_table_needs_two_responses_two_references_and_every_pair() {
+    let all = functions();
+    assert!(PairTable::complete(&all).is_some());
+    assert!(PairTable::complete(&all[1..]).is_none());
+    assert!(PairTable::complete(&all[..COLUMNS]).is_none());
+    let one_reference: Vec<Function> = all.iter().step_by(COLUMNS).cloned().collect();
+    assert!(PairTable::complete(&one_reference).is_none());
+}
