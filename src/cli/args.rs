@@ -46,8 +46,8 @@ pub struct Global {
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Read every input as this format instead of judging by content (uff, hdf5, matlab5, npz, npy,
-    /// modes, pulse, signalcalc, table).
+    /// Read every input as this format instead of detecting it by content (uff, hdf5, matlab5, npz,
+    /// npy, modes, pulse, signalcalc, table).
     #[arg(long, global = true, value_name = "NAME")]
     pub format: Option<String>,
     /// Captions and headings of tables and findings in English or Chinese; definitions below the
@@ -67,7 +67,7 @@ pub struct Global {
 pub enum Verb {
     /// Run a scene: recordings and model to the comparison table.
     Run(RunArgs),
-    /// Say what is in files, from their headers.
+    /// List the contents of files, from their headers.
     Inspect(InspectArgs),
     /// Write what files hold in another format.
     Convert(ConvertArgs),
@@ -79,16 +79,16 @@ pub enum Verb {
     Theory(TheoryArgs),
     /// Pair the modes of a test with those of a model.
     Correlate(CorrelateArgs),
-    /// Bring a scene's model to its test: parameters with deviations, and which of them the test
-    /// can know.
+    /// Update a model's parameters to a test: values with standard deviations, and which parameters
+    /// the test determines.
     Update(UpdateArgs),
     /// Make a synthetic hammer test with its truth.
     Synth(SynthArgs),
     /// Study the methods: how fast and exact they are, and where they fail.
     Study(StudyArgs),
-    /// Build the HTML report of a finished run again.
+    /// Rebuild the HTML report of a finished run.
     Report(ReportArgs),
-    /// Hold a result against limits or a baseline; the exit code says whether it is met.
+    /// Check a result against limits or a baseline; the exit code says whether all are met.
     Check(CheckArgs),
     /// Draft a commented scene from exported files.
     New(NewArgs),
@@ -108,7 +108,7 @@ pub struct RunArgs {
     /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
-    /// Go on with the good part of a partly bad file.
+    /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
 }
@@ -132,7 +132,7 @@ pub struct InspectArgs {
     /// Files of any known format.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The good part of a partly bad file is sufficient. It is listed without this too; the exit
+    /// Continue with the good part of a partly bad file. It is listed without this too; the exit
     /// code is 1 either way.
     #[arg(long)]
     pub partial: bool,
@@ -159,8 +159,8 @@ pub struct ConvertArgs {
     /// Numbers of 64 bits, whatever they were.
     #[arg(long)]
     pub double: bool,
-    /// The good part of a partly bad file will do. It is written without this too; the exit code is
-    /// 1 either way.
+    /// Continue with the good part of a partly bad file. It is written without this too; the exit
+    /// code is 1 either way.
     #[arg(long)]
     pub partial: bool,
 }
@@ -194,34 +194,35 @@ pub struct FrfArgs {
     /// Hits that are not used whatever the rules say.
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub reject: Vec<usize>,
-    /// Judge the hits, but use all that --reject does not name.
+    /// Assess the hits, but use all that --reject does not name.
     #[arg(long)]
     pub keep_all: bool,
     /// Response over force noise variance for hv, in SI units.
     #[arg(long, value_name = "RATIO")]
     pub noise_ratio: Option<f64>,
-    /// Insist on removing the mean before the hit from every channel; without it that is done where
-    /// it can be measured.
+    /// Always subtract the mean before the hit from every channel; by default it is subtracted
+    /// where the record has enough samples before the hit.
     #[arg(long)]
     pub remove_offset: bool,
     /// records: a further force record opens the next hit; files: each file is one hit; trigger:
     /// each record is continuous and holds several hits.
     #[arg(long, value_name = "records|files|trigger")]
     pub hits: Option<String>,
-    /// With --hits trigger: distance of the force from its level that begins a hit, N; found from
+    /// With --hits trigger: force above its offset that starts a hit, N; by default estimated from
     /// the record.
     #[arg(long, value_name = "N")]
     pub trigger_level: Option<f64>,
-    /// With --hits trigger: time before the hit that belongs to it; 2 % of the length.
+    /// With --hits trigger: pre-trigger time of each hit, s; by default 2 % of the length.
     #[arg(long, value_name = "SECONDS")]
     pub pretrigger: Option<f64>,
-    /// With --hits trigger: length of the record of each hit; the smallest distance between hits.
+    /// With --hits trigger: length of the record of each hit, s; by default the shortest time
+    /// between hits.
     #[arg(long, value_name = "SECONDS")]
     pub hit_length: Option<f64>,
-    /// Hit point of files that do not name it.
+    /// Excitation DOF of files that do not name it.
     #[arg(long, value_name = "DOF")]
     pub reference: Option<Dof>,
-    /// Go on with the good part of a partly bad file.
+    /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
 }
@@ -236,31 +237,31 @@ pub struct IdentifyArgs {
     /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// auto (ml), peak, circle, line, rfp, lsce, lscf or ml.
+    /// auto (ml), peak, circle, line, rfp, lsce, lscf (as PolyMAX) or ml.
     #[arg(long, value_name = "NAME")]
     pub method: Option<String>,
     /// Band in Hz, LO:HI; the whole axis when not given.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; chosen by the number of peaks when
-    /// not given.
+    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; by default from the number of
+    /// peaks.
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
-    /// Modes of these poles of the method alone: a file of the schema modalign-selection/1 with a
+    /// Take these poles of the method only: a file of the schema modalign-selection/1 with a
     /// list of {frequency_hz, damping_ratio, order}.
     #[arg(long, value_name = "FILE")]
     pub selection: Option<PathBuf>,
-    /// Write the poles of all model orders here (.csv).
+    /// Write the poles of all model orders (stabilization diagram) here (.csv).
     #[arg(long, value_name = "FILE")]
     pub stabilization: Option<PathBuf>,
     /// Write the mode indicator functions here (.csv): sum of FRFs, NMIF, CMIF, MvMIF.
     #[arg(long, value_name = "FILE")]
     pub indicators: Option<PathBuf>,
-    /// Use these references alone.
+    /// Use these references only.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,
-    /// Number of averages of FRFs whose file does not say it; their variance follows from it and
-    /// the coherence.
+    /// Number of averages of FRFs whose file does not state it; the variance of the FRFs follows
+    /// from it and the coherence.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub averages: Option<u32>,
     /// Window of the records of FRFs whose file does not state it: none (also rectangular,
@@ -271,7 +272,7 @@ pub struct IdentifyArgs {
     /// a file states takes precedence.
     #[arg(long, value_name = "NAME", value_parser = window)]
     pub window: Option<Window>,
-    /// Go on with the good part of a partly bad file.
+    /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
 }
@@ -292,35 +293,37 @@ pub struct TheoryArgs {
     /// Set a parameter; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub settings: Vec<(String, f64)>,
-    /// Modes in this band alone, LO:HI in Hz.
+    /// Modes in this band only, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Solve with the damping matrix as it is: complex modes, in the table, the file and the JSON.
-    /// Without it damping ratios are of first order and shapes real.
+    /// Solve with the full damping matrix: complex modes, in the table, the file and the JSON. By
+    /// default damping ratios are of first order and shapes real.
     #[arg(long, conflicts_with_all = ["sweep", "response", "compare"])]
     pub damped: bool,
-    /// Print the share of every body and spring, or group of matrices, in the energy of each root.
+    /// Print the fraction of each mode's energy in every body and spring, or group of matrices.
     #[arg(long)]
     pub energies: bool,
-    /// Print the relative change of each root's frequency by that of every parameter.
+    /// Print the sensitivity of each natural frequency to every parameter: relative change over
+    /// relative change.
     #[arg(long)]
     pub sensitivities: bool,
-    /// Print the numbers that the model's theory gives beside its roots.
+    /// Print the quantities that the model's theory gives in addition to its modes.
     #[arg(long)]
     pub quantities: bool,
-    /// Follow the roots over N values of a parameter, by their shapes, and name where they cross or
-    /// veer; from LO to ten times LO on in equal ratios, else in equal steps. May be repeated.
+    /// Track the modes by their shapes over N values of a parameter and report where natural
+    /// frequencies cross or veer; where HI is ten times LO or more in equal ratios, else in equal
+    /// steps. May be repeated.
     #[arg(long, value_name = "NAME=LO:HI:N", value_parser = sweep)]
     pub sweep: Vec<(String, SweepRange)>,
-    /// Compute the steady response over time in growing detail of the model, with the cost of each
-    /// detail and its distance from the last (helical-planetary).
+    /// Compute the steady-state time response for models of increasing detail, with the cost of
+    /// each and its difference from the most detailed (helical-planetary).
     #[arg(long, conflicts_with = "sweep")]
     pub response: bool,
-    /// Hold models of growing detail of the machine against each other and name the simplest within
-    /// an error, percent (1 when none is given).
+    /// Compare models of increasing detail of the machine and report the simplest within an error,
+    /// percent (1 when none is given).
     #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
     pub compare: Option<f64>,
-    /// Go on with the good part of a partly bad file of finished modes.
+    /// Continue with the good part of a partly bad file of finished modes.
     #[arg(long)]
     pub partial: bool,
 }
@@ -340,24 +343,24 @@ pub struct CorrelateArgs {
     /// (autoMAC).
     #[arg(long)]
     pub theory: Option<PathBuf>,
-    /// Print the measures beside the pairing, each with its definition: MAC and autoMAC matrices,
+    /// Print further correlation measures, each with its definition: MAC and autoMAC matrices,
     /// FMAC, modal scale factors, COMAC, close modes as subspaces.
     #[arg(long, requires = "theory")]
     pub measures: bool,
     /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by
-    /// guyan or serep (through the paired modes and the lowest others, as many as the sensors tell
-    /// apart).
+    /// guyan or serep (through the paired modes and the lowest others, as many as the sensors
+    /// distinguish).
     #[arg(long, value_name = "guyan|serep", requires = "theory")]
     pub orthogonality: Option<String>,
-    /// Write the test's shapes at all coordinates of the model here (.json, or .uff for universal
-    /// dataset 55), expanded as --orthogonality says, else by serep; by serep as a sum of the
-    /// paired modes.
+    /// Write the test's shapes, expanded to all coordinates of the model, here (.json, or .uff for
+    /// universal dataset 55): by the method of --orthogonality, else by serep (a sum of the paired
+    /// modes).
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub expand: Option<PathBuf>,
-    /// FRFs: compare these lines alone, LO:HI in Hz.
+    /// FRFs: compare the frequency lines in this band only, LO:HI in Hz.
     #[arg(long, value_name = "LO:HI", value_parser = band, requires = "theory")]
     pub band: Option<Band>,
-    /// FRFs: write shape and amplitude criterion at every line here (.csv).
+    /// FRFs: write shape and amplitude criterion at every frequency line here (.csv).
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub lines: Option<PathBuf>,
     /// A list of lines TEST,THEORY, where the degrees of freedom of both have other names.
@@ -368,28 +371,29 @@ pub struct CorrelateArgs {
         requires = "theory"
     )]
     pub dof_map: Option<PathBuf>,
-    /// Tie degrees of freedom by the nearest node within this distance, m, instead of by name.
+    /// Match degrees of freedom by the nearest node within this distance, m, instead of by name.
     #[arg(long, value_name = "METRES", value_parser = positive, requires = "theory")]
     pub nearest_node: Option<f64>,
-    /// With --nearest-node: turn, shift and scale the test's points onto the theory's first; with a
-    /// list of lines TEST,THEORY by these points, else by the nearest ones from several starts.
-    /// Refused where a point stays farther off than METRES.
+    /// With --nearest-node: first rotate, translate and scale the test's points onto the theory's;
+    /// with a list of lines TEST,THEORY by these points, else by the nearest ones from several
+    /// starts. Refused where a point remains farther off than METRES.
     #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "nearest_node")]
     pub align: Option<Option<PathBuf>>,
-    /// Turn the sensors that read against the theory; without it they are a finding.
+    /// Reverse the sign of sensors whose polarity is opposite to the theory's; by default they are
+    /// a finding.
     #[arg(long, requires = "theory")]
     pub turn_reversed: bool,
-    /// Length by which rotations are multiplied where they meet translations in one MAC, m.
+    /// Length that scales rotations in a MAC that also has translations, m.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub rotation_length: Option<f64>,
     /// Write the table here (.md, .csv, .tex, .txt, .html or .json); as CSV those of several tests
     /// without --theory, or of FRFs, go to a file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
-    /// Gate on the frequency error, a fraction of the theory's frequency.
+    /// Largest frequency error of a pair, a fraction of the theory's frequency.
     #[arg(long, value_name = "FRACTION", requires = "theory")]
     pub max_frequency_error: Option<f64>,
-    /// Gate on MAC; a root that holds 0.6 of it of a mixed shape is a partner too, and ambiguous.
+    /// Smallest MAC of a pair; a mode with 0.6 of it of a mixed shape pairs too, as ambiguous.
     #[arg(long, value_name = "MAC", requires = "theory")]
     pub min_mac: Option<f64>,
     /// theory: (test − theory)/theory; test: (theory − test)/test.
@@ -401,7 +405,7 @@ pub struct CorrelateArgs {
     /// Digits after the point of every number in the tables, 0 to 15; CSV and JSON keep them all.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     pub digits: Option<u8>,
-    /// Go on with the good part of a partly bad file.
+    /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
 }
@@ -420,7 +424,7 @@ pub struct UpdateArgs {
     /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
-    /// Go on with the good part of a partly bad file.
+    /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
 }
@@ -431,7 +435,7 @@ pub struct UpdateArgs {
 pub struct SynthArgs {
     /// Spec of the synthetic test (TOML).
     pub spec: PathBuf,
-    /// Write the recording here (.uff); the truth goes beside it as .modes.json.
+    /// Write the recording here (.uff); the true modes are written next to it as .modes.json.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
@@ -447,20 +451,20 @@ pub struct CheckArgs {
     /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
     #[arg(long, value_name = "BASELINE")]
     pub against: PathBuf,
-    /// Largest change of every frequency against a baseline result; without it by the uncertainties
-    /// that both state, else 0.05.
+    /// Largest change of every frequency against a baseline result; by default from the
+    /// uncertainties of both, else 0.05.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub frequency_percent: Option<f64>,
-    /// Largest change of every damping ratio against a baseline result; without it by the
+    /// Largest change of every damping ratio against a baseline result; by default from the
     /// uncertainties, else 5.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub damping_percent: Option<f64>,
     /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a
-    /// baseline comparison; without it by the uncertainties of the shapes, else 0.01.
+    /// baseline comparison; by default from the uncertainties of the shapes, else 0.01.
     #[arg(long, value_name = "MAC", value_parser = positive)]
     pub mac: Option<f64>,
-    /// How often a result that differs from the baseline by the stated uncertainties alone may be
-    /// refused.
+    /// False-alarm probability: how often a result that differs from the baseline only within the
+    /// stated uncertainties may be refused.
     #[arg(long, value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
     pub false_refusals: f64,
     /// Write the verdicts as JUnit XML for a CI server.

@@ -31,10 +31,10 @@ use super::study::SceneReading;
 #[derive(Debug, Args)]
 pub struct BreakdownArgs {
     /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The
-    /// scene's own modes are shown in them.
+    /// maps show the modes of the scene.
     pub input: PathBuf,
     /// Write cells, tables and figures into this folder; slices that are finished there are not
-    /// computed again. Into that of `run -o`, and `modalign report` shows them.
+    /// computed again. In the folder of `run -o`, `modalign report` shows them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Only these slices of a batch: part I of N, into a folder that --merge reads.
@@ -54,8 +54,8 @@ pub struct BreakdownArgs {
 fn part(text: &str) -> Result<Part, String> {
     let numbers = text.split_once('/');
     let numbers = numbers.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    let own = numbers.map(|(number, count)| Part { number, count });
-    own.filter(|own| own.number >= 1 && own.number <= own.count)
+    let part = numbers.map(|(number, count)| Part { number, count });
+    part.filter(|part| part.number >= 1 && part.number <= part.count)
         .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
 }
 
@@ -80,7 +80,10 @@ pub fn breakdown(
         output.text(&format!("{name}: found finished"));
     }
     if part.count > 1 {
-        let names = finished.slices.iter().map(|own| own.slice.name.as_str());
+        let names = finished
+            .slices
+            .iter()
+            .map(|result| result.slice.name.as_str());
         let names: Vec<&str> = names.collect();
         output.text(&format!(
             "part {} of {}: {}; --merge joins the parts",
@@ -91,13 +94,13 @@ pub fn breakdown(
         output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
         return Ok(Outcome::Done);
     }
-    let OwnModes {
+    let MarkedModes {
         title,
         modes: own_modes,
         is_bad,
-    } = spec.own_modes(reading, output)?;
+    } = spec.marked_modes(reading, output)?;
     let rates = breakdown_rates(&finished);
-    let own = BreakdownFile {
+    let file = BreakdownFile {
         schema: json::BREAKDOWN_SCHEMA.to_owned(),
         title,
         slices: finished.slices,
@@ -107,13 +110,13 @@ pub fn breakdown(
     if let Some(folder) = &args.output {
         let measured = !finished.times.is_empty();
         let times = measured.then(|| breakdown_times(&finished.times));
-        for (name, bytes) in files(&own, times, args.png) {
+        for (name, bytes) in files(&file, times, args.png) {
             output.file(folder.join(name), bytes);
         }
     }
-    let blocks: Vec<Block> = breakdown_blocks(&own).into_iter().chain(rates).collect();
+    let blocks: Vec<Block> = breakdown_blocks(&file).into_iter().chain(rates).collect();
     output.blocks(&blocks);
-    output.json(|| json::breakdown_to_json(&own));
+    output.json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
 }
 
@@ -122,7 +125,7 @@ fn finished(
     (plan, part): (&Plan, Part),
     output: &Output,
 ) -> Result<Finished, Error> {
-    let own: Box<dyn CellStore + '_> = match &args.output {
+    let cells: Box<dyn CellStore + '_> = match &args.output {
         Some(folder) => Box::new(Folder {
             path: folder.join(CELLS),
             output: Some(output),
@@ -132,15 +135,15 @@ fn finished(
     if args.merge.is_empty() {
         let observer = TimeLeft::new(output.observer());
         let tools: (&dyn Observer, &dyn crate::study::Meter) = (&observer, &ProcessMeter);
-        return Ok(compute(plan, part, &*own, tools).map_err(StudyError::from)?);
+        return Ok(compute(plan, part, &*cells, tools).map_err(StudyError::from)?);
     }
     let folder = |path: &PathBuf| Folder {
         path: path.join(CELLS),
         output: None,
     };
     let parts: Vec<Folder> = args.merge.iter().map(folder).collect();
-    let parts: Vec<&dyn CellStore> = parts.iter().map(|own| own as &dyn CellStore).collect();
-    Ok(merge(plan, &parts, &*own).map_err(StudyError::from)?)
+    let parts: Vec<&dyn CellStore> = parts.iter().map(|cells| cells as &dyn CellStore).collect();
+    Ok(merge(plan, &parts, &*cells).map_err(StudyError::from)?)
 }
 
 /// A spec with where it lies.
@@ -171,31 +174,35 @@ impl Spec {
         let study = parse_study(&read_text(&file)?, &file.display().to_string())?;
         let beside = folder.join("scene.toml").exists().then(|| folder.clone());
         Ok(Self {
-            scene: study.scene.map(|own| folder.join(own)).or(beside),
+            scene: study.scene.map(|scene| folder.join(scene)).or(beside),
             table: study.breakdown,
             folder,
         })
     }
 
     /// The modes of `modes`, else those of the scene's tests with its title, else none.
-    fn own_modes(&self, reading: SceneReading, output: &mut Output) -> Result<OwnModes, Error> {
+    fn marked_modes(
+        &self,
+        reading: SceneReading,
+        output: &mut Output,
+    ) -> Result<MarkedModes, Error> {
         if let Some(path) = &self.table.modes {
             let options = ModesOptions {
                 partial: reading.partial,
                 ..ModesOptions::default()
             };
-            let own = load_modes(&self.folder.join(path), &options)?;
-            if own.partly_bad {
-                output.findings_of("", &lost_parts(&own.modes.findings));
+            let loaded = load_modes(&self.folder.join(path), &options)?;
+            if loaded.partly_bad {
+                output.findings_of("", &lost_parts(&loaded.modes.findings));
             }
-            return Ok(OwnModes {
+            return Ok(MarkedModes {
                 title: None,
-                modes: own_modes("", &own.modes, None),
-                is_bad: own.partly_bad,
+                modes: own_modes("", &loaded.modes, None),
+                is_bad: loaded.partly_bad,
             });
         }
         let Some(scene) = &self.scene else {
-            return Ok(OwnModes::default());
+            return Ok(MarkedModes::default());
         };
         let scene = reading.scene(scene)?;
         let result = run_observed(&scene, output.observer())?;
@@ -207,7 +214,7 @@ impl Spec {
             let name = if several { test.name.as_str() } else { "" };
             own_modes(name, &test.modes, test.frfs.first())
         });
-        Ok(OwnModes {
+        Ok(MarkedModes {
             title: Some(scene.title),
             modes: of_test.collect(),
             is_bad: result.partly_bad(),
@@ -217,7 +224,7 @@ impl Spec {
 
 /// Modes that are marked in the maps.
 #[derive(Default)]
-struct OwnModes {
+struct MarkedModes {
     /// Title of the scene that they come from.
     title: Option<String>,
     modes: Vec<OwnMode>,
@@ -254,7 +261,7 @@ impl CellStore for Folder<'_> {
 
     fn keep(&self, name: &str, text: &str) -> Result<(), String> {
         let file = self.file(name);
-        let _writing = self.output.map(|own| own.writing([file.as_path()]));
+        let _writing = self.output.map(|output| output.writing([file.as_path()]));
         std::fs::create_dir_all(&self.path)
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
         write_all_whole(&[(file, text.as_bytes().to_vec())]).map_err(|error| error.to_string())
@@ -318,31 +325,31 @@ fn csv(block: Block) -> Vec<u8> {
 }
 
 /// The files of the folder other than the cells. Measured times are in a separate file.
-fn files(own: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, Vec<u8>)> {
+fn files(file: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         (
             "breakdown.json".to_owned(),
-            json::breakdown_to_json(own).into_bytes(),
+            json::breakdown_to_json(file).into_bytes(),
         ),
         (
             "breakdown.csv".to_owned(),
-            csv(breakdown_cells(&own.slices)),
+            csv(breakdown_cells(&file.slices)),
         ),
     ];
-    if !own.own_modes.is_empty() {
-        let modes = breakdown_own_modes(&own.slices, &own.own_modes);
+    if !file.own_modes.is_empty() {
+        let modes = breakdown_own_modes(&file.slices, &file.own_modes);
         files.push(("own-modes.csv".to_owned(), csv(modes)));
     }
     let figure = |slice: &SliceResult| {
-        let svg = breakdown_svg(slice, &slice.points(&own.own_modes));
+        let svg = breakdown_svg(slice, &slice.points(&file.own_modes));
         (slice.slice.name.clone(), svg)
     };
-    let mut figures: Vec<(String, String)> = own.slices.iter().map(figure).collect();
-    if let Some(own) = &own.stability {
-        files.push(("stability.csv".to_owned(), csv(stability_cells(own))));
-        figures.push(("stability".to_owned(), stability_svg(own)));
+    let mut figures: Vec<(String, String)> = file.slices.iter().map(figure).collect();
+    if let Some(maps) = &maps.stability {
+        files.push(("stability.csv".to_owned(), csv(stability_cells(maps))));
+        figures.push(("stability".to_owned(), stability_svg(maps)));
     }
     files.extend(figure_files(figures, png));
-    files.extend(times.map(|own| ("breakdown-times.csv".to_owned(), csv(own))));
+    files.extend(times.map(|times| ("breakdown-times.csv".to_owned(), csv(times))));
     files
 }

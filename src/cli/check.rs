@@ -98,7 +98,7 @@ fn read_result(path: &Path) -> Result<ResultFile, Error> {
             .map_err(|error| argument_error(&format!("{name}: {error}"), COMPARISON_SCHEMA)),
         Some(MODES_SCHEMA) => Ok(ResultFile::Modes(modes_from_json(&text, &name)?)),
         Some(UPDATE_SCHEMA) => serde_json::from_str::<UpdateResult>(&text)
-            .map(|own| ResultFile::Update(own.parameters))
+            .map(|update| ResultFile::Update(update.parameters))
             .map_err(|error| argument_error(&format!("{name}: {error}"), UPDATE_SCHEMA)),
         other => {
             let got = format!("{name} with schema {}", other.unwrap_or("none"));
@@ -145,8 +145,8 @@ fn by_row(checks: Vec<LimitCheck>) -> Vec<RowVerdict> {
             None => ("the whole".to_owned(), check.what),
         };
         check.what = what;
-        match rows.iter_mut().find(|own| own.row == row) {
-            Some(own) => own.checks.push(check),
+        match rows.iter_mut().find(|verdict| verdict.row == row) {
+            Some(verdict) => verdict.checks.push(check),
             None => rows.push(RowVerdict {
                 row,
                 checks: vec![check],
@@ -187,29 +187,30 @@ fn against_baseline(
 /// Every parameter of the baseline's update: its value by both posterior deviations, and its
 /// verdict.
 fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> Vec<Change> {
-    let has = |all: &[UpdatedParameter], name: &str| all.iter().any(|own| own.name == name);
+    let has =
+        |all: &[UpdatedParameter], name: &str| all.iter().any(|parameter| parameter.name == name);
     let change = |name: &str, what: &str, measure| Change {
         row: format!("parameter {name}"),
         what: what.to_owned(),
         measure,
     };
-    let uncertain = |own: &UpdatedParameter| Uncertain {
-        value: own.updated,
-        std: Some(own.std),
+    let uncertain = |parameter: &UpdatedParameter| Uncertain {
+        value: parameter.updated,
+        std: Some(parameter.std),
     };
     let mut changes = Vec::new();
     for old in before {
-        let new = now.iter().find(|own| own.name == old.name);
+        let new = now.iter().find(|parameter| parameter.name == old.name);
         let changed = new.map(|new| f64::from(u8::from(new.verdict != old.verdict)));
         let verdict = Measure::AtMost(changed, 0.0);
         changes.push(change(&old.name, "verdict changed", verdict));
         let value = relative_change(new.map(uncertain), uncertain(old), PARAMETER);
         changes.push(change(&old.name, "value change (%)", value));
     }
-    let added = now.iter().filter(|own| !has(before, &own.name));
-    changes.extend(added.map(|own| {
+    let added = now.iter().filter(|parameter| !has(before, &parameter.name));
+    changes.extend(added.map(|parameter| {
         let measure = Measure::AtLeast(0.0, 1.0);
-        change(&own.name, "in the baseline", measure)
+        change(&parameter.name, "in the baseline", measure)
     }));
     changes
 }
@@ -223,9 +224,9 @@ fn comparison_changes(
 ) -> Vec<Change> {
     let mut changes = Vec::new();
     for row in &before.rows {
-        let own = now.rows.iter().find(|own| own.label == row.label);
+        let current = now.rows.iter().find(|found| found.label == row.label);
         let theory = |hz: f64| {
-            let new = own.and_then(|own| own.theory.as_ref());
+            let new = current.and_then(|found| found.theory.as_ref());
             Measure::AtMost(new.map(|new| percent(new.hz, hz)), THEORY_PERCENT)
         };
         changes.extend(row.theory.as_ref().map(|cell| Change {
@@ -234,7 +235,8 @@ fn comparison_changes(
             measure: theory(cell.hz),
         }));
         for field in &row.tests {
-            let same = own.and_then(|own| own.tests.iter().find(|own| own.test == field.test));
+            let same =
+                current.and_then(|row| row.tests.iter().find(|test| test.test == field.test));
             let name = format!("{} {}", row.label, field.test);
             changes.extend(field_changes(&name, same, field, limits));
         }
@@ -255,9 +257,9 @@ fn added(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
             names.push(row.label.clone());
             continue;
         };
-        let is_new = |own: &&TestFile| old.tests.iter().all(|old| old.test != own.test);
+        let is_new = |test: &&TestFile| old.tests.iter().all(|old| old.test != test.test);
         let tests = row.tests.iter().filter(is_new);
-        names.extend(tests.map(|own| format!("{} {}", row.label, own.test)));
+        names.extend(tests.map(|test| format!("{} {}", row.label, test.test)));
     }
     names
 }
@@ -286,7 +288,7 @@ fn field_changes(
         change("damping change (%)", measure)
     }));
     changes.extend(before.mac.map(|old| {
-        let difference = now.and_then(|own| own.mac).map(|new| (new - old).abs());
+        let difference = now.and_then(|field| field.mac).map(|new| (new - old).abs());
         let limit = limits.mac.unwrap_or(MAC_CHANGE);
         change("MAC change", Measure::AtMost(difference, limit))
     }));
@@ -320,7 +322,7 @@ fn checks_json(rows: &[RowVerdict]) -> String {
     };
     let checks: Vec<Value> = rows
         .iter()
-        .flat_map(|row| row.checks.iter().map(move |own| check(row, own)))
+        .flat_map(|row| row.checks.iter().map(move |limit| check(row, limit)))
         .collect();
     let missed = rows
         .iter()

@@ -24,7 +24,11 @@ pub fn convert(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_extension(Some(&args.output), &writable_extensions())?;
-    let read: Vec<PathBuf> = args.inputs.iter().flat_map(|own| files_of(own)).collect();
+    let read: Vec<PathBuf> = args
+        .inputs
+        .iter()
+        .flat_map(|input| files_of(input))
+        .collect();
     check_targets(&targets([("-o", Some(&args.output))]), &read)?;
     let mut merged = sources(args, format)?;
     merged.leave_out_unreadable();

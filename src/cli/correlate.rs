@@ -83,8 +83,8 @@ fn compared(
         .map(|path| Ok((path.display().to_string(), load(path, args, format)?.theory)))
         .collect::<Result<Vec<_>, Error>>()?;
     let Loaded { theory, model } = load(theory, args, format)?;
-    let loaded = tests.iter().map(|(_, own)| own).chain([&theory]);
-    let partly_bad = loaded.into_iter().any(|own| own.partly_bad);
+    let loaded = tests.iter().map(|(_, test)| test).chain([&theory]);
+    let partly_bad = loaded.into_iter().any(|loaded| loaded.partly_bad);
     let Tied {
         theory,
         names,
@@ -93,8 +93,8 @@ fn compared(
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
         has_common(name, &test.modes, &theory.modes)?;
-        let own = turn(args, &mut test.modes, &theory.modes, &options)?;
-        reversed.push((name.clone(), own));
+        let sensors = turn(args, &mut test.modes, &theory.modes, &options)?;
+        reversed.push((name.clone(), sensors));
     }
     let named: Vec<_> = tests
         .iter()
@@ -115,15 +115,15 @@ fn compared(
     };
     let mut all = Vec::new();
     for ((name, test), pairing) in tests.iter().zip(&comparison.pairings) {
-        let own = wanted.of(&test.modes, pairing, output)?;
-        all.extend(own.map(|own| (name.clone(), own)));
+        let measures = wanted.of(&test.modes, pairing, output)?;
+        all.extend(measures.map(|measures| (name.clone(), measures)));
     }
     let mut blocks = whole_comparison(&comparison.table, &theory);
-    for (name, own) in &all {
+    for (name, measures) in &all {
         blocks.extend(if args.measures {
-            measures_blocks(name, own)
+            measures_blocks(name, measures)
         } else {
-            orthogonality_blocks(name, own)
+            orthogonality_blocks(name, measures)
         });
     }
     blocks.extend(alignment.as_ref().map(alignment_block));
@@ -147,8 +147,8 @@ fn compared(
     for model in models.chain([&theory.modes]) {
         output.findings(&model.findings);
     }
-    for (name, own) in &all {
-        let orthogonality = own.orthogonality.as_ref();
+    for (name, measures) in &all {
+        let orthogonality = measures.orthogonality.as_ref();
         output.findings_of(
             name,
             &orthogonality.map_or_else(Vec::new, Orthogonality::findings),
@@ -170,7 +170,7 @@ fn turn(
 ) -> Result<Vec<ReversedSensor>, Error> {
     let found = reversed_sensors(test, theory, options)?;
     if args.turn_reversed {
-        let dofs: Vec<Dof> = found.iter().map(|own| own.dof.clone()).collect();
+        let dofs: Vec<Dof> = found.iter().map(|sensor| sensor.dof.clone()).collect();
         *test = turned(test, &dofs);
         test.findings.extend(reversed_findings(&found, true));
     }
@@ -201,12 +201,12 @@ fn itself(
             ..
         } = load(path, args, format)?.theory;
         partly_bad |= is_bad;
-        let own = auto_mac(&test, DuplicateLimits::default(), &options)?;
+        let duplicates = auto_mac(&test, DuplicateLimits::default(), &options)?;
         output.findings(&test.findings);
-        output.findings_of(&name, &own.findings());
-        all.push((name, own));
+        output.findings_of(&name, &duplicates.findings());
+        all.push((name, duplicates));
     }
-    let of_test = |(name, own): &(String, AutoMac)| auto_mac_blocks(name, own);
+    let of_test = |(name, auto_mac): &(String, AutoMac)| auto_mac_blocks(name, auto_mac);
     let printed = Printed::of_tests(
         all.iter().map(of_test).collect(),
         json::auto_macs_to_json(&all),
@@ -237,9 +237,9 @@ impl Printed {
     /// Blocks of several tests, of each of which the first is the table.
     pub(super) fn of_tests(tests: Vec<Vec<Block>>, json: String) -> Self {
         let (mut blocks, mut tables) = (Vec::new(), Vec::new());
-        for own in tests {
+        for of_test in tests {
             tables.push(blocks.len());
-            blocks.extend(own);
+            blocks.extend(of_test);
         }
         Self {
             blocks,
@@ -314,15 +314,15 @@ impl Wanted<'_> {
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
             let (model, mass) = self.mass(dofs, reduction, &paired)?;
             let all = model.model.coordinate_dofs()?;
-            let own = expanded(test, &pairing.map, &mass, &all)?;
-            let json = modes_to_json(&own, None);
-            output.modes(path, (&own, &Geometry::default()), &json)?;
+            let expanded_modes = expanded(test, &pairing.map, &mass, &all)?;
+            let json = modes_to_json(&expanded_modes, None);
+            output.modes(path, (&expanded_modes, &Geometry::default()), &json)?;
             expanding = Some(mass);
         }
         if !args.measures && self.reduction.is_none() {
             return Ok(None);
         }
-        let mut own = measures(test, self.theory, pairing, self.options)?;
+        let mut measured = measures(test, self.theory, pairing, self.options)?;
         if let Some(reduction) = self.reduction {
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
             let columns = match reduction {
@@ -335,9 +335,9 @@ impl Wanted<'_> {
                 None => self.mass(dofs, reduction, &columns)?.1,
             };
             let sides = (test, self.theory);
-            own.orthogonality = Some(orthogonality(sides, &pairing.map, &mass, &columns)?);
+            measured.orthogonality = Some(orthogonality(sides, &pairing.map, &mass, &columns)?);
         }
-        Ok(Some(own))
+        Ok(Some(measured))
     }
 
     /// The model, and its mass matrix reduced to the sensors of both.
@@ -400,7 +400,7 @@ struct SolvedModel {
     sensors: Vec<Sensor>,
 }
 
-/// Modes from a file that holds them; or a model solved at the sensors that its own file names,
+/// Modes from a file that holds them; or a model solved at the sensors that the model file names,
 /// else at its coordinates; or the model of a scene at the scene's sensors.
 fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loaded, SceneError> {
     let partial = args.partial;
@@ -422,8 +422,8 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
         let table = scene.model.clone().unwrap_or_default();
         let Some(model) = table_model(&table, &scene.folder, &scene.path)? else {
             let options = ModeOptions::default();
-            let own = theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)?;
-            return Ok(finished(own));
+            let theory = theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)?;
+            return Ok(finished(theory));
         };
         let sensors = model.sensors_with(&scene.sensors);
         (model, sensors)

@@ -17,7 +17,7 @@ use super::args::CorrelateArgs;
 pub struct Tied {
     /// The theory.
     pub theory: Theory,
-    /// What of it stands behind each name; `None` where the names are its own.
+    /// Model DOFs behind each test name; `None` where test and theory use the same names.
     pub names: Option<DofNames>,
     /// The frame that was fitted.
     pub alignment: Option<Alignment>,
@@ -96,19 +96,24 @@ fn aligned(
     };
     let names = list(path, "--align")?;
     let place = |geometry: &Geometry, point: &str| geometry.node(point).map(|node| node.at_m);
-    let both = |(own, other): &(&str, &str)| {
-        Some((place(&test.geometry, own)?, place(&theory.geometry, other)?))
+    let both = |(measured, other): &(&str, &str)| {
+        Some((
+            place(&test.geometry, measured)?,
+            place(&theory.geometry, other)?,
+        ))
     };
     let pairs: Vec<(Vector3, Vector3)> = names.points().iter().filter_map(both).collect();
     Ok(align_known(&pairs, tolerance_m)?)
 }
 
 /// Where the points are at which some mode has a value, each once.
-fn places(own: &Theory) -> Vec<Vector3> {
-    let shapes = own.modes.modes.iter().map(|mode| &mode.shape);
+fn places(theory: &Theory) -> Vec<Vector3> {
+    let shapes = theory.modes.modes.iter().map(|mode| &mode.shape);
     let points = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof.point().to_owned()));
     let points: std::collections::BTreeSet<String> = points.collect();
-    let nodes = points.iter().filter_map(|point| own.geometry.node(point));
+    let nodes = points
+        .iter()
+        .filter_map(|point| theory.geometry.node(point));
     nodes.map(|node| node.at_m).collect()
 }
 
@@ -139,7 +144,7 @@ pub fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<
         let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());
         shapes.next().map(|(dof, _)| dof.to_string())
     };
-    let (Some(own), Some(other)) = (example(test), example(theory)) else {
+    let (Some(in_test), Some(in_theory)) = (example(test), example(theory)) else {
         return Ok(());
     };
     if !DofMap::of_models(test, theory).is_empty() {
@@ -148,7 +153,7 @@ pub fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<
     Err(Error::Argument {
         argument: "--test",
         got: format!(
-            "{name}, which has no degree of freedom in common with the theory ({own}, ... and {other}, ...)"
+            "{name}, which has no degree of freedom in common with the theory ({in_test}, ... and {in_theory}, ...)"
         ),
         expected: "common names; or tie them with --dof-map FILE or --nearest-node METRES"
             .to_owned(),

@@ -38,10 +38,10 @@ pub fn correlate_frfs(
     let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for path in &args.test {
         let name = path.display().to_string();
-        let own = frf_correlation(&functions(path)?, &other, args.band)?;
-        tests.push(frf_correlation_blocks(&name, &second, &own));
-        lines.push(frf_lines_block(&name, &second, &own));
-        all.push((name, own));
+        let correlation = frf_correlation(&functions(path)?, &other, args.band)?;
+        tests.push(frf_correlation_blocks(&name, &second, &correlation));
+        lines.push(frf_lines_block(&name, &second, &correlation));
+        all.push((name, correlation));
     }
     if let Some(path) = &args.lines {
         output.file(path, CsvText.render(&lines));

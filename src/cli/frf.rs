@@ -30,7 +30,11 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
             .ok_or_else(|| argument("--hits", name, "records, files or trigger"))?,
     };
     check_extension(args.output.as_deref(), FUNCTIONS)?;
-    let read: Vec<PathBuf> = args.inputs.iter().flat_map(|own| files_of(own)).collect();
+    let read: Vec<PathBuf> = args
+        .inputs
+        .iter()
+        .flat_map(|input| files_of(input))
+        .collect();
     check_targets(&targets([("-o", args.output.as_ref())]), &read)?;
     let scene = scene(args)?;
     check_arguments(args, scene.is_some())?;
@@ -160,18 +164,21 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
         Some(name) => Estimator::from_name(name)
             .ok_or_else(|| argument("--estimator", name, "h1, h2 or hv"))?,
     };
-    let own = base.estimate;
+    let scene_options = base.estimate;
     Ok(HammerOptions {
         estimate: EstimateOptions {
             estimator,
-            force_window: args.force_window.map(force_window).or(own.force_window),
-            noise_ratio: args.noise_ratio.or(own.noise_ratio),
+            force_window: args
+                .force_window
+                .map(force_window)
+                .or(scene_options.force_window),
+            noise_ratio: args.noise_ratio.or(scene_options.noise_ratio),
             offset: if args.remove_offset {
                 Offset::Remove
             } else {
-                own.offset
+                scene_options.offset
             },
-            ..own
+            ..scene_options
         },
         response_window: match args.response_window.as_deref() {
             None => base.response_window,

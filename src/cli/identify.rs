@@ -65,8 +65,8 @@ pub fn identify(
             expected,
         });
     }
-    let own = identify_sets(&data.frfs, &options, &name)?;
-    let mut modes = own.model;
+    let identified = identify_sets(&data.frfs, &options, &name)?;
+    let mut modes = identified.model;
     let inputs = args.inputs.iter().map(|path| input(path));
     modes.inputs = with_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
@@ -81,12 +81,15 @@ pub fn identify(
     }
     output.blocks(&[modes_block(&name, &modes)]);
     if let Some(path) = &args.stabilization {
-        let poles = stabilization_block(&name, &own.stabilization);
+        let poles = stabilization_block(&name, &identified.stabilization);
         output.file(path, CsvText.render(&[poles]));
     }
     if let Some(path) = &args.indicators {
-        let own = indicators_of_sets(&data.frfs, &options, &name)?;
-        output.file(path, CsvText.render(&[indicators_block(&name, &own)]));
+        let indicators = indicators_of_sets(&data.frfs, &options, &name)?;
+        output.file(
+            path,
+            CsvText.render(&[indicators_block(&name, &indicators)]),
+        );
         output.blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
     output.json(|| json);

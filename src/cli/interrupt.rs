@@ -44,8 +44,10 @@ impl Writing {
     pub fn begin<'a>(self, targets: impl IntoIterator<Item = &'a Path>) -> MutexGuard<'static, ()> {
         let guard = self.0.lock.lock();
         let folders: BTreeSet<PathBuf> = targets.into_iter().map(folder_of).collect();
-        let begun = folders.into_iter().map(|own| (temporaries(&own), own));
-        *self.0.begun() = begun.map(|(before, own)| (own, before)).collect();
+        let begun = folders
+            .into_iter()
+            .map(|folder| (temporaries(&folder), folder));
+        *self.0.begun() = begun.map(|(before, folder)| (folder, before)).collect();
         guard.unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -58,7 +60,7 @@ impl Shared {
 
 fn folder_of(target: &Path) -> PathBuf {
     let folder = target.parent();
-    let named = folder.filter(|own| !own.as_os_str().is_empty());
+    let named = folder.filter(|parent| !parent.as_os_str().is_empty());
     named.unwrap_or(Path::new(".")).to_owned()
 }
 
@@ -120,31 +122,31 @@ mod tests {
     fn what_was_begun_is_removed_and_nothing_else() {
         let place = tempfile::tempdir().expect("a folder of the test can be written");
         let path = |name: &str| place.path().join(name);
-        let name = |own: &str| format!("{TEMPORARY_PREFIX}{own}");
+        let name = |suffix: &str| format!("{TEMPORARY_PREFIX}{suffix}");
         std::fs::create_dir(path("out")).expect("a folder of the test can be written");
-        for own in [name("another"), "result.json".to_owned()] {
-            std::fs::write(path("out").join(own), "x")
+        for file in [name("another"), "result.json".to_owned()] {
+            std::fs::write(path("out").join(file), "x")
                 .expect("a folder of the test can be written");
         }
         let writing = Writing(Box::leak(Box::default()));
         let targets = [path("out/result.json"), path("new/figure.svg")];
         let _guard = writing.begin(targets.iter().map(PathBuf::as_path));
         std::fs::create_dir(path("new")).expect("a folder of the test can be written");
-        for own in [
+        for target in [
             "out/.modalign-1",
             "new/.modalign-2",
             "new/figure.svg",
             ".modalign-3",
         ] {
-            std::fs::write(path(own), "x").expect("a folder of the test can be written");
+            std::fs::write(path(target), "x").expect("a folder of the test can be written");
         }
         remove_begun(&writing.0.begun());
         let left: Vec<bool> = ["out/.modalign-1", "new/.modalign-2"]
-            .map(|own| path(own).exists())
+            .map(|temporary| path(temporary).exists())
             .into();
         assert_eq!(left, [false, false]);
-        for own in ["out/result.json", "new/figure.svg", ".modalign-3"] {
-            assert!(path(own).exists(), "{own}");
+        for kept in ["out/result.json", "new/figure.svg", ".modalign-3"] {
+            assert!(path(kept).exists(), "{kept}");
         }
         assert!(path("out").join(name("another")).exists());
         assert_eq!(folder_of(Path::new("result.json")), Path::new("."));

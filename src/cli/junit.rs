@@ -56,11 +56,12 @@ fn sentence(check: &LimitCheck) -> String {
         return format!("{what}: got nothing, expected {relation} {limit}");
     };
     // As many digits as distinguish the two.
-    let texts = (DIGITS..=17).map(|digits| [value, check.limit].map(|own| short(own, digits)));
+    let texts =
+        (DIGITS..=17).map(|digits| [value, check.limit].map(|number| short(number, digits)));
     let mut distinct = texts.filter(|[got, limit]| got != limit);
     let [got, limit] = distinct
         .next()
-        .unwrap_or_else(|| [value, check.limit].map(|own| own.to_string()));
+        .unwrap_or_else(|| [value, check.limit].map(|number| number.to_string()));
     format!("{what}: got {got}, expected {relation} {limit}")
 }
 

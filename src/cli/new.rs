@@ -48,7 +48,7 @@ pub struct NewArgs {
     /// Copy the files to raw/ of the folder; else the scene names them where they are.
     #[arg(long)]
     pub copy: bool,
-    /// Go on with the good part of a partly bad file; the scene says so.
+    /// Continue with the good part of a partly bad file; the scene says so.
     #[arg(long)]
     pub partial: bool,
 }
@@ -137,7 +137,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.json(|| {
         let open: Vec<_> = open_lines(&draft.scene)
             .into_iter()
-            .map(|own| serde_json::json!({ "line": own.line, "key": own.key, "expected": own.expected }))
+            .map(|line| serde_json::json!({ "line": line.line, "key": line.key, "expected": line.expected }))
             .collect();
         let scene = args.folder.join("scene.toml").display().to_string();
         format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
@@ -154,8 +154,11 @@ fn next_steps(args: &NewArgs, scene: &str) -> String {
         text += "nothing is left to fill in.";
     } else {
         text += &format!("{} lines are to be filled in:", open.len());
-        for own in &open {
-            text += &format!("\n  line {}: {}: {}", own.line, own.key, own.expected);
+        for open_line in &open {
+            text += &format!(
+                "\n  line {}: {}: {}",
+                open_line.line, open_line.key, open_line.expected
+            );
         }
     }
     let next = if args.model.is_some() {
@@ -205,8 +208,8 @@ fn check_free(args: &NewArgs) -> Result<(), Error> {
             ));
         }
     }
-    let own = NAMES.iter().map(|name| args.folder.join(name));
-    match own.chain(raws).find(|path| path.exists()) {
+    let drafted = NAMES.iter().map(|name| args.folder.join(name));
+    match drafted.chain(raws).find(|path| path.exists()) {
         None => Ok(()),
         Some(path) => Err(argument(
             "DIR",
@@ -284,7 +287,7 @@ fn resolved(path: &Path) -> Option<PathBuf> {
     let absolute = std::path::absolute(path).ok()?;
     let known = absolute
         .ancestors()
-        .find_map(|own| Some((own, own.canonicalize().ok()?)));
+        .find_map(|ancestor| Some((ancestor, ancestor.canonicalize().ok()?)));
     let (existing, resolved) = known?;
     let rest = absolute.strip_prefix(existing).ok()?;
     // Joining nothing would add a slash.
@@ -302,7 +305,9 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
     let kind = model_kind(path);
     let is_file = kind != ModelKind::BuiltIn && path.exists();
-    let is_toml = path.extension().is_some_and(|own| own == "toml");
+    let is_toml = path
+        .extension()
+        .is_some_and(|extension| extension == "toml");
     if is_file && !is_toml {
         return Ok(DraftModel {
             line: text("file", &relative(&args.folder, path).unwrap_or_default()),
@@ -315,7 +320,7 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
         Ok(system) => system
             .coordinates
             .iter()
-            .map(|own| own.body.clone())
+            .map(|coordinate| coordinate.body.clone())
             .collect(),
         // Sparse matrices have no bodies.
         Err(_) => BTreeSet::new(),
@@ -399,7 +404,7 @@ mod tests {
         let path = folder.path().join("points.csv");
         let read = |text: &str| {
             std::fs::write(&path, text).unwrap();
-            points(&path).map(|own| own.nodes.len())
+            points(&path).map(|geometry| geometry.nodes.len())
         };
         assert_eq!(
             read("point,x,y,z\n1,0,0,0\n\n# end\n2,0.1,0,0\n").unwrap(),

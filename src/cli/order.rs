@@ -38,23 +38,23 @@ pub fn needs(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let (scene, spec) = load(&args.path, reading)?;
-    let own = order(&scene, &spec.order, output.observer())?;
-    let blocks = order_blocks(&own);
+    let analysis = order(&scene, &spec.order, output.observer())?;
+    let blocks = order_blocks(&analysis);
     if let Some(folder) = &args.output {
         let texts = [
             ("order.md", Markdown.render(&blocks)),
-            ("order.csv", CsvText.render(&[order_table(&own)])),
-            ("order.json", json::order_to_json(&own)),
+            ("order.csv", CsvText.render(&[order_table(&analysis)])),
+            ("order.json", json::order_to_json(&analysis)),
         ];
         for (name, text) in texts {
             output.file(folder.join(name), text.into_bytes());
         }
-        for (name, bytes) in figure_files(order_figures(&own), args.png) {
+        for (name, bytes) in figure_files(order_figures(&analysis), args.png) {
             output.file(folder.join(name), bytes);
         }
     }
     output.blocks(&blocks);
-    output.json(|| json::order_to_json(&own));
+    output.json(|| json::order_to_json(&analysis));
     let is_bad = report_damage(&scene, output)?;
-    Ok(Outcome::missed_if(is_bad || !own.failed.is_empty()))
+    Ok(Outcome::missed_if(is_bad || !analysis.failed.is_empty()))
 }

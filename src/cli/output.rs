@@ -122,7 +122,7 @@ impl Output {
 
     /// Who hears of the steps of the work.
     pub fn observer(&self) -> &dyn Observer {
-        self.progress.as_ref().map_or(&(), |own| own)
+        self.progress.as_ref().map_or(&(), |progress| progress)
     }
 
     /// Until the guard is dropped, while these files are written, an interrupt waits.
@@ -226,7 +226,7 @@ impl Output {
 
 /// The figures whose PNG shows boxes, by the SVG beside each.
 fn lacking_letters(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
-    let is = |path: &Path, kind: &str| path.extension().is_some_and(|own| own == kind);
+    let is = |path: &Path, kind: &str| path.extension().is_some_and(|extension| extension == kind);
     let pngs = files.iter().filter(|(path, _)| is(path, "png"));
     let pngs: BTreeSet<PathBuf> = pngs.map(|(path, _)| path.with_extension("svg")).collect();
     let drawn = files.iter().filter(|(path, _)| pngs.contains(path));

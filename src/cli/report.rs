@@ -36,13 +36,13 @@ const ORDER: &str = "order.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let (own, beside) = (stored(&args.folder)?, beside(&args.folder)?);
-    let mut files = pages(&own, &beside, (output.language(), args.png));
+    let (run, beside) = (stored(&args.folder)?, beside(&args.folder)?);
+    let mut files = pages(&run, &beside, (output.language(), args.png));
     // An update that lacks something is on the page as far as it goes.
     let updated = beside.updated;
-    let whole: Option<UpdateFile> = updated.and_then(|own| serde_json::from_value(own).ok());
+    let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
     if let Some(whole) = &whole {
-        let synthetic = own.figures.tests.iter().any(|test| test.synthetic);
+        let synthetic = run.figures.tests.iter().any(|test| test.synthetic);
         files.extend(update_figures(whole, synthetic, args.png));
     }
     for (name, bytes) in files {
@@ -79,11 +79,11 @@ pub(super) fn rebuilt(
 
 /// The figures of an update; `synthetic`: one of its tests was computed from a model.
 pub(super) fn update_figures(
-    own: &UpdateFile,
+    update: &UpdateFile,
     synthetic: bool,
     png: bool,
 ) -> Vec<(String, Vec<u8>)> {
-    in_folder(update_figures_svg(own, synthetic), png)
+    in_folder(update_figures_svg(update, synthetic), png)
 }
 
 fn in_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
@@ -114,7 +114,7 @@ pub(super) fn report_files(
         limits: result
             .limits
             .iter()
-            .map(|own| (own.what.clone(), own.met()))
+            .map(|check| (check.what.clone(), check.met()))
             .collect(),
         figures,
         provenance,
@@ -185,12 +185,15 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     }
     comparison.extend(limits_block(&result.limits));
     let mut published: Vec<Block> = Vec::new();
-    published.extend(expected.and_then(|own| published_roots_block(own, &result.theory)));
+    published.extend(
+        expected
+            .and_then(|published_values| published_roots_block(published_values, &result.theory)),
+    );
     published.extend(expected.and_then(published_comparison_block));
     published.extend(expected.and_then(claims_block));
-    for own in expected.iter().flat_map(|own| &own.quantities) {
-        let model = own.model.as_deref().unwrap_or("the scene's model");
-        published.extend(quantities_block(model, &own.quantities));
+    for table in expected.iter().flat_map(|table| &table.quantities) {
+        let model = table.model.as_deref().unwrap_or("the scene's model");
+        published.extend(quantities_block(model, &table.quantities));
     }
     let tests = result.tests.iter();
     let mut modes: Vec<Block> = tests

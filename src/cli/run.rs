@@ -97,9 +97,9 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
         let (caption, roots) = ("Energy of the model's roots", &result.theory.roots);
         blocks.extend(energies_block(caption, roots, scene.energies));
     }
-    for own in expected.iter().flat_map(|expected| &expected.quantities) {
-        let model = own.model.as_deref().unwrap_or("the scene's model");
-        blocks.extend(quantities_block(model, &own.quantities));
+    for table in expected.iter().flat_map(|expected| &expected.quantities) {
+        let model = table.model.as_deref().unwrap_or("the scene's model");
+        blocks.extend(quantities_block(model, &table.quantities));
     }
     blocks.extend(
         result

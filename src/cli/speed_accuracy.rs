@@ -46,32 +46,32 @@ pub fn study(
     let (scene, spec) = load(&args.path, reading)?;
     let mut options = spec.speed_accuracy;
     options.draws = args.draws.unwrap_or(options.draws);
-    let own = speed_accuracy(&scene, &options, (&ProcessMeter, output.observer()))?;
+    let result = speed_accuracy(&scene, &options, (&ProcessMeter, output.observer()))?;
     if let Some(folder) = &args.output {
-        for (name, bytes) in files(&own, args.png) {
+        for (name, bytes) in files(&result, args.png) {
             output.file(folder.join(name), bytes);
         }
     }
-    output.blocks(&speed_accuracy_blocks(&own));
-    output.json(|| json::speed_accuracy_to_json(&own));
+    output.blocks(&speed_accuracy_blocks(&result));
+    output.json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }
 
 /// Measured times are in separate files, so that `speed-accuracy.csv` has the same bytes on every
 /// run.
-fn files(own: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
+fn files(result: &SpeedAccuracy, png: bool) -> Vec<(String, Vec<u8>)> {
     let texts = [
         (
             "speed-accuracy.csv",
-            CsvText.render(&[speed_accuracy_table(own)]),
+            CsvText.render(&[speed_accuracy_table(result)]),
         ),
         (
             "speed-accuracy-times.csv",
-            CsvText.render(&[times_table(own)]),
+            CsvText.render(&[times_table(result)]),
         ),
-        ("speed-accuracy.json", json::speed_accuracy_to_json(own)),
+        ("speed-accuracy.json", json::speed_accuracy_to_json(result)),
     ];
     let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
-    let figures = figure_files(speed_accuracy_figures(own), png);
+    let figures = figure_files(speed_accuracy_figures(result), png);
     texts.into_iter().chain(figures).collect()
 }

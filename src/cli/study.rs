@@ -23,10 +23,10 @@ const SPEC: &str = "study.toml";
     after_help = "Examples:\n  modalign study speed-accuracy measurements/free-free-beam -o speed\n  modalign study breakdown measurements/free-free-beam -o fails\n  modalign study order measurements/free-free-beam -o needs"
 )]
 pub struct StudyArgs {
-    /// What is studied.
+    /// The study.
     #[command(subcommand)]
     pub study: Study,
-    /// Go on with the good part of a partly bad file of the scene.
+    /// Continue with the good part of a partly bad file of the scene.
     #[arg(long, global = true)]
     pub partial: bool,
 }
@@ -59,10 +59,10 @@ pub enum Study {
     /// and on their synthetic twins.
     SpeedAccuracy(SpeedAccuracyArgs),
     /// Where every method fails: maps over noise, separation, damping, references and the like,
-    /// with the contour of each method, what is seen beyond it, and the scene's own modes.
+    /// with the contour of each method, the failure mode beyond it, and the modes of the scene.
     Breakdown(BreakdownArgs),
-    /// How little a scene needs: the modes that its data support, the lowest order of every method,
-    /// where one mode at a time is enough, the simplest theory, the fewest parameters.
+    /// The least effort that a scene needs: the modes that its data support, the lowest order of
+    /// every method, where one mode at a time suffices, the simplest theory, the fewest parameters.
     Order(OrderArgs),
 }
 

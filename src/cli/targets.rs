@@ -32,7 +32,7 @@ pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error>
         })
     };
     for (number, (argument, path)) in targets.iter().enumerate() {
-        if place(path).is_some_and(|own| inputs.contains(&own)) {
+        if place(path).is_some_and(|target| inputs.contains(&target)) {
             return refused(
                 *argument,
                 path,
@@ -64,7 +64,7 @@ pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
         scene.folder.join("expected.toml"),
         scene.folder.join("SOURCE.md"),
     ];
-    let model = scene.model.as_ref().and_then(|own| own.file.as_ref());
+    let model = scene.model.as_ref().and_then(|table| table.file.as_ref());
     all.extend(model.map(|file| scene.folder.join(file)));
     for test in &scene.tests {
         match &test.source {
@@ -93,7 +93,7 @@ pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error>
     if let Some(path) = &args.output {
         let csv = path
             .extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case("csv"));
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
         match args.test.len() {
             count if csv && several && count > 1 => {
                 all.extend((1..=count).map(|number| ("-o", numbered(path, number))));
@@ -105,7 +105,7 @@ pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error>
         .test
         .iter()
         .chain(&args.theory)
-        .flat_map(|own| files_of(own));
+        .flat_map(|input| files_of(input));
     let lists = args.dof_map.iter().chain(args.align.iter().flatten());
     let inputs: Vec<PathBuf> = read.chain(lists.cloned()).collect();
     check_targets(&all, &inputs)

@@ -104,8 +104,8 @@ impl Named {
                     partial,
                     ..ModesOptions::default()
                 };
-                let own = load_modes(&args.model, &options)?;
-                return Ok(Named::Finished(Box::new(own.into())));
+                let loaded = load_modes(&args.model, &options)?;
+                return Ok(Named::Finished(Box::new(loaded.into())));
             }
             _ => return load_model(&args.model, &settings).map(Named::Model),
         }
@@ -195,9 +195,9 @@ fn details<'a>(
                 expected: "a built-in model".to_owned(),
             });
         }
-        let absent = found.iter().filter(|own| own.value.is_none());
-        let finding = |own: &ModelQuantity| {
-            let place = Place::Quantity(own.name.to_owned());
+        let absent = found.iter().filter(|quantity| quantity.value.is_none());
+        let finding = |quantity: &ModelQuantity| {
+            let place = Place::Quantity(quantity.name.to_owned());
             Finding::new(Severity::Info, Code::QuantityAbsent, place)
         };
         output.findings(&absent.map(finding).collect::<Vec<_>>());

@@ -19,24 +19,24 @@ pub fn update(
 ) -> Result<Outcome, Error> {
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
-    let own = update_scene(&scene)?;
+    let outcome = update_scene(&scene)?;
     let blocks = output
         .language()
-        .translated(update_blocks(&scene.title, &own));
+        .translated(update_blocks(&scene.title, &outcome));
     if let Some(folder) = &args.output {
-        let updated = json::update_file(&own);
+        let updated = json::update_file(&outcome);
         let mut files = vec![
-            ("update.json".to_owned(), json::update_to_json(&own)),
-            ("model.toml".to_owned(), own.model_toml.clone()),
+            ("update.json".to_owned(), json::update_to_json(&outcome)),
+            ("model.toml".to_owned(), outcome.model_toml.clone()),
         ];
-        for (name, table) in [("before", &own.before), ("after", &own.after)] {
+        for (name, table) in [("before", &outcome.before), ("after", &outcome.after)] {
             files.push((
                 format!("comparison-{name}.json"),
                 json::comparison_to_json(table),
             ));
         }
         // A reader of CSV expects one table; update.json has them all.
-        for renderer in RENDERERS.iter().filter(|own| own.name() != "csv") {
+        for renderer in RENDERERS.iter().filter(|renderer| renderer.name() != "csv") {
             files.push((
                 format!("update.{}", renderer.extension()),
                 renderer.render(&blocks),
@@ -48,15 +48,15 @@ pub fn update(
             .collect();
         let form = (output.language(), args.png);
         files.extend(rebuilt(folder, &serde_json::json!(updated), form)?);
-        let synthetic = own.tests.iter().any(TestResult::is_synthetic);
+        let synthetic = outcome.tests.iter().any(TestResult::is_synthetic);
         files.extend(update_figures(&updated, synthetic, args.png));
         into_folder(folder, files, (&scene, output))?;
     }
     output.translated(&blocks);
-    output.json(|| json::update_to_json(&own));
-    output.findings(&own.findings);
-    let partly_bad = own.tests.iter().any(|test| test.partly_bad);
+    output.json(|| json::update_to_json(&outcome));
+    output.findings(&outcome.findings);
+    let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);
     Ok(Outcome::missed_if(
-        partly_bad || !own.result.stop_reason.converged(),
+        partly_bad || !outcome.result.stop_reason.converged(),
     ))
 }
