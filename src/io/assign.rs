@@ -57,8 +57,8 @@ impl RowLines {
 
     /// Adds the rows of another list behind the first `rows` rows, its line 0 being `line`.
     pub fn append(&mut self, other: &RowLines, rows: usize, line: u64) {
-        for (row, own) in &other.runs {
-            self.push(rows + row, line + own);
+        for (row, start) in &other.runs {
+            self.push(rows + row, line + start);
         }
     }
 
@@ -319,7 +319,8 @@ fn frf_column(
     path: &str,
 ) -> Result<Option<FrfColumn>, IoError> {
     let column = &spec.columns[index];
-    let own = || real(&columns.values[index]).ok_or_else(|| not_real(path, "part of an FRF"));
+    let part_values =
+        || real(&columns.values[index]).ok_or_else(|| not_real(path, "part of an FRF"));
     let (dof, unit, values) = match &column.role {
         ColumnRole::Complex { dof, unit } => {
             let values = match &columns.values[index] {
@@ -341,16 +342,16 @@ fn frf_column(
                 unit: *unit,
             };
             let (factor, imaginary) = partner(spec, columns, &wanted, path)?;
-            let own = own()?;
-            let parts = own.iter().zip(imaginary.iter());
+            let real_values = part_values()?;
+            let parts = real_values.iter().zip(imaginary.iter());
             let values = parts.map(|(re, im)| Complex64::new(column.scale * re, factor * im));
             (dof, unit, values.collect())
         }
         ColumnRole::Magnitude { dof, unit } => {
             let wanted = ColumnRole::PhaseDegrees { dof: dof.clone() };
             let (factor, phase) = partner(spec, columns, &wanted, path)?;
-            let own = own()?;
-            let parts = own.iter().zip(phase.iter());
+            let magnitudes = part_values()?;
+            let parts = magnitudes.iter().zip(phase.iter());
             let values = parts.map(|(magnitude, degrees)| {
                 Complex64::from_polar(column.scale * magnitude, (factor * degrees).to_radians())
             });

@@ -103,7 +103,7 @@ impl FunctionType {
         if name == "variance" {
             return Some(FunctionType::Variance);
         }
-        let known = FUNCTION_NAMES.iter().position(|own| *own == name);
+        let known = FUNCTION_NAMES.iter().position(|listed| *listed == name);
         let code = known
             .and_then(|index| i32::try_from(index).ok())
             .or_else(|| name.strip_prefix("type-")?.parse().ok())?;

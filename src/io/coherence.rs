@@ -91,7 +91,10 @@ mod tests {
         let found = valid_coherence(&AXIS, vec![1.246, 0.9, f64::NAN, 0.7, 0.8]);
         let expected = [0.9, 0.9, 0.8, 0.7, 0.8];
         let values = found.values.unwrap();
-        let errors = values.iter().zip(expected).map(|(own, other)| own - other);
+        let errors = values
+            .iter()
+            .zip(expected)
+            .map(|(value, other)| value - other);
         assert!(
             errors.map(f64::abs).all(|error| error < 1e-15),
             "{values:?}"

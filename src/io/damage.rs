@@ -134,13 +134,15 @@ pub fn check_damage(
     let damage = source.take_damage();
     let is_damaged = !damage.is_empty();
     let catalog = source.catalog();
-    let lost: Vec<Part> = damage.iter().map(|own| own.part).collect();
-    let is_needed = |own: &Damage| {
+    let lost: Vec<Part> = damage.iter().map(|damaged| damaged.part).collect();
+    let is_needed = |damaged: &Damage| {
         let mut needs = needs.iter();
-        needs.any(|need| need.includes(own.part, &lost, catalog))
+        needs.any(|need| need.includes(damaged.part, &lost, catalog))
     };
-    let needed = damage.into_iter().find(|own| !partial && is_needed(own));
-    needed.map_or(Ok(is_damaged), |own| Err(own.error))
+    let needed = damage
+        .into_iter()
+        .find(|damaged| !partial && is_needed(damaged));
+    needed.map_or(Ok(is_damaged), |damaged| Err(damaged.error))
 }
 
 impl Catalog {

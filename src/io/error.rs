@@ -105,7 +105,7 @@ pub enum IoError {
         /// What the scene names.
         expected: String,
     },
-    /// Something that a file does not say and nobody stated.
+    /// A property that neither the file nor the scene states.
     #[error("{path}: {what} is not stated: expected {expected}")]
     NotStated {
         /// Path as given.

@@ -318,8 +318,8 @@ pub fn write_all_new(files: &[(PathBuf, NewFile)]) -> Result<(), IoError> {
     let mut placed = Vec::new();
     let result = place_new(files, &mut placed);
     if result.is_err() {
-        // The failure is what is told; what cannot be removed, or has got other files meanwhile,
-        // stays.
+        // The failure is reported. A path that cannot be removed, or that holds other files by
+        // now, stays.
         for path in placed {
             let _ = std::fs::remove_file(path);
         }
@@ -437,7 +437,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_nobody_claims_are_refused_with_the_known_formats() {
+    fn bytes_of_no_known_format_are_refused_with_the_known_formats() {
         let error = open_bytes(
             vec![0, 1, 2, 3],
             &Hints {

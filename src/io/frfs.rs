@@ -28,8 +28,8 @@ struct Read {
     finding: Option<Finding>,
 }
 
-/// Number of averages where coherence is given and nobody says how many: the fewest that practice
-/// asks of a hammer test.
+/// Number of averages where coherence is given without it: the fewest that are common practice in a
+/// hammer test.
 const ASSUMED_AVERAGES: u32 = 3;
 
 /// Collects the FRFs of files into sets of one axis each, in order of appearance; coherence and
@@ -57,14 +57,14 @@ pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
     }
     let mut over_all = Occurrences::default();
     for file in files {
-        let mut own = Quality::default();
+        let mut in_file = Quality::default();
         if !of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
-            collected.findings.extend(own.add_file(file)?);
+            collected.findings.extend(in_file.add_file(file)?);
         }
         let named = Occurrences::default().of(file);
         let named_over_all = over_all.of(file);
         for index in of_type(file.source.as_ref(), FunctionType::Frf) {
-            let beside = own.of(&named[index]);
+            let beside = in_file.of(&named[index]);
             let quality = if beside.is_empty() {
                 alone.of(&named_over_all[index])
             } else {
@@ -103,8 +103,8 @@ impl Collected {
     fn add(&mut self, read: Read) -> Result<(), IoError> {
         let (axis, note) = (read.axis, &read.note);
         let decay = note.added_damping_rad_s.unwrap_or(0.0);
-        let fits = |own: &Collecting| {
-            let set = &own.set;
+        let fits = |collecting: &Collecting| {
+            let set = &collecting.set;
             set.axis().same_lines(&axis) && set.added_damping_rad_s.to_bits() == decay.to_bits()
         };
         let place = self.sets.iter().position(fits).unwrap_or_else(|| {
@@ -175,7 +175,7 @@ impl Collecting {
         self.windows
             .add(&function.response, &function.reference, note.window);
         let common = self.set.record_duration_s;
-        self.set.record_duration_s = common.filter(|own| note.record_s == Some(*own));
+        self.set.record_duration_s = common.filter(|duration| note.record_s == Some(*duration));
         let pair = (function.response.with_repeat(1), function.reference.clone());
         let taken = self.repeats.entry(pair).or_default();
         if taken.contains(&function.response.repeat()) {
@@ -250,7 +250,7 @@ struct Quality {
     variance: BTreeMap<Occurrence, OnAxis<Vec<f64>>>,
 }
 
-/// What is known of one function.
+/// Coherence and variance of one function.
 struct Beside<'a> {
     coherence: Option<&'a OnAxis<ValidCoherence>>,
     variance: Option<&'a OnAxis<Vec<f64>>>,
@@ -399,13 +399,13 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     let mut note = entry.note.clone();
     note.window = note.window.or(file.window);
     let coherence = of_axis(beside.coherence, &axis);
-    let finding = coherence.as_ref().and_then(|own| own.finding.clone());
+    let finding = coherence.as_ref().and_then(|valid| valid.finding.clone());
     let place = Place::Function {
         response: Some(response.clone()),
         reference: Some(reference.clone()),
     };
     let finding = finding.map(|finding| Finding { place, ..finding });
-    let coherence = coherence.and_then(|own| own.values);
+    let coherence = coherence.and_then(|valid| valid.values);
     let coherence = coherence.filter(|values| !says_nothing(values));
     let stated = of_axis(beside.variance, &axis);
     let averages = note.averages.or(file.averages);
@@ -446,10 +446,10 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     })
 }
 
-/// What is known at the lines of an axis.
+/// The values on this axis.
 fn of_axis<T: Clone>(found: Option<&OnAxis<T>>, axis: &FrequencyAxis) -> Option<T> {
-    let found = found.filter(|(own, _)| own.same_lines(axis));
-    found.map(|(_, own)| own.clone())
+    let found = found.filter(|(on_axis, _)| on_axis.same_lines(axis));
+    found.map(|(_, on_axis)| on_axis.clone())
 }
 
 /// A coherence of 1 at every line is that of one average.

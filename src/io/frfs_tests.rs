@@ -84,7 +84,7 @@ fn a_stated_number_of_averages_is_used_and_an_unknown_one_is_an_assumption() {
 }
 
 #[test]
-fn coherence_joins_its_function_from_a_file_of_its_own() {
+fn coherence_of_a_separate_file_joins_its_frf() {
     let (mut functions, mut coherences) = (MemorySource::default(), MemorySource::default());
     frf(&mut functions, "2:+Z");
     frf(&mut functions, "3:+Z");
@@ -182,7 +182,14 @@ fn a_set_has_the_window_that_all_its_functions_state() {
         );
         let findings = sets[0].findings.iter();
         let findings: Vec<_> = findings
-            .map(|own| (own.code, own.value, own.limit, own.detail.clone()))
+            .map(|finding| {
+                (
+                    finding.code,
+                    finding.value,
+                    finding.limit,
+                    finding.detail.clone(),
+                )
+            })
             .collect();
         (sets[0].window, findings)
     };

@@ -1,4 +1,4 @@
-//! An opened file with what a scene says of it, and how hits are told apart.
+//! An opened file carries the scene's statements about it; hits are grouped by a rule of the test.
 
 use crate::dof::Dof;
 use crate::frf::Window;
@@ -7,7 +7,7 @@ use crate::record::Role;
 
 use super::Source;
 
-/// How hits are told apart within a test.
+/// The rule that groups the records of a test into hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum HitGrouping {
     /// By the records' identification and order.

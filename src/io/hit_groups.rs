@@ -93,8 +93,11 @@ impl Roles<'_> {
                 Role::Response
             }
         };
-        let stated_role =
-            stated.and_then(|own| own.role.or(own.unit.map(|unit| by_quantity(unit.quantity))));
+        let stated_role = stated.and_then(|channel| {
+            channel
+                .role
+                .or(channel.unit.map(|unit| by_quantity(unit.quantity)))
+        });
         stated_role
             .or(entry.role)
             .unwrap_or_else(|| entry.quantity.map_or(Role::Response, by_quantity))
@@ -119,7 +122,7 @@ impl Roles<'_> {
         let numbered = times
             .iter()
             .any(|index| Some(numbers(&self.entries()[*index])) != first);
-        let (mut groups, told) = if is_whole(&by_lines) {
+        let (mut groups, is_stated) = if is_whole(&by_lines) {
             (by_lines, !self.says_nothing() || by_order.len() < 2)
         } else if numbered {
             (self.keyed(numbers), true)
@@ -131,7 +134,7 @@ impl Roles<'_> {
             self.keep_whole(&mut groups, findings);
         }
         groups.iter().try_for_each(|group| self.check(group))?;
-        if !told {
+        if !is_stated {
             let place = Place::File {
                 path: self.path().to_owned(),
                 line: None,
@@ -231,8 +234,8 @@ impl Roles<'_> {
         let named = self.names_hit_points();
         for &index in indices {
             let apart = |group: &Group| {
-                let mut own = group.iter();
-                named && own.any(|own| self.of_other_hits(*own, index))
+                let mut members = group.iter();
+                named && members.any(|member| self.of_other_hits(*member, index))
             };
             match groups.last_mut() {
                 Some(group) if self.belongs(group, index) && !apart(group) => group.push(index),
@@ -248,14 +251,14 @@ impl Roles<'_> {
         let numbered = group
             .iter()
             .enumerate()
-            .map(|(place, own)| (*own, self.role(*own, place + 1)));
+            .map(|(place, member)| (*member, self.role(*member, place + 1)));
         let repeats = numbered
             .clone()
-            .any(|(own, own_role)| match (role, own_role) {
+            .any(|(other, other_role)| match (role, other_role) {
                 (Role::Force, Role::Force) => true,
                 (Role::Response, Role::Response) => {
-                    entries[own].response.is_some()
-                        && entries[own].response == entries[index].response
+                    entries[other].response.is_some()
+                        && entries[other].response == entries[index].response
                 }
                 _ => false,
             });
@@ -263,7 +266,7 @@ impl Roles<'_> {
         let beyond = self
             .overrides
             .iter()
-            .map(|own| own.number)
+            .map(|channel| channel.number)
             .max()
             .is_some_and(|last| group.len() >= last && self.is_hit(group));
         entries[group[0]].axis == entries[index].axis && !repeats && !beyond
@@ -309,5 +312,5 @@ pub(super) fn channel_override(
     overrides: &[ChannelOverride],
     number: usize,
 ) -> Option<&ChannelOverride> {
-    overrides.iter().find(|own| own.number == number)
+    overrides.iter().find(|channel| channel.number == number)
 }

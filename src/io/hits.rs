@@ -52,9 +52,10 @@ impl FileRecording {
             match role {
                 Role::Force => hit.force.full_scale = Some(full_scale),
                 Role::Response => {
-                    let own = hit.responses.iter_mut();
-                    let own = own.filter(|channel| dof.is_none_or(|dof| *dof == channel.dof));
-                    own.for_each(|channel| channel.full_scale = Some(full_scale));
+                    let channels = hit.responses.iter_mut();
+                    let channels =
+                        channels.filter(|channel| dof.is_none_or(|dof| *dof == channel.dof));
+                    channels.for_each(|channel| channel.full_scale = Some(full_scale));
                 }
             }
         }
@@ -146,20 +147,20 @@ fn hit_of(
     let moves = quantities.flatten().any(is_motion);
     let (mut force, mut responses, mut entries) = (None, Vec::new(), Vec::new());
     for (place, (&index, &role)) in group.iter().zip(&roles).enumerate() {
-        let own = channel_override(overrides, place + 1);
+        let stated = channel_override(overrides, place + 1);
         match role {
             Role::Force => {
                 force = Some((
-                    channel_info(file, index, role, hit_point.clone(), own)?,
+                    channel_info(file, index, role, hit_point.clone(), stated)?,
                     index,
                 ));
             }
-            Role::Response if own.is_none() && moves && judge.is_other(index) => {
+            Role::Response if stated.is_none() && moves && judge.is_other(index) => {
                 add_once(findings, judge.left_out_finding(index));
             }
             Role::Response => {
-                let dof = response_point(file, index, own)?;
-                responses.push(channel_info(file, index, role, dof, own)?);
+                let dof = response_point(file, index, stated)?;
+                responses.push(channel_info(file, index, role, dof, stated)?);
                 entries.push(index);
             }
         }
@@ -228,7 +229,7 @@ fn hit_point(
         .iter()
         .position(|role| *role == Role::Force)
         .expect("every group was checked to hold one force");
-    let stated = channel_override(overrides, place + 1).and_then(|own| own.dof.clone());
+    let stated = channel_override(overrides, place + 1).and_then(|channel| channel.dof.clone());
     if let Some(dof) = stated.or_else(|| catalog.entries[group[place]].response.clone()) {
         return Ok(dof);
     }
@@ -263,9 +264,9 @@ fn hit_point(
 fn response_point(
     file: &HitFile,
     index: usize,
-    own: Option<&ChannelOverride>,
+    channel: Option<&ChannelOverride>,
 ) -> Result<Dof, IoError> {
-    let stated = own.and_then(|own| own.dof.clone());
+    let stated = channel.and_then(|channel| channel.dof.clone());
     let catalog = file.source.catalog();
     stated.or_else(|| catalog.entries[index].response.clone()).or_else(|| file.response.clone()).ok_or_else(|| IoError::NotStated {
         path: catalog.path.clone(),
@@ -279,11 +280,11 @@ fn channel_info(
     index: usize,
     role: Role,
     dof: Dof,
-    own: Option<&ChannelOverride>,
+    channel: Option<&ChannelOverride>,
 ) -> Result<ChannelInfo, IoError> {
     let entry = &file.source.catalog().entries[index];
     let path = &file.source.catalog().path;
-    let (quantity, to_si) = calibration(entry, role, own).ok_or_else(|| {
+    let (quantity, to_si) = calibration(entry, role, channel).ok_or_else(|| {
         let label = if entry.unit_label.is_empty() {
             "an empty unit label".to_owned()
         } else {
@@ -313,8 +314,8 @@ fn channel_info(
             expected: "real values".to_owned(),
         });
     }
-    let scale = own.and_then(|own| own.scale).unwrap_or(1.0);
-    let full_scale = own.and_then(|own| own.full_scale);
+    let scale = channel.and_then(|channel| channel.scale).unwrap_or(1.0);
+    let full_scale = channel.and_then(|channel| channel.full_scale);
     Ok(ChannelInfo {
         dof,
         quantity,
@@ -328,10 +329,10 @@ fn channel_info(
 fn calibration(
     entry: &Entry,
     role: Role,
-    own: Option<&ChannelOverride>,
+    channel: Option<&ChannelOverride>,
 ) -> Option<(Quantity, f64)> {
-    let scale = own.and_then(|own| own.scale).unwrap_or(1.0);
-    let (quantity, to_si) = match own.and_then(|own| own.unit) {
+    let scale = channel.and_then(|channel| channel.scale).unwrap_or(1.0);
+    let (quantity, to_si) = match channel.and_then(|channel| channel.unit) {
         Some(unit) => (unit.quantity, unit.to_si),
         None => (entry.quantity?, entry.to_si?),
     };

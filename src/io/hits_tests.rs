@@ -311,7 +311,7 @@ fn a_record_on_a_frequency_axis_or_one_that_starts_later_makes_no_hit() {
 }
 
 #[test]
-fn each_file_is_one_hit_when_told_so() {
+fn each_file_is_one_hit_when_grouping_is_by_files() {
     let one = || file(vec![response(3, "2:+Z", None), force(4, dof("1:+Z"))]);
     let set = group_hits(vec![one(), one()], HitGrouping::Files, &[]).unwrap();
     assert_eq!(set.recording.hits().len(), 2);

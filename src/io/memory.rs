@@ -77,8 +77,12 @@ impl Source for MemorySource {
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
         check_range(&self.catalog, entry, &range)?;
-        match self.abscissae.get(entry).filter(|own| !own.is_empty()) {
-            Some(own) => replace(out, &own[range]),
+        match self
+            .abscissae
+            .get(entry)
+            .filter(|abscissa| !abscissa.is_empty())
+        {
+            Some(abscissa) => replace(out, &abscissa[range]),
             None => even_abscissa(&self.catalog, entry, range, out)?,
         }
         Ok(())
@@ -178,19 +182,19 @@ impl Merged {
         let mut places = Vec::new();
         for (number, source) in sources.iter_mut().enumerate() {
             catalog.damage.extend(source.take_damage());
-            let own = source.catalog();
+            let part = source.catalog();
             if number == 0 {
-                (catalog.format, catalog.path) = (own.format, own.path.clone());
+                (catalog.format, catalog.path) = (part.format, part.path.clone());
             }
             if catalog.title.is_empty() {
-                catalog.title = own.title.clone();
+                catalog.title = part.title.clone();
             }
-            places.extend((0..own.entries.len()).map(|entry| (number, entry)));
-            catalog.entries.extend(own.entries.iter().cloned());
-            catalog.modes.extend(own.modes.iter().cloned());
-            catalog.arrays.extend(own.arrays.iter().cloned());
-            catalog.findings.extend(own.findings.iter().cloned());
-            catalog.geometry.add(&own.geometry);
+            places.extend((0..part.entries.len()).map(|entry| (number, entry)));
+            catalog.entries.extend(part.entries.iter().cloned());
+            catalog.modes.extend(part.modes.iter().cloned());
+            catalog.arrays.extend(part.arrays.iter().cloned());
+            catalog.findings.extend(part.findings.iter().cloned());
+            catalog.geometry.add(&part.geometry);
         }
         Self {
             catalog,
@@ -201,7 +205,7 @@ impl Merged {
 }
 
 impl Merged {
-    /// What is known of the points of source `number` where its headers do not say it.
+    /// Sets the DOFs of source `number` where its headers do not state them.
     pub fn state_points(&mut self, number: usize, response: Option<&Dof>, reference: Option<&Dof>) {
         for (entry, place) in self.catalog.entries.iter_mut().zip(&self.places) {
             if place.0 == number {
@@ -259,8 +263,8 @@ impl Source for Merged {
         block: &mut Block,
     ) -> Result<(), IoError> {
         check_range(&self.catalog, entry, &range)?;
-        let (source, own) = self.places[entry];
-        self.sources[source].read(own, range, block)
+        let (source, entry_in_source) = self.places[entry];
+        self.sources[source].read(entry_in_source, range, block)
     }
 
     fn abscissa(
@@ -270,7 +274,7 @@ impl Source for Merged {
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
         check_range(&self.catalog, entry, &range)?;
-        let (source, own) = self.places[entry];
-        self.sources[source].abscissa(own, range, out)
+        let (source, entry_in_source) = self.places[entry];
+        self.sources[source].abscissa(entry_in_source, range, out)
     }
 }

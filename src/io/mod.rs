@@ -91,14 +91,14 @@ impl<T: Read + Seek + Send> ReadSeek for T {}
 pub trait WriteSeek: Write + Seek {}
 impl<T: Write + Seek> WriteSeek for T {}
 
-/// How sure a format is that bytes are its own.
+/// How certainly bytes are of a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Confidence {
     /// Not this format.
     No,
     /// Could be: plain text that any table reader would take.
     Possible,
-    /// The format's own mark is there.
+    /// The bytes carry the signature of the format.
     Certain,
 }
 
@@ -206,7 +206,7 @@ pub trait Source: Send {
     -> Result<(), IoError>;
 
     /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of
-    /// the file. A source with uneven axes has its own.
+    /// the file. A source with uneven axes overrides this method.
     ///
     /// # Errors
     /// As [`Source::read`].

@@ -103,7 +103,7 @@ impl Format for ModesCsv {
         options: &WriteOptions,
     ) -> Result<Vec<Finding>, IoError> {
         let catalog = source.catalog();
-        let modes: Vec<&Mode> = catalog.modes.iter().map(|own| &own.mode).collect();
+        let modes: Vec<&Mode> = catalog.modes.iter().map(|entry| &entry.mode).collect();
         if modes.is_empty() {
             return Err(IoError::Unwritable {
                 path: options.path.clone(),
@@ -148,7 +148,9 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
 /// The cells of a line without the blanks and quotation marks around them.
 fn cells(line: &str, delimiter: char) -> Vec<&str> {
     let cells = line.split(delimiter).map(str::trim).map(|cell| {
-        let quoted = cell.strip_prefix('"').and_then(|own| own.strip_suffix('"'));
+        let quoted = cell
+            .strip_prefix('"')
+            .and_then(|opened| opened.strip_suffix('"'));
         quoted.map_or(cell, str::trim)
     });
     cells.collect()
@@ -159,7 +161,8 @@ fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     let (number, line) = lines(bytes).next().unwrap_or((1, b""));
     let line = String::from_utf8_lossy(line);
     let delimiters = DELIMITERS.map(char::from).into_iter();
-    let mut delimiters = delimiters.filter(|own| cells(&line, *own).starts_with(&FIRST));
+    let mut delimiters =
+        delimiters.filter(|delimiter| cells(&line, *delimiter).starts_with(&FIRST));
     (number, delimiters.next())
 }
 
@@ -226,7 +229,7 @@ impl Reader<'_> {
     }
 
     fn column(&self, name: &str) -> Result<Column, IoError> {
-        if let Some((_, column)) = NAMED.iter().find(|(own, _)| *own == name) {
+        if let Some((_, column)) = NAMED.iter().find(|(heading, _)| *heading == name) {
             return Ok(column.clone());
         }
         let (dof, part) = match name.rsplit_once(' ') {
@@ -235,7 +238,7 @@ impl Reader<'_> {
             _ => (name, Part::Whole),
         };
         let dof = dof.trim().parse::<Dof>().map_err(|_| {
-            let names: Vec<&str> = NAMED.iter().map(|(own, _)| *own).collect();
+            let names: Vec<&str> = NAMED.iter().map(|(heading, _)| *heading).collect();
             let names = names.join(", ");
             let expected =
                 format!("{names}, or a degree of freedom such as 12:+Z, 12:+Z re, 12:+Z im");
@@ -322,9 +325,9 @@ impl Reader<'_> {
             let number = |what, range| self.number(what, cell, range);
             match column {
                 Column::Frequency => {
-                    let own = number("frequency_hz", FREQUENCY)?;
+                    let frequency = number("frequency_hz", FREQUENCY)?;
                     mode.frequency_hz =
-                        own.ok_or_else(|| self.error("frequency_hz", cell, FREQUENCY.1))?;
+                        frequency.ok_or_else(|| self.error("frequency_hz", cell, FREQUENCY.1))?;
                 }
                 Column::Damping => mode.damping_ratio = number("damping_ratio", FINITE)?,
                 Column::FrequencyStd => {
@@ -334,15 +337,15 @@ impl Reader<'_> {
                 Column::ModalMass => mode.modal_mass_kg = number("modal_mass_kg", POSITIVE)?,
                 Column::Group if cell.is_empty() => {}
                 Column::Group => {
-                    let own = cell.parse().ok();
-                    let own = own.ok_or_else(|| self.error("group", cell, "a whole number"));
-                    mode.group = Some(own?);
+                    let group = cell.parse().ok();
+                    let group = group.ok_or_else(|| self.error("group", cell, "a whole number"));
+                    mode.group = Some(group?);
                 }
                 Column::Scaling if cell.is_empty() => {}
                 Column::Scaling => {
                     let expected = "unit-modal-mass, unit-max or unknown";
-                    let own = Scaling::from_name(cell);
-                    mode.scaling = own.ok_or_else(|| self.error("scaling", cell, expected))?;
+                    let scaling = Scaling::from_name(cell);
+                    mode.scaling = scaling.ok_or_else(|| self.error("scaling", cell, expected))?;
                 }
                 Column::Shape(..) => {}
             }
@@ -358,16 +361,16 @@ impl Reader<'_> {
                 continue;
             };
             let value = self.number("shape", cell, FINITE)?;
-            let own = parts.entry(dof).or_default();
+            let components = parts.entry(dof).or_default();
             match part {
-                Part::Whole => *own = (value, value.map(|_| 0.0)),
-                Part::Real => own.0 = value,
-                Part::Imaginary => own.1 = value,
+                Part::Whole => *components = (value, value.map(|_| 0.0)),
+                Part::Real => components.0 = value,
+                Part::Imaginary => components.1 = value,
             }
         }
         let mut shape = Vec::new();
-        for (dof, own) in parts {
-            match own {
+        for (dof, components) in parts {
+            match components {
                 (Some(re), Some(im)) => shape.push((dof.clone(), Complex64::new(re, im))),
                 (None, None) => {}
                 (re, _) => {

@@ -77,7 +77,7 @@ proptest! {
     ) {
         let names = ["1:+X", "case.2:-RZ", "10:+S"];
         let value = |(re, im): &(f64, f64)| Complex64::new(*re, if real { 0.0 } else { *im });
-        let all = names.iter().zip(&parts).map(|(name, own)| (dof(name), value(own)));
+        let all = names.iter().zip(&parts).map(|(name, part)| (dof(name), value(part)));
         let scaling = [Scaling::UnitModalMass, Scaling::UnitMax, Scaling::Unknown][scaling];
         let first = Mode {
             group,
@@ -190,7 +190,9 @@ fn remarks_blank_lines_and_rows_of_empty_cells_are_skipped_and_counted() {
         let input = Box::new(Cursor::new(good.into_bytes()));
         let source = ModesCsv.open(input, &hints).unwrap();
         let modes = source.catalog().modes.iter();
-        let lines: Vec<_> = modes.map(|own| (own.line, own.mode.frequency_hz)).collect();
+        let lines: Vec<_> = modes
+            .map(|entry| (entry.line, entry.mode.frequency_hz))
+            .collect();
         // Six lines are skipped before the heading and before each of the two rows.
         assert_eq!(lines, [(Some(14), 10.0), (Some(21), 20.0)]);
         for (last, what) in [
@@ -277,7 +279,7 @@ fn deviations_masses_and_signs_that_cannot_be_are_refused_read_or_written() {
         let error = ModesCsv.write(&mut bytes, &mut source, &WriteOptions::default());
         let error = error.unwrap_err();
         assert!(
-            matches!(&error, IoError::Unwritable { what: own, .. } if *own == what),
+            matches!(&error, IoError::Unwritable { what: unwritable, .. } if *unwritable == what),
             "{error}"
         );
         assert!(bytes.into_inner().is_empty(), "{what}");
@@ -321,7 +323,7 @@ fn what_a_table_cannot_hold_is_said() {
         "biases",
     ] {
         assert!(
-            said.iter().any(|own| own.contains(what)),
+            said.iter().any(|place| place.contains(what)),
             "{what}: {said:?}"
         );
     }

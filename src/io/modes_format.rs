@@ -92,19 +92,23 @@ impl Format for ModesJson {
         lost.add("geometry", catalog.geometry.len());
         lost.add("arrays without a meaning", catalog.arrays.len());
         let count =
-            |has: fn(&ModeEntry) -> bool| catalog.modes.iter().filter(|own| has(own)).count();
+            |has: fn(&ModeEntry) -> bool| catalog.modes.iter().filter(|entry| has(entry)).count();
         lost.add(
             "modal A or B",
-            count(|own| own.modal_a.or(own.modal_b).is_some()),
+            count(|entry| entry.modal_a.or(entry.modal_b).is_some()),
         );
-        lost.add("titles of modes", count(|own| !own.title.is_empty()));
+        lost.add("titles of modes", count(|entry| !entry.title.is_empty()));
         Ok(lost.findings())
     }
 }
 
 /// The modes of a file as a modal model, in ascending frequency.
 pub fn modes_of(catalog: &Catalog, inputs: Vec<InputFile>) -> ModalModel {
-    let mut modes: Vec<_> = catalog.modes.iter().map(|own| own.mode.clone()).collect();
+    let mut modes: Vec<_> = catalog
+        .modes
+        .iter()
+        .map(|entry| entry.mode.clone())
+        .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -153,7 +157,12 @@ mod tests {
         let read = ModesJson
             .open(Box::new(Cursor::new(bytes.into_inner())), &Hints::default())
             .unwrap();
-        let read: Vec<_> = read.catalog().modes.iter().map(|own| &own.mode).collect();
+        let read: Vec<_> = read
+            .catalog()
+            .modes
+            .iter()
+            .map(|entry| &entry.mode)
+            .collect();
         assert_eq!(read, [&modes[1], &modes[0]]);
         let mut none = MemorySource::default();
         let error = ModesJson.write(

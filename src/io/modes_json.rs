@@ -231,11 +231,11 @@ fn frequency_and_damping(mode: &ModeJson) -> Result<(f64, Option<f64>), String> 
         ));
     }
     if let (Some(pole), Some(zeta)) = (pole, damping) {
-        let own = Pole::from_frequency(frequency, zeta);
-        if (own.lambda - pole.lambda).norm() > REDUNDANCY * own.lambda.norm() {
+        let computed = Pole::from_frequency(frequency, zeta);
+        if (computed.lambda - pole.lambda).norm() > REDUNDANCY * computed.lambda.norm() {
             return Err(format!(
                 "pole_rad_s {} where frequency_hz and damping_ratio make it {}",
-                pole.lambda, own.lambda
+                pole.lambda, computed.lambda
             ));
         }
     }

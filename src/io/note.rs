@@ -38,7 +38,7 @@ impl FunctionNote {
         lines.map(Option::unwrap_or_default)
     }
 
-    /// What is known, as `key=value`.
+    /// The stated properties, as `key=value`.
     pub(super) fn to_fields(&self) -> Vec<String> {
         let fields = [
             self.averages.map(|n| format!("averages={n}")),

@@ -65,7 +65,7 @@ fn read<const FORTRAN: bool>(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> 
         return Some((if negative { -value } else { value }, end));
     }
     if seen <= SAFE_DIGITS
-        && power.unsigned_abs() <= MOST_POWER as u64
+        && power.unsigned_abs() <= MAX_DECIMAL_EXPONENT as u64
         && let Some(value) = scaled(mantissa, power as i32)
     {
         return Some((if negative { -value } else { value }, end));
@@ -171,19 +171,19 @@ fn exponent<const FORTRAN: bool>(bytes: &[u8], at: usize) -> (i64, usize) {
 }
 
 /// Largest power of ten, in magnitude, of [`scaled`]: 5^27 has 63 bits.
-const MOST_POWER: usize = 27;
+const MAX_DECIMAL_EXPONENT: usize = 27;
 
 /// 5^q for q from −27 to 27: the leading 128 bits, rounded down, and the exponent of the first of
 /// them.
-const FIVES: [(u128, i32); 2 * MOST_POWER + 1] = {
-    let mut fives = [(0, 0); 2 * MOST_POWER + 1];
+const FIVES: [(u128, i32); 2 * MAX_DECIMAL_EXPONENT + 1] = {
+    let mut fives = [(0, 0); 2 * MAX_DECIMAL_EXPONENT + 1];
     let (mut q, mut power) = (0, 1u128);
-    while q <= MOST_POWER {
+    while q <= MAX_DECIMAL_EXPONENT {
         let above = power.leading_zeros();
-        fives[MOST_POWER + q] = (power << above, 127 - above as i32);
+        fives[MAX_DECIMAL_EXPONENT + q] = (power << above, 127 - above as i32);
         if q > 0 {
             let bits = 128 - above;
-            fives[MOST_POWER - q] = (reciprocal(power, 127 + bits), -(bits as i32));
+            fives[MAX_DECIMAL_EXPONENT - q] = (reciprocal(power, 127 + bits), -(bits as i32));
         }
         power *= 5;
         q += 1;
@@ -216,7 +216,7 @@ fn scaled(mantissa: u64, power: i32) -> Option<f64> {
     const CUT: u32 = u64::BITS - f64::MANTISSA_DIGITS;
     const HALF: u64 = 1 << (CUT - 1);
     let above = mantissa.leading_zeros();
-    let (five, exponent) = FIVES[(power + MOST_POWER as i32) as usize];
+    let (five, exponent) = FIVES[(power + MAX_DECIMAL_EXPONENT as i32) as usize];
     let normal = u128::from(mantissa << above);
     // What is cut off here, and what the power lacks, is less than 2 in the last place; after the
     // shift less than 4.

@@ -120,12 +120,12 @@ mod tests {
     #[test]
     fn a_choice_is_read_with_what_it_leaves_out() {
         let text = r#"{"schema": "modalign-selection/1", "poles": [{"frequency_hz": 143.2, "damping_ratio": 0.004, "order": 24}, {"frequency_hz": 210.8}]}"#;
-        let own = selection_from_json(text, "s.json").unwrap();
-        assert_eq!(own.poles[0].order, Some(24));
-        assert_eq!(own.poles[0].damping_ratio, Some(0.004));
-        let second = own.poles[1];
+        let selection = selection_from_json(text, "s.json").unwrap();
+        assert_eq!(selection.poles[0].order, Some(24));
+        assert_eq!(selection.poles[0].damping_ratio, Some(0.004));
+        let second = selection.poles[1];
         assert_eq!((second.damping_ratio, second.order), (None, None));
-        assert!((own.tolerance_of(&second) - 2.108).abs() < 1e-12);
+        assert!((selection.tolerance_of(&second) - 2.108).abs() < 1e-12);
     }
 
     #[test]

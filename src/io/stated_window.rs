@@ -54,12 +54,16 @@ impl StatedWindows {
 
     /// The finding of windows that only some functions state.
     pub fn finding(&self) -> Option<Finding> {
-        let stating = self.functions.iter().filter(|own| own.2.is_some()).count();
+        let stating = self
+            .functions
+            .iter()
+            .filter(|function| function.2.is_some())
+            .count();
         if stating == 0 || self.common().is_some() {
             return None;
         }
         let windows = self.different();
-        let named: Vec<String> = windows.iter().map(|own| self.named(*own)).collect();
+        let named: Vec<String> = windows.iter().map(|window| self.named(*window)).collect();
         let finding = Finding::new(Severity::Warning, Code::WindowNotCommon, Place::Whole);
         let finding = finding.value(stating as f64, "functions");
         let finding = finding.limit(self.functions.len() as f64);
@@ -68,8 +72,11 @@ impl StatedWindows {
 
     /// The functions that state a window, `hann-narrow: 2:+Z|1:+Z, 3:+Z|1:+Z`.
     fn named(&self, window: Option<Window>) -> String {
-        let own = self.functions.iter().filter(|own| own.2 == window);
-        let all: Vec<String> = own.map(|(a, b, _)| format!("{a}|{b}")).collect();
+        let stating = self
+            .functions
+            .iter()
+            .filter(|function| function.2 == window);
+        let all: Vec<String> = stating.map(|(a, b, _)| format!("{a}|{b}")).collect();
         let mut named = all.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>();
         if all.len() > MAX_NAMED {
             named.push(format!("{} more", all.len() - MAX_NAMED));

@@ -186,8 +186,8 @@ impl Window {
     }
 }
 
-/// What was read last of the arrays that were asked for last, for formats that cannot read any part
-/// of an array by itself.
+/// A cache of the parts read last of the arrays used last, for formats that cannot read part of an
+/// array separately.
 #[derive(Default)]
 pub(in crate::io) struct RecentArrays {
     /// Arrays by their index; the one that was asked for last stands last.
@@ -239,7 +239,7 @@ impl RecentArrays {
         range: Range<usize>,
         read: impl FnOnce() -> Result<Window, IoError>,
     ) -> Result<Option<Elements>, IoError> {
-        let place = self.kept.iter().position(|(own, _)| *own == index);
+        let place = self.kept.iter().position(|(array, _)| *array == index);
         let known = place.and_then(|place| self.kept.remove(place));
         if let Some((_, window)) = known
             && let Some(part) = window.part(&range)

@@ -26,7 +26,7 @@ fn recordings() -> Option<PathBuf> {
     found
 }
 
-/// What is known of a recording.
+/// The stated properties of a recording.
 fn expected(folder: &Path, name: &str) -> Value {
     let text = std::fs::read_to_string(folder.join("expected.json")).unwrap();
     let all: Value = serde_json::from_str(&text).unwrap();

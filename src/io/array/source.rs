@@ -1,5 +1,5 @@
-//! Arrays to a source: modalign's own layout, arrays that a scene describes, or a list of what is
-//! there.
+//! Arrays become a source: by the layout of modalign, by a scene's description, or as a plain list
+//! of arrays.
 //!
 //! A container of arrays does not say what its arrays mean, unless modalign wrote it. A scene's
 //! `[[test.channel]]` names an array by its path in the file (levels separated by `/` or `.`) and,
@@ -23,7 +23,7 @@ const NAMES_LISTED: usize = 40;
 ///
 /// # Errors
 /// [`IoError::MissingArray`] for an array that the scene names and the file does not have;
-/// [`IoError::NotStated`] for dimensions that nobody stated; what [`assign`] and the store return.
+/// [`IoError::NotStated`] for dimensions that are not stated; errors of [`assign`] and the store.
 pub(in crate::io) fn open_arrays(
     format: &'static str,
     mut store: Box<dyn ArrayStore>,
@@ -115,8 +115,8 @@ fn select(
         let arrangement = arrangement(info, &array.shape, spec, path)?;
         hits = common_hits(hits, arrangement.hits.0, info, path)?;
         let of_array = selected.iter().enumerate().skip(first);
-        for (column, own) in of_array.filter(|(_, own)| own.array == place.array) {
-            let channel = channel(own.channel, &arrangement, info, path)?;
+        for (column, selected) in of_array.filter(|(_, selected)| selected.array == place.array) {
+            let channel = channel(selected.channel, &arrangement, info, path)?;
             for hit in 0..arrangement.hits.0 {
                 let block = gather(&array.elements, &arrangement, hit, channel);
                 values[column].push(block.ok_or_else(|| no_numbers(info, path))?);
@@ -138,15 +138,15 @@ fn no_numbers(info: &ArrayInfo, path: &str) -> IoError {
 }
 
 /// Arrays with one hit (a time column) go with every number of hits.
-fn common_hits(known: usize, own: usize, info: &ArrayInfo, path: &str) -> Result<usize, IoError> {
-    match (known, own) {
-        (1, own) => Ok(own),
+fn common_hits(known: usize, hits: usize, info: &ArrayInfo, path: &str) -> Result<usize, IoError> {
+    match (known, hits) {
+        (1, hits) => Ok(hits),
         (known, 1) => Ok(known),
-        (known, own) if known == own => Ok(known),
-        (known, own) => Err(IoError::Grouping {
+        (known, hits) if known == hits => Ok(known),
+        (known, hits) => Err(IoError::Grouping {
             path: path.to_owned(),
             what: "reading arrays as hits",
-            got: format!("{own} hits in {}", info.name),
+            got: format!("{hits} hits in {}", info.name),
             expected: format!("{known}, as in the arrays before it"),
         }),
     }
@@ -180,9 +180,9 @@ fn block_len(block: &Block) -> usize {
 }
 
 /// Names compare with `.` and `/` as the same mark.
-pub(in crate::io) fn same_name(own: &str, asked: &str) -> bool {
+pub(in crate::io) fn same_name(stored: &str, asked: &str) -> bool {
     let level = |c: char| if c == '.' { '/' } else { c };
-    own.chars().map(level).eq(asked.chars().map(level))
+    stored.chars().map(level).eq(asked.chars().map(level))
 }
 
 fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selected, IoError> {
@@ -265,7 +265,7 @@ fn arrangement(
     spec: &TableSpec,
     path: &str,
 ) -> Result<Arrangement, IoError> {
-    // A vector (n, n x 1, 1 x n) is a channel by itself, such as the time of all others.
+    // A vector (n, n x 1, 1 x n) is one channel, such as the time of all others.
     if shape.iter().filter(|len| **len != 1).count() <= 1 {
         return Ok(Arrangement {
             hits: (1, 0),

@@ -7,14 +7,14 @@ use crate::io::IoError;
 const COMPUTED: f64 = 1e-6;
 
 /// No rounding moves an abscissa by more than this fraction of the spacing.
-const MOST_ROUNDING: f64 = 0.5;
+const MAX_ROUNDING_STEPS: f64 = 0.5;
 
 /// Start and spacing of an even column: (last − first)/(n − 1), because a printed spacing is
 /// rounded.
 ///
-/// Every value lies as near to its place as its own rounding and that of both ends allow (half a
-/// unit of the last printed digit each), or as single precision keeps it, and never half a spacing
-/// off.
+/// Every value lies as near to its grid point as the rounding of the value and of both ends allows
+/// (half a unit of the last printed digit each), or as single precision keeps it, and never half a
+/// spacing off.
 pub(in crate::io) fn even_axis(
     values: &[f64],
     scale: f64,
@@ -36,7 +36,7 @@ pub(in crate::io) fn even_axis(
         ));
     }
     let place = |row: usize| values[0] + row as f64 * step;
-    let most = MOST_ROUNDING * step.abs();
+    let most = MAX_ROUNDING_STEPS * step.abs();
     let off = |distance: f64| distance.is_nan() || distance.abs() > most;
     if let Some(row) = (1..n).find(|row| off(values[*row] - values[row - 1] - step)) {
         let got = format!("{} after {}", values[row], values[row - 1]);
@@ -92,9 +92,9 @@ impl Printed {
     fn of(values: &[f64]) -> Self {
         let (mut last_power, mut digits) = (i32::MAX, 1);
         for value in values.iter().filter(|value| value.abs() > 0.0) {
-            let (first, own) = first_power_and_digits(*value);
-            last_power = last_power.min(first + 1 - own);
-            digits = digits.max(own);
+            let (first, count) = first_power_and_digits(*value);
+            last_power = last_power.min(first + 1 - count);
+            digits = digits.max(count);
         }
         Self { last_power, digits }
     }

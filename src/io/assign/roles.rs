@@ -13,8 +13,8 @@ use crate::quantity::{FrfUnit, Unit};
 pub(super) fn check_roles(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     each_role_once(spec, path)?;
     let columns = || spec.columns.iter();
-    let of_frf = columns().find(|own| kind(&own.role) == Kind::Frf);
-    let of_time = columns().find(|own| kind(&own.role) == Kind::Time);
+    let of_frf = columns().find(|column| kind(&column.role) == Kind::Frf);
+    let of_time = columns().find(|column| kind(&column.role) == Kind::Time);
     if let (Some(frf), Some(time)) = (of_frf, of_time) {
         let columns = format!(
             "{} as {} beside {} as {}",
@@ -31,14 +31,14 @@ pub(super) fn check_roles(spec: &TableSpec, path: &str) -> Result<(), IoError> {
                 .to_owned(),
         });
     }
-    if !columns().any(|own| !matches!(own.role, ColumnRole::Time | ColumnRole::Frequency)) {
+    if !columns().any(|column| !matches!(column.role, ColumnRole::Time | ColumnRole::Frequency)) {
         return Err(IoError::NotStated {
             path: path.to_owned(),
             what: "what is measured".to_owned(),
             expected: "a column of values beside the axis ([[test.channel]])".to_owned(),
         });
     }
-    match columns().find(|own| is_alone(spec, &own.role)) {
+    match columns().find(|column| is_alone(spec, &column.role)) {
         Some(alone) => Err(without_partner(alone, path)),
         None => Ok(()),
     }
@@ -65,7 +65,7 @@ fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
         |role: &ColumnRole| matches!(role, ColumnRole::Force { .. } | ColumnRole::Response { .. });
     for (index, second) in spec.columns.iter().enumerate() {
         let before = spec.columns[..index].iter();
-        let mut equal = before.filter(|own| own.role == second.role && !alone(&own.role));
+        let mut equal = before.filter(|column| column.role == second.role && !alone(&column.role));
         let Some(first) = equal.next() else { continue };
         let axis = matches!(second.role, ColumnRole::Time | ColumnRole::Frequency);
         return Err(IoError::Grouping {
@@ -87,18 +87,18 @@ fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Whether a column is part of an FRF whose other part nobody names; the parts that begin one are
-/// looked at when it is read.
+/// Whether a column is an imaginary part or phase of an FRF without a real part or magnitude; the
+/// converse is checked when the FRF is read.
 fn is_alone(spec: &TableSpec, role: &ColumnRole) -> bool {
-    let mut others = spec.columns.iter().map(|own| &own.role);
+    let mut others = spec.columns.iter().map(|column| &column.role);
     match role {
         ColumnRole::Imaginary { dof, unit } => {
             let (dof, unit) = (dof.clone(), *unit);
             let real = ColumnRole::Real { dof, unit };
-            !others.any(|own| *own == real)
+            !others.any(|role| *role == real)
         }
         ColumnRole::PhaseDegrees { dof } => !others
-            .any(|own| matches!(own, ColumnRole::Magnitude { dof: other, .. } if other == dof)),
+            .any(|role| matches!(role, ColumnRole::Magnitude { dof: other, .. } if other == dof)),
         _ => false,
     }
 }
@@ -160,7 +160,7 @@ pub(in crate::io) fn frf_unit_text(unit: &FrfUnit) -> String {
         } else {
             format!("{response}/{force}")
         };
-        let same = text.parse::<FrfUnit>().is_ok_and(|own| own == *unit);
+        let same = text.parse::<FrfUnit>().is_ok_and(|named| named == *unit);
         same.then_some(text)
     };
     let known = ["N", "kN", "lbf"].into_iter().find_map(over);

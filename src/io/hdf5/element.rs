@@ -20,7 +20,7 @@ pub(super) enum Content {
     VariableText,
     /// References to other objects, as the cells of MATLAB.
     References,
-    /// Complex numbers of HDF5's own type (datatype class 11).
+    /// Complex numbers of the HDF5 complex type (datatype class 11).
     NativeComplex,
     /// Nothing that is a number or a text.
     Other,
@@ -111,9 +111,9 @@ fn complex_pair(datatype: &Datatype) -> Option<(Content, String)> {
     Some((Content::Complex(scalar(re)?, scalar(im)?), kind))
 }
 
-/// HDF5 2.0 has a complex datatype of its own (class 11). The reader takes its message for a
-/// compound of one member, so that the bytes of the base type's message (class 1 and version, byte
-/// order, sign bit) come out as the member's name.
+/// Whether a datatype is the complex type of HDF5 2.0 (class 11). The reader takes its message for
+/// a compound of one member, so that the bytes of the base type's message (class 1 and version,
+/// byte order, sign bit) come out as the member's name.
 fn is_native_complex(datatype: &Datatype) -> bool {
     let Datatype::Compound { members, .. } = datatype else {
         return false;

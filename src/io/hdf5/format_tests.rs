@@ -72,8 +72,8 @@ fn a_header_before_the_signature_is_accepted_and_other_bytes_are_not() {
 
 #[test]
 fn datatypes_in_datatypes_without_end_are_refused_and_the_rest_is_read() {
-    // Eight bytes for each level: 8,000 levels fit in a message, and dropping them takes a stack of
-    // its own.
+    // Eight bytes for each level: 8,000 levels fit in a message, and dropping them takes a separate
+    // stack.
     let make = || {
         let mut datatype = make_u8_type();
         for _ in 0..8000 {
@@ -133,7 +133,7 @@ fn a_shape_that_the_file_cannot_fill_is_refused_before_memory_is_asked_for() {
 
 #[test]
 fn a_listing_takes_no_more_memory_than_its_file_allows() {
-    // The listing runs on a thread of its own; here it is measured on this one.
+    // The listing runs on a separate thread; here it is measured on this one.
     let mut builder = FileBuilder::new();
     for name in 0..40 {
         builder

@@ -25,7 +25,7 @@ pub(super) enum Presentation {
     Empty,
 }
 
-/// A dataset and what is known of it from its header.
+/// A dataset with the contents of its header.
 pub(super) struct Item {
     /// The dataset.
     pub dataset: Dataset,

@@ -12,9 +12,9 @@ use super::element::Content;
 use super::item::{Item, bytes_of};
 
 /// Deflate makes at most so many bytes of one.
-const MOST_EXPANSION: u64 = 1032;
+const MAX_EXPANSION_RATIO: u64 = 1032;
 
-/// h5py's complex numbers, and those of HDF5's own type.
+/// Complex numbers of h5py, and of the HDF5 complex type.
 #[derive(Clone, Copy, H5Type)]
 #[repr(C)]
 struct Pair {
@@ -22,8 +22,8 @@ struct Pair {
     i: f64,
 }
 
-/// MATLAB's complex numbers. The library matches members by their names and leaves those that it
-/// does not find as they were, so that each spelling needs its own type.
+/// Complex numbers of MATLAB. The library matches members by their names and leaves those that it
+/// does not find unchanged, so that each spelling needs a separate type.
 #[derive(Clone, Copy, H5Type)]
 #[repr(C)]
 struct MatlabPair {
@@ -40,7 +40,7 @@ pub(super) fn read(path: &str, item: &Item) -> Result<Elements, String> {
 fn read_dataset(path: &str, name: &str, item: &Item) -> Result<Elements, Error> {
     let dataset = File::open(path)?.dataset(name)?;
     let needed = bytes_of(&item.stored, item.stride).unwrap_or(usize::MAX) as u64;
-    let most = dataset.storage_size().saturating_mul(MOST_EXPANSION);
+    let most = dataset.storage_size().saturating_mul(MAX_EXPANSION_RATIO);
     if needed > most.saturating_add(1 << 16) || dataset.shape() != item.stored {
         let got = format!("{needed} bytes of shape {:?}", item.stored);
         return Err(Error::from(format!("{got} do not fit what the file holds")));

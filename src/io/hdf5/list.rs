@@ -14,7 +14,7 @@ use super::stream::Stream;
 const DEEPEST: usize = 32;
 
 /// Cells of one array of MATLAB.
-const MOST_CELLS: usize = 10_000;
+const MAX_CELLS: usize = 10_000;
 
 /// The listing reads at most so many times the file's length.
 const TIMES_READ: u64 = 16;
@@ -101,23 +101,23 @@ impl Walk<'_> {
             // The groups would fail with the same error.
             Err(error) => return self.damage(name, error.to_string()),
         };
-        for (own, dataset) in datasets {
-            let path = joined(name, &own);
+        for (member, dataset) in datasets {
+            let path = joined(name, &member);
             self.dataset(dataset, path.clone(), Some(path), depth);
         }
         let groups = match group.iter_groups() {
             Ok(groups) => groups,
             Err(error) => return self.damage(name, error.to_string()),
         };
-        for (own, group) in groups {
-            let hidden = self.of_matlab && depth == 0 && HIDDEN.contains(&own.as_str());
+        for (member, group) in groups {
+            let hidden = self.of_matlab && depth == 0 && HIDDEN.contains(&member.as_str());
             if !hidden {
-                self.group(&group, &joined(name, &own), depth + 1);
+                self.group(&group, &joined(name, &member), depth + 1);
             }
         }
     }
 
-    /// Lists a dataset; `path` where it has one of its own.
+    /// Lists a dataset; `path` is absent for a dataset that only references reach.
     fn dataset(&mut self, dataset: Dataset, name: String, path: Option<String>, depth: usize) {
         // An entry of the list takes memory beside its name.
         let Some(left) = self.name_bytes.checked_sub(name.len() as u64 + 64) else {
@@ -162,11 +162,8 @@ impl Walk<'_> {
     /// What the cells refer to.
     fn cells(&mut self, item: &Item, name: &str) -> Option<Vec<Object>> {
         let count: usize = item.stored.iter().product();
-        if count > MOST_CELLS {
-            self.damage(
-                name,
-                format!("{count} cells, expected at most {MOST_CELLS}"),
-            );
+        if count > MAX_CELLS {
+            self.damage(name, format!("{count} cells, expected at most {MAX_CELLS}"));
             return None;
         }
         let cells: Result<Vec<Object>, Error> = item.dataset.dereference();

@@ -151,11 +151,11 @@ fn what_needs_the_other_library_is_said_and_the_rest_is_read() {
         ("layout5", "layout of version 5"),
         ("native", "datatype class 11"),
     ] {
-        let own = said.iter().find(|error| error.contains(name));
-        let own = own.unwrap_or_else(|| panic!("{name}: {said:?}"));
+        let message = said.iter().find(|error| error.contains(name));
+        let message = message.unwrap_or_else(|| panic!("{name}: {said:?}"));
         assert!(
-            own.contains(why) && own.contains("--features libhdf5"),
-            "{own}"
+            message.contains(why) && message.contains("--features libhdf5"),
+            "{message}"
         );
     }
     assert_eq!(said.len(), 3);
@@ -164,7 +164,7 @@ fn what_needs_the_other_library_is_said_and_the_rest_is_read() {
 /// Lists and reads every array, whole and in part.
 fn read_everything(bytes: Vec<u8>, of_matlab: bool) -> usize {
     let stream = Stream::new(Box::new(Cursor::new(bytes))).unwrap();
-    // Here and not on a thread of its own, so that its memory is measured.
+    // On this thread, not a separate one, so that its memory is measured.
     let Ok(listing) = list_here(&stream, of_matlab, "damaged.h5") else {
         return 0;
     };

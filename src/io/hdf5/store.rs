@@ -16,7 +16,7 @@ use super::present::{row_major, texts_of_rows};
 use super::stream::Stream;
 
 /// Deflate makes at most so many bytes of one.
-const MOST_EXPANSION: u64 = 1032;
+const MAX_EXPANSION_RATIO: u64 = 1032;
 
 /// Reading a dataset reads at most so many times the file's length: texts are looked up in their
 /// heap one by one.
@@ -270,7 +270,7 @@ fn held_bytes(dataset: &Dataset, stride: usize, file: u64) -> Result<u64, hdf5_p
     let whole = lengths.fold(stride as u64, u64::saturating_mul);
     let expansion = match dataset.filters().as_slice() {
         [] => 1,
-        _ => MOST_EXPANSION,
+        _ => MAX_EXPANSION_RATIO,
     };
     let chunks = dataset.chunks()?;
     // The reader would ask for the memory of a chunk before it sees that the file ends inside it.

@@ -259,20 +259,21 @@ fn bits(block: &Block) -> Vec<u64> {
 }
 
 /// Both sources hold the same, to the bit.
-pub fn assert_same(own: &mut dyn Source, other: &mut dyn Source) {
-    let damage = (&own.catalog().damage, &other.catalog().damage);
+pub fn assert_same(first: &mut dyn Source, other: &mut dyn Source) {
+    let damage = (&first.catalog().damage, &other.catalog().damage);
     assert!(damage.0.is_empty() && damage.1.is_empty(), "{damage:?}");
-    assert_eq!(own.catalog().title, other.catalog().title);
-    assert_eq!(own.catalog().geometry, other.catalog().geometry);
-    assert_eq!(own.catalog().modes, other.catalog().modes);
-    assert_eq!(own.catalog().entries, other.catalog().entries);
-    for entry in 0..own.catalog().entries.len() {
-        let len = own.catalog().entries[entry].len();
+    assert_eq!(first.catalog().title, other.catalog().title);
+    assert_eq!(first.catalog().geometry, other.catalog().geometry);
+    assert_eq!(first.catalog().modes, other.catalog().modes);
+    assert_eq!(first.catalog().entries, other.catalog().entries);
+    for entry in 0..first.catalog().entries.len() {
+        let len = first.catalog().entries[entry].len();
         let mut blocks = [Block::F64(Vec::new()), Block::F64(Vec::new())];
         let mut abscissae = [Vec::new(), Vec::new()];
         let middle = len / 2;
         for range in [0..len, middle..len] {
-            own.read(entry, range.clone(), &mut blocks[0])
+            first
+                .read(entry, range.clone(), &mut blocks[0])
                 .expect("what the test drew can be read");
             other
                 .read(entry, range.clone(), &mut blocks[1])
@@ -283,7 +284,8 @@ pub fn assert_same(own: &mut dyn Source, other: &mut dyn Source) {
             if len == 0 {
                 continue;
             }
-            own.abscissa(entry, range.clone(), &mut abscissae[0])
+            first
+                .abscissa(entry, range.clone(), &mut abscissae[0])
                 .expect("what the test drew can be read");
             other
                 .abscissa(entry, range, &mut abscissae[1])

@@ -232,7 +232,7 @@ fn append(rows: &mut Elements, block: &Block, part: Part, round: bool) {
     let imaginary = part == Part::Imaginary;
     match block {
         Block::F32(values) if !imaginary => match rows {
-            Elements::F32(own) => own.extend_from_slice(values),
+            Elements::F32(singles) => singles.extend_from_slice(values),
             _ => append_numbers(rows, values.iter().map(|v| f64::from(*v)), round),
         },
         Block::F64(values) if !imaginary => append_numbers(rows, values.iter().copied(), round),
@@ -252,14 +252,14 @@ fn append_numbers(rows: &mut Elements, values: impl Iterator<Item = f64> + Clone
         let fits = !value.is_finite() || single.is_finite();
         (round && fits) || f64::from(single).to_bits() == value.to_bits()
     };
-    if let Elements::F32(own) = rows {
+    if let Elements::F32(stored) = rows {
         if values.clone().all(held) {
-            own.extend(values.map(|value| value as f32));
+            stored.extend(values.map(|value| value as f32));
             return;
         }
-        *rows = Elements::F64(own.iter().map(|value| f64::from(*value)).collect());
+        *rows = Elements::F64(stored.iter().map(|value| f64::from(*value)).collect());
     }
-    if let Elements::F64(own) = rows {
-        own.extend(values);
+    if let Elements::F64(stored) = rows {
+        stored.extend(values);
     }
 }

@@ -1,4 +1,4 @@
-//! modalign's own layout of named arrays, schema `modalign-frf/1`: everything that a source holds,
+//! The layout of modalign for named arrays, schema `modalign-frf/1`, holds everything in a source,
 //! to the bit.
 //!
 //! HDF5, MATLAB and NumPy files hold named arrays, and this is the set of names and shapes that

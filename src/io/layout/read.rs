@@ -34,7 +34,7 @@ struct Place {
     abscissa: Option<usize>,
 }
 
-/// A source over arrays in modalign's own layout.
+/// A source over arrays in the layout of modalign.
 pub(in crate::io) struct LayoutSource {
     catalog: Catalog,
     store: Box<dyn ArrayStore>,
@@ -44,7 +44,7 @@ pub(in crate::io) struct LayoutSource {
 /// A text of more bytes does not name this layout.
 const LONGEST_SCHEMA: u64 = 1024;
 
-/// Whether the arrays say that they follow this layout. A file may have a `schema` of its own.
+/// Whether the arrays state this layout. A file of another program may also have a `schema`.
 ///
 /// # Errors
 /// [`IoError::Grouping`] for this layout with another number.
@@ -81,7 +81,7 @@ pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalo
         }
     }
     let mut keep =
-        |read: Result<(), IoError>, part| errors.extend(read.err().map(|own| (own, part)));
+        |read: Result<(), IoError>, part| errors.extend(read.err().map(|error| (error, part)));
     let title = shelf.texts("title", None);
     keep(
         title.map(|title| catalog.title = title.unwrap_or_default()),
@@ -285,17 +285,17 @@ fn describe(shelf: &mut Shelf, group: &str, entries: &mut [Entry]) -> Result<(),
     }
     let lines = shelf.texts(&format!("{group}/id_lines"), Some(&[count, 5]))?;
     let lines = lines.unwrap_or_default();
-    for (entry, own) in entries.iter_mut().zip(lines.chunks_exact(5)) {
-        entry.identification.lines.clone_from_slice(own);
+    for (entry, id_lines) in entries.iter_mut().zip(lines.chunks_exact(5)) {
+        entry.identification.lines.clone_from_slice(id_lines);
     }
     let name = format!("{group}/valid_hz");
     let valid = shelf.numbers(&name, Some(&[count, 2]))?;
     let valid = valid.unwrap_or_default();
-    for (entry, own) in entries.iter_mut().zip(valid.chunks_exact(2)) {
-        if own[0].is_nan() != own[1].is_nan() {
-            return Err(shelf.error(&name, format!("{own:?}"), "two limits, or NaN twice"));
+    for (entry, limits) in entries.iter_mut().zip(valid.chunks_exact(2)) {
+        if limits[0].is_nan() != limits[1].is_nan() {
+            return Err(shelf.error(&name, format!("{limits:?}"), "two limits, or NaN twice"));
         }
-        entry.note.valid_hz = (!own[0].is_nan()).then_some((own[0], own[1]));
+        entry.note.valid_hz = (!limits[0].is_nan()).then_some((limits[0], limits[1]));
     }
     Ok(())
 }

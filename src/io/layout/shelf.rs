@@ -15,8 +15,8 @@ fn lengths(shape: &[usize]) -> impl Iterator<Item = usize> {
 
 /// Whether two shapes are the same but for lengths of 1, which a container may add (n x 1 in
 /// MATLAB) or drop. Elements in row-major order are then the same too.
-pub(super) fn same_shape(own: &[usize], other: &[usize]) -> bool {
-    lengths(own).eq(lengths(other))
+pub(super) fn same_shape(shape: &[usize], other: &[usize]) -> bool {
+    lengths(shape).eq(lengths(other))
 }
 
 /// The arrays of a store by name.
@@ -85,13 +85,14 @@ impl<'a> Shelf<'a> {
             return Ok(None);
         };
         let info = &self.store.list()[place];
-        let own = count(&info.shape);
+        let elements_in_shape = count(&info.shape);
         // What holds no element cannot be mixed up, and programs differ in how they store it.
         let right = match shape {
             Some(shape) => {
-                same_shape(&info.shape, shape) || (own == Some(0) && count(shape) == Some(0))
+                same_shape(&info.shape, shape)
+                    || (elements_in_shape == Some(0) && count(shape) == Some(0))
             }
-            None => lengths(&info.shape).count() <= 1 || own == Some(0),
+            None => lengths(&info.shape).count() <= 1 || elements_in_shape == Some(0),
         };
         if !right {
             let got = format!("shape {:?}", info.shape);
@@ -102,7 +103,7 @@ impl<'a> Shelf<'a> {
             return Err(self.error(name, got, expected));
         }
         let elements = self.store.read(place)?.elements;
-        if own != Some(elements.len()) {
+        if elements_in_shape != Some(elements.len()) {
             let got = format!("{} values", elements.len());
             return Err(self.error(name, got, "as many as its shape says"));
         }

@@ -9,7 +9,7 @@ use crate::io::{IoError, ReadSeek};
 /// Deflate expands at most so many times.
 pub(super) const DEFLATE_EXPANSION: u64 = 1032;
 
-/// Deflated bytes are read in pieces of this size; so are inflated ones that nobody wants.
+/// Size of the pieces in which deflated bytes are read and unused inflated bytes are skipped.
 const PIECE: usize = 1 << 16;
 
 /// Memory for a value grows in steps of this size, so that a wrong count costs no more than the
@@ -148,42 +148,44 @@ impl Bytes {
         out: &mut [u8],
     ) -> Result<(), IoError> {
         let known = self.inflating.take();
-        let known = known.filter(|own| own.storage == storage && own.position <= position);
-        let mut own = known.unwrap_or_else(|| Inflating::new(storage));
+        let known = known.filter(|state| state.storage == storage && state.position <= position);
+        let mut inflating = known.unwrap_or_else(|| Inflating::new(storage));
         let mut scratch = vec![0; PIECE];
-        while own.position < position {
-            let wanted = (position - own.position).min(PIECE as u64) as usize;
-            self.inflate(&mut own, &mut scratch[..wanted])?;
+        while inflating.position < position {
+            let wanted = (position - inflating.position).min(PIECE as u64) as usize;
+            self.inflate(&mut inflating, &mut scratch[..wanted])?;
         }
         let mut done = 0;
         while done < out.len() {
-            done += self.inflate(&mut own, &mut out[done..])?;
+            done += self.inflate(&mut inflating, &mut out[done..])?;
         }
-        self.inflating = Some(own);
+        self.inflating = Some(inflating);
         Ok(())
     }
 
     /// Inflates some bytes, at least one.
-    fn inflate(&mut self, own: &mut Inflating, out: &mut [u8]) -> Result<usize, IoError> {
+    fn inflate(&mut self, inflating: &mut Inflating, out: &mut [u8]) -> Result<usize, IoError> {
         loop {
-            if own.used == own.piece.len() && own.next < own.end {
-                let count = (own.end - own.next).min(PIECE as u64) as usize;
-                own.piece.resize(count, 0);
-                own.used = 0;
-                self.read_file(own.next, &mut own.piece)?;
-                own.next += count as u64;
+            if inflating.used == inflating.piece.len() && inflating.next < inflating.end {
+                let count = (inflating.end - inflating.next).min(PIECE as u64) as usize;
+                inflating.piece.resize(count, 0);
+                inflating.used = 0;
+                self.read_file(inflating.next, &mut inflating.piece)?;
+                inflating.next += count as u64;
             }
-            let (consumed, produced) = (own.state.total_in(), own.state.total_out());
-            let status = own
-                .state
-                .decompress(&own.piece[own.used..], out, FlushDecompress::None);
-            let consumed = (own.state.total_in() - consumed) as usize;
-            let produced = (own.state.total_out() - produced) as usize;
-            own.used += consumed;
-            own.position += produced as u64;
+            let (consumed, produced) = (inflating.state.total_in(), inflating.state.total_out());
+            let status = inflating.state.decompress(
+                &inflating.piece[inflating.used..],
+                out,
+                FlushDecompress::None,
+            );
+            let consumed = (inflating.state.total_in() - consumed) as usize;
+            let produced = (inflating.state.total_out() - produced) as usize;
+            inflating.used += consumed;
+            inflating.position += produced as u64;
             let status = status.map_err(|error| IoError::Binary {
                 path: self.path.clone(),
-                byte: own.storage.at(),
+                byte: inflating.storage.at(),
                 what: "compressed variable",
                 got: error.to_string(),
                 expected: "a zlib stream".to_owned(),
@@ -191,12 +193,12 @@ impl Bytes {
             if produced > 0 {
                 return Ok(produced);
             }
-            if status == Status::StreamEnd || (consumed == 0 && own.next >= own.end) {
+            if status == Status::StreamEnd || (consumed == 0 && inflating.next >= inflating.end) {
                 return Err(IoError::Truncated {
                     path: self.path.clone(),
-                    byte: own.end,
+                    byte: inflating.end,
                     what: "a compressed variable",
-                    got: format!("{} bytes", own.position),
+                    got: format!("{} bytes", inflating.position),
                     expected: "more, as its counts say".to_owned(),
                 });
             }

@@ -28,7 +28,7 @@ pub(super) const COMPLEX: u32 = 0x0800;
 const LOGICAL: u32 = 0x0200;
 
 /// Most dimensions and longest name that are believed.
-const MOST_DIMENSIONS: usize = 64;
+const MAX_DIMENSIONS: usize = 64;
 pub(super) const LONGEST_NAME: usize = 4096;
 
 /// Type of the numbers of an element.
@@ -261,7 +261,7 @@ impl Reader<'_> {
     }
 
     fn shape(&mut self, element: &Element) -> Result<Vec<usize>, IoError> {
-        if element.kind != 5 || element.size > 4 * MOST_DIMENSIONS {
+        if element.kind != 5 || element.size > 4 * MAX_DIMENSIONS {
             let got = format!("type {} of {} bytes", element.kind, element.size);
             return Err(self.error(element.data, "dimensions", got, "a few 32-bit numbers"));
         }

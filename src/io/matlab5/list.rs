@@ -136,7 +136,8 @@ struct Walk<'a, 'b> {
 }
 
 impl Walk<'_, '_> {
-    /// Lists the matrix at a position under `name`, its own where none is given.
+    /// Lists the matrix at a position under `name`, or under the name in the file where none is
+    /// given.
     fn part(
         &mut self,
         position: u64,

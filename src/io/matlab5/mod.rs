@@ -9,9 +9,9 @@
 //! are listed only. Arrays keep MATLAB's shape, so that a vector has two dimensions; texts lose
 //! theirs.
 //!
-//! Written files hold modalign's own layout as structs (`frf.re`), texts as char and cells of char,
-//! not compressed, so that a variable can be read without what is before it. Files of version 7.3
-//! are HDF5.
+//! Written files hold the layout of modalign as structs (`frf.re`), texts as char and cells of
+//! char, not compressed, so that a variable can be read without what is before it. Files of version
+//! 7.3 are HDF5.
 //!
 //! # Reference
 //! MathWorks, MAT-File Format, chapter 1 (Level 5 MAT-File Format).

@@ -41,7 +41,7 @@ pub(super) fn read(reader: &mut Reader, part: &Part) -> Result<(Vec<usize>, Elem
     }
 }
 
-/// Whether any part of an array can be read by itself: its numbers follow each other and are not
+/// Whether any part of an array can be read separately: its numbers are contiguous and not
 /// compressed.
 pub(super) fn in_one_piece(part: &Part, shape: &[usize]) -> bool {
     part.content == Content::Numbers
@@ -270,8 +270,8 @@ fn texts(reader: &mut Reader, matrix: &Matrix, budget: &mut u64) -> Result<Vec<S
         return Err(reader.error(element.data, "characters of an array", got, expected));
     }
     let row = |row: usize| {
-        let own = units[row..].iter().step_by(rows).copied();
-        code.characters(own).trim_end_matches(' ').to_owned()
+        let row_units = units[row..].iter().step_by(rows).copied();
+        code.characters(row_units).trim_end_matches(' ').to_owned()
     };
     Ok((0..rows).map(row).collect())
 }

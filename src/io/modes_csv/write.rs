@@ -31,14 +31,14 @@ pub(super) fn text(modes: &[&Mode]) -> String {
     let complex = shapes().any(|(_, value)| value.im.abs() > 0.0);
     let dofs: BTreeSet<Dof> = shapes().map(|(dof, _)| dof.clone()).collect();
     for dof in dofs {
-        let own = dof.clone();
+        let shape_dof = dof.clone();
         let real: Cells<'_> = (
             if complex {
                 format!("{dof} re")
             } else {
                 dof.to_string()
             },
-            Box::new(move |mode| mode.shape.get(&own).map(|value| value.re.to_string())),
+            Box::new(move |mode| mode.shape.get(&shape_dof).map(|value| value.re.to_string())),
         );
         columns.push(real);
         if complex {
@@ -81,9 +81,9 @@ pub(super) fn not_carried(catalog: &Catalog) -> Vec<Finding> {
     lost.add("records and functions", catalog.entries.len());
     lost.add("geometry", catalog.geometry.len());
     lost.add("arrays without a meaning", catalog.arrays.len());
-    let modal = |own: &&ModeEntry| own.modal_a.or(own.modal_b).is_some();
+    let modal = |entry: &&ModeEntry| entry.modal_a.or(entry.modal_b).is_some();
     lost.add("modal A or B", catalog.modes.iter().filter(modal).count());
-    let titled = |own: &&ModeEntry| !own.title.is_empty();
+    let titled = |entry: &&ModeEntry| !entry.title.is_empty();
     lost.add(
         "titles of modes",
         catalog.modes.iter().filter(titled).count(),
@@ -95,10 +95,14 @@ pub(super) fn not_carried(catalog: &Catalog) -> Vec<Finding> {
         count(|mode| mode.shape_std.is_some()),
     );
     lost.add("biases of frequency and damping", count(has_bias));
-    let told = count(|mode| {
-        mode.order.is_some() || mode.method.as_ref().is_some_and(|own| own != "theory")
+    let with_method = count(|mode| {
+        mode.order.is_some()
+            || mode
+                .method
+                .as_ref()
+                .is_some_and(|method| method != "theory")
     });
-    lost.add("methods and orders of modes", told);
+    lost.add("methods and orders of modes", with_method);
     lost.findings()
 }
 

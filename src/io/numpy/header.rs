@@ -10,11 +10,11 @@ use super::items::Item;
 /// What an `.npy` file begins with.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Longest header that is read; NumPy itself stops at 10,000 characters unless told otherwise.
+/// Longest header that is read, bytes; the default limit of NumPy is 10,000 characters.
 const LONGEST: u32 = 1 << 20;
 
 /// Most dimensions that NumPy arrays have.
-const MOST_DIMENSIONS: usize = 64;
+const MAX_DIMENSIONS: usize = 64;
 
 /// The header of an array.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +103,7 @@ fn bad(path: &str, what: &'static str, got: String, expected: &str) -> IoError {
 fn parse(text: &str, data: u64, path: &str) -> Result<Header, IoError> {
     let entries = entries(text);
     let value = |key: &str| {
-        let entry = entries.iter().find(|(own, _)| *own == key);
+        let entry = entries.iter().find(|(name, _)| *name == key);
         entry.map(|(_, value)| *value).ok_or_else(|| {
             let shown: String = text.trim_end().chars().take(100).collect();
             bad(
@@ -177,7 +177,7 @@ fn shape(text: &str) -> Option<Vec<usize>> {
     let lengths: Option<Vec<usize>> = lengths
         .map(|length| length.trim_end_matches('L').parse().ok())
         .collect();
-    lengths.filter(|lengths| lengths.len() <= MOST_DIMENSIONS)
+    lengths.filter(|lengths| lengths.len() <= MAX_DIMENSIONS)
 }
 
 /// The header of a written array, padded to 64 bytes: format version 1.0, C order. Its text is

@@ -24,7 +24,7 @@ impl<W: Write + Seek> UntilFailed<W> {
         }
     }
 
-    /// The failure again, for who was not told of it.
+    /// The failure again, for callers that did not receive it.
     pub fn end(self) -> Result<()> {
         self.failed.map_or(Ok(()), Err)
     }
@@ -133,10 +133,10 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_told_at_once_and_at_the_end() {
+    fn a_failure_is_returned_at_once_and_at_the_end() {
         let mut out = faulty(ErrorKind::StorageFull);
-        let told = out.write_all(b"abc").unwrap_err();
-        assert_eq!(told.kind(), ErrorKind::StorageFull);
+        let error = out.write_all(b"abc").unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::StorageFull);
         out.write_all(b"abcd").unwrap();
         assert_eq!(out.seek(SeekFrom::Current(-1)).unwrap(), 3);
         assert!(out.inner.1.get_ref().is_empty(), "nothing goes on");

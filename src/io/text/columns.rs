@@ -276,7 +276,7 @@ pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Ve
     };
     let named = |column: &ColumnName| matches!(column, ColumnName::Heading(_));
     let headings = layout.headings.len();
-    if spec.columns.iter().any(|own| named(&own.column)) && headings < layout.width {
+    if spec.columns.iter().any(|column| named(&column.column)) && headings < layout.width {
         // Decimal commas or another separator, not numbers to pass over.
         return Err(IoError::Text {
             path: path.to_owned(),
@@ -318,7 +318,10 @@ pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Ve
         },
     }
     };
-    spec.columns.iter().map(|own| place(&own.column)).collect()
+    spec.columns
+        .iter()
+        .map(|column| place(&column.column))
+        .collect()
 }
 
 /// Texts directly above numbers that commas part are as many as the numbers, or some of the commas

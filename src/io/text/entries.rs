@@ -87,8 +87,10 @@ pub(super) fn tell_uneven(axis: &EntryAxis, line: Option<u64>, source: &mut Memo
     };
     let other = matches!(axis.domain, Domain::Other(_));
     let findings = &mut source.catalog.findings;
-    let told = findings.iter().any(|own| own.code == Code::UnevenAxis);
-    if other || axis.even.is_some() || axis.len < 2 || told {
+    let reported = findings
+        .iter()
+        .any(|finding| finding.code == Code::UnevenAxis);
+    if other || axis.even.is_some() || axis.len < 2 || reported {
         return;
     }
     let place = Place::File {

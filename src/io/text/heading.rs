@@ -1,9 +1,10 @@
-//! Headings that state everything: the layout of modalign's own tables, to text and back.
+//! Headings of modalign's tables state everything about each column; they are written and read
+//! here.
 //!
 //! | heading | column |
 //! |---|---|
 //! | `time [s]`, `frequency [Hz]`, `abscissa-19 [rpm]` | abscissa, the first column; `uneven` before it where it is |
-//! | `force 1:+Z [N]`, `response 2:+Z [m/s2]`, `record 3:+X` | time record of the hammer, of a sensor, of nobody says what |
+//! | `force 1:+Z [N]`, `response 2:+Z [m/s2]`, `record 3:+X` | time record of the hammer, of a sensor, of an unspecified quantity |
 //! | `re 2:+Z\|1:+Z [(m/s2)/N]`, `im ...` | parts of a complex FRF, response before reference, `?` where not stated |
 //! | `coherence 2:+Z\|1:+Z`, `auto-spectrum 2:+Z` | any other function by its name; complex ones with `re` and `im` too |
 //!
@@ -199,7 +200,10 @@ pub(super) fn unit_of(text: &str, function_type: FunctionType) -> StatedUnit {
         ratio_of(rest)
     };
     let factor = text.split_once(" x ").and_then(|(factor, rest)| {
-        let factor: f64 = factor.parse().ok().filter(|own: &f64| own.is_finite())?;
+        let factor: f64 = factor
+            .parse()
+            .ok()
+            .filter(|factor: &f64| factor.is_finite())?;
         Some((factor, known(rest)?))
     });
     let found = factor.or_else(|| Some((1.0, known(text)?)));
@@ -244,7 +248,7 @@ fn ratio_of(text: &str) -> Option<Ratio> {
 /// The unit text that comes back as the entry's unit: empty where there is nothing to say, `None`
 /// where it cannot be said.
 pub(super) fn unit_text(entry: &Entry) -> Option<String> {
-    let own = |text: &str| {
+    let reads_back = |text: &str| {
         let unit = unit_of(text, entry.function_type);
         unit.to_si.map(f64::to_bits) == entry.to_si.map(f64::to_bits)
             && (unit.quantity, unit.denominator) == (entry.quantity, entry.denominator)
@@ -252,7 +256,7 @@ pub(super) fn unit_text(entry: &Entry) -> Option<String> {
     let label = entry.unit_label.as_str();
     let plain = |c: char| !c.is_control() && !",;\"[]".contains(c);
     let sayable = !label.trim().is_empty() && label.trim() == label && label.chars().all(plain);
-    if sayable && own(label) {
+    if sayable && reads_back(label) {
         return Some(label.to_owned());
     }
     let nothing = entry.quantity.is_none() && entry.denominator.is_none();
@@ -276,7 +280,7 @@ pub(super) fn unit_text(entry: &Entry) -> Option<String> {
         _ => base,
     };
     let texts = [base.clone(), format!("{factor:?} x {base}")];
-    texts.into_iter().find(|text| own(text))
+    texts.into_iter().find(|text| reads_back(text))
 }
 
 fn si_ratio(quantity: Quantity, denominator: Quantity) -> String {

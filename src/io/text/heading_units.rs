@@ -76,10 +76,10 @@ pub(super) fn with_heading_units(
         let (agrees, expected) = match (&column.role, stated) {
             (ColumnRole::Time, Stated::Time(factor))
             | (ColumnRole::Frequency, Stated::Frequency(factor)) => {
-                let own = *spec.axis_to_si.get_or_insert(factor);
+                let axis_factor = *spec.axis_to_si.get_or_insert(factor);
                 (
-                    own.to_bits() == factor.to_bits(),
-                    axis_text(own, &column.role),
+                    axis_factor.to_bits() == factor.to_bits(),
+                    axis_text(axis_factor, &column.role),
                 )
             }
             (ColumnRole::Time, _) => (false, "a unit of time".to_owned()),
@@ -92,9 +92,9 @@ pub(super) fn with_heading_units(
                 | ColumnRole::Imaginary { unit, .. }
                 | ColumnRole::Complex { unit, .. }
                 | ColumnRole::Magnitude { unit, .. },
-                Stated::Frf(own),
+                Stated::Frf(unit_read),
             ) => (
-                same(own.to_si, unit.to_si) && own.kind == unit.kind,
+                same(unit_read.to_si, unit.to_si) && unit_read.kind == unit.kind,
                 frf_unit_text(unit),
             ),
             _ => continue,
@@ -128,7 +128,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 fn same_unit(unit: &Unit, stated: Stated) -> bool {
-    matches!(stated, Stated::Value(own) if own.quantity == unit.quantity && same(own.to_si, unit.to_si))
+    matches!(stated, Stated::Value(value) if value.quantity == unit.quantity && same(value.to_si, unit.to_si))
 }
 
 fn axis_text(factor: f64, role: &ColumnRole) -> String {
@@ -138,7 +138,7 @@ fn axis_text(factor: f64, role: &ColumnRole) -> String {
     };
     let row = known
         .iter()
-        .find(|(_, own)| own.to_bits() == factor.to_bits());
+        .find(|(_, value)| value.to_bits() == factor.to_bits());
     row.map_or_else(|| factor.to_string(), |(name, _)| (*name).to_owned())
 }
 

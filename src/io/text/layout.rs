@@ -35,7 +35,7 @@ const BEGINNING: usize = 3;
 const HEAD: usize = 1 << 17;
 
 /// Most columns: as many as a spreadsheet has.
-pub(super) const MOST_COLUMNS: usize = 16_384;
+pub(super) const MAX_COLUMNS: usize = 16_384;
 
 /// The error of a line with more columns.
 pub(super) fn too_wide(path: &str, line: u64, width: usize) -> IoError {
@@ -44,7 +44,7 @@ pub(super) fn too_wide(path: &str, line: u64, width: usize) -> IoError {
         line,
         what: "columns of a table",
         got: format!("{width} columns"),
-        expected: format!("at most {MOST_COLUMNS}"),
+        expected: format!("at most {MAX_COLUMNS}"),
     }
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Layout {
     pub width: usize,
     /// For each column whether the first row has a number there.
     pub numeric: Vec<bool>,
-    /// Headings, as many as columns or none; a scene's own may be of another number.
+    /// Headings, as many as columns or none; headings named in a scene may be of another number.
     pub headings: Vec<String>,
     /// Units below the headings; empty where there is no such row.
     pub units: Vec<String>,
@@ -117,15 +117,18 @@ pub(super) fn layout_of(
     let names = spec.map_or_else(Vec::new, names_of);
     let tried = NOTATIONS
         .iter()
-        .filter(|own| stated.is_none_or(|delimiter| own.delimiter == delimiter));
+        .filter(|notation| stated.is_none_or(|delimiter| notation.delimiter == delimiter));
     let read = |lines: &[&[u8]]| -> Vec<Reading> {
         let readings = tried
             .clone()
-            .filter_map(|own| reading(lines, skipped, *own));
+            .filter_map(|notation| reading(lines, skipped, *notation));
         readings.collect()
     };
     let mut readings = read(&lines);
-    let begun = readings.iter().filter(|own| own.rows >= BEGINNING).count();
+    let begun = readings
+        .iter()
+        .filter(|reading| reading.rows >= BEGINNING)
+        .count();
     if begun != 1 && head.len() < block.len() {
         lines = blocks::lines(block, line_end).collect();
         readings = read(&lines);
@@ -154,7 +157,7 @@ pub(super) fn layout_of(
         &names,
         path,
     )?;
-    if chosen.width > MOST_COLUMNS {
+    if chosen.width > MAX_COLUMNS {
         return Err(too_wide(path, chosen.start as u64 + 1, chosen.width));
     }
     headed(chosen, &lines, skipped, &names, path)
@@ -185,13 +188,17 @@ fn reading(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Readin
             continue;
         }
         let is_row = row_of(line, notation, &mut row);
-        if let Some(own) = run.as_mut().filter(|own| is_row && own.width == row.len()) {
-            own.rows += 1;
-            own.values
+        if let Some(block) = run
+            .as_mut()
+            .filter(|block| is_row && block.width == row.len())
+        {
+            block.rows += 1;
+            block
+                .values
                 .extend(row.iter().map(|value| value.map(f64::to_bits)));
             continue;
         }
-        if run.as_ref().is_some_and(|own| own.rows >= BEGINNING) {
+        if run.as_ref().is_some_and(|block| block.rows >= BEGINNING) {
             return run;
         }
         best = longer(best, run.take());
@@ -217,19 +224,19 @@ fn choose<'a>(
 ) -> Result<&'a Reading, IoError> {
     let unbeaten = readings
         .iter()
-        .filter(|own| !readings.iter().any(|other| other.beats(own)));
+        .filter(|reading| !readings.iter().any(|other| other.beats(reading)));
     let mut left: Vec<&Reading> = Vec::new();
-    for own in unbeaten {
-        if !left.iter().any(|other| other.same_numbers(own)) {
-            left.push(own);
+    for reading in unbeaten {
+        if !left.iter().any(|other| other.same_numbers(reading)) {
+            left.push(reading);
         }
     }
     let skipped = spec.map_or(0, |spec| spec.skip_lines);
-    let header = |own: &Reading| &lines[..own.start - skipped];
+    let header = |reading: &Reading| &lines[..reading.start - skipped];
     // What the scene names must be there.
     let last = spec.map_or(0, last_number);
-    let fits = |own: &&&Reading| {
-        own.width >= last && heading_with(header(own), own.notation, names).is_some()
+    let fits = |reading: &&&Reading| {
+        reading.width >= last && heading_with(header(reading), reading.notation, names).is_some()
     };
     let fitting: Vec<&Reading> = left.iter().filter(fits).copied().collect();
     if !fitting.is_empty() {
@@ -238,7 +245,7 @@ fn choose<'a>(
     if left.len() > 1 {
         let headed: Vec<&Reading> = left
             .iter()
-            .filter(|own| is_headed(own, header(own)))
+            .filter(|reading| is_headed(reading, header(reading)))
             .copied()
             .collect();
         if headed.len() == 1 {
@@ -247,26 +254,28 @@ fn choose<'a>(
     }
     // A decimal comma in one column could be two columns of whole numbers, more or less of them in
     // each row.
-    let settled = |own: &Reading| {
-        own.width > 1
-            || own.notation.decimal == b'.'
-            || spec.is_some_and(|own| own.delimiter.is_some())
+    let settled = |reading: &Reading| {
+        reading.width > 1
+            || reading.notation.decimal == b'.'
+            || spec.is_some_and(|spec| spec.delimiter.is_some())
     };
     match left.as_slice() {
-        [own] if settled(own) => Ok(own),
+        [reading] if settled(reading) => Ok(reading),
         several => Err(ambiguous(several, path)),
     }
 }
 
 /// Whether the line above the numbers has a heading for each of several columns; a heading that is
 /// a unit belongs to the one before it (`Force, N`).
-fn is_headed(own: &Reading, header: &[&[u8]]) -> bool {
+fn is_headed(reading: &Reading, header: &[&[u8]]) -> bool {
     let above = header
         .iter()
         .rev()
         .find(|line| !line.trim_ascii().is_empty());
-    let headings = above.map_or_else(Vec::new, |line| headings(line, own.notation));
-    own.width > 1 && headings.len() == own.width && !headings.iter().any(|heading| is_unit(heading))
+    let headings = above.map_or_else(Vec::new, |line| headings(line, reading.notation));
+    reading.width > 1
+        && headings.len() == reading.width
+        && !headings.iter().any(|heading| is_unit(heading))
 }
 
 fn last_number(spec: &TableSpec) -> usize {
@@ -279,19 +288,19 @@ fn last_number(spec: &TableSpec) -> usize {
 }
 
 fn ambiguous(readings: &[&Reading], path: &str) -> IoError {
-    let one = |own: &&Reading| {
-        let mark = if own.notation.decimal == b',' {
+    let one = |reading: &&Reading| {
+        let mark = if reading.notation.decimal == b',' {
             "decimal comma"
         } else {
             "decimal point"
         };
-        let columns = if own.width == 1 {
+        let columns = if reading.width == 1 {
             "one column".to_owned()
         } else {
             format!(
                 "{} columns separated by {}",
-                own.width,
-                own.notation.delimiter.name()
+                reading.width,
+                reading.notation.delimiter.name()
             )
         };
         format!("{columns} with {mark}")
@@ -373,35 +382,37 @@ fn heading_with(header: &[&[u8]], notation: Notation, names: &[&str]) -> Option<
 
 /// The layout with the headings that belong to the chosen reading.
 fn headed(
-    own: &Reading,
+    reading: &Reading,
     lines: &[&[u8]],
     skipped: usize,
     names: &[&str],
     path: &str,
 ) -> Result<Layout, IoError> {
-    let of = |index: usize| headings(lines[index], own.notation);
+    let of = |index: usize| headings(lines[index], reading.notation);
     let mut layout = Layout {
-        notation: own.notation,
-        lines_before: own.start,
-        width: own.width,
-        numeric: own.numeric.clone(),
+        notation: reading.notation,
+        lines_before: reading.start,
+        width: reading.width,
+        numeric: reading.numeric.clone(),
         headings: Vec::new(),
         units: Vec::new(),
         heading_line: None,
         above: None,
         units_line: None,
     };
-    let header = &lines[skipped..own.start];
-    let above = (skipped..own.start).rev();
+    let header = &lines[skipped..reading.start];
+    let above = (skipped..reading.start).rev();
     let above = above.filter(|index| !lines[*index].trim_ascii().is_empty());
     let texts = |index: usize| (index as u64 + 1, of(index).len());
     layout.above = above.clone().next().map(texts);
-    let mut fitting = above.clone().filter(|index| of(*index).len() == own.width);
+    let mut fitting = above
+        .clone()
+        .filter(|index| of(*index).len() == reading.width);
     let (first, second) = (fitting.next(), fitting.next());
     let is_units = |index: &usize| of(*index).iter().all(|text| is_unit(text));
     let mut units = first.filter(is_units).filter(|_| second.is_some());
     let found = if !names.is_empty() {
-        let named = heading_with(header, own.notation, names).map(|index| skipped + index);
+        let named = heading_with(header, reading.notation, names).map(|index| skipped + index);
         let nearest = first
             .or(above.clone().next())
             .map(|index| (index, of(index)));

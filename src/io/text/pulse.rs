@@ -4,8 +4,8 @@
 //! `Header Size` does not count the lines about the slice. So the numbers are found by their form:
 //! index, abscissa, and one value or two (`Data Type` `Real` or `Complex`), separated by
 //! tabulators, with the decimal mark of `Decimal Symbol`. `X-Axis size` says how many there are;
-//! several slices (`Z-Axis size`) follow one another, each behind its own lines. Tags stand behind
-//! the numbers.
+//! several slices (`Z-Axis size`) follow one another, each behind its header lines. Tags stand
+//! behind the numbers.
 
 use std::collections::BTreeMap;
 
@@ -28,9 +28,9 @@ use crate::io::{
 pub struct Pulse;
 
 /// Most keys, characters of a value, and slices that are read; a file with more is no export.
-const MOST_KEYS: usize = 1000;
-const MOST_CHARACTERS: usize = 200;
-const MOST_SLICES: usize = 10_000;
+const MAX_KEYS: usize = 1000;
+const MAX_TEXT_CHARACTERS: usize = 200;
+const MAX_SLICES: usize = 10_000;
 
 /// Values of the header by key.
 type Keys = BTreeMap<String, String>;
@@ -104,7 +104,7 @@ impl Export {
             if let Some((key, value)) = key_of(line) {
                 export.end_slice(&mut open, number, path);
                 // What is said first holds; tags of later slices do not replace it.
-                if export.keys.len() < MOST_KEYS {
+                if export.keys.len() < MAX_KEYS {
                     export.keys.entry(key).or_insert(value);
                 }
                 shape = None;
@@ -127,8 +127,8 @@ impl Export {
                 path: path.to_owned(),
                 line: last,
                 what: "slices of a PULSE export",
-                got: format!("more than {MOST_SLICES}"),
-                expected: format!("at most {MOST_SLICES}"),
+                got: format!("more than {MAX_SLICES}"),
+                expected: format!("at most {MAX_SLICES}"),
             });
         }
         if export.slices.is_empty() {
@@ -147,8 +147,8 @@ impl Export {
     /// breaks it off. A row of a slice that broke off is passed over.
     fn push(&mut self, row: &[f64; 4], line: u64, open: &mut bool, path: &str) {
         let is = |index: usize| row[0].to_bits() == (index as f64).to_bits();
-        self.more |= !*open && is(1) && self.slices.len() == MOST_SLICES;
-        if !*open && is(1) && self.slices.len() < MOST_SLICES {
+        self.more |= !*open && is(1) && self.slices.len() == MAX_SLICES;
+        if !*open && is(1) && self.slices.len() < MAX_SLICES {
             *open = true;
             self.slices.push(Slice {
                 line,
@@ -203,7 +203,7 @@ fn key_of(line: &[u8]) -> Option<(String, String)> {
     let (key, _) = first.split_once(':')?;
     let value = texts.map(<[u8]>::trim_ascii).find(|text| !text.is_empty());
     let value = value.map(text_of).unwrap_or_default();
-    let cut = |text: &str| text.chars().take(MOST_CHARACTERS).collect();
+    let cut = |text: &str| text.chars().take(MAX_TEXT_CHARACTERS).collect();
     Some((cut(key.trim()), cut(&value)))
 }
 

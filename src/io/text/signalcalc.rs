@@ -16,7 +16,7 @@ use super::columns::{Rows, read_rows};
 use super::dof_text::printed_dof;
 use super::entries::{axis_of, tell_uneven};
 use super::heading::{Abscissa, unit_of};
-use super::layout::{MOST_COLUMNS, too_wide};
+use super::layout::{MAX_COLUMNS, too_wide};
 use super::row::{Notation, RowShape, fields, row_of};
 use super::table::{new_source, with_damage};
 use crate::dof::Dof;
@@ -108,7 +108,7 @@ impl Header {
                 .map(text_of)
                 .collect();
             let Some(first) = texts.first() else { continue };
-            if texts.len() > MOST_COLUMNS {
+            if texts.len() > MAX_COLUMNS {
                 return Err(too_wide(path, index as u64 + 1, texts.len()));
             }
             if units_next {
@@ -166,8 +166,8 @@ impl Header {
             {
                 (entry.reference, entry.response) = (reference.clone(), response.clone());
             }
-            for (own, note) in entry.identification.lines.iter_mut().zip(&self.notes) {
-                own.clone_from(note);
+            for (line, note) in entry.identification.lines.iter_mut().zip(&self.notes) {
+                line.clone_from(note);
             }
             let units = self.units.get(1..).unwrap_or_default();
             if let Some(unit) = of_function(units, number, functions.len()) {

@@ -87,13 +87,13 @@ fn on_first_abscissa(source: &mut dyn Source) -> Result<Vec<usize>, IoError> {
     if even {
         return Ok(alike);
     }
-    let (mut wanted, mut own) = (Vec::new(), Vec::new());
+    let (mut wanted, mut abscissa) = (Vec::new(), Vec::new());
     source.abscissa(0, 0..len, &mut wanted)?;
     let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     let mut same = Vec::new();
     for index in alike {
-        source.abscissa(index, 0..len, &mut own)?;
-        if bits(&own) == bits(&wanted) {
+        source.abscissa(index, 0..len, &mut abscissa)?;
+        if bits(&abscissa) == bits(&wanted) {
             same.push(index);
         }
     }
@@ -105,7 +105,7 @@ fn column(catalog: &Catalog, entry: usize, precision: Option<Precision>) -> Colu
     let stored = matches!(format, SampleFormat::RealF32 | SampleFormat::ComplexF32);
     Column {
         entry,
-        single: precision.map_or(stored, |own| own == Precision::Single),
+        single: precision.map_or(stored, |wanted| wanted == Precision::Single),
         complex: matches!(format, SampleFormat::ComplexF32 | SampleFormat::ComplexF64),
         block: Block::F64(Vec::new()),
     }

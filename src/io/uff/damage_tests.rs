@@ -188,7 +188,11 @@ fn every_cut_of_a_file_opens_or_says_where_it_ends() {
         // Without its delimiter a block whose bytes are all there is whole.
         let whole = file.len() - cut <= 9;
         let partly_closed = whole && file.len() - cut < 9;
-        let damage: Vec<&IoError> = catalog.damage.iter().map(|own| &own.error).collect();
+        let damage: Vec<&IoError> = catalog
+            .damage
+            .iter()
+            .map(|damaged| &damaged.error)
+            .collect();
         match &damage[..] {
             [] => assert_eq!((catalog.entries.len(), whole), (2, true), "{cut}"),
             [IoError::Truncated { byte, .. }] => {
@@ -290,13 +294,13 @@ fn missing_and_doubled_delimiters_are_survived() {
     let mut source = open(missing).unwrap();
     let catalog = source.catalog();
     assert_eq!((catalog.entries.len(), catalog.damage.len()), (3, 0));
-    let told = catalog.findings.iter().find(|f| f.code == Code::NotClosed);
+    let finding = catalog.findings.iter().find(|f| f.code == Code::NotClosed);
     let place = Place::File {
         path: PATH.to_owned(),
         line: Some(15),
         byte: None,
     };
-    assert_eq!(told.map(|told| &told.place), Some(&place));
+    assert_eq!(finding.map(|finding| &finding.place), Some(&place));
     survives(source.as_mut());
 }
 
@@ -310,8 +314,8 @@ fn a_text_without_its_last_delimiter_is_whole_when_its_last_line_is() {
         let catalog = source.catalog();
         assert_eq!(catalog.entries.len(), 1 + entries, "{lost}");
         assert_eq!(catalog.damage.len(), 1 - entries, "{lost}");
-        let told = catalog.findings.iter().any(|f| f.code == Code::NotClosed);
-        assert_eq!(told, entries == 1 && lost > 1, "{lost}");
+        let reported = catalog.findings.iter().any(|f| f.code == Code::NotClosed);
+        assert_eq!(reported, entries == 1 && lost > 1, "{lost}");
         if entries == 1 {
             assert_eq!(all(source.as_mut(), 1).unwrap(), Block::F64(vec![1.0, 2.5]));
         }
@@ -331,9 +335,12 @@ fn a_byte_count_that_alone_is_right_says_how_many_points_there_are() {
             (1 + entries, 1 - entries)
         );
         if entries == 1 {
-            let told = &catalog.findings[0];
-            assert_eq!(told.code, Code::PointCountWrong);
-            assert_eq!((told.value, told.limit), (Some(points as f64), Some(4.0)));
+            let finding = &catalog.findings[0];
+            assert_eq!(finding.code, Code::PointCountWrong);
+            assert_eq!(
+                (finding.value, finding.limit),
+                (Some(points as f64), Some(4.0))
+            );
             let values = Block::F32(vec![1.0, 2.0, 3.0, 4.0]);
             assert_eq!(all(source.as_mut(), 0).unwrap(), values);
         }

@@ -1,6 +1,6 @@
 //! Dataset 151, the head of a file: seven lines of text (model name, description, program that made
 //! it, date made, date saved, program that wrote the file, date written). All are kept as title
-//! lines, but for our own name as the program that wrote the file.
+//! lines, except modalign as the name of the program that wrote the file.
 
 use super::fields::{Line, text_or_none};
 

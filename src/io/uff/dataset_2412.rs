@@ -22,7 +22,7 @@ pub(super) fn elements(lines: &[Line], first: &Line) -> Result<Vec<Element>, Fie
     Ok(elements)
 }
 
-/// Whether an element of this descriptor has a line of its own for beams.
+/// Whether an element of this descriptor is a beam, which has an additional line.
 fn is_beam(descriptor: i64) -> bool {
     matches!(descriptor, 11 | 21..=24)
 }

@@ -49,7 +49,7 @@ fn group(records: &mut Records<'_>, fields: usize) -> Result<Group, FieldError> 
         name,
         members: members
             .chunks_exact(fields)
-            .map(|own| (own[0], own[1]))
+            .map(|member| (member[0], member[1]))
             .collect(),
     })
 }
@@ -62,7 +62,9 @@ pub(super) fn write(out: &mut dyn Write, groups: &[&Group]) -> io::Result<()> {
         text.push_str(&integer_rows(&[group.label, 0, 0, 0, 0, 0, 0, count]));
         text.push_str(&name_line(&group.name));
         let members = group.members.iter();
-        let numbers: Vec<i64> = members.flat_map(|own| [own.0, own.1, 0, 0]).collect();
+        let numbers: Vec<i64> = members
+            .flat_map(|member| [member.0, member.1, 0, 0])
+            .collect();
         text.push_str(&integer_rows(&numbers));
     }
     text.push_str("    -1\n");

@@ -20,7 +20,7 @@ use super::node_data::{Definition, no_root, node_values, real_parameters};
 use super::records::Records;
 
 /// Most numbers of record 7 or 8; the format has 10 and 12.
-const MOST_PARAMETERS: i64 = 1_000;
+const MAX_PARAMETERS: i64 = 1_000;
 
 /// Reads the mode, or the number of the analysis that it is not; `first` is the dataset's first
 /// line, for messages.
@@ -60,7 +60,7 @@ fn parameter_head<'a>(records: &mut Records<'a>) -> Result<(&'a Line, usize), Fi
     let refuse = || FieldError::line(head, what, "numbers of integers and of reals");
     let count = |i: usize| {
         row.get(i)
-            .filter(|count| (0..=MOST_PARAMETERS).contains(*count))
+            .filter(|count| (0..=MAX_PARAMETERS).contains(*count))
     };
     let (Some(integers), Some(reals)) = (count(0), count(1)) else {
         return Err(refuse());

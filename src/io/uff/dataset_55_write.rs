@@ -40,7 +40,7 @@ type Row = [Option<Complex64>; 7];
 /// Values of a mode by node.
 type Rows = BTreeMap<i64, Row>;
 
-/// Writes the modes; see the module head. `title` names those that have no title of their own.
+/// Writes the modes; see the module head. `title` names modes without a title.
 ///
 /// # Errors
 /// [`IoError::System`] when writing fails.
@@ -52,18 +52,21 @@ pub(super) fn write_modes(
     path: &str,
 ) -> Result<Vec<Finding>, IoError> {
     let mut lost = NotCarried::default();
-    let finite = |own: &&ModeEntry| {
-        let damping = own.mode.damping_ratio;
-        own.mode.frequency_hz.is_finite() && damping.is_none_or(f64::is_finite)
+    let finite = |entry: &&ModeEntry| {
+        let damping = entry.mode.damping_ratio;
+        entry.mode.frequency_hz.is_finite() && damping.is_none_or(f64::is_finite)
     };
     let written: Vec<&ModeEntry> = modes.iter().filter(finite).collect();
     lost.add("modes without a frequency", modes.len() - written.len());
     let shapes: Vec<Rows> = written
         .iter()
-        .map(|own| rows(&own.mode, &mut lost))
+        .map(|entry| rows(&entry.mode, &mut lost))
         .collect();
     let unmeasured: Vec<bool> = shapes.iter().map(lacks_directions).collect();
-    let filled = shapes.iter().zip(&unmeasured).filter(|(_, own)| **own);
+    let filled = shapes
+        .iter()
+        .zip(&unmeasured)
+        .filter(|(_, is_filled)| **is_filled);
     count_zeros(&filled.map(|(rows, _)| rows).collect::<Vec<_>>(), &mut lost);
     let frames = frames(geometry);
     for (i, (entry, rows)) in written.iter().zip(shapes).enumerate() {
@@ -105,7 +108,7 @@ fn lacks_directions(rows: &Rows) -> bool {
 fn rows(mode: &Mode, lost: &mut NotCarried) -> Rows {
     let mut rows = Rows::new();
     let place = |dof: &Dof| {
-        let column = Axis::ALL.iter().position(|own| *own == dof.axis())?;
+        let column = Axis::ALL.iter().position(|axis| *axis == dof.axis())?;
         Some((node_label(dof.point())?, column))
     };
     for (dof, value) in mode.shape.iter() {
@@ -113,21 +116,21 @@ fn rows(mode: &Mode, lost: &mut NotCarried) -> Rows {
         let Some((node, column)) = there else {
             continue;
         };
-        let own = rows.entry(node).or_default();
+        let row = rows.entry(node).or_default();
         let value = value * dof.sign();
-        if own[column].is_some() || dof.repeat() > 1 {
+        if row[column].is_some() || dof.repeat() > 1 {
             lost.add("shape values of repeated measurements", 1);
         } else if !value.is_finite() {
             lost.add("shape values that are not finite", 1);
         } else {
-            own[column] = Some(value);
+            row[column] = Some(value);
         }
     }
     if columns(&rows).start > 0 {
-        let scalars = rows.values_mut().filter_map(|own| own[0].take());
+        let scalars = rows.values_mut().filter_map(|row| row[0].take());
         lost.add("scalar shape values beside directions", scalars.count());
     }
-    rows.retain(|_, own| own.iter().any(Option::is_some));
+    rows.retain(|_, row| row.iter().any(Option::is_some));
     rows
 }
 
@@ -260,7 +263,7 @@ fn root(entry: &ModeEntry, complex: bool) -> (Option<Root>, Vec<f64>) {
     (Root::complex(&reals), reals)
 }
 
-/// Counts what is known of a mode and has no place.
+/// Counts the properties of a mode that dataset 55 has no field for.
 fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut NotCarried) {
     let mode = &entry.mode;
     let agrees = |mass: f64| {
@@ -276,7 +279,7 @@ fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut NotCarried) {
     let numbers = stds.iter().flatten().count() + several;
     lost.add(
         "modal masses",
-        usize::from(mode.modal_mass_kg.is_some_and(|own| !agrees(own))),
+        usize::from(mode.modal_mass_kg.is_some_and(|mass| !agrees(mass))),
     );
     lost.add("standard deviations of modes", numbers);
     let bias = mode.frequency_bias_hz.or(mode.damping_bias);
@@ -304,7 +307,11 @@ fn id_lines(entry: &ModeEntry, note: ModeNote, title: &str, lost: &mut NotCarrie
         &entry.title[..]
     };
     lost.add("title lines of modes", titles.len().saturating_sub(room));
-    let mut lines: Vec<String> = titles.iter().take(room).map(|own| line_text(own)).collect();
+    let mut lines: Vec<String> = titles
+        .iter()
+        .take(room)
+        .map(|title| line_text(title))
+        .collect();
     lines.resize(room, String::new());
     lines.extend(note);
     let filled = lines

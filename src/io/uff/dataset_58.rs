@@ -41,7 +41,7 @@ use crate::io::{Identification, SampleFormat};
 /// Header lines behind the dataset's first line.
 pub(super) const HEADER_LINES: usize = 11;
 /// More header lines than this are not believed.
-const MOST_HEADER_LINES: i64 = 99;
+const MAX_HEADER_LINES: i64 = 99;
 
 /// What the first line of a binary dataset says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
     let words = words(&line.bytes);
     let by_columns = columns(&line.bytes, &[7, 6, 6, 12, 12]);
     // A byte count that fills its columns touches the number before it.
-    let plain = |lines: &&[u8]| integer(lines).is_some_and(|n| n <= MOST_HEADER_LINES);
+    let plain = |lines: &&[u8]| integer(lines).is_some_and(|n| n <= MAX_HEADER_LINES);
     let by_words = words.len() >= 5 && words.get(3).is_some_and(plain);
     let fields = if by_words { words } else { by_columns };
     let numbers: Option<Vec<i64>> = fields[1..5].iter().map(|field| integer(field)).collect();
@@ -112,7 +112,7 @@ pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
         0 => HEADER_LINES as i64,
         lines => lines,
     };
-    if !(HEADER_LINES as i64..=MOST_HEADER_LINES).contains(&header_lines) {
+    if !(HEADER_LINES as i64..=MAX_HEADER_LINES).contains(&header_lines) {
         return Err(refuse("11 text lines"));
     }
     Ok(BinaryLine {

@@ -2,8 +2,8 @@
 //! No I/O.
 //!
 //! A time step printed with few digits is put right where one whole number of samples per second,
-//! and only one, lies within its rounding. A note of our own among the ID lines gives start and
-//! step to the bit; it is believed where it agrees with what is printed. Abscissae printed value by
+//! and only one, lies within its rounding. A note of modalign among the ID lines gives start and
+//! step to the bit; it is used where it agrees with the printed values. Abscissae printed value by
 //! value are an even axis where every one of them lies within the rounding of its place (and that
 //! of the first).
 
@@ -11,8 +11,8 @@ use super::dataset_58::{Header, Spacing};
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::io::{Domain, EntryAxis, GeneralAxis};
 
-/// Relative change of the step from which on a restored sampling rate is worth a finding.
-const WORTH_TELLING: f64 = 1e-9;
+/// Smallest relative change of the step by a restored sampling rate that is reported.
+const MIN_REPORTED_STEP_CHANGE: f64 = 1e-9;
 /// Roundings count where they are smaller than this part of the step at the start of the axis; else
 /// values must lie on the grid itself.
 const ROUNDING_PER_STEP: f64 = 1e-2;
@@ -67,7 +67,7 @@ const TURNING_UNITS: [(f64, &[&str]); 2] = [
 ];
 
 /// What the abscissa measures, and its factor to seconds or hertz. A unit that is not known leaves
-/// the stored values as they are and the type of the header, so that nobody takes them for seconds
+/// the stored values and the type of the header unchanged, so that they are not taken for seconds
 /// or hertz.
 pub(super) fn domain(header: &Header) -> (Domain, f64) {
     let unit = header.abscissa.unit.trim_matches(['(', ')', '[', ']']);
@@ -99,7 +99,7 @@ pub(super) fn has_unknown_unit(header: &Header) -> bool {
     matches!(domain(header).0, Domain::Other(17 | 18))
 }
 
-/// Factor to seconds, which are the format's own unit where the text is empty.
+/// Factor to seconds, the default unit of the format where the text is empty.
 fn time_scale(unit: &str) -> Option<f64> {
     match unit {
         "" => Some(1.0),
@@ -107,7 +107,7 @@ fn time_scale(unit: &str) -> Option<f64> {
     }
 }
 
-/// Factor to hertz, which are the format's own unit where the text is empty.
+/// Factor to hertz, the default unit of the format where the text is empty.
 fn frequency_scale(unit: &str) -> Option<f64> {
     match unit {
         "" => Some(1.0),
@@ -119,11 +119,11 @@ fn frequency_scale(unit: &str) -> Option<f64> {
 }
 
 fn factor(units: &[(f64, &[&str])], text: &str) -> Option<f64> {
-    let is_named = |row: &&(f64, &[&str])| row.1.iter().any(|own| own.eq_ignore_ascii_case(text));
+    let is_named = |row: &&(f64, &[&str])| row.1.iter().any(|name| name.eq_ignore_ascii_case(text));
     units.iter().find(is_named).map(|row| row.0)
 }
 
-/// An evenly spaced axis; `note` is start and step as our own writer noted them. `None` for several
+/// An evenly spaced axis; `note` is start and step in the note of modalign. `None` for several
 /// values at one place.
 pub(super) fn even_axis(
     (domain, scale): (Domain, f64),
@@ -145,7 +145,8 @@ pub(super) fn even_axis(
     let rate = step_half.and_then(|half| whole_rate(step, half));
     match rate.filter(|_| domain == Domain::Time) {
         Some(rate) => axis(domain, start, 1.0 / rate, len).map(|even| Axis {
-            restored_rate_hz: Some(rate).filter(|rate| (step * rate - 1.0).abs() > WORTH_TELLING),
+            restored_rate_hz: Some(rate)
+                .filter(|rate| (step * rate - 1.0).abs() > MIN_REPORTED_STEP_CHANGE),
             ..even
         }),
         None => axis(domain, start, step, len),
@@ -271,8 +272,8 @@ mod tests {
 
     #[test]
     fn every_common_rate_comes_back_from_six_digits() {
-        // Up to 90 kHz six digits always tell one rate from the next; above, the common ones are
-        // told.
+        // Up to 90 kHz six digits always distinguish one rate from the next; above, only the common
+        // rates are distinguished.
         for hz in (1..=90_000).chain([96_000, 102_400, 131_072, 192_000, 204_800, 262_144]) {
             let hz = f64::from(hz);
             let printed = format!("{:.5E}", 1.0 / hz);

@@ -1,8 +1,8 @@
 //! The header of dataset 58 for an entry: fields that read back as the entry.
 //!
-//! Whatever has no field of its own (start and step to the bit, the number of a repeated
-//! measurement, how a function was made) goes into ID lines 4 and 5 as `modalign key=value ...`,
-//! where these are empty or our own already.
+//! Properties without a field in dataset 58 (start and step to the bit, the number of a repeated
+//! measurement, how a function was made) go into ID lines 4 and 5 as `modalign key=value ...`,
+//! where these are empty or already a note of modalign.
 
 use super::dataset_58::{Characteristic, Spacing};
 use super::dataset_58_axis::even_axis;
@@ -165,9 +165,9 @@ fn id_lines(
             fields.push(format!("{key}={repeat}"));
         }
     }
-    let own = &entry.identification.lines;
+    let id_lines = &entry.identification.lines;
     let room = |line: &String| (line.is_empty() || is_note_line(line)).then(String::new);
-    let mut notes = [room(&own[3]), room(&own[4])];
+    let mut notes = [room(&id_lines[3]), room(&id_lines[4])];
     let exact_lost = pack_fields(&fields, &mut notes[..]);
     let notes_lost = pack_fields(&entry.note.to_fields(), &mut notes[..]);
     if notes_lost > 0 {
@@ -176,8 +176,12 @@ fn id_lines(
     if exact_lost > 0 {
         lost.push("digits of the axis or number of a repeated measurement");
     }
-    let lines: [String; 5] = std::array::from_fn(|i| line_text(&own[i]));
-    if lines.iter().zip(own).any(|(line, own)| line != own.trim()) {
+    let lines: [String; 5] = std::array::from_fn(|i| line_text(&id_lines[i]));
+    if lines
+        .iter()
+        .zip(id_lines)
+        .any(|(line, id_line)| line != id_line.trim())
+    {
         lost.push("characters of an identification line");
     }
     let [first, second, third, fourth, fifth] = lines;

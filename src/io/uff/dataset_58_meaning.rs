@@ -1,9 +1,9 @@
 //! What a header of dataset 58 means: degrees of freedom, quantity, factor to SI and axis. No I/O.
 //!
 //! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that
-//! is not a known unit of the stated quantity leaves the factor open. What our own writer notes in
-//! ID lines 4 and 5 (`modalign key=value ...`) beyond [`FunctionNote`]: `axis=START:STEP` to the
-//! bit, and the numbers of repeated measurements.
+//! is not a known unit of the stated quantity leaves the factor open. The note of modalign in ID
+//! lines 4 and 5 (`modalign key=value ...`) adds to [`FunctionNote`]: `axis=START:STEP` to the bit,
+//! and the numbers of repeated measurements.
 
 use super::dataset_58::{Characteristic, Header};
 use super::dataset_58_axis::{Abscissae, Axis, domain, even_axis, uneven_axis};
@@ -62,8 +62,8 @@ pub(super) fn meaning(
     })
 }
 
-/// The unit of the abscissa as it is read: seconds and hertz whatever the header had, else its own
-/// text.
+/// The unit of the abscissa as it is read: seconds or hertz whatever the header had, else the unit
+/// text of the header.
 fn axis_label(header: &Header) -> String {
     match domain(header).0 {
         Domain::Time => "s".to_owned(),
@@ -93,10 +93,10 @@ fn axis(header: &Header, abscissae: Option<&Abscissae>) -> Result<Axis, FieldErr
     })
 }
 
-/// The degree of freedom as the measurement of it that our own note says.
+/// The degree of freedom with the number of the repeated measurement in the note of modalign.
 fn repeated(dof: Option<Dof>, lines: &[String], key: &str) -> Option<Dof> {
     let repeat = note_fields(lines)
-        .find(|(own, _)| *own == key)
+        .find(|(name, _)| *name == key)
         .and_then(|(_, value)| value.parse().ok())
         .filter(|repeat| *repeat > 0);
     dof.map(|dof| repeat.map_or(dof.clone(), |repeat| dof.with_repeat(repeat)))

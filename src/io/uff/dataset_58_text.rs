@@ -82,7 +82,7 @@ pub(super) fn copy_abscissa(
 }
 
 /// Reads all numbers of a text block; zeros that merely fill the last row stay behind the others.
-/// With `printed` how exactly the abscissae were printed is told too.
+/// With `printed` the result includes the printed precision of the abscissae.
 ///
 /// # Errors
 /// [`IoError`] with the line of a text that is not a number, or of the end when there are too few

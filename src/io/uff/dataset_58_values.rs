@@ -212,7 +212,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Whether a text is read as exactly this number; what is not finite has its own text.
+/// Whether a text is read as exactly this number; numbers that are not finite have special texts.
 fn reads_back(text: &str, value: f64) -> bool {
     finite(text.as_bytes()).is_none_or(|read| read.to_bits() == value.to_bits())
 }

@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn touching_fields_are_told_apart() {
+    fn touching_fields_are_separated() {
         let row = |text: &str, width| {
             let mut out = Numbers {
                 values: vec![7.0],
@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn dataset_lines_are_told_from_others() {
+    fn dataset_lines_are_distinguished_from_others() {
         assert_eq!(dataset_number(b"    58   "), Some((58, false)));
         assert_eq!(dataset_number(b"    58b     1     2"), Some((58, true)));
         for line in ["", "58 1", "-1", "580000", "b", "58c"] {

@@ -158,7 +158,7 @@ fn an_uneven_abscissa_on_a_grid_is_an_even_axis() {
     assert_eq!(abscissa(source.as_mut(), 0)[..1], [-0.01 * 1e-3]);
 }
 
-/// The axis and its label of three values at 0, 2 and 4 of a unit, and the codes that were told.
+/// The axis and its label of three values at 0, 2 and 4 of a unit, and the codes of the findings.
 fn axis_of(code: i32, unit: &str) -> (EntryAxis, String, Vec<Code>, Vec<f64>) {
     let mut lines = header(4, 3);
     lines[6] = "         4         3         1  0.00000E+00  2.00000E+00  0.00000E+00".to_owned();

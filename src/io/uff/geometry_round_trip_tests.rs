@@ -33,7 +33,7 @@ fn read_back(geometry: &Geometry, modes: &[ModeEntry]) -> (Geometry, Vec<ModeEnt
     (geometry.clone(), modes.clone(), findings)
 }
 
-fn told(findings: &[Finding]) -> BTreeMap<String, f64> {
+fn reported_counts(findings: &[Finding]) -> BTreeMap<String, f64> {
     let name = |finding: &Finding| match &finding.place {
         Place::Parameter(what) => (what.clone(), finding.value.unwrap()),
         place => panic!("{place}"),
@@ -134,7 +134,8 @@ fn geometry() -> impl Strategy<Value = Geometry> {
 }
 
 fn distinct(systems: impl Iterator<Item = CoordinateSystem>) -> Vec<CoordinateSystem> {
-    let by_label: BTreeMap<i64, CoordinateSystem> = systems.map(|own| (own.label, own)).collect();
+    let by_label: BTreeMap<i64, CoordinateSystem> =
+        systems.map(|system| (system.label, system)).collect();
     by_label.into_values().collect()
 }
 
@@ -188,12 +189,12 @@ proptest! {
         prop_assert_eq!(read.len(), modes.len());
         prop_assert!(findings.is_empty(), "{:?}", findings);
         for (read, mode) in read.iter().zip(&modes) {
-            let own = &read.mode;
-            prop_assert_eq!(own.frequency_hz.to_bits(), mode.frequency_hz.to_bits());
-            prop_assert_eq!(own.damping_ratio.map(f64::to_bits), mode.damping_ratio.map(f64::to_bits));
-            prop_assert_eq!(own.modal_mass_kg, mode.modal_mass_kg);
-            prop_assert_eq!(own.group, mode.group);
-            prop_assert_eq!(&own.shape, &mode.shape);
+            let read_mode = &read.mode;
+            prop_assert_eq!(read_mode.frequency_hz.to_bits(), mode.frequency_hz.to_bits());
+            prop_assert_eq!(read_mode.damping_ratio.map(f64::to_bits), mode.damping_ratio.map(f64::to_bits));
+            prop_assert_eq!(read_mode.modal_mass_kg, mode.modal_mass_kg);
+            prop_assert_eq!(read_mode.group, mode.group);
+            prop_assert_eq!(&read_mode.shape, &mode.shape);
             prop_assert_eq!(&read.title, &["Machine".to_owned()]);
         }
     }
@@ -206,7 +207,7 @@ proptest! {
     ) {
         let mut systems = [systems.0, systems.1];
         (systems[0].label, systems[1].label) = (2, 3);
-        systems.iter_mut().for_each(|own| own.origin_m = Vector3::new(1.0, 2.0, 3.0));
+        systems.iter_mut().for_each(|system| system.origin_m = Vector3::new(1.0, 2.0, 3.0));
         let node = |label: i64, system| Node {
             point: label.to_string(),
             at_m: Vector3::new(at.0, at.1, at.2),
@@ -270,7 +271,7 @@ fn what_a_mode_has_beyond_the_format_is_counted() {
         ("title lines of modes", 3.0),
     ];
     let expected = expected.map(|(what, count)| (what.to_owned(), count));
-    assert_eq!(told(&findings), BTreeMap::from(expected));
+    assert_eq!(reported_counts(&findings), BTreeMap::from(expected));
     assert_eq!(modes.len(), 2);
     assert_eq!(modes[0].title, ["line 0", "line 1", "line 2", "line 3"]);
     let shape: Vec<String> = modes[0]
@@ -402,9 +403,9 @@ fn a_note_that_another_program_left_behind_is_not_believed() {
     let edited = text.replace("-7.75702E-01", "-7.75802E-01");
     assert_ne!(edited, text);
     let read = open(edited.into_bytes()).unwrap();
-    let own = &read.catalog().modes[0].mode;
-    assert!((own.damping_ratio.unwrap() - 0.0123456789).abs() > 1e-6);
-    assert_eq!(own.group, None);
+    let mode = &read.catalog().modes[0].mode;
+    assert!((mode.damping_ratio.unwrap() - 0.0123456789).abs() > 1e-6);
+    assert_eq!(mode.group, None);
 }
 
 #[test]
@@ -438,7 +439,7 @@ fn geometry_that_has_no_numbers_is_counted() {
         ("points of trace lines", 1.0),
     ];
     let expected = expected.map(|(what, count)| (what.to_owned(), count));
-    assert_eq!(told(&findings), BTreeMap::from(expected));
+    assert_eq!(reported_counts(&findings), BTreeMap::from(expected));
     assert_eq!((read.nodes.len(), read.elements.len()), (1, 1));
     let drawn = [Some("9".to_owned()), None, Some("9".to_owned())];
     assert_eq!(read.lines[0].points, drawn);
@@ -471,5 +472,5 @@ fn modal_a_and_b_follow_from_the_modal_mass() {
     let (_, read, findings) = read_back(&Geometry::default(), &[stated]);
     assert_eq!(read[0].modal_a, Some(Complex64::new(1.0, 4.0)));
     assert_eq!(read[0].mode.modal_mass_kg, None);
-    assert!(told(&findings).contains_key("modal masses"));
+    assert!(reported_counts(&findings).contains_key("modal masses"));
 }

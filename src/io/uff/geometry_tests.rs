@@ -22,7 +22,7 @@ fn read(parts: &[&[&str]]) -> (Geometry, Vec<IoError>, Vec<Finding>) {
     let file: Vec<Vec<u8>> = parts.iter().map(|lines| dataset(lines, "\r\n")).collect();
     let mut source = open(file.concat()).unwrap();
     let damage = source.take_damage().into_iter();
-    let damage = damage.map(|own| own.error).collect();
+    let damage = damage.map(|part| part.error).collect();
     let catalog = source.catalog();
     (catalog.geometry.clone(), damage, catalog.findings.clone())
 }
@@ -96,7 +96,7 @@ fn lengths_of_systems_have_the_units_of_the_file() {
 }
 
 #[test]
-fn a_system_that_nobody_describes_is_told_and_the_node_kept() {
+fn an_undescribed_coordinate_system_is_reported_and_its_node_kept() {
     let nodes = ["    15", "7 6 5 1 1. 2. 3.", "8 6 5 1 2. 2. 3."];
     let units = ["   164", "1", "1. 1. 1.", "0."];
     let unplaced = ["    18", "3 0 17 8 1", "A", "0 0 0 1 0 0", "0 0 1"];
@@ -104,9 +104,9 @@ fn a_system_that_nobody_describes_is_told_and_the_node_kept() {
     assert!(damage.is_empty());
     assert_at(&geometry, "8", [2.0, 2.0, 3.0]);
     assert_eq!(geometry.node("7").unwrap().displacement_system, Some(5));
-    let told: Vec<_> = findings.iter().map(|f| (f.code, f.value)).collect();
+    let reported: Vec<_> = findings.iter().map(|f| (f.code, f.value)).collect();
     let unknown = |label| (Code::UnknownSystem, Some(label));
-    assert_eq!(told, [unknown(17.0), unknown(6.0), unknown(5.0)]);
+    assert_eq!(reported, [unknown(17.0), unknown(6.0), unknown(5.0)]);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn bad_systems_are_damage_and_cycles_end() {
         "0 0 0 1 0 0",
         "0 0 1",
         "4 0 4 8 1",
-        "own",
+        "local",
         "0 0 0 1 0 0",
         "0 0 1",
     ];
@@ -227,7 +227,7 @@ fn elements_with_and_without_beam_lines_are_read() {
     let read_back: Vec<_> = geometry
         .elements
         .iter()
-        .map(|own| (own.label, own.descriptor, own.points.len()))
+        .map(|element| (element.label, element.descriptor, element.points.len()))
         .collect();
     assert_eq!(read_back, [(1, 11, 2), (9, 24, 3), (2, 116, 20)]);
     assert_eq!(geometry.elements[1].points, ["6", "8", "9"]);

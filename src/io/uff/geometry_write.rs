@@ -42,11 +42,11 @@ fn write_all(out: &mut dyn Write, geometry: &Geometry, lost: &mut NotCarried) ->
     let systems = systems(geometry);
     lost.add("coordinate systems", geometry.systems.len() - systems.len());
     if !systems.is_empty() {
-        let own = |system: &&CoordinateSystem| {
+        let is_first = |system: &&CoordinateSystem| {
             let first = systems.get(&system.label);
             first.is_some_and(|first| std::ptr::eq(*first, *system))
         };
-        let in_file_order = geometry.systems.iter().filter(own);
+        let in_file_order = geometry.systems.iter().filter(is_first);
         dataset_2420::write(out, &in_file_order.collect::<Vec<_>>())?;
     }
     let nodes = nodes(geometry);
@@ -76,7 +76,7 @@ fn write_all(out: &mut dyn Write, geometry: &Geometry, lost: &mut NotCarried) ->
     let groups: Vec<&Group> = geometry
         .groups
         .iter()
-        .filter(|own| is_written(own))
+        .filter(|group| is_written(group))
         .collect();
     lost.add("groups", geometry.groups.len() - groups.len());
     if !groups.is_empty() {
@@ -123,7 +123,11 @@ fn nodes(geometry: &Geometry) -> Vec<(i64, i64, Vector3)> {
 }
 
 fn element(element: &Element) -> Option<(&Element, Vec<i64>)> {
-    let nodes: Option<Vec<i64>> = element.points.iter().map(|own| node_label(own)).collect();
+    let nodes: Option<Vec<i64>> = element
+        .points
+        .iter()
+        .map(|point| node_label(point))
+        .collect();
     let written = is_label(element.label) && is_label(element.descriptor);
     nodes
         .filter(|nodes| written && !nodes.is_empty())
@@ -132,7 +136,7 @@ fn element(element: &Element) -> Option<(&Element, Vec<i64>)> {
 
 fn is_written(group: &Group) -> bool {
     let mut members = group.members.iter();
-    is_label(group.label) && members.all(|own| is_label(own.0) && is_label(own.1))
+    is_label(group.label) && members.all(|member| is_label(member.0) && is_label(member.1))
 }
 
 /// Displacement directions of the written nodes that do not count them along the global axes.

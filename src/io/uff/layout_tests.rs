@@ -205,7 +205,7 @@ fn delimiters_inside_texts_and_blocks_are_no_delimiters() {
 }
 
 #[test]
-fn latin_1_units_are_read_and_told_once() {
+fn latin_1_units_are_read_and_reported_once() {
     let mut head = header(2, 1);
     head[8] = "        12    0    0    0 Acceleration         m/s@                ".to_owned();
     let mut file = text_58(&head, &["1.0"], "\n");
@@ -218,8 +218,8 @@ fn latin_1_units_are_read_and_told_once() {
         assert_eq!(entry.unit_label, "m/s²");
         assert_eq!(entry.to_si, Some(1.0));
     }
-    let told = codes(source.as_ref());
-    assert_eq!(told, [Code::HeaderNotUtf8, Code::SpacingRounded]);
+    let reported = codes(source.as_ref());
+    assert_eq!(reported, [Code::HeaderNotUtf8, Code::SpacingRounded]);
     let place = Place::File {
         path: PATH.to_owned(),
         line: Some(11),
@@ -436,7 +436,7 @@ fn nodes_trace_lines_and_title_are_read() {
         (unknown.code, unknown.value),
         (Code::UnknownDataset, Some(2415.0))
     );
-    assert_eq!(catalog.findings.len(), 1, "each number is told once");
+    assert_eq!(catalog.findings.len(), 1, "each number is reported once");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::fields::{Position, is_delimiter};
 /// takes twice as many.
 const FIRST_BYTES: usize = 1 << 12;
 /// Most bytes read at once.
-const MOST_BYTES: usize = 1 << 18;
+const MAX_BLOCK_BYTES: usize = 1 << 18;
 /// A line of a header has 80 characters. Of a longer line no more than this is kept, so that a file
 /// without any line end is not taken into memory; it is passed over as the one line that it is.
 const LONGEST_LINE_BYTES: usize = 1 << 16;
@@ -73,7 +73,7 @@ impl<R: Read + Seek> LineReader<R> {
             }
         };
         self.buffer.truncate(before + *count.as_ref().unwrap_or(&0));
-        self.next_read = (2 * self.next_read).min(MOST_BYTES);
+        self.next_read = (2 * self.next_read).min(MAX_BLOCK_BYTES);
         count.map(|_| ())
     }
 
@@ -200,7 +200,7 @@ mod tests {
             FIRST_BYTES - 1,
             FIRST_BYTES,
             LONGEST_LINE_BYTES,
-            3 * MOST_BYTES,
+            3 * MAX_BLOCK_BYTES,
         ] {
             let mut bytes = vec![b'7'; len];
             bytes.extend(b"\nnext\n");

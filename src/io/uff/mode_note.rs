@@ -90,7 +90,7 @@ impl ModeNote {
                 "damping_ratio" => self.damping_ratio = number(value).map(Some),
                 "modal_mass_kg" => self.modal_mass_kg = number(value),
                 "scaling" => {
-                    let named = SCALINGS.iter().find(|own| own.name() == value);
+                    let named = SCALINGS.iter().find(|scaling| scaling.name() == value);
                     self.scaling = named.copied();
                 }
                 "zeros" => self.zeros_unmeasured = value == UNMEASURED,

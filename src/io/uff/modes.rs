@@ -112,7 +112,7 @@ impl Root {
         }
     }
 
-    /// Modal mass in file units; `None` where it is 0 or cannot be told from modal A.
+    /// Modal mass in file units; `None` where it is 0 or does not follow from modal A.
     pub fn modal_mass(&self) -> Option<f64> {
         match *self {
             Root::Normal { modal_mass, .. } => Some(modal_mass).filter(|mass| *mass != 0.0),
@@ -134,8 +134,9 @@ impl Root {
         };
         match *self {
             Root::Normal {
-                frequency_hz: own, ..
-            } => near(frequency_hz, own),
+                frequency_hz: printed_hz,
+                ..
+            } => near(frequency_hz, printed_hz),
             Root::Complex { lambda, .. } => {
                 let zeta = note.damping_ratio.flatten().unwrap_or(0.0);
                 let kept = Pole::from_frequency(frequency_hz, zeta).lambda;
@@ -233,20 +234,20 @@ pub(super) fn measured<'a>(modes: impl Iterator<Item = &'a RawMode>) -> Measured
 pub(super) type Frames = BTreeMap<i64, [Vector3; 3]>;
 
 impl RawMode {
-    /// Whether zeros stand for what was not measured: as our own note says, else where the mode's
-    /// lines or the file's title name a measurement system.
+    /// Whether zeros stand for unmeasured directions: as the note of modalign says, else where the
+    /// mode's lines or the file's title name a measurement system.
     pub fn is_filled(&self, title_names_system: bool) -> bool {
         let ours = self.note.frequency_hz.is_some();
         let named = || self.title.iter().any(|line| names_measurement_system(line));
         self.note.zeros_unmeasured || (!ours && (title_names_system || named()))
     }
 
-    /// Our own note, where it belongs to this pole.
+    /// The note of modalign, where it belongs to this pole.
     fn note(&self) -> Option<&ModeNote> {
         Some(&self.note).filter(|note| self.root.agrees(note))
     }
 
-    /// The modal mass of our own note, where it belongs to the printed one.
+    /// The modal mass of the note of modalign, where it belongs to the printed one.
     fn noted_mass(&self, units: Option<&Units>) -> Option<f64> {
         let mass = self.root.modal_mass().map(|mass| mass * to_si(units))?;
         let noted = self.note()?.modal_mass_kg?;
@@ -330,8 +331,8 @@ impl RawMode {
         for (node, row) in self.nodes.iter().zip(self.values.chunks_exact(axes.len())) {
             let is_known = |axis: &Axis| {
                 measured.is_none_or(|all| {
-                    let own = all.directions.get(node);
-                    own.is_some_and(|own| own.contains(axis))
+                    let directions = all.directions.get(node);
+                    directions.is_some_and(|directions| directions.contains(axis))
                 })
             };
             let known = axes.iter().zip(row).filter(|(axis, _)| is_known(axis));
@@ -369,14 +370,17 @@ fn turned(local: &[(Axis, Complex64)], frame: &[Vector3; 3]) -> Vec<(Axis, Compl
     let scalars = local.iter().filter(|(axis, _)| *axis == Axis::S);
     let mut global: Vec<(Axis, Complex64)> = scalars.copied().collect();
     for kind in KINDS {
-        let own = local.iter().filter_map(|(axis, value)| {
-            let direction = kind.iter().position(|own| own == axis)?;
+        let components = local.iter().filter_map(|(axis, value)| {
+            let direction = kind.iter().position(|axis_of_kind| axis_of_kind == axis)?;
             Some((frame[direction], *value))
         });
-        let own: Vec<(Vector3, Complex64)> = own.collect();
+        let components: Vec<(Vector3, Complex64)> = components.collect();
         for (j, axis) in kind.iter().enumerate() {
-            if own.iter().any(|(direction, _)| direction[j].abs() > ALONG) {
-                let sum = own
+            if components
+                .iter()
+                .any(|(direction, _)| direction[j].abs() > ALONG)
+            {
+                let sum = components
                     .iter()
                     .map(|(direction, value)| value * direction[j])
                     .sum();

@@ -64,7 +64,7 @@ fn shape(entry: &ModeEntry) -> Vec<(String, f64, f64)> {
         .collect()
 }
 
-fn own(dof: &str, re: f64, im: f64) -> (String, f64, f64) {
+fn component(dof: &str, re: f64, im: f64) -> (String, f64, f64) {
     (dof.to_owned(), re, im)
 }
 
@@ -96,7 +96,10 @@ fn a_complex_mode_has_the_frequency_and_damping_of_its_eigenvalue() {
         (Some(1.0), Scaling::UnitModalMass)
     );
     assert_eq!(entry.line, Some(2));
-    let expected = [own("12:+X", 2.9911e-2, -1e-4), own("12:+Z", -1.0, 0.0)];
+    let expected = [
+        component("12:+X", 2.9911e-2, -1e-4),
+        component("12:+Z", -1.0, 0.0),
+    ];
     assert_eq!(
         shape(entry),
         expected,
@@ -119,17 +122,19 @@ fn a_direction_that_moves_in_one_mode_is_there_in_all() {
     assert_eq!(theory.catalog().findings, []);
     let title = vec!["   151", "Simcenter Testlab", "", "", "", "", "", ""];
     let source = opened(&[first, second, title]);
-    let told = source.catalog().findings.iter();
-    let told: Vec<_> = told.map(|own| (own.code, own.value)).collect();
-    assert_eq!(told, [(Code::UnmeasuredLeftOut, Some(4.0))]);
+    let reported = source.catalog().findings.iter();
+    let reported: Vec<_> = reported
+        .map(|finding| (finding.code, finding.value))
+        .collect();
+    assert_eq!(reported, [(Code::UnmeasuredLeftOut, Some(4.0))]);
     let modes = &source.catalog().modes;
     assert_eq!(
         shape(&modes[0]),
-        [own("5:+X", 1.0, 0.0), own("5:+Y", 0.0, 0.0)]
+        [component("5:+X", 1.0, 0.0), component("5:+Y", 0.0, 0.0)]
     );
     assert_eq!(
         shape(&modes[1]),
-        [own("5:+X", 2.0, 0.0), own("5:+Y", 3.0, 0.0)]
+        [component("5:+X", 2.0, 0.0), component("5:+Y", 3.0, 0.0)]
     );
 }
 
@@ -182,7 +187,7 @@ fn normal_modes_have_mass_and_either_damping() {
 }
 
 #[test]
-fn a_modal_scale_without_unit_is_left_out_and_told() {
+fn a_modal_scale_without_unit_is_omitted_and_reported() {
     let rows = ["5", "1. 0. 0. 0. 0. 0."];
     let mut acceleration = with(&COMPLEX, &rows);
     acceleration[6] = "         1         3         2        12         5         3";
@@ -193,11 +198,13 @@ fn a_modal_scale_without_unit_is_left_out_and_told() {
         vec![normal],
     ] {
         let source = opened(&parts);
-        let (entry, told) = (&source.catalog().modes[0], &source.catalog().findings);
+        let (entry, findings) = (&source.catalog().modes[0], &source.catalog().findings);
         assert_eq!((entry.modal_a, entry.modal_b), (None, None));
         assert_eq!(entry.mode.modal_mass_kg, None);
-        let scale = told.iter().find(|own| own.code == Code::ModalScaleUnknown);
-        assert_eq!(scale.map(|own| own.value), Some(Some(1.0)));
+        let scale = findings
+            .iter()
+            .find(|finding| finding.code == Code::ModalScaleUnknown);
+        assert_eq!(scale.map(|finding| finding.value), Some(Some(1.0)));
     }
 }
 
@@ -239,7 +246,7 @@ fn negative_damping_and_poles_at_the_origin_break_nothing() {
     let undamped = with_pole("0. 4. 0. 0. 0. 0.");
     assert_eq!(undamped.mode.damping_ratio, Some(0.0));
     let conjugate = with_pole("-3. -4. 0. -8. 32. -24.");
-    assert_eq!(shape(&conjugate), [own("5:+X", 1.0, -2.0)]);
+    assert_eq!(shape(&conjugate), [component("5:+X", 1.0, -2.0)]);
     assert_eq!(conjugate.modal_a, Some(Complex64::new(0.0, 8.0)));
     assert_eq!(conjugate.mode.modal_mass_kg, Some(1.0));
     let general = with_pole("-3. 4. 1. 8. 0. 0.");
@@ -258,7 +265,7 @@ fn lengths_are_turned_to_metres_and_masses_with_them() {
     let modes = modes(&[MILLIMETRE.to_vec(), six]);
     assert_eq!(
         shape(&modes[0]),
-        [own("5:+X", 1.0, 0.0), own("5:+RZ", 0.5, 0.0)]
+        [component("5:+X", 1.0, 0.0), component("5:+RZ", 0.5, 0.0)]
     );
     // (mm)² N s²/mm over 1000 mm to the metre and 2 units of force to the newton.
     assert_eq!(modes[0].mode.modal_mass_kg, Some(5.0 / 2000.0));
@@ -306,18 +313,18 @@ fn shapes_at_nodes_with_local_systems_are_turned_at_the_end_of_the_file() {
     ];
     let source = opened(&[six, UNITS.to_vec(), nodes, systems]);
     let catalog = source.catalog();
-    let told: Vec<_> = catalog.findings.iter().map(|f| (f.code, f.value)).collect();
+    let reported: Vec<_> = catalog.findings.iter().map(|f| (f.code, f.value)).collect();
     let expected = [
         (Code::UnmeasuredLeftOut, Some(13.0)),
         (Code::LocalSystemApplied, Some(3.0)),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let expected = [
-        own("1:+X", -FRAC_1_SQRT_2, 0.0),
-        own("1:+Y", 3.0 * FRAC_1_SQRT_2, 0.0),
-        own("1:+RZ", 3.0, 0.0),
-        own("2:+Y", 1.0, 0.0),
-        own("3:+Z", -4.0, 0.0),
+        component("1:+X", -FRAC_1_SQRT_2, 0.0),
+        component("1:+Y", 3.0 * FRAC_1_SQRT_2, 0.0),
+        component("1:+RZ", 3.0, 0.0),
+        component("2:+Y", 1.0, 0.0),
+        component("3:+Z", -4.0, 0.0),
     ];
     let got = shape(&catalog.modes[0]);
     assert_eq!(got.len(), expected.len(), "{got:?}");
@@ -343,9 +350,9 @@ fn six_complex_values_are_wrapped_and_scalars_have_no_direction() {
     scalar[6] = "         1         3         1         8         5         1";
     let modes = modes(&[six, scalar]);
     let six = shape(&modes[0]);
-    assert_eq!((six.len(), &six[5]), (12, &own("5:+RZ", 11.0, 12.0)));
-    assert_eq!(six[6], own("7:+X", 1.0, 2.0));
-    assert_eq!(shape(&modes[1]), [own("5:+S", 1.5, 2.5)]);
+    assert_eq!((six.len(), &six[5]), (12, &component("5:+RZ", 11.0, 12.0)));
+    assert_eq!(six[6], component("7:+X", 1.0, 2.0));
+    assert_eq!(shape(&modes[1]), [component("5:+S", 1.5, 2.5)]);
 }
 
 #[test]
@@ -386,9 +393,9 @@ fn dataset_2414_has_the_same_modes() {
     );
     assert_eq!(first.modal_mass_kg, Some(2.0));
     assert_eq!(modes[0].title, ["Bench", "second line"]);
-    assert_eq!(shape(&modes[0])[2], own("5:+Z", 3.0, 0.0));
+    assert_eq!(shape(&modes[0])[2], component("5:+Z", 3.0, 0.0));
     assert!((modes[1].mode.frequency_hz - 5.0 / TAU).abs() < 1e-15);
-    assert_eq!(shape(&modes[1])[2], own("5:+Z", 5.0, 6.0));
+    assert_eq!(shape(&modes[1])[2], component("5:+Z", 5.0, 6.0));
 }
 
 #[test]
@@ -399,7 +406,11 @@ fn a_node_that_stands_twice_in_a_mode_is_damage() {
     );
     let source = open(dataset(&twice, "\n")).unwrap();
     let catalog = source.catalog();
-    let damage: Vec<&IoError> = catalog.damage.iter().map(|own| &own.error).collect();
+    let damage: Vec<&IoError> = catalog
+        .damage
+        .iter()
+        .map(|damaged| &damaged.error)
+        .collect();
     let [IoError::Text { line: 15, got, .. }] = damage[..] else {
         panic!("{:?}", catalog.damage)
     };
@@ -443,14 +454,14 @@ fn what_is_no_mode_is_passed_over_once() {
     ];
     let parts = [transient.clone(), stress, transient, on_elements];
     let source = opened(&parts);
-    let told: Vec<_> = source
+    let reported: Vec<_> = source
         .catalog()
         .findings
         .iter()
         .map(|f| (f.code, f.value))
         .collect();
     let other = |analysis| (Code::NotModes, Some(analysis));
-    assert_eq!(told, [other(4.0), other(2.0), other(1.0)]);
+    assert_eq!(reported, [other(4.0), other(2.0), other(1.0)]);
     assert!(source.catalog().modes.is_empty());
 }
 
@@ -481,7 +492,7 @@ fn a_damaged_mode_is_left_out_and_placed() {
         let mut source = open(file).unwrap();
         assert_eq!(source.catalog().modes.len(), 1, "{text}");
         let damage = source.take_damage();
-        let damage: Vec<&IoError> = damage.iter().map(|own| &own.error).collect();
+        let damage: Vec<&IoError> = damage.iter().map(|damaged| &damaged.error).collect();
         let [IoError::Text { line: at, .. }] = damage[..] else {
             panic!("{text}: {damage:?}")
         };

@@ -154,8 +154,8 @@ pub(super) fn two_rows_of_parameters<'a>(
     })
 }
 
-/// A mode whose frequency or eigenvalue nobody states; `line` is where it should be, or says that
-/// it is not there.
+/// The error of a mode without a stated frequency or eigenvalue; `line` is the line where it should
+/// be.
 pub(super) fn no_root(line: &Line, stated: usize) -> FieldError {
     FieldError {
         at: line.at,

@@ -155,13 +155,13 @@ fn real_modes_and_meshes_of_other_writers_are_read() {
         let Some(source) = opened(name) else {
             return;
         };
-        let own = &source.catalog().geometry;
+        let geometry = &source.catalog().geometry;
         let got = [
-            !own.nodes.is_empty(),
-            !own.lines.is_empty(),
-            !own.systems.is_empty(),
-            !own.elements.is_empty(),
-            !own.groups.is_empty(),
+            !geometry.nodes.is_empty(),
+            !geometry.lines.is_empty(),
+            !geometry.systems.is_empty(),
+            !geometry.elements.is_empty(),
+            !geometry.groups.is_empty(),
         ];
         assert_eq!((got, codes(source.as_ref())), (held, found), "{name}");
     }

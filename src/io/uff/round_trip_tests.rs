@@ -311,7 +311,7 @@ fn check_functions(source: &dyn Source) {
 }
 
 #[test]
-fn functions_carry_what_is_known_of_them() {
+fn functions_keep_window_duration_and_quality() {
     let mut set = frf_set(vec![Complex64::new(1.0, 2.0)], Some(vec![0.75]));
     set.added_damping_rad_s = 12.5;
     set.record_duration_s = Some(1.28);

@@ -56,7 +56,7 @@ pub(super) struct Scanner {
     pub units: Vec<(Position, Option<Units>)>,
     pub described: Described,
     unknown: BTreeSet<u32>,
-    pub told: BTreeSet<Code>,
+    pub reported: BTreeSet<Code>,
     datasets: usize,
     pub qualifiers: Qualifiers,
 }
@@ -77,7 +77,7 @@ impl Scanner {
             units: Vec::new(),
             described: Described::default(),
             unknown: BTreeSet::new(),
-            told: BTreeSet::new(),
+            reported: BTreeSet::new(),
             datasets: 0,
             qualifiers: Qualifiers::default(),
         }
@@ -171,12 +171,12 @@ impl Scanner {
         Ok(at.map(|at| Line { at, bytes }))
     }
 
-    /// One line of a header: text that is not UTF-8 is told once.
+    /// One line of a header; text that is not UTF-8 is reported once.
     fn header_line(&mut self) -> io::Result<Option<Line>> {
         let line = self.line()?;
         if let Some(line) = &line
             && std::str::from_utf8(&line.bytes).is_err()
-            && self.told.insert(Code::HeaderNotUtf8)
+            && self.reported.insert(Code::HeaderNotUtf8)
         {
             let place = self.place(line.at);
             let finding = Finding::new(Severity::Info, Code::HeaderNotUtf8, place);
@@ -293,7 +293,7 @@ impl Scanner {
                 expected: "the delimiter `    -1`".to_owned(),
             };
             let first = self.catalog.damage.into_iter().next();
-            let first = first.map(|own| own.error);
+            let first = first.map(|damaged| damaged.error);
             return Err(first.unwrap_or_else(|| nothing.in_file(&self.path)));
         }
         for (entry, header) in self.catalog.entries.iter_mut().zip(&self.headers) {

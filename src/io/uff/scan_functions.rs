@@ -34,7 +34,7 @@ pub(super) struct Qualifiers {
 }
 
 impl Qualifiers {
-    /// A function begins: what stood before it is its own.
+    /// A function begins; the qualifiers that stood before it belong to it.
     fn begin(&mut self) {
         self.begun += 1;
         self.current = self.next.take();
@@ -131,8 +131,7 @@ impl Scanner {
             last = at.byte;
             std::mem::swap(&mut line, &mut next);
         }
-        // Of the last line nobody knows whether it is whole, unless it has an end or begins a
-        // delimiter.
+        // The last line may be incomplete, unless it has a line end or begins a delimiter.
         let ended = end - last > line.len() as u64;
         let end = match line.trim_ascii() {
             _ if ended => end,
@@ -340,20 +339,20 @@ impl Scanner {
         entry.note.window = entry.note.window.or(self.qualifiers.current);
         self.qualifiers.read = self.qualifiers.begun;
         if let Some(rate) = restored_rate_hz
-            && self.told.insert(Code::SpacingRounded)
+            && self.reported.insert(Code::SpacingRounded)
         {
             let place = self.place(header.spacing_at);
             let finding = Finding::new(Severity::Info, Code::SpacingRounded, place);
             self.catalog.findings.push(finding.value(rate, "Hz"));
         }
         if let EntryAxis::General(GeneralAxis { even: None, .. }) = entry.axis
-            && self.told.insert(Code::UnevenAxis)
+            && self.reported.insert(Code::UnevenAxis)
         {
             let place = self.place(header.spacing_at);
             let finding = Finding::new(Severity::Warning, Code::UnevenAxis, place);
             self.catalog.findings.push(finding);
         }
-        if has_unknown_unit(&header) && self.told.insert(Code::AxisUnitUnknown) {
+        if has_unknown_unit(&header) && self.reported.insert(Code::AxisUnitUnknown) {
             let place = self.place(header.abscissa_at);
             let finding = Finding::new(Severity::Warning, Code::AxisUnitUnknown, place);
             self.catalog.findings.push(finding);

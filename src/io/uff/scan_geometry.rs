@@ -17,8 +17,9 @@ use crate::finding::{Code, Finding, Severity};
 use crate::geometry::Node;
 use crate::io::{Part, directions_lost};
 
-/// Labels of systems that nobody describes of which a finding is made; a file may hold any number.
-const MOST_TOLD: usize = 20;
+/// Largest number of findings about undescribed coordinate systems; a file may have any number of
+/// them.
+const MAX_REPORTED_SYSTEMS: usize = 20;
 
 /// What is collected, in file units.
 #[derive(Debug, Default)]
@@ -27,7 +28,7 @@ pub(super) struct Described {
     systems: Vec<RawSystem>,
     modes: Vec<RawMode>,
     model_name: String,
-    /// Analyses that are no modes, and were told.
+    /// Analysis types other than modes that were reported.
     passed_over: BTreeSet<i64>,
 }
 
@@ -105,7 +106,8 @@ impl Scanner {
         if self.catalog.title.is_empty() && !described.model_name.is_empty() {
             self.catalog.title.push(described.model_name);
         }
-        let length = |at: Position| units_at(&self.units, at.byte).map_or(1.0, |own| own.length);
+        let length =
+            |at: Position| units_at(&self.units, at.byte).map_or(1.0, |units| units.length);
         let mut systems = Systems::new(described.systems, length);
         for error in std::mem::take(&mut systems.damage) {
             self.damaged(error, Part::Systems);
@@ -121,7 +123,12 @@ impl Scanner {
     /// Reports at the first mode how many nodes of the shapes have directions that are lost with
     /// damaged parts.
     fn tell_lost_directions(&mut self, modes: &[RawMode]) {
-        let lost: Vec<Part> = self.catalog.damage.iter().map(|own| own.part).collect();
+        let lost: Vec<Part> = self
+            .catalog
+            .damage
+            .iter()
+            .map(|damaged| damaged.part)
+            .collect();
         let Some(first) = modes.first() else { return };
         if !directions_lost(&lost, &self.catalog) {
             return;
@@ -130,7 +137,7 @@ impl Scanner {
         let is_described = |node: &i64| {
             let found = geometry.node(&node.to_string());
             let system = |label| geometry.system(label).is_some();
-            found.is_some_and(|own| own.displacement_system.is_none_or(system))
+            found.is_some_and(|node| node.displacement_system.is_none_or(system))
         };
         let nodes: BTreeSet<&i64> = modes.iter().flat_map(|mode| &mode.nodes).collect();
         let count = nodes.into_iter().filter(|node| !is_described(node)).count();
@@ -145,7 +152,11 @@ impl Scanner {
         let asked = nodes
             .iter()
             .flat_map(|node| [(node.at, node.definition), (node.at, node.displacement)]);
-        for (at, label) in systems.undescribed(asked).into_iter().take(MOST_TOLD) {
+        for (at, label) in systems
+            .undescribed(asked)
+            .into_iter()
+            .take(MAX_REPORTED_SYSTEMS)
+        {
             let finding = Finding::new(Severity::Warning, Code::UnknownSystem, self.place(at));
             self.catalog.findings.push(finding.value(label as f64, ""));
         }
@@ -159,7 +170,10 @@ impl Scanner {
         systems: &Systems,
         raw: Vec<RawNode>,
     ) -> BTreeMap<usize, (i64, Node)> {
-        if let (Some(first), true) = (raw.first(), self.units.iter().all(|own| own.1.is_none())) {
+        if let (Some(first), true) = (
+            raw.first(),
+            self.units.iter().all(|units| units.1.is_none()),
+        ) {
             let place = self.place(first.at);
             let finding = Finding::new(Severity::Warning, Code::Assumption, place);
             self.catalog.findings.push(finding.value(1.0, "m"));
@@ -181,7 +195,7 @@ impl Scanner {
     }
 
     fn node(&self, systems: &Systems, raw: &RawNode) -> Node {
-        let length = units_at(&self.units, raw.at.byte).map_or(1.0, |own| own.length);
+        let length = units_at(&self.units, raw.at.byte).map_or(1.0, |units| units.length);
         let definition = match systems.find(raw.definition) {
             Found::Local(system) => Some(system),
             Found::Global | Found::Unknown => None,
@@ -257,15 +271,15 @@ fn differs(systems: &Systems, node: &RawNode, before: &RawNode) -> Option<FieldE
             expected: format!("{expected} as before"),
         })
     };
-    let place = |own: &RawNode| match resolved(own.definition) {
-        0 => format!("at {:?}", own.coordinates),
-        system => format!("at {:?} of system {system}", own.coordinates),
+    let place = |node: &RawNode| match resolved(node.definition) {
+        0 => format!("at {:?}", node.coordinates),
+        system => format!("at {:?} of system {system}", node.coordinates),
     };
     if resolved(node.definition) != resolved(before.definition) || !node.has_coordinates_of(before)
     {
         return differs("second position of a node", place(node), place(before));
     }
-    let turned = |own: &RawNode| format!("in system {}", own.displacement);
+    let turned = |node: &RawNode| format!("in system {}", node.displacement);
     if resolved(node.displacement) != resolved(before.displacement) {
         let what = "second displacement system of a node";
         return differs(what, turned(node), turned(before));

@@ -176,7 +176,7 @@ pub(super) struct Systems {
     /// In file order.
     pub placed: Vec<CoordinateSystem>,
     pub damage: Vec<FieldError>,
-    /// Labels that systems refer to and nobody describes.
+    /// Labels of undescribed systems that other systems refer to.
     pub unknown: Vec<(Position, i64)>,
     by_label: BTreeMap<i64, usize>,
 }
@@ -186,18 +186,19 @@ pub(super) enum Found<'a> {
     /// The global frame.
     Global,
     Local(&'a CoordinateSystem),
-    /// Nobody describes it.
+    /// No dataset describes it.
     Unknown,
 }
 
 impl Systems {
     /// Puts systems in metres; `length` gives the file units in one metre at a place. A system
-    /// whose reference nobody describes stands in the global frame; one that refers to itself
+    /// with an undescribed reference is placed in the global frame; one that refers to itself
     /// through others is damage.
     pub fn new(raw: Vec<RawSystem>, length: impl Fn(Position) -> f64) -> Self {
         let mut systems = Self::default();
         let raw = systems.without_repeats(raw);
-        let index: BTreeMap<i64, usize> = (raw.iter().map(|own| own.label)).zip(0..).collect();
+        let index: BTreeMap<i64, usize> =
+            (raw.iter().map(|system| system.label)).zip(0..).collect();
         let mut placed: Vec<Option<CoordinateSystem>> = vec![None; raw.len()];
         let mut tried = vec![false; raw.len()];
         for start in 0..raw.len() {
@@ -213,7 +214,7 @@ impl Systems {
             }
         }
         systems.placed = placed.into_iter().flatten().collect();
-        let labels = systems.placed.iter().map(|own| own.label);
+        let labels = systems.placed.iter().map(|system| system.label);
         systems.by_label = labels.zip(0..).collect();
         systems
     }
@@ -228,7 +229,9 @@ impl Systems {
                     first.insert(system.label, kept.len());
                     kept.push(system);
                 }
-                Some(own) if own.kind == system.kind && own.placement == system.placement => {}
+                Some(first_description)
+                    if first_description.kind == system.kind
+                        && first_description.placement == system.placement => {}
                 Some(_) => {
                     let got = format!("{} described again", system.label);
                     self.damage.push(system.refuse(got, "the same as before"));
@@ -274,16 +277,16 @@ impl Systems {
         }
     }
 
-    /// Labels among `asked`, with their places, that nobody describes; each once.
+    /// Undescribed labels among `asked`, with their positions; each once.
     pub fn undescribed(
         &self,
         asked: impl Iterator<Item = (Position, i64)>,
     ) -> Vec<(Position, i64)> {
-        let mut told = BTreeSet::new();
+        let mut listed = BTreeSet::new();
         let known = self.unknown.iter().copied();
         known
             .chain(asked.filter(|(_, label)| matches!(self.find(*label), Found::Unknown)))
-            .filter(|(_, label)| told.insert(*label))
+            .filter(|(_, label)| listed.insert(*label))
             .collect()
     }
 }

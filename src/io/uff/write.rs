@@ -4,8 +4,8 @@
 //! Values are written as they are stored, with their unit in the header; a factor to SI that no
 //! unit has makes them SI values. What the format has no field for goes into ID lines 4 and 5
 //! (`dataset_58_header`), so that bytes come back to the bit; text keeps 13 digits of 64 bits, 6 of
-//! 32 and 7 of uneven abscissae; the latter two are told. Lost are the origin of a hit, variances,
-//! and arrays without a meaning.
+//! 32 and 7 of uneven abscissae; the latter two are reported. Lost are the origin of a hit,
+//! variances, and arrays without a meaning.
 
 use std::io::{self, Write};
 
@@ -27,7 +27,7 @@ use crate::io::{
 use crate::record::{Channel, Hit};
 
 /// Version numbers fill at most 4 of their 5 columns, so that fields stay apart.
-const MOST_HITS: usize = 9_999;
+const MAX_HITS: usize = 9_999;
 /// Lines of dataset 151, of which the sixth is the program that wrote the file.
 const TITLE_LINES: usize = 7;
 
@@ -166,8 +166,8 @@ fn write_head(out: &mut dyn Write, title: &[String]) -> io::Result<()> {
 }
 
 fn check_hits(label: &FileLabel<'_>, hits: &[Hit]) -> Result<(), IoError> {
-    if hits.len() > MOST_HITS {
-        let expected = format!("at most {MOST_HITS}");
+    if hits.len() > MAX_HITS {
+        let expected = format!("at most {MAX_HITS}");
         return Err(unwritable(
             label,
             "number of hits",

@@ -287,7 +287,7 @@ proptest! {
 }
 
 #[test]
-fn what_has_no_place_is_told() {
+fn properties_without_a_field_are_reported() {
     let axis = EntryAxis::Time(TimeAxis {
         start_s: 0.0,
         step_s: 1.0,
@@ -308,7 +308,7 @@ fn what_has_no_place_is_told() {
         Block::F64(vec![0.25])
     );
     assert_eq!(again.catalog().entries[0].to_si, Some(1.0));
-    // A quantity whose unit nobody states is not given the file's.
+    // A quantity without a stated unit does not get the unit of the file.
     entry.to_si = None;
     let mut source = single(entry.clone(), Block::F64(vec![2.0]), vec![]);
     let (bytes, _) = written(&mut source, Encoding::Text, None).expect("the source can be written");
@@ -330,7 +330,7 @@ fn what_has_no_place_is_told() {
     source.push(entry, Block::F64(vec![2.0]), vec![]);
     let (bytes, lost) =
         written(&mut source, Encoding::Binary, None).expect("the source can be written");
-    let told: Vec<String> = lost
+    let reported: Vec<String> = lost
         .iter()
         .map(|finding| finding.place.to_string())
         .collect();
@@ -339,7 +339,7 @@ fn what_has_no_place_is_told() {
         "parameter note of how a function was made",
         "parameter variance of FRFs",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     assert!(
         lost.iter()
             .all(|f| (f.code, f.value) == (Code::NotCarried, Some(1.0)))
@@ -394,35 +394,35 @@ fn what_cannot_be_written_is_an_error() {
 }
 
 #[test]
-fn digits_that_text_cuts_off_are_told() {
+fn digits_that_text_cuts_off_are_reported() {
     let time = EntryAxis::Time(TimeAxis {
         start_s: 0.0,
         step_s: 1.0,
         len: 2,
     });
-    let told = |axis, values: [f32; 2], abscissa: &[f64], encoding| {
+    let losses = |axis, values: [f32; 2], abscissa: &[f64], encoding| {
         let entry = Entry::new(FunctionType::Time, axis, SampleFormat::RealF32);
         let mut source = single(entry, Block::F32(values.to_vec()), abscissa.to_vec());
         let (_, lost) = written(&mut source, encoding, None).expect("the source can be written");
-        let names = lost.iter().map(|own| own.place.to_string());
+        let names = lost.iter().map(|finding| finding.place.to_string());
         (
             names.collect::<Vec<_>>(),
-            lost.first().and_then(|own| own.value),
+            lost.first().and_then(|finding| finding.value),
         )
     };
     let (short, long) = ([1.5, -0.25], [1.5, 16_777_215.0]);
     let (none, one) = ((vec![], None), Some(1.0));
-    assert_eq!(told(time, short, &[], Encoding::Text), none);
-    assert_eq!(told(time, long, &[], Encoding::Binary), none);
+    assert_eq!(losses(time, short, &[], Encoding::Text), none);
+    assert_eq!(losses(time, long, &[], Encoding::Binary), none);
     let values = "parameter digits of single-precision values".to_owned();
-    assert_eq!(told(time, long, &[], Encoding::Text), (vec![values], one));
+    assert_eq!(losses(time, long, &[], Encoding::Text), (vec![values], one));
     let uneven = general(Domain::Other(19), 2);
-    assert_eq!(told(uneven, short, &[1.0, 2.5], Encoding::Text), none);
+    assert_eq!(losses(uneven, short, &[1.0, 2.5], Encoding::Text), none);
     let abscissa = "parameter digits of uneven abscissae".to_owned();
     let near = [1_000.0, 1_000.000_01];
-    assert_eq!(told(uneven, short, &near, Encoding::Binary), none);
+    assert_eq!(losses(uneven, short, &near, Encoding::Binary), none);
     assert_eq!(
-        told(uneven, short, &near, Encoding::Text),
+        losses(uneven, short, &near, Encoding::Text),
         (vec![abscissa], one)
     );
 }
