@@ -10,7 +10,7 @@ use rustfft::{Fft, FftPlanner};
 /// Forward transform of real records of one length, `X_k = sum_n x_n exp(-2 pi i k n / N)`, `k = 0
 /// ..= N/2`, unscaled.
 ///
-/// Cheap to clone; each thread keeps its own [`Scratch`].
+/// Cheap to clone; each thread keeps one [`Scratch`].
 #[derive(Clone)]
 pub struct ForwardPlan {
     transform: Arc<dyn RealToComplex<f64>>,

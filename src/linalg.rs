@@ -336,8 +336,8 @@ fn inverse_with_ridge(a: &ComplexMatrix, ridge: f64) -> Option<ComplexMatrix> {
         .map(|i| a[(i, i)].re.max(f64::MIN_POSITIVE).sqrt().recip())
         .collect();
     let lower = cholesky(&complex_matrix(n, n, |i, j| {
-        let own = if i == j { ridge } else { 0.0 };
-        a[(i, j)] * (scale[i] * scale[j]) + own
+        let added = if i == j { ridge } else { 0.0 };
+        a[(i, j)] * (scale[i] * scale[j]) + added
     }))
     .ok()?;
     let identity = complex_matrix(n, n, |i, j| {

@@ -51,8 +51,8 @@ impl Samples {
     /// Takes these samples of others, in their precision; `None` when they are not there.
     fn replace(&mut self, from: &Samples, range: Range<usize>) -> Option<()> {
         match (&mut *self, from) {
-            (Samples::F32(own), Samples::F32(from)) => copied(own, from.get(range)?),
-            (Samples::F64(own), Samples::F64(from)) => copied(own, from.get(range)?),
+            (Samples::F32(to), Samples::F32(from)) => copied(to, from.get(range)?),
+            (Samples::F64(to), Samples::F64(from)) => copied(to, from.get(range)?),
             (_, Samples::F32(from)) => *self = Samples::F32(from.get(range)?.to_vec()),
             (_, Samples::F64(from)) => *self = Samples::F64(from.get(range)?.to_vec()),
         }
@@ -65,9 +65,9 @@ impl Samples {
     }
 }
 
-fn copied<T: Copy>(own: &mut Vec<T>, from: &[T]) {
-    own.clear();
-    own.extend_from_slice(from);
+fn copied<T: Copy>(to: &mut Vec<T>, from: &[T]) {
+    to.clear();
+    to.extend_from_slice(from);
 }
 
 /// One channel of a record.
@@ -164,7 +164,7 @@ impl HitInfo {
     }
 }
 
-/// Why samples could not be read: the reader's own error.
+/// The error of the reader that could not read samples.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct ReadError(Arc<dyn std::error::Error + Send + Sync>);
@@ -293,7 +293,10 @@ impl Cut {
         };
         Self {
             hits: pieces.iter().map(hit).collect(),
-            places: pieces.iter().map(|own| (own.0, own.1.start)).collect(),
+            places: pieces
+                .iter()
+                .map(|piece| (piece.0, piece.1.start))
+                .collect(),
             whole,
         }
     }
@@ -324,7 +327,7 @@ pub fn collect(recording: &mut dyn Recording) -> Result<Vec<Hit>, ReadError> {
     let mut hits = Vec::with_capacity(infos.len());
     for (number, info) in infos.into_iter().enumerate() {
         let mut read = |place: ChannelPlace, role: Role| {
-            let own = info.channel(place);
+            let channel_info = info.channel(place);
             let mut samples = Samples::F64(Vec::new());
             let stretch = Stretch {
                 hit: number,
@@ -334,9 +337,9 @@ pub fn collect(recording: &mut dyn Recording) -> Result<Vec<Hit>, ReadError> {
             recording.read(&stretch, &mut samples)?;
             Ok(Channel {
                 role,
-                dof: own.dof.clone(),
-                quantity: own.quantity,
-                to_si: own.to_si,
+                dof: channel_info.dof.clone(),
+                quantity: channel_info.quantity,
+                to_si: channel_info.to_si,
                 samples,
             })
         };

@@ -4,11 +4,11 @@ use num_complex::Complex64;
 
 use super::spectra_sums::LineSums;
 
-/// Coherence below which a line hardly says anything: its variance is that of this one, 10⁶ |H|²/(n
-/// − 1), and finite.
-const LEAST: f64 = 1e-6;
+/// Smallest coherence that a variance is computed from; lines below it get its variance, 10⁶
+/// |H|²/(n − 1), which is finite.
+const MIN_COHERENCE: f64 = 1e-6;
 
-/// Coherence that chance alone gives of hundreds of averages.
+/// Coherence that noise alone gives with hundreds of averages.
 const NONE: f64 = 1e-3;
 
 /// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power
@@ -47,7 +47,7 @@ pub(crate) fn variance_from_coherence(
     let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
     let highest = 1.0 - 0.5 * resolution(coherence);
     let variance = |(h, g): (&Complex64, &f64)| {
-        let gamma_squared = g.clamp(LEAST, highest);
+        let gamma_squared = g.clamp(MIN_COHERENCE, highest);
         let least = if *g <= NONE { mean } else { 0.0 };
         let power = h.norm_sqr().max(least);
         power * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))

@@ -154,8 +154,8 @@ pub fn estimate_recording(
             several_references: explained.is_some(),
             options,
         };
-        let own = functions(recording, &estimation, &mut explained)?;
-        finished.extend(own);
+        let group_frfs = functions(recording, &estimation, &mut explained)?;
+        finished.extend(group_frfs);
     }
     let mut estimated = collect(finished, &power, &cuts, options)?;
     estimated.set.multiple_coherence = explained.map(Explained::coherence).unwrap_or_default();
@@ -178,16 +178,16 @@ struct Powers {
 impl Explained {
     /// Adds a function; one without coherence explains all of itself and says nothing, so it is
     /// left out.
-    fn add(&mut self, own: &Finished) {
-        let Some(coherence) = &own.data.coherence else {
+    fn add(&mut self, frf: &Finished) {
+        let Some(coherence) = &frf.data.coherence else {
             return;
         };
-        let powers = self.responses.entry(own.function.response.clone());
+        let powers = self.responses.entry(frf.function.response.clone());
         let powers = powers.or_default();
         powers.all.resize(coherence.len(), 0.0);
         powers.explained.resize(coherence.len(), 0.0);
         powers.references += 1;
-        let lines = coherence.iter().zip(&own.response_power);
+        let lines = coherence.iter().zip(&frf.response_power);
         let sums = powers.all.iter_mut().zip(&mut powers.explained);
         for ((all, explained), (coherence, power)) in sums.zip(lines) {
             *all += power;
@@ -258,8 +258,8 @@ fn functions(
     let spare: Mutex<Vec<Work>> = Mutex::default();
     let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
     let finish = |task: &Task| {
-        let own = spare().pop();
-        let mut work = own.unwrap_or_else(|| Work::new(estimation.plan));
+        let used_work = spare().pop();
+        let mut work = used_work.unwrap_or_else(|| Work::new(estimation.plan));
         let done = estimation.finish(task, &recording, &mut work);
         spare().push(work);
         done
@@ -268,13 +268,13 @@ fn functions(
     for tasks in tasks.chunks(AT_A_TIME) {
         // Each takes long: no thread takes several at once.
         let done: Vec<_> = tasks.par_iter().with_max_len(1).map(finish).collect();
-        for own in done {
-            let mut own = own?;
+        for frf in done {
+            let mut frf = frf?;
             if let Some(explained) = explained {
-                explained.add(&own);
+                explained.add(&frf);
             }
-            own.response_power = Vec::new();
-            finished.push(own);
+            frf.response_power = Vec::new();
+            finished.push(frf);
         }
     }
     Ok(finished)
@@ -307,10 +307,10 @@ fn collect(
     cuts: &[(usize, f64)],
     options: &EstimateOptions,
 ) -> Result<Estimated, FrfError> {
-    let key = |own: &Finished| {
+    let key = |frf: &Finished| {
         (
-            own.function.response.clone(),
-            own.function.reference.clone(),
+            frf.function.response.clone(),
+            frf.function.reference.clone(),
         )
     };
     finished.sort_by_cached_key(key);
@@ -321,16 +321,16 @@ fn collect(
     set.excited_band = power.excited_band().ok();
     let mut truncation = BTreeMap::new();
     let mut single = 0;
-    for own in finished {
-        let bound = own
+    for frf in finished {
+        let bound = frf
             .energies
             .map_or(Truncation::NOT_DECIDABLE, |e: QuarterEnergies| {
                 e.truncation()
             });
-        truncation.insert(key(&own), bound);
-        single += usize::from(own.function.averages == Some(1));
-        set.findings.extend(own.findings);
-        set.push(own.function, own.data)?;
+        truncation.insert(key(&frf), bound);
+        single += usize::from(frf.function.averages == Some(1));
+        set.findings.extend(frf.findings);
+        set.push(frf.function, frf.data)?;
     }
     set.findings.extend(coherence_absent(single));
     set.findings.extend(force_window_cuts(cuts));
@@ -368,7 +368,7 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
 }
 
 /// Largest part of the force that its window may cut off.
-const MOST_CUT: f64 = 0.01;
+const MAX_CUT_FORCE_FRACTION: f64 = 0.01;
 
 /// One finding for the hit of which the force window cuts off most.
 fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
@@ -378,7 +378,7 @@ fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
         Code::ForceWindowCuts,
         Place::Hit(index + 1),
     );
-    (*cut > MOST_CUT).then(|| finding.value(*cut, "").limit(MOST_CUT))
+    (*cut > MAX_CUT_FORCE_FRACTION).then(|| finding.value(*cut, "").limit(MAX_CUT_FORCE_FRACTION))
 }
 
 fn coherence_absent(functions: usize) -> Option<Finding> {

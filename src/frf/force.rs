@@ -57,8 +57,8 @@ impl ForceHit {
     }
 }
 
-/// Fewest samples after the pulse that are a response: four quarters of eight.
-const FEWEST: usize = 32;
+/// Fewest response samples after the pulse: four quarters of eight.
+const MIN_RESPONSE_SAMPLES: usize = 32;
 
 /// Which samples of each hit are transformed.
 pub(super) struct Extent {
@@ -99,12 +99,12 @@ impl Extent {
         // One pulse at the end of its record would leave no response of the others.
         if let Some(late) = chosen
             .iter()
-            .find(|hit| starts[**hit] + len < ends[**hit] + FEWEST)
+            .find(|hit| starts[**hit] + len < ends[**hit] + MIN_RESPONSE_SAMPLES)
         {
             return Err(FrfError::PulseAtEnd {
                 origin: recording.hits()[*late].origin.clone(),
                 got: len,
-                expected: ends[*late] - starts[*late] + FEWEST,
+                expected: ends[*late] - starts[*late] + MIN_RESPONSE_SAMPLES,
             });
         }
         Ok(Self {

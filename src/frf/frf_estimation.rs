@@ -186,8 +186,8 @@ impl Estimation<'_> {
         if totals.hits.len() == forces.len() {
             work.sums.gff = Arc::clone(&self.group.power);
         } else {
-            let own = totals.hits.iter().map(|hit| &forces[*hit]);
-            work.sums.gff = force_power(own, self.plan.lines());
+            let used_forces = totals.hits.iter().map(|hit| &forces[*hit]);
+            work.sums.gff = force_power(used_forces, self.plan.lines());
         }
         let finished = self.estimate(task, &work.sums, totals)?;
         findings.extend(finished.findings);
@@ -307,11 +307,13 @@ impl Estimation<'_> {
             kind: kind_of(self.group.hits[h], &self.group.hits[h].responses[r])?,
             averages: u32::try_from(n).ok(),
             estimator: Some(estimator),
-            variance_dof: variances.as_ref().map(|own| own.degrees_of_freedom),
+            variance_dof: variances
+                .as_ref()
+                .map(|estimated| estimated.degrees_of_freedom),
         };
         let data = FunctionData {
             coherence,
-            variance: variances.map(|own| own.values),
+            variance: variances.map(|estimated| estimated.values),
             values,
         };
         Ok(Finished {

@@ -31,8 +31,8 @@ pub enum ResponseWindow {
 /// %).
 const WINDOW_END: f64 = 0.01;
 
-/// Truncation error of H above which its sign at a resonance is not judged: two degrees of phase.
-const MOST_TRUNCATED: f64 = 0.035;
+/// Largest truncation error of H at which its sign at a resonance is tested: two degrees of phase.
+const MAX_TRUNCATION_ERROR: f64 = 0.035;
 
 /// How a recorded hammer test becomes FRFs.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -96,12 +96,15 @@ pub fn hammer(
         lo_hz: estimated.set.axis().hz(1),
         hi_hz: 0.0,
     })?;
-    let own = std::mem::take(&mut estimated.set.findings);
+    let estimation_findings = std::mem::take(&mut estimated.set.findings);
     // A response on the rail is found when it is judged and when it is transformed.
-    let new: Vec<Finding> = own.into_iter().filter(|f| !findings.contains(f)).collect();
+    let new: Vec<Finding> = estimation_findings
+        .into_iter()
+        .filter(|f| !findings.contains(f))
+        .collect();
     findings.extend(new);
     // A response that is cut off turns phases at its resonances, as a wrong sign does.
-    let cut_off = |f: &Finding| f.code == Code::Truncated && f.value > Some(MOST_TRUNCATED);
+    let cut_off = |f: &Finding| f.code == Code::Truncated && f.value > Some(MAX_TRUNCATION_ERROR);
     let truncated = findings.iter().any(cut_off);
     let checks = check_set(&estimated.set).into_iter();
     findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
@@ -145,17 +148,17 @@ fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
     let mut findings = Vec::new();
     let points: BTreeSet<_> = hits.iter().map(|hit| hit.reference.clone()).collect();
     for point in points {
-        let own = || {
+        let assessed = || {
             hits.iter()
                 .filter(|hit| hit.reference == point && !hit.stated)
         };
         let none_left = !hits.iter().any(|hit| hit.reference == point && hit.used);
-        if none_left && own().count() > 0 {
+        if none_left && assessed().count() > 0 {
             let place = Place::Function {
                 response: None,
                 reference: Some(point.clone()),
             };
-            let count = own().count() as f64;
+            let count = assessed().count() as f64;
             findings.push(
                 Finding::new(Severity::Warning, Code::NoHitPassed, place).value(count, "hits"),
             );
@@ -172,10 +175,10 @@ fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
 /// One finding for the hit of which the force spectrum falls off first.
 fn roll_off(hits: &[HitReport]) -> Option<Finding> {
     let noted = hits.iter().filter(|hit| hit.used).flat_map(|hit| {
-        let own = hit.checks.iter();
-        let own =
-            own.filter(|check| check.rule == Rule::RollOff && check.outcome == Outcome::Noted);
-        own.filter_map(|check| Some((hit.number, check.at?)))
+        let checks = hit.checks.iter();
+        let checks =
+            checks.filter(|check| check.rule == Rule::RollOff && check.outcome == Outcome::Noted);
+        checks.filter_map(|check| Some((hit.number, check.at?)))
     });
     let (number, at_hz) = noted.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let finding = Finding::new(Severity::Info, Code::ForceRollOff, Place::Hit(number));

@@ -136,8 +136,8 @@ fn run(hits: &[Hit], options: &HammerOptions) -> Hammered {
     hammer(&mut InMemory::new(hits), options).unwrap()
 }
 
-fn used(own: &Hammered) -> Vec<usize> {
-    let used = own.hits.iter().filter(|hit| hit.used);
+fn used(hammered: &Hammered) -> Vec<usize> {
+    let used = hammered.hits.iter().filter(|hit| hit.used);
     used.map(|hit| hit.number).collect()
 }
 
@@ -147,17 +147,17 @@ fn numbers(list: &[usize]) -> BTreeSet<usize> {
 
 #[test]
 fn clean_hits_are_used_as_they_are_and_without_a_window() {
-    let own = run(&hits(|_, _| {}), &HammerOptions::default());
-    assert_eq!(used(&own), [1, 2, 3, 4, 5]);
-    let set = &own.estimated.set;
+    let hammered = run(&hits(|_, _| {}), &HammerOptions::default());
+    assert_eq!(used(&hammered), [1, 2, 3, 4, 5]);
+    let set = &hammered.estimated.set;
     assert!(set.added_damping_rad_s.abs() < 1e-300);
     assert_eq!(set.axis().len, LEN / 2 + 1);
     assert_eq!(
         set,
         &estimate(&hits(|_, _| {}), &EstimateOptions::default())
-            .map(|mut own| {
-                own.findings.clone_from(&set.findings);
-                own
+            .map(|mut hammered| {
+                hammered.findings.clone_from(&set.findings);
+                hammered
             })
             .unwrap()
     );
@@ -170,10 +170,10 @@ fn a_second_contact_is_left_out_unless_the_user_says_otherwise() {
             made.second = Some((300, 0.4));
         }
     });
-    let own = run(&double, &HammerOptions::default());
-    assert_eq!(used(&own), [1, 2, 4, 5]);
-    assert_eq!(own.estimated.set.functions()[0].averages, Some(4));
-    let found = own
+    let hammered = run(&double, &HammerOptions::default());
+    assert_eq!(used(&hammered), [1, 2, 4, 5]);
+    assert_eq!(hammered.estimated.set.functions()[0].averages, Some(4));
+    let found = hammered
         .estimated
         .set
         .findings
@@ -187,9 +187,9 @@ fn a_second_contact_is_left_out_unless_the_user_says_otherwise() {
         reject: numbers(&[1]),
         ..HammerOptions::default()
     };
-    let own = run(&double, &accepted);
-    assert_eq!(used(&own), [2, 3, 4, 5]);
-    assert!(own.hits[0].stated && own.hits[2].stated && !own.hits[1].stated);
+    let hammered = run(&double, &accepted);
+    assert_eq!(used(&hammered), [2, 3, 4, 5]);
+    assert!(hammered.hits[0].stated && hammered.hits[2].stated && !hammered.hits[1].stated);
     let all = HammerOptions {
         keep_all: true,
         ..HammerOptions::default()
@@ -209,9 +209,9 @@ fn clipped_response_is_left_out_of_its_function_alone() {
     })
     .responses
     .remove(1);
-    let own = run(&clipped, &HammerOptions::default());
-    assert_eq!(used(&own), [1, 2, 3, 4, 5]);
-    let averages: Vec<_> = own
+    let hammered = run(&clipped, &HammerOptions::default());
+    assert_eq!(used(&hammered), [1, 2, 3, 4, 5]);
+    let averages: Vec<_> = hammered
         .estimated
         .set
         .functions()
@@ -219,7 +219,7 @@ fn clipped_response_is_left_out_of_its_function_alone() {
         .map(|f| f.averages)
         .collect();
     assert_eq!(averages, [Some(5), Some(4)]);
-    let overloads: Vec<_> = own
+    let overloads: Vec<_> = hammered
         .estimated
         .set
         .findings
@@ -239,8 +239,8 @@ fn clipped_response_is_left_out_of_its_function_alone() {
 #[test]
 fn a_response_that_still_rings_gets_one_window_and_records_that_begin_at_the_hit() {
     let ringing = hits(|_, made| made.time_constants = 1.5);
-    let own = run(&ringing, &HammerOptions::default());
-    let set = &own.estimated.set;
+    let hammered = run(&ringing, &HammerOptions::default());
+    let set = &hammered.estimated.set;
     assert!(set.record_duration_s.unwrap() < (LEN - ONSET + 10) as f64 * STEP_S);
     let falls_to = (-set.added_damping_rad_s * set.record_duration_s.unwrap()).exp();
     assert!((falls_to / 0.01 - 1.0).abs() < 0.1, "{falls_to}");
@@ -262,9 +262,9 @@ fn a_point_of_which_no_hit_passes_keeps_its_hits_and_says_so() {
             made.second = Some((300, 0.5));
         }
     });
-    let own = run(&bad, &HammerOptions::default());
-    assert_eq!(used(&own), [1, 2, 3, 4, 5]);
-    let reported = own
+    let hammered = run(&bad, &HammerOptions::default());
+    assert_eq!(used(&hammered), [1, 2, 3, 4, 5]);
+    let reported = hammered
         .estimated
         .set
         .findings

@@ -143,19 +143,19 @@ pub(super) fn judge(
             .iter()
             .map(|hit| Read::of(recording, *hit, &infos[*hit]))
             .collect::<Result<_, FrfError>>()?;
-        let own: Vec<Result<Judged, FrfError>> = read
+        let block: Vec<Result<Judged, FrfError>> = read
             .par_iter()
             .map_init(
                 || plan.scratch(),
                 |scratch, read| read.judge(&infos[read.hit], &options.limits, (&plan, scratch)),
             )
             .collect();
-        for own in own {
-            judged.push(own?);
+        for hit in block {
+            judged.push(hit?);
         }
     }
     series(&mut judged, &options.limits);
-    let mut reports: Vec<HitReport> = judged.into_iter().map(|own| own.report).collect();
+    let mut reports: Vec<HitReport> = judged.into_iter().map(|hit| hit.report).collect();
     for hit in (0..infos.len()).filter(|hit| !wanted.contains(hit)) {
         reports.push(report(hit, &infos[hit], None, Vec::new()));
     }
@@ -282,14 +282,14 @@ fn spectrum(record: &[f64], (plan, scratch): (&ForwardPlan, &mut Scratch)) -> Ve
 /// Holds the hits of each point that stand by themselves against each other.
 fn series(judged: &mut [Judged], limits: &JudgeLimits) {
     let mut points: BTreeMap<(Dof, Dof), Vec<usize>> = BTreeMap::new();
-    let stands = |own: &Judged| {
-        !own.report
+    let stands = |hit: &Judged| {
+        !hit.report
             .checks
             .iter()
-            .any(|check| own.report.rejects(check))
+            .any(|check| hit.report.rejects(check))
     };
-    for (index, own) in judged.iter().enumerate().filter(|(_, own)| stands(own)) {
-        let key = (own.report.reference.clone(), own.compared.clone());
+    for (index, hit) in judged.iter().enumerate().filter(|(_, hit)| stands(hit)) {
+        let key = (hit.report.reference.clone(), hit.compared.clone());
         points.entry(key).or_default().push(index);
     }
     for hits in points.values() {

@@ -84,8 +84,8 @@ impl<'a> Window<'a> {
         let mean = self.variance.iter().sum::<f64>() / z.len() as f64;
         let found = misfit / (z.len() - UNKNOWNS) as f64;
         let raise = if found > mean { found / mean } else { 1.0 };
-        let spread = |own: usize, others: &[usize]| {
-            let column: Vec<Complex64> = z.iter().map(|z| column(*z, pole, own)).collect();
+        let spread = |term: usize, others: &[usize]| {
+            let column: Vec<Complex64> = z.iter().map(|z| column(*z, pole, term)).collect();
             let g = rest(z, pole, others, &column);
             let pairs = g.iter().zip(self.variance);
             let noise: f64 = match raise.is_finite() {

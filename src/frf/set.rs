@@ -118,8 +118,8 @@ pub struct FrfSet {
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when it is unknown.
     pub valid_band: Option<Band>,
-    /// Where the force excites at all, up to half the sampling rate; above the valid band at the
-    /// reader's own risk.
+    /// Where the force excites at all, up to half the sampling rate. Above the valid band the FRFs
+    /// may be wrong (anti-alias filter).
     pub excited_band: Option<Band>,
     /// Multiple coherence of each response that was measured with several references: `Σ_j γ_j²
     /// Gxx_j / Σ_j Gxx_j`, the part of its power that all references together explain. Hits come

@@ -303,8 +303,9 @@ mod tests {
     #[test]
     fn hits_that_are_added_together_have_the_sums_of_each() {
         for lines in [1, LINES_AT_ONCE, 3 * LINES_AT_ONCE + 5] {
-            let spectrum = |own: usize| -> Vec<Complex64> {
-                let value = |line: usize| Complex64::cis((own * line) as f64) * (own + line) as f64;
+            let spectrum = |seed: usize| -> Vec<Complex64> {
+                let value =
+                    |line: usize| Complex64::cis((seed * line) as f64) * (seed + line) as f64;
                 (0..lines).map(value).collect()
             };
             let spectra: Vec<_> = (1..4).map(|h| (spectrum(h), spectrum(h + 10))).collect();

@@ -58,12 +58,12 @@ pub(super) struct Averaged<'a> {
 /// - One: `(Sxx + |H|² Sff) / |F|²` with the white noise found before the hit; `None` where that is
 ///   not known.
 pub(super) fn variances(
-    own: &Averaged,
+    averaged: &Averaged,
     pooled_lines: f64,
     noise: &NoisePowers,
 ) -> Option<Variances> {
-    let freedom = own.averages as f64 - 1.0;
-    match own.averages {
+    let freedom = averaged.averages as f64 - 1.0;
+    match averaged.averages {
         0 => None,
         1 => {
             let (response, force) = (noise.response?, noise.force?);
@@ -71,27 +71,27 @@ pub(super) fn variances(
                 (response + value.norm_sqr() * force) / sums.gff
             };
             Some(Variances {
-                values: own.sums.iter().zip(own.values).map(of).collect(),
+                values: averaged.sums.iter().zip(averaged.values).map(of).collect(),
                 degrees_of_freedom: noise.samples as f64 - 1.0,
             })
         }
-        averages if averages <= FEW_HITS && own.values.len() > POOLED + 2 => {
-            let lines = own.sums.iter().zip(own.coherence);
+        averages if averages <= FEW_HITS && averaged.values.len() > POOLED + 2 => {
+            let lines = averaged.sums.iter().zip(averaged.coherence);
             let powers: Vec<f64> = lines
                 .map(|(sums, coherence)| residual_power(sums, *coherence))
                 .collect();
-            let lines = own.sums.iter().zip(pooled(&powers));
+            let lines = averaged.sums.iter().zip(pooled(&powers));
             let mut values: Vec<f64> = lines
                 .map(|(sums, power)| power / (sums.gff * freedom))
                 .collect();
-            own.scale(&mut values);
+            averaged.scale(&mut values);
             Some(Variances {
                 values,
                 degrees_of_freedom: 2.0 * freedom * pooled_lines,
             })
         }
         _ => Some(Variances {
-            values: own.scatters(freedom),
+            values: averaged.scatters(freedom),
             degrees_of_freedom: 2.0 * freedom,
         }),
     }
@@ -228,17 +228,17 @@ mod tests {
         (estimator, averages): (Estimator, usize),
         noise: &NoisePowers,
     ) -> Option<Variances> {
-        let values = lines.iter().map(|own| own.estimate(estimator, 0.0));
+        let values = lines.iter().map(|sums| sums.estimate(estimator, 0.0));
         let values: Vec<Complex64> = values.collect::<Result<_, _>>().unwrap();
-        let coherence: Vec<f64> = lines.iter().map(|own| coherence(*own)).collect();
-        let own = Averaged {
+        let coherence: Vec<f64> = lines.iter().map(|sums| coherence(*sums)).collect();
+        let averaged = Averaged {
             sums: &Sums::from(lines),
             values: &values,
             is_h1: estimator == Estimator::H1,
             coherence: &coherence,
             averages,
         };
-        variances(&own, 5.0, noise)
+        variances(&averaged, 5.0, noise)
     }
 
     /// Variance of one line of more than three hits.
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn the_variance_of_h2_has_its_own_magnitude() {
+    fn the_variance_of_h2_scales_with_the_magnitude_of_h2() {
         let sums = sums(&hits());
         let (h1, h2) = (Estimator::H1, Estimator::H2);
         let value = |e| sums.estimate(e, 0.0).unwrap();
@@ -328,9 +328,9 @@ mod tests {
             force: Some(0.01),
             samples: 51,
         };
-        let own = one(&noise).unwrap();
-        assert!((own.values[0] - (0.02 + 9.0 * 0.01) / 4.0).abs() < 1e-15);
-        assert!((own.degrees_of_freedom - 50.0).abs() < 1e-12);
+        let single = one(&noise).unwrap();
+        assert!((single.values[0] - (0.02 + 9.0 * 0.01) / 4.0).abs() < 1e-15);
+        assert!((single.degrees_of_freedom - 50.0).abs() < 1e-12);
     }
 
     #[test]
@@ -343,13 +343,13 @@ mod tests {
             })
             .collect();
         let of = |averages| of_lines(&sums, (Estimator::H1, averages), &UNKNOWN).unwrap();
-        let own = of(3);
+        let few = of(3);
         // Residual powers 1 2 1 2 1 about an even line, 2 1 2 1 2 about an odd one.
-        assert!((own.values[10] - 7.0 / 5.0 / 4.0).abs() < 1e-15);
-        assert!((own.values[11] - 8.0 / 5.0 / 4.0).abs() < 1e-15);
+        assert!((few.values[10] - 7.0 / 5.0 / 4.0).abs() < 1e-15);
+        assert!((few.values[11] - 8.0 / 5.0 / 4.0).abs() < 1e-15);
         // The first line is in no mean: lines 1 to 5 stand for it.
-        assert!((own.values[0] - own.values[3]).abs() < 1e-15);
-        assert!((own.degrees_of_freedom - 20.0).abs() < 1e-12);
+        assert!((few.values[0] - few.values[3]).abs() < 1e-15);
+        assert!((few.degrees_of_freedom - 20.0).abs() < 1e-12);
         let many = of(4);
         assert!((many.values[11] - 2.0 / (2.0 * 3.0)).abs() < 1e-15);
         assert!((many.degrees_of_freedom - 6.0).abs() < 1e-12);

@@ -46,7 +46,7 @@ impl Window {
 
     /// The window of this name, an alias (`rectangular`, `uniform`, `hann`) included.
     pub fn from_name(name: &str) -> Option<Self> {
-        let names = WINDOWS.iter().map(|(window, own)| (*own, *window));
+        let names = WINDOWS.iter().map(|(window, name)| (*name, *window));
         let mut names = names.chain(ALIASES);
         names.find(|row| row.0 == name).map(|row| row.1)
     }

@@ -193,12 +193,12 @@ fn equilibration(a: MatRef<'_, f64>) -> Vec<f64> {
         let entries = scale.iter().enumerate().map(|(j, d)| d * a[(j, i)].abs());
         let size = entries.fold(0.0, f64::max);
         let size = a[(i, i)].abs().sqrt().max(0.5 * size);
-        let own = if size > 0.0 {
+        let factor = if size > 0.0 {
             exact_reciprocal(size)
         } else {
             1.0
         };
-        scale.push(own.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE));
+        scale.push(factor.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE));
     }
     scale
 }
@@ -442,10 +442,10 @@ mod tests {
             ([-500, -500], 300),
             ([500, 500], -300),
         ] {
-            let own = |i: usize| f64::from(exponents[i % 2]).exp2();
-            let a = real_matrix(30, 30, |i, j| a[(i, j)] * (own(i) * own(j)));
+            let factor = |i: usize| f64::from(exponents[i % 2]).exp2();
+            let a = real_matrix(30, 30, |i, j| a[(i, j)] * (factor(i) * factor(j)));
             let x = real_matrix(30, x.ncols(), |i, j| {
-                x[(i, j)] / own(i) * f64::from(vectors).exp2()
+                x[(i, j)] / factor(i) * f64::from(vectors).exp2()
             });
             let forms = quadratic_forms(a.as_ref(), x.as_ref());
             let back = f64::from(-2 * vectors).exp2();

@@ -370,7 +370,7 @@ impl<'a> Run<'a> {
     fn widen(&mut self, count: usize) {
         let n = self.mass.size();
         let count = count.min(n - self.filled - self.next.ncols());
-        let own = self.next.ncols();
+        let kept = self.next.ncols();
         let mut fresh = Mat::from_fn(n, count, |_, _| 0.0);
         for (i, j) in (0..count).flat_map(|j| (0..n).map(move |i| (i, j))) {
             fresh[(i, j)] = self.random.next();
@@ -378,11 +378,11 @@ impl<'a> Run<'a> {
         fresh = self.mass.multiply(&fresh);
         self.factor.solve(&mut fresh);
         self.project_out(&mut fresh);
-        let all = Mat::from_fn(n, own + count, |i, j| {
-            if j < own {
+        let all = Mat::from_fn(n, kept + count, |i, j| {
+            if j < kept {
                 self.next[(i, j)]
             } else {
-                fresh[(i, j - own)]
+                fresh[(i, j - kept)]
             }
         });
         let before = self.norms(&all);
@@ -413,10 +413,11 @@ impl<'a> Run<'a> {
         let residuals = &self.remainder * last;
         let largest = theta.last().copied().unwrap_or(0.0);
         let converged = (0..m).take_while(|&j| {
-            let own = theta[m - 1 - j];
+            let ritz = theta[m - 1 - j];
             let column = (0..residuals.nrows()).map(|i| residuals[(i, j)].powi(2));
             // Theta is not known better than the rounding of the largest.
-            own > 0.0 && column.sum::<f64>().sqrt() <= (CONVERGED * own).max(f64::EPSILON * largest)
+            ritz > 0.0
+                && column.sum::<f64>().sqrt() <= (CONVERGED * ritz).max(f64::EPSILON * largest)
         });
         Ok(Ritz {
             converged: converged.count(),

@@ -18,18 +18,18 @@ pub fn less_product(
     then: impl Fn(usize, &mut [Complex64]) + Sync,
 ) -> ComplexMatrix {
     let mut whole = Mat::zeros(b.nrows(), b.ncols());
-    let of_block = |(number, mut own): (usize, MatMut<'_, Complex64>)| {
-        let (first, count) = (number * COLUMNS, own.ncols());
-        own.copy_from(b.subcols(first, count));
+    let of_block = |(number, mut block): (usize, MatMut<'_, Complex64>)| {
+        let (first, count) = (number * COLUMNS, block.ncols());
+        block.copy_from(b.subcols(first, count));
         faer::linalg::matmul::matmul(
-            own.as_mut(),
+            block.as_mut(),
             faer::Accum::Add,
             a.as_ref(),
             c.subcols(first, count),
             -Complex64::ONE,
             faer::Par::Seq,
         );
-        each_column((first, own), &then);
+        each_column((first, block), &then);
     };
     let blocks = blocks(&mut whole);
     blocks.into_par_iter().enumerate().for_each(of_block);
@@ -38,7 +38,7 @@ pub fn less_product(
 
 /// Does something to every column, with its number, in the caller's pool.
 pub fn by_column(matrix: &mut ComplexMatrix, then: impl Fn(usize, &mut [Complex64]) + Sync) {
-    let of_block = |(number, own)| each_column((number * COLUMNS, own), &then);
+    let of_block = |(number, block)| each_column((number * COLUMNS, block), &then);
     let blocks = blocks(matrix);
     blocks.into_par_iter().enumerate().for_each(of_block);
 }
@@ -48,8 +48,8 @@ fn blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
     let mut left = matrix.as_mut();
     while left.ncols() > 0 {
         let count = COLUMNS.min(left.ncols());
-        let (own, others) = left.split_at_col_mut(count);
-        blocks.push(own);
+        let (block, others) = left.split_at_col_mut(count);
+        blocks.push(block);
         left = others;
     }
     blocks
@@ -60,9 +60,9 @@ fn each_column(
     then: &impl Fn(usize, &mut [Complex64]),
 ) {
     for (place, column) in block.col_iter_mut().enumerate() {
-        let own = column.try_as_col_major_mut();
-        let own = own.expect("columns of an owned matrix are contiguous");
-        then(first + place, own.as_slice_mut());
+        let entries = column.try_as_col_major_mut();
+        let entries = entries.expect("columns of an owned matrix are contiguous");
+        then(first + place, entries.as_slice_mut());
     }
 }
 
@@ -109,12 +109,12 @@ mod tests {
         add_square(&mut sum, &a);
         for i in 0..3 {
             for j in 0..3 {
-                let own = if i >= j {
+                let expected = if i >= j {
                     whole[(i, j)]
                 } else {
                     Complex64::ZERO
                 };
-                assert!((sum[(i, j)] - Complex64::I - own).norm() < 1e-12);
+                assert!((sum[(i, j)] - Complex64::I - expected).norm() < 1e-12);
             }
         }
     }

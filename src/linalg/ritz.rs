@@ -87,12 +87,12 @@ impl Ritz {
         let Goal::Below { limit, count } = *goal else {
             return Ok(None);
         };
-        let own = self.below(limit);
-        match own.cmp(&count) {
+        let found = self.below(limit);
+        match found.cmp(&count) {
             std::cmp::Ordering::Less => Ok(None),
             std::cmp::Ordering::Equal => Ok(Some((count, limit))),
             std::cmp::Ordering::Greater => Err(LinalgError::ModesMissing {
-                found: own,
+                found: found,
                 needed: count,
             }),
         }

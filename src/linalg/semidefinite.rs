@@ -139,8 +139,8 @@ pub fn solve_sparse_definite(a: &SparseMatrix, b: &RealMatrix) -> Result<RealMat
 /// The diagonal of a matrix, 1 where it is 0.
 fn scale(a: &SparseMatrix) -> Result<SparseMatrix, LinalgError> {
     let entry = |i: usize| {
-        let own = a.get(i, i).abs();
-        (i, i, if own > 0.0 { own } else { 1.0 })
+        let diagonal = a.get(i, i).abs();
+        (i, i, if diagonal > 0.0 { diagonal } else { 1.0 })
     };
     SparseMatrix::from_entries(a.size(), &(0..a.size()).map(entry).collect::<Vec<_>>())
 }

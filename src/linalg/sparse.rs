@@ -105,26 +105,28 @@ impl SparseMatrix {
 
     /// The entry at a place, 0 where none is kept.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        let own = self.starts[column]..self.starts[column + 1];
-        let found = self.rows[own.clone()].binary_search(&row);
-        found.map_or(0.0, |at| self.values[own.start + at])
+        let stored = self.starts[column]..self.starts[column + 1];
+        let found = self.rows[stored.clone()].binary_search(&row);
+        found.map_or(0.0, |at| self.values[stored.start + at])
     }
 
     /// `A X`.
     pub fn multiply(&self, x: &RealMatrix) -> RealMatrix {
         let mut product = Mat::zeros(self.size, x.ncols());
         for column in 0..x.ncols() {
-            let own = product.col_mut(column);
-            let own = own.try_as_col_major_mut().expect("a matrix of columns");
-            self.add_product(x.col(column).iter(), own.as_slice_mut());
+            let product_column = product.col_mut(column);
+            let product_column = product_column
+                .try_as_col_major_mut()
+                .expect("a matrix of columns");
+            self.add_product(x.col(column).iter(), product_column.as_slice_mut());
         }
         product
     }
 
     fn add_product<'a>(&self, x: impl Iterator<Item = &'a f64>, out: &mut [f64]) {
         for (ends, factor) in self.starts.windows(2).zip(x) {
-            let own = ends[0]..ends[1];
-            for (row, value) in self.rows[own.clone()].iter().zip(&self.values[own]) {
+            let stored = ends[0]..ends[1];
+            for (row, value) in self.rows[stored.clone()].iter().zip(&self.values[stored]) {
                 out[*row] += value * factor;
             }
         }
@@ -218,10 +220,10 @@ impl Pencil {
         let (mut starts, mut rows) = (vec![0], Vec::new());
         let (mut k, mut m) = (Vec::new(), Vec::new());
         for column in 0..size {
-            let mut own = lower_column(stiffness, column).peekable();
-            let mut other = lower_column(mass, column).peekable();
+            let mut in_stiffness = lower_column(stiffness, column).peekable();
+            let mut in_mass = lower_column(mass, column).peekable();
             loop {
-                let row = match (own.peek(), other.peek()) {
+                let row = match (in_stiffness.peek(), in_mass.peek()) {
                     (Some((a, _)), Some((b, _))) => *a.min(b),
                     (Some((a, _)), None) => *a,
                     (None, Some((b, _))) => *b,
@@ -229,8 +231,8 @@ impl Pencil {
                 };
                 let value = |next: Option<(usize, f64)>| next.map_or(0.0, |(_, value)| value);
                 rows.push(row);
-                k.push(value(own.next_if(|(a, _)| *a == row)));
-                m.push(value(other.next_if(|(b, _)| *b == row)));
+                k.push(value(in_stiffness.next_if(|(a, _)| *a == row)));
+                m.push(value(in_mass.next_if(|(b, _)| *b == row)));
             }
             starts.push(rows.len());
         }
@@ -298,7 +300,7 @@ impl Pencil {
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`].
     pub fn cholesky(&self, factor: f64, shift: f64) -> Result<Cholesky<'_>, LinalgError> {
-        let own = self.combined(factor, shift);
+        let combined = self.combined(factor, shift);
         let diagonal = self.diagonal_terms(factor, shift);
         let mut values = vec![0.0; self.symbolic.len_val()];
         let scratch = self
@@ -306,7 +308,7 @@ impl Pencil {
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let factored = self.symbolic.factorize_numeric_llt(
             &mut values,
-            self.matrix(&own),
+            self.matrix(&combined),
             Side::Lower,
             Default::default(),
             Par::Seq,
@@ -321,7 +323,7 @@ impl Pencil {
             pencil: self,
             values,
         };
-        let checked = (&self.symmetric(&own), diagonal.as_slice());
+        let checked = (&self.symmetric(&combined), diagonal.as_slice());
         verify::sparse_factor(verify::CHOLESKY, checked, |x| factor.solve(x))?;
         Ok(factor)
     }
@@ -365,7 +367,7 @@ impl Pencil {
     /// # Errors
     /// As [`Pencil::count_below`].
     pub fn indefinite(&self, shift: f64) -> Result<Indefinite<'_>, LinalgError> {
-        let own = self.combined(1.0, shift);
+        let combined = self.combined(1.0, shift);
         let mut factor = Indefinite {
             pencil: self,
             values: vec![0.0; self.symbolic.len_val()],
@@ -381,7 +383,7 @@ impl Pencil {
             &mut factor.subdiagonal,
             &mut factor.forward,
             &mut factor.inverse,
-            self.matrix(&own),
+            self.matrix(&combined),
             Side::Lower,
             Par::Seq,
             MemStack::new(&mut MemBuffer::new(scratch)),
@@ -397,7 +399,7 @@ impl Pencil {
             });
         }
         let diagonal = self.diagonal_terms(1.0, shift);
-        let checked = (&self.symmetric(&own), diagonal.as_slice());
+        let checked = (&self.symmetric(&combined), diagonal.as_slice());
         verify::sparse_factor(verify::INERTIA, checked, |x| factor.solve(x))?;
         Ok(factor)
     }
@@ -454,8 +456,8 @@ impl Indefinite<'_> {
 }
 
 fn lower_column(a: &SparseMatrix, column: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let own = a.starts[column]..a.starts[column + 1];
-    let pairs = own.map(|p| (a.rows[p], a.values[p]));
+    let stored = a.starts[column]..a.starts[column + 1];
+    let pairs = stored.map(|p| (a.rows[p], a.values[p]));
     pairs.filter(move |(row, _)| *row >= column)
 }
 

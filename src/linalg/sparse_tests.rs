@@ -9,12 +9,12 @@ fn bar(nodes: usize, free: bool, diagonal: f64, beside: f64) -> Vec<(usize, usiz
     let mut entries = Vec::new();
     for i in 0..nodes {
         let end = i == 0 || i == nodes - 1;
-        let own = if end && free {
+        let entry = if end && free {
             0.5 * diagonal
         } else {
             diagonal
         };
-        entries.push((i, i, own));
+        entries.push((i, i, entry));
         if i + 1 < nodes {
             entries.extend([(i, i + 1, beside), (i + 1, i, beside)]);
         }
@@ -41,8 +41,8 @@ fn product(nodes: usize, dimensions: u32, free: bool) -> (SparseMatrix, SparseMa
     let h = spacing(nodes, free);
     let k1 = bar(nodes, free, 2.0 / h, -1.0 / h);
     let m1 = bar(nodes, free, 4.0 * h / 6.0, h / 6.0);
-    let factor = |own: &dyn Fn(u32) -> Vec<(usize, usize, f64)>| {
-        (1..dimensions).fold(own(0), |all, d| kronecker(&all, &own(d), nodes))
+    let factor = |direction: &dyn Fn(u32) -> Vec<(usize, usize, f64)>| {
+        (1..dimensions).fold(direction(0), |all, d| kronecker(&all, &direction(d), nodes))
     };
     let size = nodes.pow(dimensions);
     let stiffness: Vec<(usize, usize, f64)> = (0..dimensions)
@@ -105,10 +105,10 @@ fn check(nodes: usize, dimensions: u32, free: bool, wanted: usize) -> SparseMode
     let found = modes.omega_squared.len();
     assert!(found >= wanted.min(exact.len()), "{found}");
     let elastic = exact.iter().find(|value| **value > 1e-6).unwrap();
-    for (own, exact) in modes.omega_squared.iter().zip(&exact) {
+    for (value, exact) in modes.omega_squared.iter().zip(&exact) {
         assert!(
-            (own - exact).abs() < 1e-10 * exact.max(*elastic),
-            "{own} {exact}"
+            (value - exact).abs() < 1e-10 * exact.max(*elastic),
+            "{value} {exact}"
         );
     }
     let (residual, off) = quality(&k, &m, &modes);
@@ -143,9 +143,9 @@ fn six_rigid_body_modes_are_one_root_however_few_are_wanted() {
     // Six free bars of 40 nodes that do not touch, of stiffness 1 to 1e8 and as heavy as that.
     let (nodes, bars) = (40, 6);
     let part = |(bar, scale): (usize, f64), entries: &[(usize, usize, f64)]| {
-        let own = entries.iter();
-        let own = own.map(|&(i, j, v)| (bar * nodes + i, bar * nodes + j, scale * v));
-        own.collect::<Vec<_>>()
+        let shifted = entries.iter();
+        let shifted = shifted.map(|&(i, j, v)| (bar * nodes + i, bar * nodes + j, scale * v));
+        shifted.collect::<Vec<_>>()
     };
     let (k, m) = (
         bar(nodes, true, 2.0, -1.0),
@@ -343,11 +343,11 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     }
     // A factor of another matrix.
     let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
-    let own = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
-    let diagonal: Vec<f64> = (0..m.size()).map(|i| own.get(i, i).abs()).collect();
-    let own = (&own, diagonal.as_slice());
-    verify::sparse_factor(verify::CHOLESKY, own, |x| factor.solve(x)).unwrap();
-    let wrong = verify::sparse_factor(verify::CHOLESKY, own, |x| other.solve(x));
+    let sum = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
+    let diagonal: Vec<f64> = (0..m.size()).map(|i| sum.get(i, i).abs()).collect();
+    let checked = (&sum, diagonal.as_slice());
+    verify::sparse_factor(verify::CHOLESKY, checked, |x| factor.solve(x)).unwrap();
+    let wrong = verify::sparse_factor(verify::CHOLESKY, checked, |x| other.solve(x));
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 

@@ -47,8 +47,8 @@ pub fn mean_phase_deviation(shape: &[Complex64]) -> Option<f64> {
     let turn = Complex64::cis(-mean_phase(shape)?);
     let weights: f64 = shape.iter().map(|v| v.norm()).sum();
     let angle = |v: &Complex64| {
-        let own = v * turn;
-        v.norm() * own.im.abs().atan2(own.re.abs())
+        let turned = v * turn;
+        v.norm() * turned.im.abs().atan2(turned.re.abs())
     };
     (shape.len() >= 2).then(|| shape.iter().map(angle).sum::<f64>() / weights)
 }

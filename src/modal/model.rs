@@ -34,7 +34,7 @@ impl Scaling {
     /// The scaling of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         let all = [Scaling::UnitModalMass, Scaling::UnitMax, Scaling::Unknown];
-        all.into_iter().find(|own| own.name() == name)
+        all.into_iter().find(|scaling| scaling.name() == name)
     }
 }
 

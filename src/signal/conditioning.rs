@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::axis::TimeAxis;
 use crate::record::{ChannelInfo, HitInfo, Samples};
 
-use super::pulse::FEWEST_QUIET;
+use super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::{
     ExponentialWindow, Extent, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError,
 };
@@ -191,7 +191,7 @@ pub fn offset_of(
                 origin: hit.origin.clone(),
                 dof: channel.dof.clone(),
                 got: pulse.quiet().len(),
-                expected: FEWEST_QUIET,
+                expected: MIN_PRETRIGGER_SAMPLES,
             });
         }
     };

@@ -28,7 +28,7 @@ const BOUNCE_SHARE: f64 = 0.05;
 const PRETRIGGER_SHARE: f64 = 0.02;
 /// Fewest samples before the pulse: twice what a mean and a variance need, less the guard of a rise
 /// time.
-const FEWEST_PRETRIGGER: usize = 16;
+const MIN_PRETRIGGER_SAMPLES: usize = 16;
 
 /// What a number must be, and between which two it then lies.
 const POSITIVE: (&str, f64, f64) = ("a positive finite number", 0.0, f64::INFINITY);
@@ -313,7 +313,7 @@ impl Plan {
         let left = self.end - self.hits.last().copied().unwrap_or(self.end);
         let pretrigger = pretrigger.unwrap_or_else(|| {
             let share = PRETRIGGER_SHARE / (1.0 - PRETRIGGER_SHARE);
-            self.own_pretrigger((share * left as f64) as usize)
+            self.limited_pretrigger((share * left as f64) as usize)
         });
         let rest = left + pretrigger;
         let distances = self.hits.windows(2).map(|w| w[1] - w[0]);
@@ -325,9 +325,9 @@ impl Plan {
     }
 
     /// Not less than the fewest samples, not more than lie between two hits.
-    fn own_pretrigger(&self, share: usize) -> usize {
+    fn limited_pretrigger(&self, share: usize) -> usize {
         share
-            .max(FEWEST_PRETRIGGER)
+            .max(MIN_PRETRIGGER_SAMPLES)
             .min(self.quiet.unwrap_or(usize::MAX))
     }
 
@@ -338,7 +338,7 @@ impl Plan {
         step_s: f64,
     ) -> Result<usize, SignalError> {
         let share = (PRETRIGGER_SHARE * length as f64).round() as usize;
-        let pretrigger = stated.unwrap_or_else(|| self.own_pretrigger(share).min(length - 1));
+        let pretrigger = stated.unwrap_or_else(|| self.limited_pretrigger(share).min(length - 1));
         if pretrigger >= length || self.quiet.is_some_and(|quiet| pretrigger > quiet) {
             return Err(SignalError::WindowParameter {
                 parameter: "pretrigger_s",

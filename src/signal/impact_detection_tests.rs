@@ -149,7 +149,7 @@ fn a_pretrigger_does_not_reach_into_the_contact_before() {
     let cut = segments(&recording.force(), STEP_S, &options);
     assert!(
         cut.is_ok(),
-        "the contact at 2,950 opens its own record: {cut:?}"
+        "the contact at 2,950 opens a new record: {cut:?}"
     );
     let options = TriggerOptions {
         length_s: Some(0.196),
@@ -163,11 +163,11 @@ fn a_pretrigger_does_not_reach_into_the_contact_before() {
             ..
         }
     ));
-    let own = TriggerOptions {
+    let automatic = TriggerOptions {
         pretrigger_s: None,
         ..options
     };
-    let cut = recording.cut(&own);
+    let cut = recording.cut(&automatic);
     let before = cut.segments[1].onset - cut.segments[1].range.start;
     assert!((28..=32).contains(&before), "{before}");
 }

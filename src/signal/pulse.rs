@@ -14,7 +14,7 @@ use super::lane_sum;
 pub const ONSET_FRACTION: f64 = 0.05;
 
 /// Fewest quiet samples that give a mean and a variance.
-pub(super) const FEWEST_QUIET: usize = 8;
+pub(super) const MIN_PRETRIGGER_SAMPLES: usize = 8;
 
 /// The hammer pulse of one force record, as sample numbers from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Pulse {
     pub fn locate(force_n: &[f64], fraction: f64) -> Option<Self> {
         let middle = median(force_n)?;
         let peak = largest(force_n, middle)?;
-        let level_n = if peak >= FEWEST_QUIET {
+        let level_n = if peak >= MIN_PRETRIGGER_SAMPLES {
             median(&force_n[..peak])?
         } else {
             middle
@@ -112,7 +112,7 @@ impl PreTrigger {
     ///
     /// Noise slower than the quiet stretch shows in the mean, not in the variance.
     pub fn of(quiet: &[f64]) -> Option<Self> {
-        if quiet.len() < FEWEST_QUIET {
+        if quiet.len() < MIN_PRETRIGGER_SAMPLES {
             return None;
         }
         let n = quiet.len() as f64;

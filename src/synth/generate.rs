@@ -1,5 +1,5 @@
-//! A checked plan becomes hits: closed form, then noise and faults, each channel with its own
-//! random numbers.
+//! Hits are computed from a checked plan: the response in closed form, then noise and faults, with
+//! separate random numbers for each channel.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -15,10 +15,10 @@ use super::truth::{Pair, Truth, checked_pole};
 /// A pole of the structure nearer than this to one of the filter, relative to the latter, is
 /// refused: the two partial fractions grow like the inverse distance and cancel, and would leave
 /// fewer than 12 digits.
-const LEAST_POLE_DISTANCE: f64 = 1e-4;
+const MIN_RELATIVE_POLE_DISTANCE: f64 = 1e-4;
 
-/// What a test may hold in memory, samples.
-const MOST_SAMPLES: f64 = 1e9;
+/// Largest number of samples of a test, which are all in memory.
+const MAX_TEST_SAMPLES: f64 = 1e9;
 
 /// One hit point with the responses that are sampled with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,7 +187,7 @@ impl HammerTest {
             Range {
                 name: "samples of the whole test",
                 got: self.total_samples(),
-                inside: self.total_samples() <= MOST_SAMPLES,
+                inside: self.total_samples() <= MAX_TEST_SAMPLES,
                 expected: "at most 1e9 (8 GB in memory)",
                 unit: "",
             },
@@ -327,11 +327,11 @@ impl HammerTest {
                 .iter()
                 .map(|q| (lambda - q).norm() / q.norm());
             let got = distances.fold(f64::INFINITY, f64::min);
-            if got < LEAST_POLE_DISTANCE {
+            if got < MIN_RELATIVE_POLE_DISTANCE {
                 return Err(SynthError::PoleOnFilterPole {
                     mode: i + 1,
                     got,
-                    expected: LEAST_POLE_DISTANCE,
+                    expected: MIN_RELATIVE_POLE_DISTANCE,
                 });
             }
             lowest_mode_hz = lowest_mode_hz.min(mode.frequency_hz);

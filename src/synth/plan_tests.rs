@@ -1,4 +1,4 @@
-//! Every argument of a plan that can be wrong is refused by its own error.
+//! A specific error refuses each wrong argument of a plan.
 
 use super::test_systems::{clean_test, dof, free, truth};
 use super::{HammerTest, Quantisation, SecondContact, SynthError};

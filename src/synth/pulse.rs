@@ -7,8 +7,8 @@ use rand::Rng;
 use rand::distr::Open01;
 use rand_chacha::ChaCha8Rng;
 
-/// Half-sine pulses as stated: every hit draws its own peak and duration, uniformly within `value
-/// (1 ± spread)`.
+/// Half-sine pulses as stated: peak and duration of each hit are drawn uniformly within `value (1 ±
+/// spread)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
     /// Mean peak force, N.

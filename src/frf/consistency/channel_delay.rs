@@ -14,18 +14,18 @@ use super::mobility::Mobilities;
 use crate::frf::local_pole::{LocalPole, Window};
 use crate::frf::peaks::{Peak, clear_peaks};
 
-/// Lines between half-power points that a fit of one resonance needs.
-pub(super) const FEWEST_LINES: f64 = 5.0;
+/// Fewest lines between half-power points for the fit of one resonance.
+pub(super) const MIN_LINES_PER_BANDWIDTH: f64 = 5.0;
 /// Half-power widths fitted on each side of a peak.
-pub(super) const REACH_WIDTHS: f64 = 1.0;
-/// Fewest resonances of one response: two fix a line through the origin with a scatter, the third
-/// tells them from chance.
-const FEWEST_PEAKS: usize = 3;
-/// Standard deviation of a phase beyond which its resonance is left out, rad: where it wraps round
-/// by noise.
-const MOST_PHASE_DEVIATION: f64 = 0.1;
-/// Delays are sought up to so many sampling intervals, both ways.
-const REACH_SAMPLES: f64 = 4.0;
+pub(super) const FIT_HALF_WIDTH_BANDWIDTHS: f64 = 1.0;
+/// Fewest resonances of one response: two determine a line through the origin with its scatter, the
+/// third tests it against chance.
+const MIN_PEAKS: usize = 3;
+/// Largest standard deviation of a phase, rad; above it noise may wrap the phase, and the resonance
+/// is not used.
+const MAX_PHASE_STD_RAD: f64 = 0.1;
+/// Largest delay of the search, sampling intervals, of both signs.
+const MAX_DELAY_SAMPLES: f64 = 4.0;
 /// Steps per interval: a quarter of the limit.
 const STEPS_PER_SAMPLE: f64 = 16.0;
 /// Mean `1 − cos 2r` of the residual phases by which two delays are as good as each other: what
@@ -107,7 +107,7 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
     let (values, variance) = (data.values(i), data.variance(i));
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data.noise(i).iter().map(|noise| CLEAR * noise).collect();
-    let peaks = clear_peaks(&power, &floor, FEWEST_LINES);
+    let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
     let whole = (
         data.omega.as_slice(),
         values.as_slice(),
@@ -119,7 +119,7 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
         phase: pole.residue.arg(),
         variance: pole.phase_variance,
     };
-    let known = MOST_PHASE_DEVIATION * MOST_PHASE_DEVIATION;
+    let known = MAX_PHASE_STD_RAD * MAX_PHASE_STD_RAD;
     let fits = peaks.iter().filter_map(fit);
     fits.filter(|pole| pole.phase_variance < known && pole.background < 0.5)
         .map(phase)
@@ -128,18 +128,18 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
 
 /// The lines that a fit of one resonance uses; `None` when the band ends within them.
 pub(super) fn reach(peak: &Peak, lines: usize) -> Option<std::ops::Range<usize>> {
-    let first = peak.lower - (REACH_WIDTHS - 0.5) * peak.width();
-    let end = peak.upper + (REACH_WIDTHS - 0.5) * peak.width() + 1.0;
+    let first = peak.lower - (FIT_HALF_WIDTH_BANDWIDTHS - 0.5) * peak.width();
+    let end = peak.upper + (FIT_HALF_WIDTH_BANDWIDTHS - 0.5) * peak.width() + 1.0;
     (first >= 0.0 && end <= lines as f64).then(|| first.ceil() as usize..end.floor() as usize)
 }
 
 /// The smallest delay that explains the phases as well as any does.
 fn delay(phases: &[Phase], interval_s: f64) -> Option<Delay> {
-    if phases.len() < FEWEST_PEAKS {
+    if phases.len() < MIN_PEAKS {
         return None;
     }
     let step_s = interval_s / STEPS_PER_SAMPLE;
-    let steps = (REACH_SAMPLES * STEPS_PER_SAMPLE) as i32;
+    let steps = (MAX_DELAY_SAMPLES * STEPS_PER_SAMPLE) as i32;
     let cost = |step: i32| {
         let tau = f64::from(step) * step_s;
         let cosines = phases

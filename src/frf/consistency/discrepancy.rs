@@ -68,7 +68,7 @@ fn largest_ratio(lines: f64, averages: f64) -> f64 {
 /// Relative difference at clear resonances that no calibration makes.
 const GROSS: f64 = 0.3;
 /// Lines between the half-power points of a resonance at which functions are compared.
-const FEWEST_LINES: f64 = 3.0;
+const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 
 /// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s
 /// mobility.
@@ -81,7 +81,7 @@ pub(super) fn gross_finding(
     let power: Vec<f64> = of_a.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data.noise(a).iter().map(|noise| CLEAR * noise).collect();
     let (mut apart, mut energy) = (0.0, 0.0);
-    for peak in clear_peaks(&power, &floor, FEWEST_LINES) {
+    for peak in clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH) {
         for k in peak.inside() {
             apart += (of_a[k] - of_b[k]).norm_sqr();
             energy += 0.5 * (of_a[k].norm_sqr() + of_b[k].norm_sqr());

@@ -14,7 +14,7 @@ use crate::frf::peaks::{Peak, clear_peaks};
 /// additional peak.
 pub(super) const CLEAR: f64 = 300.0;
 /// Lines between the half-power points of a peak that shows the sign of its real part.
-const FEWEST_LINES: f64 = 3.0;
+const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 
 /// `Re Y(s) ≥ 0` for `Re s ≥ 0` when force and response are at one point along one axis: with an
 /// exponential window too.
@@ -35,7 +35,7 @@ fn finding(data: &Mobilities, i: usize) -> Option<Finding> {
     let values = data.values(i);
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data.noise(i).iter().map(|noise| CLEAR * noise).collect();
-    let peaks = clear_peaks(&power, &floor, FEWEST_LINES);
+    let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
     let wrong: f64 = peaks.iter().map(|peak| wrong_share(&values, peak)).sum();
     let value = wrong / peaks.len() as f64;
     let limit = 0.5 / peaks.len() as f64;

@@ -11,9 +11,9 @@ use crate::finding::Code;
 /// Seeded draws.
 const DRAWS: u64 = 200;
 
-/// A check that speaks in 0.1 % of clean sets speaks twice or more in 200 draws with a probability
-/// of 1.8 %, three times with 0.1 %: at most one is allowed (below 1 %).
-const MOST_ALARMS: usize = 1;
+/// A check with a false-alarm probability of 0.1 % alarms twice or more in 200 draws with a
+/// probability of 1.8 %, three times with 0.1 %: at most one is allowed (below 1 %).
+const MAX_FALSE_ALARMS: usize = 1;
 
 #[test]
 fn clean_sets_at_30_db_give_no_alarm() {
@@ -41,5 +41,8 @@ fn clean_sets_at_30_db_give_no_alarm() {
             *alarms.entry(code).or_default() += 1;
         }
     }
-    assert!(alarms.values().all(|n| *n <= MOST_ALARMS), "{alarms:?}");
+    assert!(
+        alarms.values().all(|n| *n <= MAX_FALSE_ALARMS),
+        "{alarms:?}"
+    );
 }

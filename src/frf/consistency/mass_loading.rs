@@ -9,7 +9,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Severity};
 use crate::frf::Function;
 
-use super::channel_delay::{FEWEST_LINES, reach};
+use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, reach};
 use super::driving_point::CLEAR;
 use super::mobility::{Mobilities, site};
 use crate::frf::local_pole::{LocalPole, Window};
@@ -19,20 +19,21 @@ use crate::frf::peaks::{Peak, clear_peaks};
 /// the other to 1 %.
 const APART_WIDTHS: f64 = 5.0;
 /// Power of a clear peak per function, over its noise: 13 dB above the sum of all noise, whose
-/// scatter is then nothing.
+/// scatter is then negligible.
 const NOISE_SUM: f64 = 20.0;
-/// Other modes over the own peak above which a function says little about this one.
-const MOST_BACKGROUND: f64 = 0.5;
+/// Largest response of other modes over the peak of this mode in a function that estimates its
+/// pole.
+const MAX_BACKGROUND_OVER_PEAK: f64 = 0.5;
 /// Shift in half-power widths: at a half-power point it changes the function by `2 · 0.15/√2`, 21
 /// %; what the flanks of other modes leave in a local fit stays below.
 const LIMIT_WIDTHS: f64 = 0.15;
 /// Standard deviations of a run's frequency: with variances of 20 degrees of freedom one of 14,000
 /// by chance.
 const DEVIATIONS: f64 = 5.0;
-/// Share of the scatter between runs that the sensor's mass must explain to be named.
+/// Fraction of the scatter between runs that the sensor's mass must explain to be reported.
 const EXPLAINED: f64 = 0.5;
-/// Runs from which a proportion is distinguished from two points on a line.
-const FEWEST_RUNS_OF_MASS: usize = 3;
+/// Fewest runs that test a proportion: two runs always lie on a line.
+const MIN_RUNS: usize = 3;
 
 /// One resonance in one run.
 struct Run {
@@ -148,7 +149,7 @@ impl<'a> Summed<'a> {
         let alone = |peak: &&Peak| {
             let near = APART_WIDTHS * peak.width();
             let others = all.iter().filter(|other| other.line != peak.line);
-            peak.width() >= FEWEST_LINES
+            peak.width() >= MIN_LINES_PER_BANDWIDTH
                 && others
                     .clone()
                     .all(|other| other.line.abs_diff(peak.line) as f64 >= near)
@@ -162,7 +163,7 @@ impl<'a> Summed<'a> {
         let fit = |i: &usize| {
             let whole = (self.omega, &self.values[*i][..], &self.variance[*i][..]);
             let pole = Window::of(lines.clone(), whole).fit()?;
-            (pole.background < MOST_BACKGROUND).then_some((*i, pole))
+            (pole.background < MAX_BACKGROUND_OVER_PEAK).then_some((*i, pole))
         };
         let run =
             |functions: &Vec<usize>| run(&functions.iter().filter_map(fit).collect::<Vec<_>>());
@@ -236,9 +237,7 @@ impl Resonance {
 
 /// Whether shifts against the power of the runs explain enough of the scatter.
 fn by_mass(resonances: &[Resonance]) -> bool {
-    let wide = resonances
-        .iter()
-        .filter(|r| r.runs.len() >= FEWEST_RUNS_OF_MASS);
+    let wide = resonances.iter().filter(|r| r.runs.len() >= MIN_RUNS);
     let (all, explained) = wide.fold((0.0, 0.0), |(all, explained), resonance| {
         let one = resonance.scatter();
         (all + one.0, explained + one.1)

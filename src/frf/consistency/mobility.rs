@@ -11,9 +11,9 @@ use crate::quantity::FrfKind;
 
 /// Lines on each side over which the noise is taken together: 17 lines of three hits have 68
 /// degrees of freedom, which know a variance to 17 %.
-const NOISE_REACH: usize = 8;
-/// Least lines that a check can work with: one resonance of five lines with as much on each side.
-const FEWEST_LINES: usize = 15;
+const NOISE_HALF_WIDTH_LINES: usize = 8;
+/// Fewest lines of a checked set: one resonance of five lines with as many on each side.
+const MIN_BAND_LINES: usize = 15;
 /// Mean power of a third difference of white noise over its variance, `1 + 9 + 9 + 1`.
 const THIRD_DIFFERENCE: f64 = 20.0;
 
@@ -33,7 +33,7 @@ impl<'a> Mobilities<'a> {
         let mut lines = axis.lines(&band);
         lines.start += usize::from(!lines.is_empty() && axis.rad_s(lines.start) <= 0.0);
         let omega = lines.clone().map(|k| axis.rad_s(k)).collect();
-        (lines.len() >= FEWEST_LINES).then_some(Self { set, lines, omega })
+        (lines.len() >= MIN_BAND_LINES).then_some(Self { set, lines, omega })
     }
 
     /// What the functions are.
@@ -129,7 +129,7 @@ pub(super) fn site(dof: &Dof) -> Dof {
 }
 
 fn around(k: usize, len: usize) -> Range<usize> {
-    k.saturating_sub(NOISE_REACH)..(k + NOISE_REACH + 1).min(len)
+    k.saturating_sub(NOISE_HALF_WIDTH_LINES)..(k + NOISE_HALF_WIDTH_LINES + 1).min(len)
 }
 
 /// Noise of smooth values: the median power of their third differences over neighbouring lines (of

@@ -53,7 +53,7 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let live = set.part(&live);
     if let Some(data) = Mobilities::new(&live) {
         let signs = driving_point::findings(&data).into_iter();
-        findings.extend(signs.filter(|finding| finding.value > Some(MOST_WRONG)));
+        findings.extend(signs.filter(|finding| finding.value > Some(MAX_WRONG_SIGN_FRACTION)));
         for (pairs, code) in [
             (reciprocity::reciprocal(&data), Code::NotReciprocal),
             (repeatability::repeats(&data), Code::RepeatsDiffer),
@@ -67,9 +67,9 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     findings
 }
 
-/// Share of the peaks of a driving point with the wrong sign that functions of unknown origin may
+/// Largest fraction of driving-point peaks with the wrong sign that FRFs of unknown origin may
 /// have.
-const MOST_WRONG: f64 = 0.5;
+const MAX_WRONG_SIGN_FRACTION: f64 = 0.5;
 
 /// All checks of a set, in the valid band (the whole axis when the set does not know it).
 ///

@@ -23,9 +23,9 @@ pub(super) fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
     let pairs = data.by_pair();
     let upper = pairs.iter().filter(|((i, j), _)| i < j);
     upper
-        .filter_map(|((i, j), own)| {
-            let other = pairs.get(&(j.clone(), i.clone()))?;
-            Some((own[0], other[0]))
+        .filter_map(|((i, j), upper_frfs)| {
+            let lower_frfs = pairs.get(&(j.clone(), i.clone()))?;
+            Some((upper_frfs[0], lower_frfs[0]))
         })
         .collect()
 }

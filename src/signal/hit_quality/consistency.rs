@@ -5,10 +5,10 @@ use num_complex::Complex64;
 use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Fewest hits of which one can be far from the median.
-const FEWEST_FOR_LEVEL: usize = 3;
+const MIN_HITS_FOR_LEVEL: usize = 3;
 /// Fewest hits of which one can be rejected as odd: the others then show their scatter with two
 /// degrees of freedom.
-const FEWEST_FOR_ODD: usize = 4;
+const MIN_HITS_FOR_CONSISTENCY: usize = 4;
 
 /// Peak force of each hit over the median of the series, one check per hit; the signs do not
 /// matter.
@@ -22,7 +22,7 @@ pub fn judge_levels(peaks_n: &[f64], limits: &JudgeLimits) -> Vec<Check> {
         let value = size / middle;
         let factor = value.max(1.0 / value);
         // A comparison with NaN (all peaks 0) is false: not decidable.
-        let outcome = if sizes.len() < FEWEST_FOR_LEVEL || factor.is_nan() {
+        let outcome = if sizes.len() < MIN_HITS_FOR_LEVEL || factor.is_nan() {
             Outcome::NotDecidable
         } else if factor > limits.level_rejected {
             Outcome::Rejected
@@ -83,7 +83,7 @@ pub fn inconsistent_hits(
         };
         let others = (n - 2) as f64;
         let limit = others * ((limits.odd_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
-        let outcome = if n < FEWEST_FOR_ODD {
+        let outcome = if n < MIN_HITS_FOR_CONSISTENCY {
             Outcome::NotDecidable
         } else if residual.ratio <= limit {
             Outcome::Passed
@@ -112,7 +112,7 @@ impl Residual {
             return None;
         }
         let lines = force.iter().chain(response).map(|x| x.len()).min()?;
-        let (mut own, mut plain, mut all, mut others) = (0.0, 0.0, 0.0, 0.0);
+        let (mut deleted, mut plain, mut all, mut others) = (0.0, 0.0, 0.0, 0.0);
         for k in 0..lines {
             let pairs = (0..n).filter(|j| *j != hit);
             let (mut s, mut cross, mut power) = (0.0, Complex64::ZERO, 0.0);
@@ -125,12 +125,12 @@ impl Residual {
                 continue;
             }
             let e = (response[hit][k] - cross / s * force[hit][k]).norm_sqr();
-            own += e / (1.0 + force[hit][k].norm_sqr() / s);
+            deleted += e / (1.0 + force[hit][k].norm_sqr() / s);
             plain += e;
             all += response[hit][k].norm_sqr();
             others += (power - cross.norm_sqr() / s).max(0.0);
         }
-        let ratio = (n - 2) as f64 * own / others;
+        let ratio = (n - 2) as f64 * deleted / others;
         let difference = (plain / all).sqrt();
         (ratio.is_finite() && difference.is_finite()).then_some(Self { ratio, difference })
     }

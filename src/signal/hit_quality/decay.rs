@@ -1,6 +1,6 @@
 //! Amplitude of a response at the end of the record, and the offset and drift of a channel.
 
-use super::super::pulse::FEWEST_QUIET;
+use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
 use super::pretrigger::{VARIANCE_DEVIATIONS, rms_about};
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
@@ -22,7 +22,7 @@ pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Ch
     let after = &response[pulse.onset..];
     let last = &after[after.len() - after.len() / END_PART..];
     let quiet = PreTrigger::of(&response[pulse.quiet()]);
-    let (Some(quiet), true) = (quiet, last.len() >= FEWEST_QUIET) else {
+    let (Some(quiet), true) = (quiet, last.len() >= MIN_PRETRIGGER_SAMPLES) else {
         return Check::new(Rule::Decay, Outcome::NotDecidable);
     };
     let largest = after.iter().map(|x| (x - quiet.mean).abs());

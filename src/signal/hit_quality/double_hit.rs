@@ -1,5 +1,5 @@
-//! Second contacts of the hammer: a matched filter of the pulse's own shape over the rest of the
-//! force.
+//! A matched filter with the shape of the measured pulse detects second contacts of the hammer
+//! (double hits) in the rest of the force record.
 //!
 //! The first contact is the template: its samples from two before the onset to two after the end,
 //! noise and filter ringing included. The rest of the record, offset and slow drift taken off, is
@@ -37,7 +37,7 @@ use super::{Check, JudgeLimits, Outcome, Rule};
 /// Samples on both sides of the pulse that belong to it: the foot below the onset threshold.
 const FOOT: usize = 2;
 /// Fewest samples after the pulse in which a steep filter rings above 0.002 of it, see the head.
-const LEAST_GUARD: usize = 8;
+const MIN_GUARD_SAMPLES: usize = 8;
 /// A pulse of less area over height, samples, is hardly more than the response of the filter
 /// itself: a half sine of three samples has 1.9, an impulse behind a filter with its edge at 0.4 of
 /// the sampling rate 1.25,
@@ -55,7 +55,7 @@ const BASELINE_LENGTHS: usize = 40;
 const MAD_SPREAD: f64 = 1.17;
 /// Shortest pulse, between its half heights, that does not ring as high as a tenth of it: 9 samples
 /// of a half sine.
-const LEAST_RISE_WIDTH: usize = 6;
+const MIN_RISE_WIDTH_SAMPLES: usize = 6;
 /// Standard deviations of a single difference that no pair of samples of a pulse reaches by chance.
 const RISE_DEVIATIONS: f64 = 6.0;
 
@@ -67,7 +67,7 @@ pub fn least_delay_samples(pulse: &Pulse) -> usize {
 }
 
 fn guard(pulse: &Pulse) -> usize {
-    ((pulse.end - pulse.onset) / 2).max(LEAST_GUARD)
+    ((pulse.end - pulse.onset) / 2).max(MIN_GUARD_SAMPLES)
 }
 
 /// A second contact: how high, where, how clear.
@@ -127,10 +127,10 @@ pub(super) fn double_hit(
 /// Delays at which what follows a pulse may be the ringing of the filter; none for a pulse that is
 /// longer than its response.
 fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
-    let own = &force_n[pulse.onset..pulse.end];
-    let area: f64 = own.iter().map(|f| f - pulse.level_n).sum();
+    let samples = &force_n[pulse.onset..pulse.end];
+    let area: f64 = samples.iter().map(|f| f - pulse.level_n).sum();
     let end = if area / pulse.height_n < SHORTEST {
-        (own.len() + RINGING) as f64
+        (samples.len() + RINGING) as f64
     } else {
         0.0
     };
@@ -175,13 +175,13 @@ fn undetected(search: &Search, rest: &Rest, pulse: &Pulse, limits: &JudgeLimits)
 struct LevelFree {
     force_n: Vec<f64>,
     /// First sample and first sample after what belongs to the first contact.
-    own: (usize, usize),
+    first_contact: (usize, usize),
 }
 
 impl LevelFree {
     /// The samples of `place` are left out of the level.
     fn new(force_n: &[f64], pulse: &Pulse, place: Range<usize>) -> Self {
-        let own = (
+        let first_contact = (
             pulse.onset.saturating_sub(guard(pulse)),
             (pulse.end + guard(pulse)).min(force_n.len()),
         );
@@ -189,13 +189,16 @@ impl LevelFree {
         let half = BASELINE_LENGTHS / 2 * (pulse.end - pulse.onset);
         let sides = Sides {
             len: force_n.len(),
-            own,
+            first_contact,
             place,
         };
         let mut force_n: Vec<f64> = force_n.iter().map(|f| sign * f).collect();
         sides.take_slope_off(&mut force_n);
         sides.take_level_off(&mut force_n, half);
-        Self { force_n, own }
+        Self {
+            force_n,
+            first_contact,
+        }
     }
 }
 
@@ -208,7 +211,7 @@ struct Rest {
 
 impl Rest {
     fn new(force_n: &[f64], level_free: LevelFree) -> Self {
-        let (first, end) = level_free.own;
+        let (first, end) = level_free.first_contact;
         let quiet = level_free.force_n[..first].iter();
         let quiet = quiet.chain(&level_free.force_n[end..]);
         let converter_step = converter_step(force_n);
@@ -224,19 +227,22 @@ impl Rest {
     /// The highest place after a valley on either side of the peak, nearer than the matched filter
     /// looks.
     fn second_rise(&self, pulse: &Pulse, ratio: f64) -> Option<Contact> {
-        let LevelFree { force_n, own } = &self.level_free;
+        let LevelFree {
+            force_n,
+            first_contact,
+        } = &self.level_free;
         let height = force_n[pulse.peak];
         // At half its height: the ringing of a filter lengthens the foot of a short pulse, not its
         // middle.
         let high = |k: &usize| force_n[*k] / height > 0.5;
-        let before = (own.0..pulse.peak).rev().take_while(high).count();
-        let after = (pulse.peak..own.1).take_while(high).count();
-        if before + after < LEAST_RISE_WIDTH {
+        let before = (first_contact.0..pulse.peak).rev().take_while(high).count();
+        let after = (pulse.peak..first_contact.1).take_while(high).count();
+        if before + after < MIN_RISE_WIDTH_SAMPLES {
             return None;
         }
         let least = ratio * height + RISE_DEVIATIONS * self.noise_n;
-        let later = rise(pulse.peak..own.1, force_n, least);
-        let earlier = rise((own.0..pulse.peak).rev(), force_n, least);
+        let later = rise(pulse.peak..first_contact.1, force_n, least);
+        let earlier = rise((first_contact.0..pulse.peak).rev(), force_n, least);
         let found = later.into_iter().chain(earlier);
         let place = found.max_by(|a, b| force_n[*a].total_cmp(&force_n[*b]))?;
         Some(Contact {
@@ -264,13 +270,13 @@ fn rise(way: impl Iterator<Item = usize>, samples: &[f64], least: f64) -> Option
 /// The samples before and after the first contact, less those of a place that is not level.
 struct Sides {
     len: usize,
-    own: (usize, usize),
+    first_contact: (usize, usize),
     place: Range<usize>,
 }
 
 impl Sides {
     fn both(&self) -> [Range<usize>; 2] {
-        [0..self.own.0, self.own.1..self.len]
+        [0..self.first_contact.0, self.first_contact.1..self.len]
     }
 
     fn counts(&self, k: usize) -> bool {
@@ -307,10 +313,13 @@ impl Sides {
             let means = self.running_means(samples, side.clone(), half);
             level[side].copy_from_slice(&means);
         }
-        let ends = [self.own.0.checked_sub(1), Some(self.own.1)];
+        let ends = [
+            self.first_contact.0.checked_sub(1),
+            Some(self.first_contact.1),
+        ];
         let ends = ends.iter().flatten().filter_map(|k| level.get(*k));
         let between = ends.clone().sum::<f64>() / ends.count().max(1) as f64;
-        level[self.own.0..self.own.1].fill(between);
+        level[self.first_contact.0..self.first_contact.1].fill(between);
         samples.iter_mut().zip(&level).for_each(|(x, l)| *x -= l);
     }
 
@@ -356,7 +365,10 @@ struct Answer {
 impl Answer {
     fn new(level_free: &LevelFree, pulse: &Pulse) -> Option<Self> {
         let decimation = ((pulse.end - pulse.onset) / TEMPLATE_SAMPLES).max(1);
-        let LevelFree { force_n, own } = level_free;
+        let LevelFree {
+            force_n,
+            first_contact,
+        } = level_free;
         let first = pulse.onset.saturating_sub(FOOT);
         let template = thinned(
             &force_n[first..(pulse.end + FOOT).min(force_n.len())],
@@ -365,7 +377,7 @@ impl Answer {
         let energy: f64 = template.iter().map(|p| p * p).sum();
         let sum: f64 = template.iter().sum();
         let mut places = Vec::new();
-        for (start, end) in [(0, own.0), (own.1, force_n.len())] {
+        for (start, end) in [(0, first_contact.0), (first_contact.1, force_n.len())] {
             let stretch = thinned(&force_n[start..end], decimation);
             let beside = stretch.len().saturating_sub(template.len()).max(1) as f64;
             let spread = (1.0 + sum * sum / (energy * beside)).sqrt();

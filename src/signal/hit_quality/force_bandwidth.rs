@@ -5,11 +5,11 @@ use crate::fourier::ForwardPlan;
 use super::super::Pulse;
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
-/// Lines over the pulse's own resolution: the place where the spectrum passes a level is found to
-/// 1/16 of 1/length.
+/// Frequency lines per 1/length of the pulse: the frequency where the spectrum crosses a level is
+/// found to 1/16 of 1/length.
 const ZERO_PADDING: usize = 16;
 /// Shortest transform.
-const LEAST_SAMPLES: usize = 1024;
+const MIN_TRANSFORM_SAMPLES: usize = 1024;
 
 /// The deepest fall of the pulse's spectrum inside the band below its maximum, dB, and in `at`
 /// where it first passes the limit, Hz.
@@ -26,10 +26,10 @@ pub(super) fn roll_off(
     let first = pulse.onset.saturating_sub(half);
     let last = (pulse.end + half).min(force_n.len());
     let len = ((last - first) * ZERO_PADDING)
-        .max(LEAST_SAMPLES)
+        .max(MIN_TRANSFORM_SAMPLES)
         .next_power_of_two();
-    let own = force_n[first..last].iter().map(|f| f - pulse.level_n);
-    let mut samples: Vec<f64> = own.collect();
+    let pulse_force = force_n[first..last].iter().map(|f| f - pulse.level_n);
+    let mut samples: Vec<f64> = pulse_force.collect();
     samples.resize(len, 0.0);
     let power: Vec<f64> = ForwardPlan::new(len)
         .transform(&samples)

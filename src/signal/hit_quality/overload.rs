@@ -17,7 +17,7 @@ use super::{Check, JudgeLimits, Outcome, Rule};
 const RAIL_STEPS: f64 = 4.5;
 /// The rail is at least so deep, relative to the range: samples that went through single precision
 /// are on no clean raster.
-const LEAST_DEPTH: f64 = 1e-6;
+const MIN_RAIL_DEPTH_OVER_RANGE: f64 = 1e-6;
 /// Samples from the start of the record that show the step of the converter, together with as many
 /// of the upper half of each side.
 const STEP_SAMPLES: usize = 1024;
@@ -122,12 +122,12 @@ fn most_depth(samples: &[f64], extent: &Extent) -> f64 {
     let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
     let sure = gaps.filter(|gap| *gap > SURE_GAP * extent.range());
     let step = sure.fold(f64::INFINITY, f64::min);
-    (RAIL_STEPS * step).max(LEAST_DEPTH * extent.range())
+    (RAIL_STEPS * step).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
 }
 
 /// Depth of the rail, from a few samples.
 fn depth(few: &[f64], extent: &Extent) -> f64 {
-    (RAIL_STEPS * converter_step(few)).max(LEAST_DEPTH * extent.range())
+    (RAIL_STEPS * converter_step(few)).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
 }
 
 /// The upper half of one side of a record.

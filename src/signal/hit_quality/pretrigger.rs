@@ -3,13 +3,13 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::super::pulse::FEWEST_QUIET;
+use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
 use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
 /// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in
 /// it.
-const MOST_LAGS: usize = 50;
+const MAX_LAG_SAMPLES: usize = 50;
 /// Linear-phase filters answer a pulse before it comes; so many samples before the onset are not
 /// judged.
 const PRECURSOR: usize = 32;
@@ -78,7 +78,7 @@ pub(super) fn response_pre_trigger(response: &[f64], pulse: &Pulse, limits: &Jud
     let quiet = pulse.quiet().end;
     let quiet = &response[..quiet - PRECURSOR.min(quiet / 4)];
     let after = &response[pulse.onset..(pulse.onset + quiet.len()).min(response.len())];
-    if quiet.len() < 2 * FEWEST_QUIET || after.is_empty() {
+    if quiet.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
         return Check::new(Rule::PreTrigger, Outcome::NotDecidable);
     }
     let ringing = Ringing::of(quiet);
@@ -108,7 +108,7 @@ impl Ringing {
     fn of(quiet: &[f64]) -> Self {
         let n = quiet.len() as f64;
         let mean = quiet.iter().sum::<f64>() / n;
-        let lags = (quiet.len() / 4).min(MOST_LAGS);
+        let lags = (quiet.len() / 4).min(MAX_LAG_SAMPLES);
         let covariance = |lag: usize| {
             let pairs = quiet.iter().zip(&quiet[lag..]);
             pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / n
@@ -153,7 +153,7 @@ pub(super) fn dead_force(force_n: &[f64], pulse: &Pulse) -> Check {
     Check::new(Rule::Dead, outcome).value(value, limit, "")
 }
 
-/// A response that is constant, or nowhere above its own noise before the hit.
+/// A response that is constant, or nowhere above its pre-trigger noise.
 ///
 /// The value is the largest rms of a sixteenth of the record after the onset over that before the
 /// hit; the limit is what the scatter of both explains, `sqrt(1 + 5 sqrt(2/n + 2/m))`.
@@ -169,7 +169,7 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
         return Check::new(Rule::Dead, Outcome::Passed);
     }
     let after = &response[pulse.onset..];
-    let part = (after.len() / 16).max(FEWEST_QUIET);
+    let part = (after.len() / 16).max(MIN_PRETRIGGER_SAMPLES);
     if after.len() < part {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     }

@@ -13,8 +13,8 @@ use crate::theory::{
     BeamDescription, BeamFile, BeamModel, End, ModeOptions, SCHEMA, TheoryModes, Value, modes,
 };
 
-use super::span::{Ends, MOST_PARTS, Span, Stated};
-use super::structure::{DrawnMode, MOST_MODES, Structure, damped, elastic};
+use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::structure::{DrawnMode, MAX_MODES, Structure, damped, elastic};
 
 const YOUNGS_MODULUS_PA: f64 = 2.1e11;
 const DENSITY_KG_PER_M3: f64 = 7850.0;
@@ -24,7 +24,7 @@ const WIDTH_M: f64 = 0.04;
 const ELEMENTS: usize = 32;
 /// Points where a beam or a plate may be hit or listened to.
 const POINTS: usize = 30;
-/// Half-waves of a plate in each direction that are looked at: enough for the lowest [`MOST_MODES`]
+/// Half-waves of a plate in each direction that are looked at: enough for the lowest [`MAX_MODES`]
 /// up to an aspect of 2.
 const HALF_WAVES: usize = 9;
 
@@ -85,12 +85,12 @@ impl BeamSpec {
             (
                 "starts (their number)",
                 choices(&self.starts),
-                Ends::Whole(1, MOST_PARTS),
+                Ends::Whole(1, MAX_COUNT),
             ),
             (
                 "ends (their number)",
                 choices(&self.ends),
-                Ends::Whole(1, MOST_PARTS),
+                Ends::Whole(1, MAX_COUNT),
             ),
         ]
     }
@@ -107,7 +107,7 @@ impl BeamSpec {
             })
             .collect();
         let options = ModeOptions {
-            count: Some(MOST_MODES + 2),
+            count: Some(MAX_MODES + 2),
             ..ModeOptions::default()
         };
         let theory = modes(&model, &[], &sensors, &options)?;
@@ -176,7 +176,7 @@ impl NodesSpec {
         vec![
             ("length_m", self.length_m, Ends::Positive),
             ("thickness_m", self.thickness_m, Ends::Positive),
-            ("mode", self.mode, Ends::Whole(2, MOST_PARTS)),
+            ("mode", self.mode, Ends::Whole(2, MAX_COUNT)),
             ("damping_ratio", self.damping_ratio, Ends::Share),
         ]
     }
@@ -201,7 +201,7 @@ impl NodesSpec {
             let ratio = self.damping_ratio.log_uniform(random);
             elastic(omega / (2.0 * PI), ratio, shape)
         };
-        let modes = (1..=MOST_MODES).map(mode).collect();
+        let modes = (1..=MAX_MODES).map(mode).collect();
         let node = random.random_range(1..number) * (parts / number);
         Structure {
             reference: Some(node - 1),
@@ -255,7 +255,7 @@ impl PlateSpec {
             .map(|(m, n)| mode(m, n))
             .collect();
         modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        modes.truncate(MOST_MODES + 2);
+        modes.truncate(MAX_MODES + 2);
         damp_by_root(&mut modes, self.damping_ratio, random);
         Structure::real(modes)
     }

@@ -9,7 +9,7 @@ use crate::modal::Pole;
 use crate::synth::SynthError;
 use crate::theory::{ModeOptions, SystemMatrices, TheoryModes, damped_modes, modes_of_matrices};
 
-use super::span::{Ends, MOST_PARTS, Span, Stated};
+use super::span::{Ends, MAX_COUNT, Span, Stated};
 use super::structure::{DrawnMode, Row, Shapes, Structure, column, coordinate, damped, elastic};
 
 /// `kind = "chain"`: masses and springs in a row.
@@ -40,7 +40,8 @@ pub struct LocalSpec {
     pub stiffness_n_per_m: Span,
     /// The small mass over the one that carries it, log-uniform.
     pub appended_mass_ratio: Span,
-    /// Its own frequency over that of a mode of the bare chain, uniform.
+    /// Frequency of the small oscillator on a fixed base over that of a mode of the bare chain,
+    /// uniform.
     pub tuning: Span,
     /// Damping ratio of each root, log-uniform.
     pub damping_ratio: Span,
@@ -68,7 +69,7 @@ pub struct DampersSpec {
 impl ChainSpec {
     pub(super) fn stated(&self) -> Vec<Stated> {
         vec![
-            ("masses", self.masses, Ends::Whole(2, MOST_PARTS)),
+            ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
             ("stiffness_n_per_m", self.stiffness_n_per_m, Ends::Positive),
             ("held_ends", self.held_ends, Ends::Whole(0, 2)),
@@ -100,7 +101,7 @@ impl ChainSpec {
 impl LocalSpec {
     pub(super) fn stated(&self) -> Vec<Stated> {
         vec![
-            ("masses", self.masses, Ends::Whole(2, MOST_PARTS)),
+            ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
             ("stiffness_n_per_m", self.stiffness_n_per_m, Ends::Positive),
             ("appended_mass_ratio", self.appended_mass_ratio, Ends::Share),
@@ -141,12 +142,12 @@ fn with_appended(row: &Row, carrier: usize, mass_kg: f64, stiffness: f64) -> Sys
             false => 0.0,
         }),
         stiffness: real_matrix(n + 1, n + 1, |i, j| {
-            let own = if inside(i, j) {
+            let bare_stiffness = if inside(i, j) {
                 bare.stiffness[(i, j)]
             } else {
                 0.0
             };
-            own + stiffness * tie[(i, j)]
+            bare_stiffness + stiffness * tie[(i, j)]
         }),
         coordinates: (0..=n).map(coordinate).collect(),
         springs: Vec::new(),
@@ -163,11 +164,11 @@ fn tie(size: usize, from: Option<usize>, to: Option<usize>) -> RealMatrix {
 impl DampersSpec {
     pub(super) fn stated(&self) -> Vec<Stated> {
         vec![
-            ("masses", self.masses, Ends::Whole(2, MOST_PARTS)),
+            ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
             ("stiffness_n_per_m", self.stiffness_n_per_m, Ends::Positive),
             ("damping_ratio", self.damping_ratio, Ends::Share),
-            ("dampers", self.dampers, Ends::Whole(1, MOST_PARTS)),
+            ("dampers", self.dampers, Ends::Whole(1, MAX_COUNT)),
             ("damper_ratio", self.damper_ratio, Ends::Share),
         ]
     }

@@ -13,7 +13,7 @@ fn family() -> PopulationSpec {
 fn place(family: &PopulationSpec, kind: &str) -> usize {
     let mut kinds = family.members.iter().map(|m| m.structure.kind());
     kinds
-        .position(|own| own == kind)
+        .position(|drawn| drawn == kind)
         .expect("a drawn system is sound")
 }
 
@@ -88,7 +88,7 @@ fn a_member_does_not_depend_on_the_others() {
 }
 
 #[test]
-fn the_repeated_kind_has_exactly_repeated_roots_with_their_own_shapes() {
+fn the_repeated_kind_has_exactly_repeated_roots_with_independent_shapes() {
     let family = family();
     for member in all(&family, "repeated") {
         assert!(!member.facts.repeated.is_empty(), "{}", member.name);
@@ -152,12 +152,12 @@ fn the_node_kind_has_no_residue_at_its_reference_and_some_elsewhere() {
         assert!(!member.facts.nodes.is_empty(), "{}", member.name);
         let modes = &member.test.truth.model.modes;
         let reference = &member.test.hits[0].hit;
-        let own = member
+        let on_nodes = member
             .facts
             .nodes
             .iter()
             .filter(|(_, hit)| hit == reference);
-        let hidden: BTreeSet<usize> = own.map(|(j, _)| *j).collect();
+        let hidden: BTreeSet<usize> = on_nodes.map(|(j, _)| *j).collect();
         for (j, mode) in modes.iter().enumerate() {
             let here = mode
                 .residues
@@ -226,16 +226,16 @@ fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
             channels += 1;
         };
         for (noisy, clean) in noisy.iter().zip(&clean) {
-            let (own, pure) = (noisy.force.si(), clean.force.si());
+            let (force, pure) = (noisy.force.si(), clean.force.si());
             let peak = pure.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
             let db = member
                 .test
                 .noise
                 .force_snr_db
                 .expect("a drawn system is sound");
-            compare(peak, noise_rms(&own, &pure), db, pure.len());
+            compare(peak, noise_rms(&force, &pure), db, pure.len());
             for (noisy, clean) in noisy.responses.iter().zip(&clean.responses) {
-                let (own, pure) = (noisy.si(), clean.si());
+                let (response, pure) = (noisy.si(), clean.si());
                 let level = noise_rms(&pure, &vec![0.0; pure.len()]);
                 // A response on a node is silent and stays so.
                 if level > 0.0 {
@@ -244,7 +244,7 @@ fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
                         .noise
                         .response_snr_db
                         .expect("a drawn system is sound");
-                    compare(level, noise_rms(&own, &pure), db, pure.len());
+                    compare(level, noise_rms(&response, &pure), db, pure.len());
                 }
             }
         }

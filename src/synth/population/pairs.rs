@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::synth::SynthError;
 
-use super::span::{Ends, MOST_PARTS, Span, Stated};
+use super::span::{Ends, MAX_COUNT, Span, Stated};
 use super::structure::{DrawnMode, Row, Structure, column, elastic};
 
 /// `kind = "close"`: two like chains, weakly coupled, so that each mode of one chain becomes a
@@ -63,7 +63,7 @@ pub struct RepeatedSpec {
 impl CloseSpec {
     pub(super) fn stated(&self) -> Vec<Stated> {
         vec![
-            ("masses", self.masses, Ends::Whole(1, MOST_PARTS)),
+            ("masses", self.masses, Ends::Whole(1, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
             ("stiffness_n_per_m", self.stiffness_n_per_m, Ends::Positive),
             ("spacing_widths", self.spacing_widths, Ends::Positive),
@@ -111,9 +111,9 @@ impl RepeatedSpec {
             (
                 "arrangements (their number)",
                 arrangements,
-                Ends::Whole(1, MOST_PARTS),
+                Ends::Whole(1, MAX_COUNT),
             ),
-            ("masses", self.masses, Ends::Whole(3, MOST_PARTS)),
+            ("masses", self.masses, Ends::Whole(3, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
             ("stiffness_n_per_m", self.stiffness_n_per_m, Ends::Positive),
             ("ground_ratio", self.ground_ratio, Ends::Positive),

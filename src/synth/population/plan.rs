@@ -15,8 +15,8 @@ use crate::synth::{
     Faults, HammerTest, LowPassOptions, Noise, Pulse, SynthError, Truth, roving_hammer,
 };
 
-use super::span::{Ends, MOST_PARTS, Span, Stated};
-use super::structure::{DrawnMode, MOST_MODES, Shapes, Structure};
+use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::structure::{DrawnMode, MAX_MODES, Shapes, Structure};
 
 /// Records are a multiple of this many samples, so that their length has small factors.
 const SAMPLE_STEP: usize = 256;
@@ -66,11 +66,11 @@ impl TestSpec {
             .filter_map(|(key, span)| Some((key, span?, Ends::Finite)));
         let most = Span::from([self.most_samples as f64; 2]);
         let mut stated = vec![
-            ("modes", self.modes, Ends::Whole(1, MOST_PARTS)),
-            ("modes", self.modes, Ends::Between(1.0, MOST_MODES as f64)),
-            ("references", self.references, Ends::Whole(1, MOST_PARTS)),
-            ("responses", self.responses, Ends::Whole(1, MOST_PARTS)),
-            ("averages", self.averages, Ends::Whole(1, MOST_PARTS)),
+            ("modes", self.modes, Ends::Whole(1, MAX_COUNT)),
+            ("modes", self.modes, Ends::Between(1.0, MAX_MODES as f64)),
+            ("references", self.references, Ends::Whole(1, MAX_COUNT)),
+            ("responses", self.responses, Ends::Whole(1, MAX_COUNT)),
+            ("averages", self.averages, Ends::Whole(1, MAX_COUNT)),
             ("time_constants", self.time_constants, Ends::Positive),
             (
                 "pretrigger_share",

@@ -55,10 +55,10 @@ pub(super) enum Ends {
     Whole(usize, usize),
 }
 
-/// Most of anything that is counted in a structure: matrices are dense.
-pub(super) const MOST_PARTS: usize = 500;
+/// Largest number of masses, elements or points of a structure: matrices are dense.
+pub(super) const MAX_COUNT: usize = 500;
 /// Largest magnitude of a number that may have any sign: decibels, degrees.
-const MOST_FINITE: f64 = 1000.0;
+const MAX_MAGNITUDE: f64 = 1000.0;
 
 /// A range with its key and what it must be.
 pub(super) type Stated = (&'static str, Span, Ends);
@@ -69,7 +69,7 @@ impl Ends {
         let ordered = lo.is_finite() && hi.is_finite() && lo <= hi;
         ordered
             && match self {
-                Ends::Finite => lo.abs().max(hi.abs()) <= MOST_FINITE,
+                Ends::Finite => lo.abs().max(hi.abs()) <= MAX_MAGNITUDE,
                 Ends::Positive => lo > 0.0,
                 Ends::Share => lo > 0.0 && hi <= 1.0,
                 Ends::Between(least, most) => lo >= least && hi <= most,
@@ -82,7 +82,7 @@ impl Ends {
 
     fn expected(self) -> String {
         let what = match self {
-            Ends::Finite => format!("two numbers up to {MOST_FINITE} either way"),
+            Ends::Finite => format!("two numbers up to {MAX_MAGNITUDE} either way"),
             Ends::Positive => "two finite numbers above 0".to_owned(),
             Ends::Share => "two numbers above 0 and up to 1".to_owned(),
             Ends::Between(least, most) => format!("two numbers from {least} to {most}"),

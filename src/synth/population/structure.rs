@@ -13,7 +13,7 @@ use super::span::Span;
 
 /// Most modes that a structure brings and a test may want: what the elements of a beam and the
 /// products of a plate hold to 1e-3 of their frequency.
-pub(super) const MOST_MODES: usize = 12;
+pub(super) const MAX_MODES: usize = 12;
 
 /// One mode at the points of its structure, in their order.
 #[derive(Clone, Debug, PartialEq)]
