@@ -1,5 +1,5 @@
-//! The crate's error: one variant per stage. Stages return their own; this one is for whoever runs
-//! several.
+//! The error of the crate has one variant per stage. Each stage returns the error of its module;
+//! callers that run several stages use this one.
 
 use crate::correlate::CorrelateError;
 use crate::frf::FrfError;

@@ -1,12 +1,12 @@
-//! modalign takes a hammer test and a theoretical model of the same machine and says, in numbers,
-//! how far apart they are and why, and which of its parameters would bring them together.
+//! modalign compares the modes of a hammer test with those of a theoretical model of the same
+//! machine: it quantifies their differences, explains them, and updates the model's parameters.
 //!
 //! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance
 //! (`signal`, `frf`); FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters
 //! become matrices and a [`modal::ModalModel`] of the theory (`theory`); the two are paired and
-//! compared (`correlate`); the model is brought to the test (`update`); results are written
-//! (`report`). Test and theory end in the same type, and nothing after it knows where a mode came
-//! from.
+//! compared (`correlate`); the model's parameters are updated to the test (`update`); results are
+//! written (`report`). Modes of test and theory have the same type, and no later stage knows where
+//! a mode came from.
 //!
 //! # A whole job
 //!
@@ -38,8 +38,8 @@
 //! let source = open_bytes(recorded.uff, &hints)?;
 //! let mut hits = group_hits(vec![HitFile::new(source)], HitGrouping::Records, &[])?;
 //!
-//! // Hits to FRFs: each hit is judged, those that stand are averaged; variance and coherence come
-//! // with them.
+//! // Hits to FRFs: each hit is checked, the accepted ones are averaged, with variance and
+//! // coherence.
 //! let estimated = hammer(&mut hits.recording, &HammerOptions::default())?;
 //! let frfs = estimated.estimated.set;
 //! assert_eq!(frfs.functions().len(), 11);
@@ -92,11 +92,11 @@
 //! | [`quantity::Quantity`], [`quantity::Unit`], [`quantity::FrfKind`] | what a channel measures, its factor to SI, the kind of an FRF | `quantity` |
 //! | [`axis::FrequencyAxis`], [`axis::TimeAxis`], [`axis::Band`] | evenly spaced axes, and a range of frequency | `axis` |
 //! | [`geometry::Geometry`], [`geometry::Sensor`] | nodes and lines of a test; where a sensor or hit is on a model | `geometry` |
-//! | [`Finding`] | what the data says that is not a failure | `finding` |
+//! | [`Finding`] | an observation about the data that is not a failure | `finding` |
 //! | [`io::Format`], [`io::Source`] | a file format; an opened file read in blocks | `io` |
 //! | [`record::Hit`], [`record::Recording`] | one hit: a force and its responses; hits read as they are needed | `record` |
-//! | [`signal::Check`] | what one rule says of one channel of one hit | `signal` |
-//! | [`frf::HammerOptions`] | how recorded hits are judged, windowed and averaged | `frf` |
+//! | [`signal::Check`] | the result of one rule for one channel of one hit | `signal` |
+//! | [`frf::HammerOptions`] | how recorded hits are assessed, windowed and averaged | `frf` |
 //! | [`FrfSet`] | FRFs on one axis, with coherence and variance | `frf` |
 //! | [`identify::PoleEstimator`] | a method that finds poles | `identify` |
 //! | [`ModalModel`] | modes of a test or of a model | `modal` |
@@ -109,27 +109,27 @@
 //! | [`theory::DetailComparison`] | a model against simpler ones of the same machine | `theory` |
 //! | [`theory::TimeResponse`] | a response over time in growing detail of its model | `theory` |
 //! | [`theory::RootSensitivity`] | how a root depends on the parameters | `theory` |
-//! | [`correlate::Observability`] | what a test could see of a root | `correlate` |
+//! | [`correlate::Observability`] | whether a test could detect a mode of the model | `correlate` |
 //! | [`correlate::Alignment`] | a test's frame fitted to that of the theory | `correlate` |
 //! | [`correlate::measures::Measures`] | MAC, COMAC, scale factors, subspaces, orthogonality of the pairs | `correlate` |
 //! | [`correlate::measures::FrfCorrelation`] | FRFs against FRFs, by function and by line | `correlate` |
 //! | [`correlate::Placement`] | where to hit or put a sensor next | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
-//! | [`update::UpdateProblem`] | a model to be brought to measured modes | `update` |
+//! | [`update::UpdateProblem`] | a model whose parameters are updated to measured modes | `update` |
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
 //! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
 //! | [`scene::RowVerdict`] | a result compared with its baseline, row by row | `scene` |
 //! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
-//! | [`scene::Observer`] | who hears how far long work has come | `scene` |
+//! | [`scene::Observer`] | the receiver of progress reports of long work | `scene` |
 //! | [`scene::Figures`] | what the figures of a report show | `scene` |
 //! | [`study::System`] | a linear system known by its modes, as studies draw from it | `study` |
 //! | [`study::breakdown::Slice`] | where methods fail, over two factors | `study` |
 //! | [`study::SceneNeeds`] | the modes, orders, methods, theory and parameters that a scene needs | `study` |
 //! | [`report::Renderer`] | blocks to text | `report` |
 //! | [`report::json::RunReport`] | a run as its HTML page shows it, [`report::report_page`] | `report` |
-//! | [`error::Error`] | the error of whoever runs several stages; each stage has its own | `error` |
+//! | [`error::Error`] | the error of callers that run several stages; every stage has an error type | `error` |
 //!
 //! Matrix decompositions and transforms are in `linalg` and `fourier`, the only places that name a
 //! crate for them; the command line is `cli`, behind the feature of that name.

@@ -345,7 +345,7 @@ fn files(file: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, 
         (slice.slice.name.clone(), svg)
     };
     let mut figures: Vec<(String, String)> = file.slices.iter().map(figure).collect();
-    if let Some(maps) = &maps.stability {
+    if let Some(maps) = &file.stability {
         files.push(("stability.csv".to_owned(), csv(stability_cells(maps))));
         figures.push(("stability".to_owned(), stability_svg(maps)));
     }
