@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_holds_the_samples_that_it_names() {
+    fn a_segment_has_the_samples_of_its_range() {
         let channel = |quantity| ChannelInfo {
             dof: "1:+Z".parse().unwrap(),
             quantity,
@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_are_not_there_are_an_error_with_their_place() {
+    fn missing_samples_are_an_error_with_hit_and_channel() {
         let hit = Hit {
             axis: TimeAxis {
                 start_s: 0.0,

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_painted_and_the_text_stays() {
+    fn words_are_coloured_and_the_text_is_unchanged() {
         assert_eq!(message("error: x: y"), "\u{1b}[1;31merror\u{1b}[0m: x: y");
         assert_eq!(message("info: x"), "info: x");
         let text = " f1  MISSED  metre \n f2  met\n";

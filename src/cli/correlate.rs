@@ -93,7 +93,7 @@ fn compared(
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
         has_common(name, &test.modes, &theory.modes)?;
-        let sensors = turn(args, &mut test.modes, &theory.modes, &options)?;
+        let sensors = reverse_sensors(args, &mut test.modes, &theory.modes, &options)?;
         reversed.push((name.clone(), sensors));
     }
     let named: Vec<_> = tests
@@ -162,7 +162,7 @@ fn compared(
 
 /// The reversed sensors of a test, turned where that is wanted; those that are not are findings of
 /// the pairing.
-fn turn(
+fn reverse_sensors(
     args: &CorrelateArgs,
     test: &mut ModalModel,
     theory: &ModalModel,

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{
-    EstimateOptions, Estimator, FrfSet, HammerOptions, Hammered, HitReport, ResponseWindow, hammer,
+    EstimateOptions, Estimator, FrfSet, HammerOptions, HammerTestResult, HitReport, ResponseWindow,
+    hammer,
 };
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{frf_block, hits_block, json};
@@ -44,7 +45,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     };
     let options = options(args, scene.as_ref())?;
     let mut recording = data.recording.ok_or_else(no_records)?;
-    let Hammered {
+    let HammerTestResult {
         estimated,
         hits,
         usable,

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_misspelt_name_is_near_and_another_is_not() {
+    fn a_misspelt_name_is_suggested_and_another_is_not() {
         let names = ["hits.uff", "scene.toml", "b"];
         assert_eq!(nearest("hist.uff", names), Some("hits.uff"));
         assert_eq!(nearest("a", names), Some("b"));

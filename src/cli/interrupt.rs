@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_begun_is_removed_and_nothing_else() {
+    fn only_unfinished_files_are_removed() {
         let place = tempfile::tempdir().expect("a folder of the test can be written");
         let path = |name: &str| place.path().join(name);
         let name = |suffix: &str| format!("{TEMPORARY_PREFIX}{suffix}");

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_time_is_that_of_the_calendar() {
+    fn a_time_stamp_has_the_calendar_date() {
         // `date -u -d @N`.
         assert_eq!(timestamp(0), "1970-01-01T00:00:00");
         assert_eq!(timestamp(951_782_399), "2000-02-28T23:59:59");

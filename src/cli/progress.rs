@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_step_says_its_number() {
+    fn a_progress_step_shows_its_number() {
         assert_eq!(line("hammer", 1, 3), "[1/3] hammer");
     }
 }

@@ -205,7 +205,7 @@ fn an_exponential_window_lowers_the_bound_by_its_end_value() {
 }
 
 #[test]
-fn an_offset_is_not_taken_for_a_slow_decay() {
+fn an_offset_is_no_slow_decay() {
     let mode = mode(60.0, 6.0, 64, Complex64::new(0.0, -0.5));
     let mut hit = hit(&[mode], &[1.0], 64, 0.0);
     let raised = hit.responses[0].samples.iter().map(|v| v + 3.0).collect();

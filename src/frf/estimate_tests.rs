@@ -101,7 +101,7 @@ fn three_hits_have_the_closed_forms_of_h1_h2_and_hv() {
 }
 
 #[test]
-fn the_set_says_what_it_is() {
+fn the_frf_set_states_kind_axis_and_bands() {
     let set = estimate(&three_hits(), &EstimateOptions::default()).unwrap();
     let expected = Function {
         response: dof("3:-Z"),
@@ -132,7 +132,7 @@ fn units_are_taken_to_si_once() {
 }
 
 #[test]
-fn pairs_average_over_the_hits_that_hold_them_in_order_of_dof() {
+fn each_frf_averages_the_hits_with_its_dofs_in_dof_order() {
     let accelerometers = |names: &[&str], height: f64| {
         let response = |name: &&str| channel(name, Quantity::Acceleration, impulse(height, 3));
         names.iter().map(response).collect::<Vec<_>>()
@@ -202,7 +202,7 @@ fn ratio_of(set: &FrfSet) -> f64 {
 }
 
 #[test]
-fn the_noise_ratio_is_that_of_the_variances_before_the_hit() {
+fn the_noise_ratio_comes_from_pretrigger_variances() {
     let hits = noisy_hits();
     let variance = |channel: &Channel| {
         let quiet = &channel.si()[..28];
@@ -282,7 +282,7 @@ fn hv_without_a_known_ratio_is_an_error() {
 }
 
 #[test]
-fn hits_that_do_not_belong_together_are_errors() {
+fn incompatible_hits_are_errors() {
     let run = |change: fn(&mut Vec<Hit>)| {
         let mut hits = three_hits();
         change(&mut hits);
@@ -334,7 +334,7 @@ fn hits_that_do_not_belong_together_are_errors() {
 }
 
 #[test]
-fn a_line_that_no_hit_excites_is_an_error_with_its_frequency() {
+fn an_unexcited_line_is_an_error_with_its_frequency() {
     // 1, 1 has a zero at half the sampling rate, exactly.
     let mut force = impulse(1.0, 0);
     force[1] = 1.0;

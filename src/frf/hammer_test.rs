@@ -56,7 +56,7 @@ pub struct HammerOptions {
 
 /// What a hammer test came to.
 #[derive(Clone, Debug)]
-pub struct Hammered {
+pub struct HammerTestResult {
     /// FRFs.
     pub estimated: Estimated,
     /// Every hit with what the rules said of it, in order.
@@ -79,7 +79,7 @@ pub struct Hammered {
 pub fn hammer(
     recording: &mut dyn Recording,
     options: &HammerOptions,
-) -> Result<Hammered, FrfError> {
+) -> Result<HammerTestResult, FrfError> {
     options.limits.validate()?;
     check_numbers(recording.hits().len(), options)?;
     let mut hits = judge(recording, options)?;
@@ -109,7 +109,7 @@ pub fn hammer(
     let checks = check_set(&estimated.set).into_iter();
     findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
     estimated.set.findings = findings;
-    Ok(Hammered {
+    Ok(HammerTestResult {
         estimated,
         hits,
         usable,

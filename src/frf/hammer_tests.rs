@@ -132,11 +132,11 @@ fn hits(change: impl Fn(usize, &mut Made)) -> Vec<Hit> {
     (1..=5).map(one).collect()
 }
 
-fn run(hits: &[Hit], options: &HammerOptions) -> Hammered {
+fn run(hits: &[Hit], options: &HammerOptions) -> HammerTestResult {
     hammer(&mut InMemory::new(hits), options).unwrap()
 }
 
-fn used(hammered: &Hammered) -> Vec<usize> {
+fn used(hammered: &HammerTestResult) -> Vec<usize> {
     let used = hammered.hits.iter().filter(|hit| hit.used);
     used.map(|hit| hit.number).collect()
 }
@@ -164,7 +164,7 @@ fn clean_hits_are_used_as_they_are_and_without_a_window() {
 }
 
 #[test]
-fn a_second_contact_is_left_out_unless_the_user_says_otherwise() {
+fn a_double_hit_is_rejected_unless_the_user_accepts_it() {
     let double = hits(|number, made| {
         if number == 3 {
             made.second = Some((300, 0.4));
@@ -237,7 +237,7 @@ fn clipped_response_is_left_out_of_its_function_alone() {
 }
 
 #[test]
-fn a_response_that_still_rings_gets_one_window_and_records_that_begin_at_the_hit() {
+fn truncated_responses_get_one_exponential_window_and_records_from_the_hit() {
     let ringing = hits(|_, made| made.time_constants = 1.5);
     let hammered = run(&ringing, &HammerOptions::default());
     let set = &hammered.estimated.set;
@@ -255,7 +255,7 @@ fn a_response_that_still_rings_gets_one_window_and_records_that_begin_at_the_hit
 }
 
 #[test]
-fn a_point_of_which_no_hit_passes_keeps_its_hits_and_says_so() {
+fn an_excitation_point_without_accepted_hits_keeps_its_hits_and_is_reported() {
     let bad = hits(|number, made| {
         made.at = if number < 3 { "1:+Z" } else { "9:+X" };
         if number < 3 {
@@ -280,7 +280,7 @@ fn a_point_of_which_no_hit_passes_keeps_its_hits_and_says_so() {
 }
 
 #[test]
-fn a_hit_that_is_not_there_is_an_error() {
+fn a_missing_hit_number_is_an_error() {
     let options = HammerOptions {
         reject: numbers(&[6]),
         ..HammerOptions::default()

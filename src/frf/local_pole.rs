@@ -80,13 +80,13 @@ impl<'a> Window<'a> {
     fn result(&self, z: &[Complex64], pole: Complex64, (centre, scale): (f64, f64)) -> LocalPole {
         let x = solve(&columns(z, pole, &[0, 1, 2]), self.values);
         let residue = x[0];
-        let misfit = norm_sqr(&rest(z, pole, &[0, 1, 2], self.values));
+        let misfit = norm_sqr(&residual(z, pole, &[0, 1, 2], self.values));
         let mean = self.variance.iter().sum::<f64>() / z.len() as f64;
         let found = misfit / (z.len() - UNKNOWNS) as f64;
         let raise = if found > mean { found / mean } else { 1.0 };
         let spread = |term: usize, others: &[usize]| {
             let column: Vec<Complex64> = z.iter().map(|z| column(*z, pole, term)).collect();
-            let g = rest(z, pole, others, &column);
+            let g = residual(z, pole, others, &column);
             let pairs = g.iter().zip(self.variance);
             let noise: f64 = match raise.is_finite() {
                 true => pairs.map(|(g, v)| g.norm_sqr() * v * raise).sum(),
@@ -143,7 +143,12 @@ fn solve(columns: &linalg::ComplexMatrix, right: &[Complex64]) -> Vec<Complex64>
 }
 
 /// What some columns do not explain.
-fn rest(z: &[Complex64], pole: Complex64, which: &[usize], right: &[Complex64]) -> Vec<Complex64> {
+fn residual(
+    z: &[Complex64],
+    pole: Complex64,
+    which: &[usize],
+    right: &[Complex64],
+) -> Vec<Complex64> {
     let x = solve(&columns(z, pole, which), right);
     let explained = |z: &Complex64| -> Complex64 {
         let terms = which.iter().zip(&x);

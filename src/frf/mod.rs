@@ -51,7 +51,7 @@ pub(crate) use consistency::runs;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, Selection, estimate, estimate_recording, truncation_bounds};
-pub use hammer_test::{HammerOptions, Hammered, ResponseWindow, hammer};
+pub use hammer_test::{HammerOptions, HammerTestResult, ResponseWindow, hammer};
 pub use hit_report::HitReport;
 pub use options::EstimateOptions;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};

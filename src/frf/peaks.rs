@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bump_on_a_flank_and_a_peak_at_the_edge_are_none() {
+    fn a_bump_on_a_flank_or_a_peak_at_the_edge_is_no_peak() {
         let power = [9.0, 1.0, 2.0, 4.0, 6.0, 7.0, 6.9, 7.5, 10.0, 8.0, 4.0, 1.0];
         let peaks = clear_peaks(&power, &[0.1; 12], 2.0);
         assert_eq!(peaks.len(), 1);

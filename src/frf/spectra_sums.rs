@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn the_phase_is_that_of_response_over_force() {
+    fn the_frf_phase_is_response_minus_force() {
         let mut sums = LineSums::default();
         sums.add(Complex64::cis(0.7), Complex64::from_polar(3.0, 0.2));
         let expected = Complex64::from_polar(3.0, -0.5);
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn hv_goes_to_h1_and_h2_at_its_ends() {
+    fn hv_tends_to_h1_and_h2_at_extreme_noise_ratios() {
         let sums = hand_made();
         let hv = |kappa| sums.estimate(Estimator::Hv, kappa).unwrap();
         let (h1, h2) = (Complex64::new(1.5, 0.0), Complex64::new(54.0 / 21.0, 0.0));
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn hits_that_are_added_together_have_the_sums_of_each() {
+    fn sums_of_hits_equal_the_sums_of_each_hit() {
         for lines in [1, LINES_AT_ONCE, 3 * LINES_AT_ONCE + 5] {
             let spectrum = |seed: usize| -> Vec<Complex64> {
                 let value =

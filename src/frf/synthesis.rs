@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_or_infinite_is_an_error() {
+    fn missing_or_infinite_modal_parameters_are_errors() {
         let (_, _, _, pole, residues) = one_mass();
         let run = |modes: &[(Pole, &Residues)], axis, pair: &str, added| {
             let pair = [(dof(pair), dof("2:-X"))];

@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tail_of_noise_or_of_nothing_is_not_decidable() {
+    fn decay_is_undecidable_from_a_tail_of_noise_or_zeros() {
         let noise = Some([1.0; 4]);
         assert_eq!(
             energies([90.0, 20.0, 9.0, 2.99], noise).truncation().bound,

@@ -315,7 +315,7 @@ mod tests {
     };
 
     #[test]
-    fn one_hit_has_that_of_the_noise_before_it_or_none() {
+    fn the_variance_of_one_hit_comes_from_pretrigger_noise_or_is_absent() {
         let sums = LineSums {
             gff: 4.0,
             gxx: 36.0,
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn few_hits_pool_their_neighbours_and_say_how_many_count() {
+    fn few_hits_pool_neighbouring_lines_and_state_degrees_of_freedom() {
         let sums: Vec<LineSums> = (0..20)
             .map(|line| LineSums {
                 gff: 2.0,

@@ -87,7 +87,7 @@ mod tests {
     };
 
     #[test]
-    fn invalid_coherence_is_that_of_the_nearest_lines() {
+    fn invalid_coherence_is_replaced_from_the_nearest_lines() {
         let found = valid_coherence(&AXIS, vec![1.246, 0.9, f64::NAN, 0.7, 0.8]);
         let expected = [0.9, 0.9, 0.8, 0.7, 0.8];
         let values = found.values.unwrap();

@@ -402,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn of_new_files_all_come_or_none_and_none_is_written_over() {
+    fn new_files_are_written_all_or_none_and_overwrite_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("there.txt"), "of an earlier day").unwrap();

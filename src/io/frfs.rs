@@ -406,7 +406,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     };
     let finding = finding.map(|finding| Finding { place, ..finding });
     let coherence = coherence.and_then(|valid| valid.values);
-    let coherence = coherence.filter(|values| !says_nothing(values));
+    let coherence = coherence.filter(|values| !is_one_everywhere(values));
     let stated = of_axis(beside.variance, &axis);
     let averages = note.averages.or(file.averages);
     // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them
@@ -453,7 +453,7 @@ fn of_axis<T: Clone>(found: Option<&OnAxis<T>>, axis: &FrequencyAxis) -> Option<
 }
 
 /// A coherence of 1 at every line is that of one average.
-fn says_nothing(coherence: &[f64]) -> bool {
+fn is_one_everywhere(coherence: &[f64]) -> bool {
     coherence.iter().all(|g2| *g2 > 1.0 - 1e-9)
 }
 

@@ -96,7 +96,7 @@ fn coherence_of_a_separate_file_joins_its_frf() {
 }
 
 #[test]
-fn a_coherence_of_one_says_nothing() {
+fn a_coherence_of_one_everywhere_is_ignored() {
     let mut file = MemorySource::default();
     frf(&mut file, "2:+Z");
     real(&mut file, FunctionType::Coherence, "2:+Z", [1.0; 3]);
@@ -106,7 +106,7 @@ fn a_coherence_of_one_says_nothing() {
 }
 
 #[test]
-fn a_variance_in_the_file_goes_before_the_coherence() {
+fn a_stated_variance_takes_precedence_over_the_coherence() {
     let mut file = MemorySource::default();
     frf(&mut file, "2:+Z");
     frf(&mut file, "2:+Z");
@@ -139,7 +139,7 @@ fn repeated_functions_and_coherences_of_single_files_meet_in_their_order() {
 }
 
 #[test]
-fn only_the_set_that_needs_it_assumes_a_number_of_averages() {
+fn only_sets_without_averages_assume_a_number() {
     let (mut stated, mut unstated) = (MemorySource::default(), MemorySource::default());
     frf(&mut stated, "2:+Z");
     real(&mut stated, FunctionType::Coherence, "2:+Z", [0.9; 3]);
@@ -159,7 +159,7 @@ fn only_the_set_that_needs_it_assumes_a_number_of_averages() {
 }
 
 #[test]
-fn a_set_has_the_window_that_all_its_functions_state() {
+fn an_frf_set_has_the_window_common_to_its_functions() {
     let window_of = |windows: [Option<Window>; 2]| {
         let mut source = MemorySource::default();
         for (response, window) in ["2:+Z", "3:+Z"].into_iter().zip(windows) {

@@ -123,7 +123,10 @@ impl Roles<'_> {
             .iter()
             .any(|index| Some(numbers(&self.entries()[*index])) != first);
         let (mut groups, is_stated) = if is_whole(&by_lines) {
-            (by_lines, !self.says_nothing() || by_order.len() < 2)
+            (
+                by_lines,
+                !self.has_no_identification() || by_order.len() < 2,
+            )
         } else if numbered {
             (self.keyed(numbers), true)
         } else {
@@ -216,7 +219,7 @@ impl Roles<'_> {
     }
 
     /// Whether no header names a version, a load case or a reference.
-    fn says_nothing(&self) -> bool {
+    fn has_no_identification(&self) -> bool {
         let nothing = |entry: &Entry| {
             entry.identification.version == 0
                 && entry.identification.load_case == 0

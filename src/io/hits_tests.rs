@@ -102,7 +102,7 @@ fn expected(hits: &[(&str, &[&str])]) -> Vec<(String, Vec<String>)> {
 }
 
 #[test]
-fn the_version_number_makes_the_hit_whatever_the_order() {
+fn the_version_number_groups_hits_in_any_order() {
     let mut set = group(vec![
         response(1, "2:+Z", None),
         response(2, "2:+Z", None),
@@ -148,7 +148,7 @@ fn a_further_force_or_a_response_already_there_opens_the_next_hit() {
 }
 
 #[test]
-fn id_lines_that_differ_by_channel_leave_the_order_to_decide() {
+fn with_id_lines_differing_by_channel_the_order_groups_hits() {
     let mut entries = vec![
         force(0, dof("1:+Z")),
         response(0, "2:+Z", None),
@@ -184,7 +184,7 @@ fn the_hit_point_is_the_force_then_the_reference_then_the_scene() {
 }
 
 #[test]
-fn references_that_differ_do_not_make_a_hit_point() {
+fn differing_references_make_no_excitation_point() {
     let entries = vec![
         force(1, None),
         response(1, "2:+Z", dof("7:-Z")),
@@ -227,7 +227,7 @@ fn overrides_name_roles_points_and_units_by_the_number_within_the_hit() {
 }
 
 #[test]
-fn what_cannot_make_a_hit_is_an_error_with_got_and_expected() {
+fn impossible_hits_are_errors_with_got_and_expected() {
     let message = |entries| group(entries).unwrap_err().to_string();
     let none = message(vec![response(0, "2:+Z", None), response(0, "3:+Z", None)]);
     assert!(
@@ -250,7 +250,7 @@ fn what_cannot_make_a_hit_is_an_error_with_got_and_expected() {
 }
 
 #[test]
-fn a_version_that_lost_its_force_is_an_error_and_not_given_to_another_hit() {
+fn responses_of_a_version_without_force_are_an_error() {
     let entries = vec![
         force(1, dof("1:+Z")),
         response(1, "2:+Z", None),
@@ -266,7 +266,7 @@ fn a_version_that_lost_its_force_is_an_error_and_not_given_to_another_hit() {
 }
 
 #[test]
-fn id_lines_that_differ_by_channel_leave_the_version_to_decide() {
+fn with_id_lines_differing_by_channel_the_version_groups_hits() {
     let mut entries = vec![
         force(1, dof("1:+Z")),
         response(1, "2:+Z", None),
@@ -285,7 +285,7 @@ fn id_lines_that_differ_by_channel_leave_the_version_to_decide() {
 }
 
 #[test]
-fn a_record_on_a_frequency_axis_or_one_that_starts_later_makes_no_hit() {
+fn records_on_a_frequency_axis_or_with_another_start_make_no_hit() {
     let mut spectrum = response(1, "2:+Z", None);
     spectrum.axis = EntryAxis::Frequency(FrequencyAxis {
         start_hz: 0.0,
@@ -347,7 +347,7 @@ fn channels_of_one_hit_must_be_sampled_alike() {
 }
 
 #[test]
-fn a_response_of_another_hit_point_is_not_taken_for_this_hit() {
+fn a_response_of_another_excitation_point_does_not_join_the_hit() {
     let of = |at: &str, reference: &str| response(0, at, dof(reference));
     let records = vec![
         force(0, dof("1:+Z")),

@@ -210,7 +210,7 @@ fn sparse_matrices_of_scipy_are_read_in_every_layout() {
 }
 
 #[test]
-fn sparse_arrays_that_do_not_go_together_are_refused() {
+fn inconsistent_sparse_arrays_are_refused() {
     let broken: [(&[i32], [i32; 3], f64); 6] = [
         (&[0, 2], [0, 2, 3], 3.0),
         (&[0, 2, 2], [0, 3, 2], 3.0),

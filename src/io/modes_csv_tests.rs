@@ -31,7 +31,7 @@ fn source(text: &str) -> Result<Box<dyn Source>, IoError> {
 }
 
 #[test]
-fn rows_that_are_right_are_read_beside_one_that_is_not() {
+fn good_rows_are_read_despite_a_bad_row() {
     let text = "frequency_hz,damping_ratio,1:+Z\n10,0.01,1\n11,x,1\n12,0.01,-1\n";
     let found = source(text).unwrap();
     let modes = modes_of(found.catalog(), Vec::new()).modes;
@@ -122,7 +122,7 @@ fn a_hand_written_table_is_read_with_remarks_other_delimiters_and_empty_cells() 
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_line() {
+fn errors_of_a_modes_table_have_the_line() {
     let head = "frequency_hz,damping_ratio,group,scaling,1:+X\n";
     for (text, expected) in [
         ("frequency,damping_ratio\n".to_owned(), "m.csv:1: heading"),
@@ -158,7 +158,7 @@ fn refusal(text: &str) -> String {
 }
 
 #[test]
-fn half_a_complex_value_is_refused_and_an_empty_one_is_not_known() {
+fn half_a_complex_value_is_refused_and_an_empty_one_is_missing() {
     let head = "frequency_hz,damping_ratio,1:+Z re,1:+Z im,2:+Z\n";
     for (row, alone) in [("10,0.01,1,,2", "re"), ("10,0.01,,1,2", "im")] {
         let error = refusal(&format!("{head}9,0.01,1,0,2\n{row}\n"));
@@ -226,7 +226,7 @@ fn cells_may_stand_in_quotation_marks() {
 }
 
 #[test]
-fn deviations_masses_and_signs_that_cannot_be_are_refused_read_or_written() {
+fn impossible_deviations_masses_and_signs_are_refused_in_reading_and_writing() {
     let head = "frequency_hz,damping_ratio,frequency_std_hz,damping_std,modal_mass_kg\n";
     for (row, expected) in [
         (
@@ -306,7 +306,7 @@ fn a_heading_alone_holds_no_modes_and_is_named_with_its_line() {
 }
 
 #[test]
-fn what_a_table_cannot_hold_is_said() {
+fn properties_that_a_table_cannot_hold_are_reported() {
     let mut mode = Mode::new(1.0, None, ModeShape::default(), Scaling::Unknown);
     mode.residues
         .insert((dof("1:+X"), dof("2:+X")), Complex64::i());

@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_note_comes_back_and_other_lines_say_nothing() {
+    fn a_note_is_read_back_and_other_lines_are_no_note() {
         let note = FunctionNote {
             averages: Some(5),
             estimator: Some(Estimator::Hv),

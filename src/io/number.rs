@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_is_all_number_or_none() {
+    fn a_field_is_a_number_as_a_whole_or_not_at_all() {
         assert_eq!(field(b" 1.5 ", b'.'), Some(1.5));
         assert_eq!(field(b"1.5x", b'.'), None);
         assert_eq!(field(b"1e999", b'.'), None);

@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_choice_is_read_with_what_it_leaves_out() {
+    fn selected_poles_are_read_with_missing_fields() {
         let text = r#"{"schema": "modalign-selection/1", "poles": [{"frequency_hz": 143.2, "damping_ratio": 0.004, "order": 24}, {"frequency_hz": 210.8}]}"#;
         let selection = selection_from_json(text, "s.json").unwrap();
         assert_eq!(selection.poles[0].order, Some(24));
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_choice_is_refused_with_its_place() {
+    fn invalid_pole_selections_are_refused_with_their_position() {
         let message = |text: &str| {
             let error = selection_from_json(text, "s.json").unwrap_err();
             error.to_string()

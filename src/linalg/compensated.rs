@@ -240,7 +240,7 @@ mod tests {
     const UNIT_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
 
     #[test]
-    fn terms_that_cancel_to_sixteen_digits_leave_the_exact_value() {
+    fn terms_cancelling_to_sixteen_digits_leave_the_exact_value() {
         // [1, 1] A [1, 1]^T of a spring of 1e16 between two coordinates with a spring of 1 to
         // ground at the first.
         let a = real_matrix(2, 2, |i, j| match (i, j) {
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn zero_rows_and_zero_vectors_and_none_have_forms() {
+    fn quadratic_forms_of_zero_rows_zero_vectors_and_no_vectors_are_defined() {
         let a = real_matrix(5, 5, |i, j| if i == 3 && j == 3 { 7.0 } else { 0.0 });
         let x = real_matrix(5, 2, |i, j| (i * (1 - j)) as f64);
         let forms = quadratic_forms(a.as_ref(), x.as_ref());

@@ -189,7 +189,7 @@ fn all_modes_of_a_small_pair_are_found() {
 }
 
 #[test]
-fn a_band_has_all_modes_below_its_end_and_none_beyond() {
+fn a_band_has_exactly_the_modes_below_its_upper_limit() {
     let (k, m) = product(25, 2, false);
     let exact = closed_form(25, 2, false);
     // Between roots, among them just beside a double one, and below all.
@@ -204,7 +204,7 @@ fn a_band_has_all_modes_below_its_end_and_none_beyond() {
 }
 
 #[test]
-fn the_count_is_that_of_the_dense_spectrum() {
+fn the_eigenvalue_count_equals_the_dense_spectrum() {
     let (k, m) = product(7, 2, true);
     let exact = closed_form(7, 2, true);
     let pencil = sparse::Pencil::new(&k, &m).unwrap();
@@ -218,7 +218,7 @@ fn the_count_is_that_of_the_dense_spectrum() {
 }
 
 #[test]
-fn equal_oscillators_that_do_not_touch_are_one_root_of_all() {
+fn equal_uncoupled_oscillators_are_one_repeated_root() {
     // Forty equal roots, ten times the block, and one beside them.
     let diagonal = |value: &dyn Fn(usize) -> f64| -> Vec<(usize, usize, f64)> {
         (0..60).map(|i| (i, i, value(i))).collect()
@@ -261,7 +261,7 @@ fn the_highest_root_comes_whole_as_well() {
 }
 
 #[test]
-fn matrices_that_are_not_definite_are_errors() {
+fn indefinite_matrices_are_errors() {
     let (k, m) = product(5, 2, false);
     let negative = SparseMatrix::weighted_sum(25, &[(-1.0, &m)]).unwrap();
     let solve = |k, m| sparse_modes(k, m, Wanted::Lowest(3), 1000).unwrap_err();

@@ -425,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_result_of_one_solver_is_replaced_by_that_of_the_next_or_is_an_error() {
+    fn a_wrong_solver_result_is_replaced_by_the_next_solver_or_is_an_error() {
         let (k, m) = chain(200);
         let failed = modes_by(&k, &m, &[unscaled]).unwrap_err();
         let LinalgError::Inaccurate { got, limit, .. } = failed else {

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_phase_is_that_of_the_line_and_the_deviation_the_angle_from_it() {
+    fn the_mean_phase_is_the_phase_of_the_fitted_line_and_its_deviation_the_angle_from_it() {
         let turn = Complex64::from_polar(1.0, 0.7);
         let real: Vec<_> = [1.0, -2.0, 0.5].iter().map(|v| turn * *v).collect();
         assert!((mean_phase(&real).unwrap() - 0.7).abs() < 1e-14);
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_real_shape_is_collinear_and_a_circle_is_not() {
+    fn a_rotated_real_shape_is_collinear_and_a_circle_is_not() {
         let turn = Complex64::from_polar(1.0, 0.7);
         let real: Vec<_> = [1.0, -2.0, 0.5].iter().map(|v| turn * *v).collect();
         assert!((modal_phase_collinearity(&real).unwrap() - 1.0).abs() < 1e-14);

@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_hits_are_errors_that_say_what_is_wrong() {
+    fn bad_hits_are_errors_with_their_cause() {
         let (info, force, _) = hit();
         let with = |change: fn(&mut HitInfo), samples: Vec<f64>| {
             let mut info = info.clone();
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_without_quiet_samples_is_an_error_or_stays() {
+    fn an_offset_without_pretrigger_samples_is_an_error_or_stays() {
         let (info, _, _) = hit();
         let mut force = vec![0.0; 24];
         force[9] = 1.0;

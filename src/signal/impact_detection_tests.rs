@@ -85,7 +85,7 @@ fn the_last_hit_shortens_all_or_is_left_out_whichever_keeps_more_samples() {
 }
 
 #[test]
-fn a_single_hit_takes_what_is_there() {
+fn a_single_impact_keeps_the_available_record() {
     let cut = Recording::clean(20_000, &[5_000]).cut(&AUTO);
     assert_eq!(cut.segments.len(), 1);
     assert_eq!(cut.segments[0].range.end, 20_000);
@@ -94,7 +94,7 @@ fn a_single_hit_takes_what_is_there() {
 }
 
 #[test]
-fn what_the_ends_of_the_file_cut_is_left_out_and_counted() {
+fn impacts_cut_by_the_file_ends_are_omitted_and_counted() {
     let options = TriggerOptions {
         length_s: Some(0.8),
         pretrigger_s: Some(0.05),
@@ -173,7 +173,7 @@ fn a_pretrigger_does_not_reach_into_the_contact_before() {
 }
 
 #[test]
-fn a_record_without_a_pulse_says_noise_and_largest_value() {
+fn a_record_without_a_pulse_reports_noise_and_maximum() {
     let noise = Recording::clean(20_000, &[]);
     match segments(&noise.force(), STEP_S, &AUTO).unwrap_err() {
         SignalError::NoHit {

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn scaled_values_have_their_extent_whatever_the_sign() {
+    fn the_extent_of_scaled_values_holds_for_both_signs() {
         for len in [1, LANES + 3, PIECE, 2 * PIECE + 5] {
             let x: Vec<f32> = (0..len).map(|n| ((n * 37) % 101) as f32 - 7.0).collect();
             for factor in [0.3, -2.5] {

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_term_that_has_died_leaves_the_rest_of_the_record_alone() {
+    fn a_decayed_term_does_not_change_the_rest_of_the_record() {
         let decay = Decay {
             pole: Complex64::new(-1e4, 0.0),
             start: Complex64::ONE,

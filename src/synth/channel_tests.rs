@@ -82,7 +82,7 @@ fn the_noise_has_its_stated_level_and_is_white_and_gaussian() {
 }
 
 #[test]
-fn samples_depend_neither_on_threads_nor_on_what_else_is_generated() {
+fn samples_are_independent_of_threads_and_other_channels() {
     let test = noisy();
     let hits = test.generate().expect("a test as planned");
     for threads in [1, 2, 5] {

@@ -135,7 +135,7 @@ fn a_plan_without_content_or_with_a_repeated_sensor_is_refused() {
 }
 
 #[test]
-fn a_truth_that_cannot_answer_the_plan_is_refused() {
+fn a_truth_without_the_planned_dofs_is_refused() {
     assert!(matches!(
         error(|t| t.hits[0].responses.push(dof("3:+Z"))),
         SynthError::MissingResidue { mode: 1, response, .. } if response == dof("3:+Z")
@@ -183,7 +183,7 @@ fn a_truth_that_cannot_answer_the_plan_is_refused() {
 }
 
 #[test]
-fn a_filter_that_does_not_suit_the_modes_is_refused() {
+fn a_filter_pole_near_a_mode_is_refused() {
     assert!(matches!(
         error(|t| {
             t.sampling_rate_hz = 240.0;

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_that_decays_within_the_pulse_neither_overflows_nor_vanishes() {
+    fn a_pole_decaying_within_the_pulse_neither_overflows_nor_vanishes() {
         let duration = 1e-2;
         let omega = PI / duration;
         let p = Complex64::new(-1e6, 2e5);

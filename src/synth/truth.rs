@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_truth_needs_and_has_not_is_named() {
+    fn missing_parts_of_a_truth_are_named() {
         let pair = [dof("1:+X"), dof("2:+X")];
         let failing = |change: fn(&mut Mode)| {
             let mut model = free_pair();

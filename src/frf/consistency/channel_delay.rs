@@ -113,7 +113,7 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
         values.as_slice(),
         variance.as_slice(),
     );
-    let fit = |peak: &Peak| Window::of(reach(peak, power.len())?, whole).fit();
+    let fit = |peak: &Peak| Window::of(fit_lines(peak, power.len())?, whole).fit();
     let phase = |pole: LocalPole| Phase {
         omega: pole.lambda.im,
         phase: pole.residue.arg(),
@@ -127,7 +127,7 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
 }
 
 /// The lines that a fit of one resonance uses; `None` when the band ends within them.
-pub(super) fn reach(peak: &Peak, lines: usize) -> Option<std::ops::Range<usize>> {
+pub(super) fn fit_lines(peak: &Peak, lines: usize) -> Option<std::ops::Range<usize>> {
     let first = peak.lower - (FIT_HALF_WIDTH_BANDWIDTHS - 0.5) * peak.width();
     let end = peak.upper + (FIT_HALF_WIDTH_BANDWIDTHS - 0.5) * peak.width() + 1.0;
     (first >= 0.0 && end <= lines as f64).then(|| first.ceil() as usize..end.floor() as usize)
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn one_late_response_is_named_and_a_late_force_is_said_once() {
+    fn one_delayed_response_is_reported_and_a_delayed_force_once() {
         let set = Beam::default().set(&[("1:+Z", "1:+Z"), ("4:+Z", "1:+Z")]);
         let late = delayed(&Beam::default().set(&[("2:+Z", "1:+Z")]), INTERVAL_S);
         let findings = found(&joined(&[set.clone(), late]));

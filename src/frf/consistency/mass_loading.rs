@@ -9,7 +9,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Severity};
 use crate::frf::Function;
 
-use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, reach};
+use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, fit_lines};
 use super::driving_point::CLEAR;
 use super::mobility::{Mobilities, site};
 use crate::frf::local_pole::{LocalPole, Window};
@@ -82,7 +82,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
         .flat_map(|resonance| resonance.runs.iter().map(move |run| (resonance, run)))
         .filter(|(resonance, run)| resonance.shift(run).abs() > resonance.limit(run))
         .max_by(|a, b| a.0.in_widths(a.1).total_cmp(&b.0.in_widths(b.1)));
-    let code = match roving_sensor && by_mass(&resonances) {
+    let code = match roving_sensor && is_mass_loading(&resonances) {
         true => Code::MassLoading,
         false => Code::RunsDisagree,
     };
@@ -159,7 +159,7 @@ impl<'a> Summed<'a> {
 
     /// The frequency of one resonance in every run that shows it; `None` when less than two do.
     fn resonance(&self, peak: &Peak, runs: &[Vec<usize>]) -> Option<Resonance> {
-        let lines = reach(peak, self.power.len())?;
+        let lines = fit_lines(peak, self.power.len())?;
         let fit = |i: &usize| {
             let whole = (self.omega, &self.values[*i][..], &self.variance[*i][..]);
             let pole = Window::of(lines.clone(), whole).fit()?;
@@ -236,7 +236,7 @@ impl Resonance {
 }
 
 /// Whether shifts against the power of the runs explain enough of the scatter.
-fn by_mass(resonances: &[Resonance]) -> bool {
+fn is_mass_loading(resonances: &[Resonance]) -> bool {
     let wide = resonances.iter().filter(|r| r.runs.len() >= MIN_RUNS);
     let (all, explained) = wide.fold((0.0, 0.0), |(all, explained), resonance| {
         let one = resonance.scatter();
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn one_run_that_changed_is_named_with_its_shift() {
+    fn a_run_with_shifted_frequencies_is_reported_with_its_shift() {
         // 0.5 % up in one of eight runs of about equal weight: 7/8 of it against the mean.
         let changed = |point: usize, _: usize| if point == 5 { 0.005 } else { 0.0 };
         for hammer in [false, true] {
@@ -311,13 +311,13 @@ mod tests {
     }
 
     #[test]
-    fn noise_alone_and_one_run_say_nothing() {
+    fn noise_alone_or_a_single_run_gives_no_mass_loading_finding() {
         assert!(found(&roving(|_, _| 0.0, false)).is_empty());
         assert!(found(&Beam::default().set(&[("1:+Z", "1:+Z")])).is_empty());
     }
 
     #[test]
-    fn a_weighted_mean_is_that_of_its_weights() {
+    fn a_weighted_mean_uses_its_weights() {
         let mean = weighted_mean([(1.0, 1.0), (4.0, 0.5)].into_iter());
         assert!((mean - 3.0).abs() < 1e-15);
     }

@@ -113,7 +113,7 @@ impl<'a> Mobilities<'a> {
 
     /// Functions between the same points along the same axes, whatever the signs and repeats, as
     /// lists by pair.
-    pub fn by_pair(&self) -> std::collections::BTreeMap<(Dof, Dof), Vec<usize>> {
+    pub fn functions_by_dofs(&self) -> std::collections::BTreeMap<(Dof, Dof), Vec<usize>> {
         let mut pairs = std::collections::BTreeMap::<_, Vec<usize>>::new();
         for (i, function) in self.functions().iter().enumerate() {
             let pair = (site(&function.response), site(&function.reference));

@@ -20,7 +20,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 
 /// Pairs of functions that should be one by reciprocity, by their numbers.
 pub(super) fn reciprocal(data: &Mobilities) -> Vec<(usize, usize)> {
-    let pairs = data.by_pair();
+    let pairs = data.functions_by_dofs();
     let upper = pairs.iter().filter(|((i, j), _)| i < j);
     upper
         .filter_map(|((i, j), upper_frfs)| {
@@ -41,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn reciprocal_functions_agree_whatever_their_signs() {
+    fn reciprocal_frfs_agree_for_any_dof_signs() {
         let set = Beam::default().set(&[("1:+Z", "2:-Z"), ("2:+Z", "1:+Z"), ("3:+Z", "1:+Z")]);
         assert!(found(&set).is_empty());
     }
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn another_point_is_not_reciprocal() {
+    fn frfs_between_other_points_are_not_reciprocal() {
         let mut set = Beam::default().set(&[("1:+Z", "2:+Z")]);
         let other = Beam::default().relabelled(("3:+Z", "1:+Z"), ("2:+Z", "1:+Z"));
         let data = crate::frf::FunctionData {

@@ -19,7 +19,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 
 /// Every further measurement of a pair with the first one, by their numbers.
 pub(super) fn repeats(data: &Mobilities) -> Vec<(usize, usize)> {
-    let pairs = data.by_pair();
+    let pairs = data.functions_by_dofs();
     let of = |functions: &Vec<usize>| {
         let first = functions[0];
         functions[1..].iter().map(|other| (first, *other)).collect()
@@ -34,7 +34,7 @@ mod tests {
     use crate::frf::consistency::synthetic::{Beam, scaled};
 
     #[test]
-    fn the_measurement_that_differs_is_named() {
+    fn the_deviating_repeated_measurement_is_reported() {
         let pairs = [
             ("2:+Z", "1:+Z"),
             ("2:+Z#2", "1:+Z"),

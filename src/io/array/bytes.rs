@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn three_small_arrays_are_kept_and_large_ones_are_not() {
+    fn three_small_arrays_are_cached_and_large_ones_are_not() {
         let mut recent = RecentArrays::new(0);
         let reads = std::cell::Cell::new(0);
         let mut ask = |index: usize, len: usize| {

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_that_nothing_uses_is_an_error() {
+    fn an_unused_column_is_an_error() {
         for (roles, message) in [
             (
                 &["time", "time", "force"][..],

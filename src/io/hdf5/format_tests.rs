@@ -108,7 +108,7 @@ fn datatypes_in_datatypes_without_end_are_refused_and_the_rest_is_read() {
 }
 
 #[test]
-fn a_shape_that_the_file_cannot_fill_is_refused_before_memory_is_asked_for() {
+fn an_array_larger_than_its_file_is_refused_before_allocation() {
     let mut builder = FileBuilder::new();
     builder
         .create_dataset("x")

@@ -99,7 +99,7 @@ fn a_file_of_h5py_is_read() {
 }
 
 #[test]
-fn a_group_that_holds_itself_ends_and_is_said() {
+fn a_group_that_contains_itself_is_reported_and_ends() {
     let mut store = open(H5PY);
     assert!(store.list().len() < 1000, "{}", store.list().len());
     let said = damage(&mut store);
@@ -137,7 +137,7 @@ fn a_file_of_matlab_is_read() {
 
 #[cfg(not(feature = "libhdf5"))]
 #[test]
-fn what_needs_the_other_library_is_said_and_the_rest_is_read() {
+fn datasets_that_need_libhdf5_are_reported_and_the_rest_is_read() {
     let mut store = open(NEWER);
     expect(
         &mut store,

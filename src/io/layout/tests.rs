@@ -104,7 +104,7 @@ fn array<'a>(arrays: &'a [NamedArray], name: &str) -> &'a NamedArray {
 }
 
 #[test]
-fn the_names_that_users_rely_on_are_there() {
+fn the_array_names_of_the_layout_are_written() {
     let (arrays, _) = written(&mut two_functions());
     assert_eq!(
         array(&arrays, "schema").elements,
@@ -133,7 +133,7 @@ fn the_names_that_users_rely_on_are_there() {
 }
 
 #[test]
-fn a_width_that_is_asked_for_is_written() {
+fn the_requested_precision_is_written() {
     let mut arrays = Vec::new();
     let single = Some(Precision::Single);
     write_layout(&mut two_functions(), single, &mut |array| {
@@ -150,7 +150,7 @@ fn a_width_that_is_asked_for_is_written() {
 }
 
 #[test]
-fn a_group_that_cannot_be_used_is_damage_and_the_rest_is_read() {
+fn an_unusable_group_is_damage_and_the_others_are_read() {
     let mut source = two_functions();
     let axis = EntryAxis::Time(TimeAxis {
         start_s: 0.0,
@@ -182,7 +182,7 @@ fn a_group_that_cannot_be_used_is_damage_and_the_rest_is_read() {
 }
 
 #[test]
-fn what_the_layout_cannot_hold_is_said() {
+fn properties_that_the_layout_cannot_hold_are_reported() {
     let mut source = two_functions();
     source.catalog.entries[0].identification.version = (1 << 53) + 1;
     source.catalog.arrays.push(ArrayInfo {
@@ -226,7 +226,7 @@ fn spoiled(name: &str, spoil: impl Fn(&mut NamedArray)) -> String {
 }
 
 #[test]
-fn an_array_that_is_turned_is_an_error() {
+fn a_transposed_array_is_an_error() {
     let error = spoiled("frf/re", |array| array.shape.reverse());
     assert!(
         error.contains("[3, 2]") && error.contains("[2, lines]"),
@@ -240,7 +240,7 @@ fn an_array_that_is_turned_is_an_error() {
 }
 
 #[test]
-fn numbers_that_cannot_be_are_errors() {
+fn impossible_numbers_are_errors() {
     let cases = [
         ("frf/step", -1.0),
         ("frf/step", f64::NAN),

@@ -46,7 +46,7 @@ fn variables_before_a_cut_are_read() {
 }
 
 #[test]
-fn a_variable_that_is_bad_does_not_hide_the_next_one() {
+fn variables_after_a_bad_variable_are_read() {
     let builder = BOTH[0];
     let good = builder.doubles(&[1, 1], "good", &[1.0]);
     let mut spoiled = builder.deflated(&builder.doubles(&[1, 1], "x", &[1.0]));
@@ -76,7 +76,7 @@ fn a_variable_that_is_bad_does_not_hide_the_next_one() {
 }
 
 #[test]
-fn counts_that_the_bytes_do_not_bear_out_are_errors() {
+fn counts_contradicting_the_bytes_are_errors() {
     let builder = BOTH[0];
     let long = u32::MAX >> 1;
     let wrong = [
@@ -153,7 +153,7 @@ fn a_small_file_cannot_list_parts_without_end() {
 }
 
 #[test]
-fn a_char_array_without_characters_has_as_many_texts_as_its_shape_says() {
+fn an_empty_char_array_has_as_many_texts_as_rows() {
     let builder = BOTH[0];
     let bytes = builder.file(&[builder.matrix(4, &[3, 0], "x", &[builder.element(4, &[])])]);
     let mut store = store::open(Box::new(Cursor::new(bytes)), false, "x.mat").unwrap();

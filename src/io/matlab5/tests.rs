@@ -39,7 +39,7 @@ fn read_one(builder: Builder, element: Vec<u8>) -> NamedArray {
 }
 
 #[test]
-fn numbers_of_every_class_are_read_whatever_they_are_stored_as() {
+fn numbers_of_every_class_are_read_in_every_storage() {
     for builder in BOTH {
         let short = |values: [i16; 2]| values.map(|v| builder.turned(v.to_le_bytes())).concat();
         let cases: [(u32, u32, Vec<u8>, [f64; 2]); 9] = [
@@ -234,7 +234,7 @@ fn the_entries_of_a_sparse_matrix_are_read_however_large_it_is() {
 }
 
 #[test]
-fn what_holds_no_numbers_is_listed_with_its_kind() {
+fn arrays_without_numbers_are_listed_with_their_class() {
     let builder = BOTH[0];
     let opaque = [
         builder.words(6, &[17, 0]),

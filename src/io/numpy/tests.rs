@@ -83,7 +83,7 @@ fn fortran_order_is_turned() {
 }
 
 #[test]
-fn what_is_not_read_is_listed_with_its_kind() {
+fn unread_arrays_are_listed_with_their_kind() {
     for (description, kind) in [
         ("'|O'", "object"),
         ("'<M8[ns]'", "date"),
@@ -103,7 +103,7 @@ fn what_is_not_read_is_listed_with_its_kind() {
 }
 
 #[test]
-fn headers_that_promise_what_is_not_there_are_refused() {
+fn headers_larger_than_their_data_are_refused() {
     let refused = [
         npy(1, "'<f8'", "False", "(1000000000000,)", &[0; 16]),
         npy(
@@ -277,7 +277,7 @@ fn stated_dimensions_make_hits_of_channels() {
 }
 
 #[test]
-fn what_the_scene_leaves_open_or_gets_wrong_is_an_error() {
+fn missing_or_wrong_statements_of_the_scene_are_errors() {
     let message = |hints: &Hints| open(three_dimensions(), hints).err().unwrap().to_string();
     let unstated = message(&hints(&["1"], None));
     assert!(

@@ -24,7 +24,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_point_with_a_direction_is_one_and_a_name_is_none() {
+    fn a_point_with_a_direction_is_a_dof_and_a_name_is_not() {
         for (text, expected) in [
             ("12+Z", "12:+Z"),
             (" 10-Z ", "10:-Z"),

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::columns::Rows;
-use super::heading::{Abscissa, Described, Meaning, Part};
+use super::heading::{Abscissa, HeadingMeaning, Meaning, Part};
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::io::assign::{RowLines, even_axis};
@@ -17,7 +17,7 @@ pub(super) fn entries_of(rows: Rows, meanings: &[Meaning], source: &mut MemorySo
         match meaning {
             Meaning::Abscissa(abscissa) => {
                 let found = axis_of(abscissa, values);
-                tell_uneven(&found.0, rows.lines.line(0), source);
+                report_uneven_axis(&found.0, rows.lines.line(0), source);
                 axis = Some(found);
             }
             Meaning::Values(Part::Real, _) => real = values,
@@ -42,7 +42,7 @@ pub(super) fn entries_of(rows: Rows, meanings: &[Meaning], source: &mut MemorySo
     }
 }
 
-fn entry_of(described: &Described, axis: EntryAxis, format: SampleFormat) -> Entry {
+fn entry_of(described: &HeadingMeaning, axis: EntryAxis, format: SampleFormat) -> Entry {
     let mut entry = Entry::new(described.function_type, axis, format);
     entry.identification.version = described.hit;
     entry.role = described.role;
@@ -81,7 +81,7 @@ pub(super) fn axis_of(abscissa: &Abscissa, values: Vec<f64>) -> (EntryAxis, Vec<
 }
 
 /// Says once that an abscissa of time or frequency in this file is not even, as functions need it.
-pub(super) fn tell_uneven(axis: &EntryAxis, line: Option<u64>, source: &mut MemorySource) {
+pub(super) fn report_uneven_axis(axis: &EntryAxis, line: Option<u64>, source: &mut MemorySource) {
     let EntryAxis::General(axis) = axis else {
         return;
     };

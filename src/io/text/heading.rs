@@ -33,7 +33,7 @@ pub(super) enum Meaning {
     /// The abscissa.
     Abscissa(Abscissa),
     /// Values of an entry.
-    Values(Part, Box<Described>),
+    Values(Part, Box<HeadingMeaning>),
 }
 
 /// What a heading says of the abscissa.
@@ -49,7 +49,7 @@ pub(super) struct Abscissa {
 
 /// What a heading says of an entry.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Described {
+pub(super) struct HeadingMeaning {
     /// What it is.
     pub function_type: FunctionType,
     /// Role of a time record.
@@ -131,7 +131,7 @@ fn abscissa(heading: &str) -> Option<Abscissa> {
     })
 }
 
-fn described(heading: &str) -> Option<(Part, Described)> {
+fn described(heading: &str) -> Option<(Part, HeadingMeaning)> {
     let (words, unit) = split_unit(heading);
     let mut words: Vec<&str> = words.split(' ').collect();
     let part = match words.first() {
@@ -168,7 +168,7 @@ fn described(heading: &str) -> Option<(Part, Described)> {
         "?" => None,
         text => Some(text.parse().ok()?),
     };
-    let described = Described {
+    let described = HeadingMeaning {
         function_type,
         role,
         response,

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_heading_that_contradicts_the_scene_is_an_error() {
+    fn a_heading_unit_contradicting_the_scene_is_an_error() {
         for (header, stated, message) in [
             (
                 "t [s],F [kN],a [m/s2]\n",

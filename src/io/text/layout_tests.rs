@@ -128,7 +128,7 @@ fn utf_16_is_read_as_text() {
 }
 
 #[test]
-fn what_could_be_read_in_two_ways_is_asked() {
+fn ambiguous_numbers_are_an_error() {
     let text = error(b"1,5\n2,5\n3,5\n");
     assert_eq!(
         text,
@@ -252,7 +252,7 @@ fn refused(bytes: &[u8], columns: &[ColumnName], skip_lines: usize) -> Option<St
 }
 
 #[test]
-fn a_heading_that_occurs_twice_is_asked() {
+fn an_ambiguous_heading_is_an_error() {
     let named = |name: &str| [ColumnName::Heading(name.to_owned())];
     let rows = "0,1.5,2.5\n1,2.5,3.5\n";
     for (headings, name, known) in [

@@ -13,7 +13,7 @@ use num_complex::Complex64;
 
 use super::blocks::{TextBlocks, first_lines, text_of};
 use super::dof_text::printed_dof;
-use super::entries::{axis_of, tell_uneven};
+use super::entries::{axis_of, report_uneven_axis};
 use super::heading::{Abscissa, unit_of};
 use super::row::{Notation, RowShape};
 use super::table::new_source;
@@ -245,7 +245,7 @@ fn entry_of(
     let (line, last_line) = (slice.line, slice.last_line);
     let last = slice.abscissa.last().copied();
     let (axis, abscissa, label) = axis(keys, slice.abscissa);
-    tell_uneven(&axis, Some(line), source);
+    report_uneven_axis(&axis, Some(line), source);
     if let Some(error) = contradiction(&axis, last, last_line, path) {
         source.catalog.note_damage(error, Part::Function);
     }

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_is_no_row_also_where_its_first_field_is_not_wanted() {
+    fn a_comment_is_no_row_even_if_its_first_field_is_unused() {
         let shape = shape(Delimiter::Comma, b'.', &[None, Some(0)]);
         let mut row = [0.0];
         assert!(!shape.read(b"# 1,2", &mut row).unwrap());

@@ -14,7 +14,7 @@ use num_complex::Complex64;
 use super::blocks::{TextBlocks, first_lines, lines, text_of};
 use super::columns::{Rows, read_rows};
 use super::dof_text::printed_dof;
-use super::entries::{axis_of, tell_uneven};
+use super::entries::{axis_of, report_uneven_axis};
 use super::heading::{Abscissa, unit_of};
 use super::layout::{MAX_COLUMNS, too_wide};
 use super::row::{Notation, RowShape, fields, row_of};
@@ -147,7 +147,7 @@ impl Header {
         let mut columns = rows.columns.into_iter();
         let Some(first) = columns.next() else { return };
         let (axis, abscissa, label) = axis_of(&self.abscissa(), first);
-        tell_uneven(&axis, line, source);
+        report_uneven_axis(&axis, line, source);
         let functions = self.functions();
         for (number, (name, complex)) in functions.iter().enumerate() {
             let Some(values) = columns.next() else { return };

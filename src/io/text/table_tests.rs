@@ -91,7 +91,7 @@ fn a_table_without_time_column_takes_the_stated_rate() {
 }
 
 #[test]
-fn the_unit_of_a_record_says_its_scale() {
+fn the_unit_of_a_record_gives_its_scale() {
     let mut spec = hammer_spec();
     spec.columns[0].scale = 0.5;
     let source = open("force,acceleration\n1,2\n3,4\n", spec).expect("a table");
@@ -123,7 +123,7 @@ fn a_rounded_time_column_gives_the_spacing_over_the_whole_record() {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_line_got_and_expected() {
+fn errors_of_a_table_have_line_got_and_expected() {
     assert_eq!(
         message("force,accel\n1,2\n", hammer_spec()),
         "t.csv:1: got columns force, accel, expected a column \"acceleration\" ([[test.channel]] column)"

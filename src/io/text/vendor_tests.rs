@@ -57,7 +57,7 @@ fn even(source: &dyn Source, entry: usize) -> (f64, f64) {
 }
 
 #[test]
-fn a_pulse_export_says_what_it_holds() {
+fn a_pulse_export_states_function_dofs_and_units() {
     let body = format!("{ROWS}{TAGS}");
     let mut source = opened(pulse("(m/s²)/N", 3, &[], &body)).unwrap();
     assert_eq!(source.catalog().format, "pulse");
@@ -161,7 +161,7 @@ fn a_damaged_pulse_export_keeps_its_good_rows() {
 }
 
 #[test]
-fn a_row_of_a_pulse_export_that_is_lost_doubled_or_swapped_ends_the_slice() {
+fn a_lost_doubled_or_swapped_row_of_a_pulse_export_ends_the_slice() {
     let rows: Vec<&str> = ROWS.lines().collect();
     for (order, good, got) in [
         (&[0, 2][..], 1, "\"3\", expected 2"),
@@ -223,7 +223,7 @@ fn exports_are_known_in_every_encoding() {
 }
 
 #[test]
-fn an_uneven_abscissa_is_kept_and_said() {
+fn an_uneven_abscissa_is_kept_and_reported() {
     let rows = "100\t0.5\t0\r\n101.3\t1\t0\r\n102.1\t1\t0\r\n103.4\t1\t0\r\n104\t1\t0\r\n";
     let words = "Frequency\t Real\t Imaginary";
     let source = opened(signalcalc("Ratio", "3+Z:12-X", words, "Hz\t(m)(N)", rows)).unwrap();
@@ -245,7 +245,7 @@ fn signalcalc(kind: &str, channels: &str, words: &str, units: &str, rows: &str) 
 }
 
 #[test]
-fn a_signalcalc_frf_says_what_it_holds() {
+fn a_signalcalc_export_states_function_dofs_and_units() {
     let rows = "0.000e+000\t  -0.5\t  0\r\n2.500e-001\t 1.5\t-0.25\r\n5.000e-001\t 2.5\t 0.75\r\n";
     let bytes = signalcalc(
         "Ratio",

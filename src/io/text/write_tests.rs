@@ -87,7 +87,7 @@ fn the_headings_state_everything() {
 }
 
 #[test]
-fn what_a_table_cannot_hold_is_counted() {
+fn properties_that_a_table_cannot_hold_are_counted() {
     let mut source = MemorySource::default();
     let axis = time_axis(0.0, 0.25, 2);
     let mut record = Entry::new(FunctionType::Time, axis, SampleFormat::RealF64);

@@ -172,7 +172,7 @@ fn a_truncated_block_is_placed_by_its_byte() {
 }
 
 #[test]
-fn every_cut_of_a_file_opens_or_says_where_it_ends() {
+fn every_truncated_file_opens_or_reports_its_end() {
     let mut file = dataset(&["   151", "Machine"], "\n");
     let first = text_58(&header(2, 2), &["  1.0  2.0"], "\n");
     file.extend(&first);
@@ -211,7 +211,7 @@ fn every_cut_of_a_file_opens_or_says_where_it_ends() {
 }
 
 #[test]
-fn a_block_of_another_length_does_not_hide_what_follows() {
+fn datasets_after_a_block_of_wrong_length_are_read() {
     let block = singles(&[1.0, 2.0, 3.0, 4.0], true);
     for points in [3, 5, 400, u64::from(u32::MAX), 9_999_999_999] {
         for count_error in [2, 3] {
@@ -235,7 +235,7 @@ fn a_block_of_another_length_does_not_hide_what_follows() {
 }
 
 #[test]
-fn a_bad_binary_header_does_not_hide_what_follows() {
+fn datasets_after_a_bad_binary_header_are_read() {
     let block = b"\n    -1\n    -1\n-1\n-1\n-1\n-1\n-1\n-1";
     for count_error in [0, 3] {
         for index in [5, 6, 7, 8] {
@@ -323,7 +323,7 @@ fn a_text_without_its_last_delimiter_is_whole_when_its_last_line_is() {
 }
 
 #[test]
-fn a_byte_count_that_alone_is_right_says_how_many_points_there_are() {
+fn a_byte_count_overrides_a_wrong_point_count() {
     let block = singles(&[1.0, 2.0, 3.0, 4.0], true);
     for (points, entries) in [(0, 1), (3, 1), (5, 1), (2, 0), (1, 0)] {
         let mut file = binary_58(&header(2, points), &block, Form::default());
@@ -423,7 +423,7 @@ fn behind_a_binary_block_places_are_bytes() {
 }
 
 #[test]
-fn what_is_no_universal_file_is_an_error() {
+fn files_of_other_formats_are_errors() {
     for (bytes, line) in [
         ("", 1),
         ("1 2 3\n4 5 6\n", 1),

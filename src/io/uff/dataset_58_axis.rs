@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_is_not_invented() {
+    fn ambiguous_steps_restore_no_sampling_rate() {
         // 1/3 s is 3 Hz; 0.3 s is none; with two digits or fewer many rates fit, or none does.
         assert_eq!(rate("3.33333E-01").map(f64::to_bits), Some(3f64.to_bits()));
         for printed in ["3.00000E-01", "1.0E-05", "0.01", "0.0", "4.88210E-04"] {
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_printed_grid_is_even_and_a_moved_value_is_not() {
+    fn a_printed_grid_is_even_and_one_with_a_shifted_value_is_not() {
         let count = 200_000;
         let time = printed((0..count).map(|i| -0.05 + f64::from(i) / 51_200.0));
         assert_eq!(step(Domain::Time, &time), Some(1.0 / 51_200.0));
@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_that_is_not_positive_is_general_or_nothing() {
+    fn a_nonpositive_step_makes_no_even_axis() {
         let general = |domain, step, len| {
             let spacing = Spacing {
                 start: 5.0,

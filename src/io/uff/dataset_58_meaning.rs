@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn each_function_has_the_units_that_stand_before_it() {
+    fn each_function_has_the_units_dataset_before_it() {
         let mut head = header(2, 1);
         head[8] = "        12    0    0    0 Acceleration         NONE".to_owned();
         let function = text_58(&head, &["1.0"], "\n");

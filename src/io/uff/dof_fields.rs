@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_say_nothing_new_are_no_component() {
+    fn redundant_names_are_no_component() {
         for name in ["", "1", "1+Z", "1:+Z", "1Z", "1:z"] {
             assert_eq!(read(name, 1, 3).as_deref(), Some("1:+Z"), "{name}");
         }
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_fields_is_refused() {
+    fn dofs_without_fields_are_refused() {
         for text in [
             "a-long-bearing:+Z",
             "bearing:+S",

@@ -233,7 +233,7 @@ fn plain(values: &[(&str, f64)]) -> Mode {
 }
 
 #[test]
-fn what_a_mode_has_beyond_the_format_is_counted() {
+fn mode_properties_beyond_dataset_55_are_counted() {
     let mut mode = plain(&[
         ("5:-Z", 2.0),
         ("5:+X", 3.0),
@@ -293,7 +293,7 @@ fn shape_read_back(values: &[(&str, f64)]) -> (Vec<(String, f64)>, usize) {
 }
 
 #[test]
-fn zeros_come_back_as_zeros_and_unmeasured_directions_as_none() {
+fn measured_zeros_are_read_as_zeros_and_unmeasured_directions_as_missing() {
     for values in [
         &[
             ("5:+X", 0.0),
@@ -342,7 +342,7 @@ fn rotations_take_six_values_and_real_modes_stay_real() {
 }
 
 #[test]
-fn a_turn_that_takes_unknown_values_is_not_made() {
+fn a_rotation_with_unknown_components_is_omitted() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let oblique = CoordinateSystem {
         label: 2,
@@ -381,7 +381,7 @@ fn a_turn_that_takes_unknown_values_is_not_made() {
 }
 
 #[test]
-fn a_note_that_another_program_left_behind_is_not_believed() {
+fn a_note_contradicting_the_printed_values_is_ignored() {
     let mut mode = plain(&[("5:+X", 1.0)]);
     mode.damping_ratio = Some(0.0123456789);
     mode.group = Some(4);
@@ -409,7 +409,7 @@ fn a_note_that_another_program_left_behind_is_not_believed() {
 }
 
 #[test]
-fn geometry_that_has_no_numbers_is_counted() {
+fn geometry_without_numeric_labels_is_counted_as_lost() {
     let node = |point: &str, x| Node::new(point, Vector3::new(x, 0.0, 0.0));
     let element = |point: &str| Element {
         label: 1,

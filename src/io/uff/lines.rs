@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_one_whatever_its_length_and_end() {
+    fn lines_of_any_length_and_ending_are_split() {
         assert_eq!(
             lines(b"a\nbc\r\n\r\r\nd".to_vec()),
             [(0, 1), (2, 2), (6, 0), (9, 1)]

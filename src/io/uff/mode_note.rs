@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn other_programs_say_nothing() {
+    fn mode_notes_of_other_programs_are_ignored() {
         for line in [
             "frequency_hz=5",
             "modalignment frequency_hz=5",

@@ -108,7 +108,7 @@ fn a_complex_mode_has_the_frequency_and_damping_of_its_eigenvalue() {
 }
 
 #[test]
-fn a_direction_that_moves_in_one_mode_is_there_in_all() {
+fn a_direction_measured_in_one_mode_is_kept_in_all() {
     let first = with(
         &NORMAL,
         &["10.0 0. 0. 0.", "5", "1. 0. 0.", "6", "0. 0. 0."],
@@ -399,7 +399,7 @@ fn dataset_2414_has_the_same_modes() {
 }
 
 #[test]
-fn a_node_that_stands_twice_in_a_mode_is_damage() {
+fn a_duplicate_node_in_a_mode_is_damage() {
     let twice = with(
         &NORMAL,
         &["10.", "5", "1. 2. 3.", "6", "1. 1. 1.", "5", "3. 2. 1."],
@@ -432,7 +432,7 @@ fn a_mode_of_dataset_2414_states_its_frequency() {
 }
 
 #[test]
-fn what_is_no_mode_is_passed_over_once() {
+fn datasets_55_without_modes_are_reported_once() {
     let mut transient = with(&NORMAL, &["0.5", "5", "1. 2. 3."]);
     transient[6] = "         1         4         2         8         2         3";
     let mut stress = with(&NORMAL, &["10. 0. 0. 0.", "5", "1. 2. 3. 4. 5. 6."]);

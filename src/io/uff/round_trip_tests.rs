@@ -213,7 +213,7 @@ fn the_layout_is_the_one_of_a_measurement_system() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_before_a_byte() {
+fn unwritable_sets_are_refused_before_the_first_byte() {
     let single = |dof: &str, values: Vec<f64>| {
         channel(Role::Force, dof, Quantity::Force, Samples::F64(values))
     };

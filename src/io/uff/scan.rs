@@ -15,7 +15,7 @@ use super::dataset_164::Units;
 use super::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
 use super::lines::LineReader;
 use super::scan_functions::Qualifiers;
-use super::scan_geometry::{Described, is_geometry};
+use super::scan_geometry::{RawGeometry, is_geometry};
 use super::{dataset_151, dataset_164};
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
@@ -54,7 +54,7 @@ pub(super) struct Scanner {
     pub samples: Vec<Samples>,
     /// Units of the file, `None` where their dataset is damaged.
     pub units: Vec<(Position, Option<Units>)>,
-    pub described: Described,
+    pub described: RawGeometry,
     unknown: BTreeSet<u32>,
     pub reported: BTreeSet<Code>,
     datasets: usize,
@@ -75,7 +75,7 @@ impl Scanner {
             headers: Vec::new(),
             samples: Vec::new(),
             units: Vec::new(),
-            described: Described::default(),
+            described: RawGeometry::default(),
             unknown: BTreeSet::new(),
             reported: BTreeSet::new(),
             datasets: 0,

@@ -23,7 +23,7 @@ const MAX_REPORTED_SYSTEMS: usize = 20;
 
 /// What is collected, in file units.
 #[derive(Debug, Default)]
-pub(super) struct Described {
+pub(super) struct RawGeometry {
     nodes: Vec<RawNode>,
     systems: Vec<RawSystem>,
     modes: Vec<RawMode>,
@@ -112,17 +112,17 @@ impl Scanner {
         for error in std::mem::take(&mut systems.damage) {
             self.damaged(error, Part::Systems);
         }
-        self.tell_unknown(&systems, &described.nodes);
+        self.report_unknown_systems(&systems, &described.nodes);
         let nodes = self.place_nodes(&systems, described.nodes);
         self.place_modes(&frames(&systems, &nodes), &described.modes);
         self.catalog.geometry.nodes = nodes.into_values().map(|(_, node)| node).collect();
         self.catalog.geometry.systems = systems.placed;
-        self.tell_lost_directions(&described.modes);
+        self.report_lost_directions(&described.modes);
     }
 
     /// Reports at the first mode how many nodes of the shapes have directions that are lost with
     /// damaged parts.
-    fn tell_lost_directions(&mut self, modes: &[RawMode]) {
+    fn report_lost_directions(&mut self, modes: &[RawMode]) {
         let lost: Vec<Part> = self
             .catalog
             .damage
@@ -148,7 +148,7 @@ impl Scanner {
             .push(finding.value(count as f64, "nodes"));
     }
 
-    fn tell_unknown(&mut self, systems: &Systems, nodes: &[RawNode]) {
+    fn report_unknown_systems(&mut self, systems: &Systems, nodes: &[RawNode]) {
         let asked = nodes
             .iter()
             .flat_map(|node| [(node.at, node.definition), (node.at, node.displacement)]);
@@ -223,8 +223,8 @@ impl Scanner {
             |node: &&i64| measured.directions.contains_key(node) || others.contains(node);
         let turned = frames.keys().filter(is_turned).count();
         let first_filled = filled.first().map(|mode| mode.at);
-        self.tell_count(first_filled, Code::UnmeasuredLeftOut, measured.left_out);
-        self.tell_count(
+        self.report_count(first_filled, Code::UnmeasuredLeftOut, measured.left_out);
+        self.report_count(
             modes.first().map(|mode| mode.at),
             Code::LocalSystemApplied,
             turned,
@@ -240,11 +240,11 @@ impl Scanner {
             let entry = mode.entry(units, measured, frames);
             self.catalog.modes.push(entry);
         }
-        self.tell_count(first_unscaled, Code::ModalScaleUnknown, unscaled);
+        self.report_count(first_unscaled, Code::ModalScaleUnknown, unscaled);
     }
 
     /// Tells of what there is some, at the first of it.
-    fn tell_count(&mut self, first: Option<Position>, code: Code, count: usize) {
+    fn report_count(&mut self, first: Option<Position>, code: Code, count: usize) {
         if let (Some(first), true) = (first, count > 0) {
             let severity = match code {
                 Code::ModalScaleUnknown => Severity::Warning,

@@ -355,7 +355,7 @@ fn properties_without_a_field_are_reported() {
 }
 
 #[test]
-fn what_cannot_be_written_is_an_error() {
+fn unwritable_entries_are_errors() {
     let axis = EntryAxis::Time(TimeAxis {
         start_s: 0.0,
         step_s: 1.0,

@@ -139,12 +139,12 @@ fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
 
 /// Looks twice: a high contact pulls the level of the whole record, so that the second look leaves
 /// the place of the first out of it.
-fn look(force_n: &[f64], pulse: &Pulse) -> Option<(Rest, Search)> {
-    let first = Answer::new(&LevelFree::new(force_n, pulse, 0..0), pulse)?;
+fn look(force_n: &[f64], pulse: &Pulse) -> Option<(ForceAfterImpact, Search)> {
+    let first = MatchedFilter::new(&LevelFree::new(force_n, pulse, 0..0), pulse)?;
     let delay = first.places[first.clearest()?].delay;
     let onset = (pulse.onset as f64 + delay).max(0.0) as usize;
     let place = onset.saturating_sub(FOOT)..onset + pulse.end - pulse.onset + guard(pulse);
-    let rest = Rest::new(force_n, LevelFree::new(force_n, pulse, place));
+    let rest = ForceAfterImpact::new(force_n, LevelFree::new(force_n, pulse, place));
     let search = Search::new(&rest, pulse)?;
     Some((rest, search))
 }
@@ -160,7 +160,12 @@ fn outcome_of(ratio: f64, limits: &JudgeLimits) -> Outcome {
 }
 
 /// Passed when a contact of the limit's ratio would have been seen.
-fn undetected(search: &Search, rest: &Rest, pulse: &Pulse, limits: &JudgeLimits) -> Outcome {
+fn undetected(
+    search: &Search,
+    rest: &ForceAfterImpact,
+    pulse: &Pulse,
+    limits: &JudgeLimits,
+) -> Outcome {
     let ratio = limits.double_hit_ratio;
     let seen = ratio / search.scale >= limits.least_detectability
         && ratio * pulse.height_n.abs() >= rest.converter_step;
@@ -187,7 +192,7 @@ impl LevelFree {
         );
         let sign = pulse.height_n.signum();
         let half = BASELINE_LENGTHS / 2 * (pulse.end - pulse.onset);
-        let sides = Sides {
+        let sides = RecordSides {
             len: force_n.len(),
             first_contact,
             place,
@@ -203,13 +208,13 @@ impl LevelFree {
 }
 
 /// The record after the first contact, with its noise.
-struct Rest {
+struct ForceAfterImpact {
     level_free: LevelFree,
     noise_n: f64,
     converter_step: f64,
 }
 
-impl Rest {
+impl ForceAfterImpact {
     fn new(force_n: &[f64], level_free: LevelFree) -> Self {
         let (first, end) = level_free.first_contact;
         let quiet = level_free.force_n[..first].iter();
@@ -268,13 +273,13 @@ fn rise(way: impl Iterator<Item = usize>, samples: &[f64], least: f64) -> Option
 }
 
 /// The samples before and after the first contact, less those of a place that is not level.
-struct Sides {
+struct RecordSides {
     len: usize,
     first_contact: (usize, usize),
     place: Range<usize>,
 }
 
-impl Sides {
+impl RecordSides {
     fn both(&self) -> [Range<usize>; 2] {
         [0..self.first_contact.0, self.first_contact.1..self.len]
     }
@@ -355,14 +360,14 @@ struct Place {
 }
 
 /// The matched filter over the record after the first contact.
-struct Answer {
+struct MatchedFilter {
     places: Vec<Place>,
     /// `Σp²` of the template.
     energy: f64,
     decimation: f64,
 }
 
-impl Answer {
+impl MatchedFilter {
     fn new(level_free: &LevelFree, pulse: &Pulse) -> Option<Self> {
         let decimation = ((pulse.end - pulse.onset) / TEMPLATE_SAMPLES).max(1);
         let LevelFree {
@@ -420,14 +425,14 @@ impl Answer {
 
 /// The filter's answer with its scatter.
 struct Search {
-    answer: Answer,
+    answer: MatchedFilter,
     /// Standard deviation of the ratio.
     scale: f64,
 }
 
 impl Search {
-    fn new(rest: &Rest, pulse: &Pulse) -> Option<Self> {
-        let answer = Answer::new(&rest.level_free, pulse)?;
+    fn new(rest: &ForceAfterImpact, pulse: &Pulse) -> Option<Self> {
+        let answer = MatchedFilter::new(&rest.level_free, pulse)?;
         let white = rest.noise_n / (answer.decimation * answer.energy).sqrt();
         let length = (pulse.end - pulse.onset) as f64;
         let independent = answer.places.len() as f64 * answer.decimation / length;

@@ -144,7 +144,7 @@ fn an_earlier_and_smaller_contact_is_found_too() {
 }
 
 #[test]
-fn contacts_that_touch_are_found_by_the_rise_between_them() {
+fn overlapping_contacts_are_detected_by_the_rise_between_them() {
     let mut random = ChaCha8Rng::seed_from_u64(14);
     for delay in [1.0, 1.2, 1.5] {
         let hit = hit(40.0, 60.0, Some((0.5, 40.0 * delay)), &mut random);

@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn what_passes_at_a_glance_is_no_overload() {
+    fn samples_that_pass_the_quick_check_are_no_overload() {
         for step in [1e-3, 1e-5, 1e-7] {
             for noise in [1e-5, 1e-3, 1e-2] {
                 let judge = |rail| {

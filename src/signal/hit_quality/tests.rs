@@ -149,7 +149,7 @@ fn a_known_full_scale_is_the_rail() {
 }
 
 #[test]
-fn ringing_of_the_previous_hit_is_rejected_by_what_it_does_to_h() {
+fn ringing_of_the_previous_hit_is_rejected_by_its_effect_on_the_frf() {
     let rms = 1e-3;
     let with = |amplitude: f64| {
         let mut samples = response(2e-3, 0.3, rms, 5);
@@ -190,7 +190,7 @@ fn amplitude_at_the_end_excludes_the_noise() {
 }
 
 #[test]
-fn the_roll_off_of_a_half_sine_is_that_of_its_transform() {
+fn the_force_roll_off_of_a_half_sine_equals_its_transform() {
     // |cos(π f T)| / |1 - (2 f T)²| is -20 dB at f T = 1.2556, T = 1.2 ms.
     let duration_s = 12.0 * STEP_S;
     let at_20_db = {
@@ -226,7 +226,7 @@ fn channels_without_signal_are_dead() {
 }
 
 #[test]
-fn a_turned_force_is_noted_with_its_height() {
+fn a_sign_reversed_force_is_noted_with_its_peak() {
     let turned: Vec<f64> = force(12.0, 1e-4, 1).iter().map(|f| -f).collect();
     let check = of_force(&turned, 100.0, Rule::Sign);
     assert_eq!(check.outcome, Outcome::Noted);
@@ -238,7 +238,7 @@ fn a_turned_force_is_noted_with_its_height() {
 }
 
 #[test]
-fn offset_and_drift_are_those_that_were_put_in() {
+fn offset_and_drift_equal_their_synthetic_values() {
     let mut drifting = force(12.0, 1e-4, 1);
     for (k, sample) in drifting.iter_mut().enumerate() {
         *sample += 0.02 + 0.03 * (k as f64 - ONSET as f64) / LEN as f64;
@@ -357,7 +357,7 @@ fn limits_out_of_range_are_errors_with_their_name() {
 }
 
 #[test]
-fn a_record_that_begins_in_the_pulse_is_not_decidable_rather_than_passed() {
+fn a_record_without_pretrigger_samples_is_undecided_not_accepted() {
     let short = &force(12.0, 1e-3, 1)[ONSET + 2..ONSET + 60];
     for rule in [Rule::PreTrigger, Rule::Dead, Rule::Drift] {
         assert_eq!(
@@ -369,7 +369,7 @@ fn a_record_that_begins_in_the_pulse_is_not_decidable_rather_than_passed() {
 }
 
 #[test]
-fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule_that_is_judged() {
+fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule() {
     let (limits, dof) = (
         JudgeLimits::default(),
         "3:-Z".parse().expect("a name of a degree of freedom"),

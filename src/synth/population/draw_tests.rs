@@ -120,7 +120,7 @@ fn square_plates_have_repeated_roots_and_others_need_not() {
 }
 
 #[test]
-fn the_close_kind_has_the_spacing_that_was_asked_for() {
+fn the_close_kind_has_the_stated_spacing() {
     let mut family = family();
     let close = place(&family, "close");
     for widths in [0.3, 1.0, 4.0] {
@@ -206,7 +206,7 @@ fn noise_rms(noisy: &[f64], clean: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
+fn the_noise_of_the_samples_has_the_stated_level() {
     let family = family();
     let (mut channels, mut worst) = (0, 0.0f64);
     for kind in 0..family.members.len() {
@@ -254,7 +254,7 @@ fn the_noise_in_the_samples_is_the_noise_that_was_asked_for() {
 }
 
 #[test]
-fn ranges_that_nothing_can_be_drawn_from_are_named() {
+fn impossible_ranges_are_refused_by_name() {
     let family = family();
     let key = |change: fn(&mut PopulationSpec)| {
         let mut changed = family.clone();
