@@ -8,7 +8,7 @@ use crate::axis::TimeAxis;
 use crate::dof::Dof;
 use crate::quantity::Quantity;
 
-/// What a channel is in a hammer test.
+/// The role of a channel in a hammer test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// The hammer's force.
@@ -73,11 +73,11 @@ fn copied<T: Copy>(to: &mut Vec<T>, from: &[T]) {
 /// One channel of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it is in the test.
+    /// Its role in the test.
     pub role: Role,
     /// Where it measures: for a force, the hit point.
     pub dof: Dof,
-    /// What it measures.
+    /// The measured quantity.
     pub quantity: Quantity,
     /// SI value = `to_si` × sample.
     pub to_si: f64,
@@ -110,7 +110,7 @@ pub struct Hit {
 pub struct ChannelInfo {
     /// Where it measures: for a force, the hit point.
     pub dof: Dof,
-    /// What it measures.
+    /// The measured quantity.
     pub quantity: Quantity,
     /// SI value = `to_si` × sample.
     pub to_si: f64,

@@ -26,10 +26,10 @@ use super::study::StudyArgs;
     arg_required_else_help = true
 )]
 pub struct Cli {
-    /// What to do.
+    /// The verb.
     #[command(subcommand)]
     pub verb: Option<Verb>,
-    /// What every verb takes.
+    /// Options of every verb.
     #[command(flatten)]
     pub global: Global,
 }
@@ -57,7 +57,7 @@ pub struct Global {
     /// Colours of words in messages and verdicts; auto: on a terminal, unless NO_COLOR is set.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
     pub color: ColorChoice,
-    /// What a finding's code means.
+    /// Explain the code of a finding.
     #[arg(long, global = true, value_name = "CODE", value_parser = code)]
     pub explain: Option<Code>,
 }

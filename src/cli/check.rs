@@ -41,7 +41,7 @@ enum ResultFile {
     Update(Vec<UpdatedParameter>),
 }
 
-/// What is held of an update's parameter.
+/// The compared parts of an update's parameter.
 #[derive(Deserialize)]
 struct UpdatedParameter {
     name: String,

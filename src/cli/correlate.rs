@@ -288,7 +288,7 @@ fn reduction(name: &str) -> Result<Reduction, Error> {
     })
 }
 
-/// What was asked for beside the table.
+/// The results that were requested in addition to the table.
 struct Wanted<'a> {
     args: &'a CorrelateArgs,
     reduction: Option<Reduction>,
@@ -438,8 +438,7 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
     })
 }
 
-/// What goes into which file: blocks in the language that was chosen but for CSV, which programs
-/// read.
+/// The files of the table: blocks in the chosen language, but CSV, which programs read, in English.
 fn files(
     path: &Path,
     ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),

@@ -51,7 +51,7 @@ pub fn correlate_frfs(
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// What pairs modes has no meaning for functions.
+/// Refuses options that apply to modes only.
 fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
     check_extension(args.lines.as_deref(), &["csv"])?;
     let given = [

@@ -148,7 +148,7 @@ fn no_records() -> Error {
     argument("INPUT", "files without time records", "recorded hits")
 }
 
-/// What the command line states, else the scene, else the defaults.
+/// Options of the command line, else of the scene, else the defaults.
 fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error> {
     let default = HammerOptions {
         estimate: EstimateOptions {

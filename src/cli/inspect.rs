@@ -84,7 +84,7 @@ fn blocks(catalog: &Catalog) -> Vec<Block> {
     blocks
 }
 
-/// What the geometry holds, when it holds anything.
+/// The contents of the geometry, when it has any.
 fn geometry_text(geometry: &Geometry) -> Option<String> {
     let counts = [
         (geometry.nodes.len(), "nodes"),

@@ -18,7 +18,7 @@ const PATIENCE: u32 = 500;
 #[derive(Clone, Copy)]
 pub struct Writing(&'static Shared);
 
-/// What writer and handler share.
+/// The state that writer and handler share.
 #[derive(Default)]
 struct Shared {
     lock: Mutex<()>,

@@ -35,7 +35,7 @@ pub struct NewArgs {
     /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
     #[arg(long, value_name = "DOF")]
     pub response: Option<Dof>,
-    /// The hit point of files that do not name it: one for all, or one for each file in their
+    /// Excitation DOF of files that do not name it: one for all, or one for each file in their
     /// order, 2:+Z,3:+Z.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub reference: Vec<Dof>,
@@ -53,7 +53,7 @@ pub struct NewArgs {
     pub partial: bool,
 }
 
-/// What a new scene consists of, beside the raw files.
+/// The parts of a new scene other than the raw files.
 const NAMES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
 
 const EXPECTED: &str =
@@ -145,7 +145,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// What the scene still needs, line by line, and what to type next.
+/// The open lines of the scene, and the next commands.
 fn next_steps(args: &NewArgs, scene: &str) -> String {
     let path = args.folder.join("scene.toml");
     let open = open_lines(scene);

@@ -120,7 +120,7 @@ impl Output {
         }
     }
 
-    /// Who hears of the steps of the work.
+    /// The receiver of the progress of the work.
     pub fn observer(&self) -> &dyn Observer {
         self.progress.as_ref().map_or(&(), |progress| progress)
     }

@@ -136,7 +136,7 @@ fn pages(
     files
 }
 
-/// What other verbs put into a folder.
+/// The results of other verbs in a folder.
 fn beside(folder: &Path) -> Result<Beside, Error> {
     Ok(Beside {
         updated: found(folder.join(UPDATE), update_from)?,
@@ -154,7 +154,7 @@ fn studies(folder: &Path) -> Result<Beside, Error> {
     })
 }
 
-/// What a file holds; `None` where there is none.
+/// The contents of a file; `None` where there is none.
 fn found<T>(path: PathBuf, read: fn(&str, &str) -> Result<T, IoError>) -> Result<Option<T>, Error> {
     match path.exists() {
         true => Ok(Some(read(&read_text(&path)?, &path.display().to_string())?)),

@@ -84,7 +84,7 @@ pub fn theory(
     Ok(Outcome::missed_if(result.partly_bad))
 }
 
-/// What MODEL means.
+/// The meaning of MODEL.
 enum Named {
     /// A model that can be solved; its sensors are those of the scene, too.
     Model(LoadedModel),

@@ -1,4 +1,4 @@
-//! Ordinary coherence of one line, and the variance that follows from it.
+//! The ordinary coherence of one line gives the variance of its FRF value.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! One FRF kind into another, away from 0 Hz.
+//! An FRF is converted between receptance, mobility and accelerance, away from 0 Hz.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Why FRFs cannot be estimated, converted or synthesised.
+//! Errors state why FRFs cannot be estimated, converted or synthesised.
 
 use crate::dof::Dof;
 use crate::quantity::Quantity;

@@ -1,4 +1,4 @@
-//! From hits to an FRF set: every (response, hit point) pair averaged over the hits that hold it.
+//! An FRF set is estimated from hits: each (response, hit point) pair is averaged over its hits.
 //!
 //! Roving hammer and roving accelerometer are the same thing here. Degrees of freedom keep the
 //! signs of their sensors and the samples are taken as they are. It does not choose hits: what
@@ -72,7 +72,7 @@ pub fn estimate(hits: &[Hit], options: &EstimateOptions) -> Result<FrfSet, FrfEr
     Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.set)
 }
 
-/// What each record says of the truncation error of its function: see [`Truncation`].
+/// The limit of the truncation error of each function, from its record: see [`Truncation`].
 ///
 /// # Errors
 /// As [`estimate_recording`].

@@ -1,4 +1,4 @@
-//! The force of one hit: where its pulse is, which samples are transformed, its spectrum and its
+//! The force of one hit is prepared: position of its pulse, transformed samples, spectrum and
 //! noise.
 
 use std::ops::Range;
@@ -11,11 +11,11 @@ use crate::signal::{Conditioning, Frame, force_cut, locate, offset_of, to_si};
 
 use super::{EstimateOptions, FrfError};
 
-/// What is kept of the force of one hit.
+/// The stored data of the force of one hit.
 pub(super) struct ForceHit {
     pub frame: Frame,
     pub spectrum: Vec<Complex64>,
-    /// What the force window cuts off.
+    /// The fraction that the force window cuts off.
     pub cut: Option<f64>,
     /// Expected energy of the force's noise under its window: per line of the spectrum, that is its
     /// power too.

@@ -1,4 +1,5 @@
-//! One (response, hit point) pair: its records transformed, summed over hits and estimated.
+//! One FRF is estimated: the records of a (response, hit point) pair are transformed and summed
+//! over hits.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -118,7 +119,7 @@ impl Work {
     }
 }
 
-/// What the records of a function say besides their sums.
+/// Properties of a function's records other than their sums.
 #[derive(Default)]
 struct Totals {
     /// Numbers of the hits within the group.
@@ -143,7 +144,7 @@ impl Totals {
     }
 }
 
-/// What all functions of a group share.
+/// Data common to all functions of a group.
 pub(super) struct Estimation<'a> {
     pub group: Group<'a>,
     pub plan: &'a ForwardPlan,

@@ -1,5 +1,5 @@
-//! A hammer test from its recording to its FRFs: every hit judged, the window decided once for the
-//! whole test, the hits that stand averaged.
+//! A recorded hammer test becomes FRFs: every hit is checked, the window is chosen once for the
+//! whole test, and the accepted hits are averaged.
 
 use std::collections::BTreeSet;
 
@@ -54,7 +54,7 @@ pub struct HammerOptions {
     pub keep_all: bool,
 }
 
-/// What a hammer test came to.
+/// The result of a hammer test.
 #[derive(Clone, Debug)]
 pub struct HammerTestResult {
     /// FRFs.

@@ -1,4 +1,4 @@
-//! Every hit tested by the rules, before any is averaged.
+//! The rules check every hit before the average.
 //!
 //! The force is judged, and as many responses as tell whether the hit was good; of a test with many
 //! sensors the other responses are read once only, when they are transformed.
@@ -43,7 +43,7 @@ pub struct HitReport {
     pub peak_n: f64,
     /// First sample of the pulse.
     pub onset: usize,
-    /// What each rule found.
+    /// The result of each rule.
     pub checks: Vec<Check>,
     /// Whether it is averaged.
     pub used: bool,
@@ -112,7 +112,7 @@ fn code(rule: Rule) -> Code {
     }
 }
 
-/// What is kept of a hit until the series is judged.
+/// The stored data of a hit until the series is checked.
 struct Judged {
     report: HitReport,
     /// Force, and the response of which FRFs are compared, at the judged lines.

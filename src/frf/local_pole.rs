@@ -1,4 +1,4 @@
-//! One pole fitted to a mobility around one resonance, with what the noise does to it.
+//! One pole is fitted to a mobility around one resonance, with its standard deviations.
 
 use std::ops::Range;
 
@@ -142,7 +142,7 @@ fn solve(columns: &linalg::ComplexMatrix, right: &[Complex64]) -> Vec<Complex64>
     (0..columns.ncols()).map(|j| x[(j, 0)]).collect()
 }
 
-/// What some columns do not explain.
+/// The residual of a fit of some columns.
 fn residual(
     z: &[Complex64],
     pole: Complex64,

@@ -1,4 +1,4 @@
-//! How hits become FRFs.
+//! Options of the estimation of FRFs from hits.
 
 use crate::signal::{Conditioning, ExponentialWindow, ForceWindow, Offset};
 
@@ -18,7 +18,7 @@ pub struct EstimateOptions {
     /// Noise power in the response spectrum over that in the force spectrum, SI units squared, for
     /// Hv. `None` takes it from the samples before each hit.
     pub noise_ratio: Option<f64>,
-    /// What is done with the mean before the hit of each channel.
+    /// Treatment of the mean before the hit of each channel.
     pub offset: Offset,
     /// Leave out what lies before the pulse of each hit, so that the transform begins at the hit.
     ///

@@ -1,4 +1,4 @@
-//! What hits must have in common to be averaged.
+//! Hits are averaged only if they agree in sampling and quantities.
 
 use std::collections::{HashMap, HashSet};
 

@@ -40,7 +40,7 @@ impl Estimator {
     }
 }
 
-/// What one function is; its values are in the set.
+/// The description of one function; its values are in the set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
     /// Response degree of freedom, with the sensor's sign.
@@ -126,7 +126,7 @@ pub struct FrfSet {
     /// one at a time, so that references never act together and their matrix of powers is diagonal
     /// (Bendat and Piersol 2010, section 7.3).
     pub multiple_coherence: BTreeMap<Dof, Vec<f64>>,
-    /// What the data said on the way.
+    /// Findings of the stages that made the set.
     pub findings: Vec<Finding>,
 }
 

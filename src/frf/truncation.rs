@@ -36,7 +36,7 @@ const OVER_NOISE: f64 = 3.0;
 /// Shortest quarter, in samples, that has an energy to speak of.
 const SHORTEST_QUARTER: usize = 8;
 
-/// What the record says of the truncation error of one function.
+/// Limits of the truncation error of one function, from its record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truncation {
     /// Relative error of H near resonance, `e^{-σT}`, at most 1; `None` when the tail of the record

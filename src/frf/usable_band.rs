@@ -34,7 +34,7 @@ pub fn usable_band(hits: &[Hit], options: &EstimateOptions) -> Result<Band, FrfE
 pub(super) struct ForcePower {
     record: TimeAxis,
     lines: Vec<f64>,
-    /// What the noise of the force adds to each line.
+    /// Noise of the force at each line.
     noise: f64,
 }
 

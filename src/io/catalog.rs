@@ -1,4 +1,4 @@
-//! What the headers of a file say, in types that every format shares.
+//! The headers of a file are listed in types common to every format.
 
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::dof::Dof;
@@ -12,7 +12,7 @@ use crate::record::Role;
 
 use super::{Damage, FunctionNote};
 
-/// What an entry holds; the numbers are those of universal file dataset 58.
+/// The type of an entry; the numbers are those of universal file dataset 58.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FunctionType {
     /// 1, a time history.
@@ -122,7 +122,7 @@ pub enum EntryAxis {
     General(GeneralAxis),
 }
 
-/// What an abscissa measures.
+/// The quantity of an abscissa.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Time, s.
@@ -137,7 +137,7 @@ pub enum Domain {
 /// An abscissa that is uneven or measures neither time nor frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralAxis {
-    /// What it measures.
+    /// The measured quantity.
     pub domain: Domain,
     /// First value and spacing; `None` when it is uneven ([`super::Source::abscissa`] gives the
     /// values).
@@ -159,7 +159,7 @@ pub enum SampleFormat {
     ComplexF64,
 }
 
-/// What a header says about which records belong together.
+/// The identification in a header that groups records into hits.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Identification {
     /// Version (sequence) number.
@@ -173,7 +173,7 @@ pub struct Identification {
 /// One record or function of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// What it is.
+    /// The type of the function.
     pub function_type: FunctionType,
     /// Identification as the header gives it.
     pub identification: Identification,
@@ -189,13 +189,13 @@ pub struct Entry {
     pub to_si: Option<f64>,
     /// The unit text as the header gives it, for messages.
     pub unit_label: String,
-    /// What a scene's table says the channel is; `None` for formats whose quantity decides.
+    /// The role of the channel in a scene's table; `None` for formats whose quantity decides.
     pub role: Option<Role>,
     /// Abscissa, with the number of values.
     pub axis: EntryAxis,
     /// The unit text of the abscissa as the header gives it; empty when it gives none.
     pub axis_label: String,
-    /// What the file says of how the function was made.
+    /// The description in the file of how the function was made.
     pub note: FunctionNote,
     /// How the values are stored.
     pub format: SampleFormat,
@@ -277,11 +277,11 @@ pub struct ArrayInfo {
     pub name: String,
     /// Lengths, slowest first as NumPy prints them; empty for one value.
     pub shape: Vec<usize>,
-    /// What it holds: `f64`, `f32`, `i16`, `complex f64`, `text`, `struct`, ...
+    /// The type of its elements: `f64`, `f32`, `i16`, `complex f64`, `text`, `struct`, ...
     pub kind: String,
 }
 
-/// What a file holds, from its headers.
+/// The contents of a file, from its headers.
 #[derive(Debug, Default)]
 pub struct Catalog {
     /// Format name.
@@ -301,6 +301,6 @@ pub struct Catalog {
     /// Parts that could not be read. A chain stops at the first that it needs, unless the good part
     /// of a file is sufficient.
     pub damage: Vec<Damage>,
-    /// What the headers say besides.
+    /// Findings of the headers.
     pub findings: Vec<Finding>,
 }

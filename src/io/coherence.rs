@@ -18,7 +18,7 @@ const MAX_INVALID_FRACTION: f64 = 0.5;
 pub(super) struct ValidCoherence {
     /// The coherence; `None` where most of it is invalid.
     pub values: Option<Vec<f64>>,
-    /// What was ignored, at no place yet.
+    /// The finding about ignored values, without a place.
     pub finding: Option<Finding>,
 }
 

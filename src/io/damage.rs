@@ -14,9 +14,9 @@ use crate::geometry::CoordinateSystem;
 /// A part of a file that cannot be read.
 #[derive(Debug)]
 pub struct Damage {
-    /// Why, with the position in the file.
+    /// The cause, with the position in the file.
     pub error: IoError,
-    /// What the part holds.
+    /// The contents of the part.
     pub part: Part,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for Damage {
     }
 }
 
-/// What a part of a file holds, or could hold where its header cannot be read.
+/// The contents of a part of a file, or its possible contents where its header is unreadable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Anything.
@@ -63,7 +63,7 @@ impl Part {
         }
     }
 
-    /// What the loss of the part costs.
+    /// The severity of the loss of the part.
     fn severity(self) -> Severity {
         match self {
             Part::Auxiliary | Part::Other => Severity::Warning,
@@ -72,7 +72,7 @@ impl Part {
     }
 }
 
-/// What an answer is computed from.
+/// The data that a result is computed from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// Time records.

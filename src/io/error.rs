@@ -12,7 +12,7 @@ pub enum IoError {
     System {
         /// Path as given.
         path: String,
-        /// What was tried (`open`, `read`, `write`, `rename`).
+        /// The operation that failed (`open`, `read`, `write`, `rename`).
         action: &'static str,
         /// The system's reason.
         source: std::io::Error,
@@ -50,7 +50,7 @@ pub enum IoError {
         what: &'static str,
         /// Text as found.
         got: String,
-        /// What the format puts there.
+        /// The content that the format requires there.
         expected: String,
     },
     /// Bytes that are not what the format puts there.
@@ -62,9 +62,9 @@ pub enum IoError {
         byte: u64,
         /// Which part.
         what: &'static str,
-        /// What was found.
+        /// The value in the file.
         got: String,
-        /// What the format puts there.
+        /// The content that the format requires there.
         expected: String,
     },
     /// The file ends inside an entry.
@@ -102,7 +102,7 @@ pub enum IoError {
         path: String,
         /// The arrays that are there, or the columns of the one that is named.
         got: String,
-        /// What the scene names.
+        /// The name in the scene.
         expected: String,
     },
     /// A property that neither the file nor the scene states.
@@ -110,7 +110,7 @@ pub enum IoError {
     NotStated {
         /// Path as given.
         path: String,
-        /// What is missing (unit, sampling rate, hit point, ...).
+        /// The missing property (unit, sampling rate, hit point, ...).
         what: String,
         /// Where it could be stated.
         expected: String,
@@ -120,11 +120,11 @@ pub enum IoError {
     Grouping {
         /// Path as given.
         path: String,
-        /// What was tried.
+        /// The operation.
         what: &'static str,
-        /// What was found.
+        /// The value in the data.
         got: String,
-        /// What makes a hit.
+        /// The requirement on a hit.
         expected: String,
     },
     /// A JSON file that does not follow its schema.
@@ -162,17 +162,17 @@ pub enum IoError {
     Unwritable {
         /// Path as given.
         path: String,
-        /// What was to be written.
+        /// The property to be written.
         what: &'static str,
-        /// What was given.
+        /// The given value.
         got: String,
-        /// What the format holds.
+        /// The values that the format can hold.
         expected: String,
     },
 }
 
 impl IoError {
-    /// What was read, got and expected, without the place in the file.
+    /// Subject, got and expected, without the place in the file.
     pub fn without_place(&self) -> String {
         match self {
             IoError::Text {

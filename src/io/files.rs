@@ -237,7 +237,7 @@ pub fn write_path(
     Ok(findings)
 }
 
-/// What [`write_path`] would write, for a file that gets its name with others.
+/// The bytes that [`write_path`] would write, for a file that is put in place together with others.
 ///
 /// # Errors
 /// As [`write_path`].
@@ -295,12 +295,12 @@ fn readable<'a, 'b, 'c>(
     builder
 }
 
-/// What a new file holds.
+/// The contents of a new file.
 #[derive(Clone, Copy, Debug)]
 pub enum NewFile<'a> {
     /// This text.
     Text(&'a str),
-    /// What the file at this path holds.
+    /// A copy of the file at this path.
     CopyOf(&'a Path),
 }
 

@@ -31,12 +31,12 @@ impl HitGrouping {
     }
 }
 
-/// What the scene says of one record of every hit, where the file does not.
+/// Properties that the scene states for one record of every hit.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ChannelOverride {
     /// Number of the record within its hit, from 1.
     pub number: usize,
-    /// What it is.
+    /// Its role.
     pub role: Option<Role>,
     /// Where it measures.
     pub dof: Option<Dof>,

@@ -20,7 +20,7 @@ use std::io::BufRead;
 use super::matrix::MatrixEntries;
 use super::{IoError, number};
 
-/// What a file begins with, in any case.
+/// The first characters of a file, in any case.
 pub(super) const MARK: &[u8] = b"%%matrixmarket";
 
 #[derive(Clone, Copy, PartialEq)]

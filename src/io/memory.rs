@@ -26,7 +26,7 @@ pub(super) fn whole(input: &mut dyn ReadSeek, path: &str) -> Result<Vec<u8>, IoE
 /// A source whose samples are in memory.
 #[derive(Debug, Default)]
 pub struct MemorySource {
-    /// What it holds.
+    /// Its contents.
     pub catalog: Catalog,
     /// Values of each entry.
     pub blocks: Vec<Block>,
@@ -156,7 +156,7 @@ impl EntryAxis {
         }
     }
 
-    /// What the axis measures.
+    /// The quantity of the axis.
     pub fn domain(&self) -> Domain {
         match self {
             EntryAxis::Time(_) => Domain::Time,

@@ -102,7 +102,7 @@ pub enum Confidence {
     Certain,
 }
 
-/// What the caller knows of a file beyond its bytes.
+/// The knowledge of the caller about a file beyond its bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     /// Path as given, for messages and findings.
@@ -191,7 +191,7 @@ pub enum Encoding {
 
 /// An opened file: what is in it, and its samples on demand.
 pub trait Source: Send {
-    /// What the headers say.
+    /// The contents of the headers.
     fn catalog(&self) -> &Catalog;
 
     /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.

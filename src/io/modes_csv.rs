@@ -166,7 +166,7 @@ fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     (number, delimiters.next())
 }
 
-/// What a column holds.
+/// The meaning of a column.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Column {
     Frequency,

@@ -152,7 +152,7 @@ fn errors_of_a_modes_table_have_the_line() {
     }
 }
 
-/// What the reader says of a text that it refuses.
+/// The error of the reader for a refused text.
 fn refusal(text: &str) -> String {
     read(text).unwrap_err()
 }

@@ -1,4 +1,4 @@
-//! What a writer leaves out, counted.
+//! Properties that a writer omits are counted and reported.
 
 use std::collections::BTreeMap;
 

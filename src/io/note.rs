@@ -1,9 +1,9 @@
-//! How a function was made, as far as a file says it.
+//! A function's note says how the function was made, as far as the file states it.
 
 use crate::frf::{Estimator, Window};
 
-/// What a file says of how a function was made. Universal files of modalign hold it in their ID
-/// lines 4 and 5.
+/// The statements of a file about how a function was made. Universal files of modalign hold them in
+/// their ID lines 4 and 5.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FunctionNote {
     /// Number of averages.
@@ -52,7 +52,7 @@ impl FunctionNote {
         fields.into_iter().flatten().collect()
     }
 
-    /// What the ID lines of a header say; nothing where they are another program's.
+    /// The note in the ID lines of a header; empty where they are another program's.
     pub fn from_lines(lines: &[String]) -> Self {
         let mut note = Self::default();
         for (key, value) in note_fields(lines) {

@@ -20,7 +20,7 @@ const MULTIPLE_COHERENCE: i32 = 26;
 /// ([`FunctionType::Variance`], SI unit squared). Values are in SI units; each entry has the note
 /// of its function.
 pub struct FrfSource<'a> {
-    /// What it holds; geometry may be added.
+    /// Its contents; geometry may be added.
     pub catalog: Catalog,
     set: &'a FrfSet,
     /// Function of each entry; the number of the response for a multiple coherence.

@@ -1,9 +1,9 @@
-//! How a scene describes a table of numbers whose file does not say what its columns are.
+//! A scene describes a table of numbers whose file does not state the meaning of its columns.
 
 use crate::dof::Dof;
 use crate::quantity::{FrfUnit, Unit};
 
-/// What separates the fields of a line.
+/// The separator of the fields of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
@@ -25,7 +25,7 @@ pub enum ColumnName {
     Number(usize),
 }
 
-/// What a column holds.
+/// The role of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColumnRole {
     /// Time, s.
@@ -86,7 +86,7 @@ pub enum ColumnRole {
     },
 }
 
-/// What one dimension of an array counts.
+/// The meaning of one dimension of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Hits, one after the other.
@@ -102,7 +102,7 @@ pub enum Dimension {
 pub struct TableColumn {
     /// Which one.
     pub column: ColumnName,
-    /// What it holds.
+    /// Its role.
     pub role: ColumnRole,
     /// Calibration: value in the stated unit = `scale` × number in the file.
     pub scale: f64,
@@ -115,8 +115,8 @@ pub struct TableSpec {
     pub delimiter: Option<Delimiter>,
     /// Lines that are passed over before the heading is looked for.
     pub skip_lines: usize,
-    /// What the dimensions of an array are, slowest first; `None`: rows are samples and columns are
-    /// channels.
+    /// The meaning of the dimensions of an array, slowest first; `None`: rows are samples and
+    /// columns are channels.
     pub dimensions: Option<Vec<Dimension>>,
     /// Samples per second, where no time column says.
     pub sampling_rate_hz: Option<f64>,

@@ -10,7 +10,7 @@ const GAP: f64 = 1e-5;
 /// is the first elastic eigenvalue, without them far below it.
 const RIGID: f64 = 1e-3;
 
-/// What is still to be found.
+/// The remaining search.
 #[derive(Clone, Copy)]
 pub(super) enum Goal {
     Lowest(usize),
@@ -28,7 +28,7 @@ impl Goal {
     }
 }
 
-/// What the iteration knows of the spectrum.
+/// The part of the spectrum that the iteration has found.
 pub(super) struct Ritz {
     /// Estimates of omega², ascending.
     pub lambda: Vec<f64>,

@@ -223,7 +223,7 @@ fn orthonormal<T: ComplexField<Real = f64>>(
     check.below(largest(&difference), backward(q.nrows() * q.ncols()))
 }
 
-/// What is checked, for the error.
+/// The checked operation, for the error.
 struct Check {
     what: &'static str,
     rows: usize,

@@ -1,4 +1,4 @@
-//! How far a complex shape is from a real one.
+//! The complexity of a mode shape is its deviation from a real shape.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! The modal model: the one type in which test and theory end.
+//! The modal model is the common result type of test and theory.
 
 use std::collections::BTreeMap;
 
@@ -159,7 +159,7 @@ pub struct ModalModel {
     pub added_damping_rad_s: Option<f64>,
     /// Modes in ascending frequency.
     pub modes: Vec<Mode>,
-    /// What the data said on the way.
+    /// Findings of the stages that made the model.
     pub findings: Vec<Finding>,
 }
 

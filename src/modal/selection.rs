@@ -1,4 +1,4 @@
-//! A person's choice of poles.
+//! A pole selection holds the poles that the user chose.
 
 /// A pole that a person chose, by what a table or a stabilisation diagram shows of it.
 #[derive(Clone, Copy, Debug, PartialEq)]

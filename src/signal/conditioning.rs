@@ -13,7 +13,7 @@ use super::{
     ExponentialWindow, Extent, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError,
 };
 
-/// What is done with the mean of a channel before the hit.
+/// Treatment of the mean of a channel before the hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Offset {
     /// It stays.
@@ -25,7 +25,7 @@ pub enum Offset {
     RemoveIfQuiet,
 }
 
-/// What is done to every hit before it is transformed. The default is nothing.
+/// Treatment of every hit before its transform. The default is none.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Conditioning {
     /// Window of the force alone.
@@ -198,8 +198,8 @@ pub fn offset_of(
     Ok((quiet, taken))
 }
 
-/// What a force window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over `sqrt(Σx²)`, the mean before
-/// the hit taken off; 0 where noise explains it all.
+/// The fraction of the force that its window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over
+/// `sqrt(Σx²)`, after the mean before the hit is subtracted; 0 where noise explains it.
 pub fn force_cut(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (x, w) in force_n.iter().zip(window) {

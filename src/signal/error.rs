@@ -1,4 +1,4 @@
-//! Why a hit cannot be conditioned.
+//! Errors state why a hit cannot be conditioned.
 
 use crate::dof::Dof;
 
@@ -113,7 +113,7 @@ pub enum SignalError {
         got: f64,
         /// Its unit, empty for a plain number.
         unit: &'static str,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: &'static str,
     },
     /// A limit of the hit judging outside its range.

@@ -30,7 +30,7 @@ const PRETRIGGER_SHARE: f64 = 0.02;
 /// time.
 const MIN_PRETRIGGER_SAMPLES: usize = 16;
 
-/// What a number must be, and between which two it then lies.
+/// The required kind of a number, and the two limits that it then lies between.
 const POSITIVE: (&str, f64, f64) = ("a positive finite number", 0.0, f64::INFINITY);
 
 /// How hits are cut from a continuous record. What is `None` comes from the record.

@@ -1,5 +1,5 @@
-//! Hammer records before they are FRFs: where the pulse is, what the channels do before it,
-//! windows.
+//! Hammer records are conditioned for FRF estimation: pulse location, pre-trigger noise, hit
+//! quality, windows.
 //!
 //! Holds what is done to one hit alone, and how far a hit can be trusted. It must not hold an FRF
 //! that is kept, or a mode: that is the FRF stage.

@@ -1,4 +1,5 @@
-//! Where the hammer pulse is in a force record, and what a channel does before it.
+//! The hammer pulse is located in a force record; mean and noise of a channel are estimated before
+//! it.
 //!
 //! Works on one force in SI units. It does not judge the hit (double hits, overloads) and changes
 //! no sample.

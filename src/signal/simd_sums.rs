@@ -108,7 +108,7 @@ pub fn lane_count(values: &[f64], is: impl Fn(f64) -> bool) -> usize {
 /// Values of which the ends are known together.
 const PIECE: usize = 64 * LANES;
 
-/// What some values span, and what each piece of them spans.
+/// The extent of some values and of each piece of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
     /// Their sum, finite only if all of them are.

@@ -1,4 +1,4 @@
-//! What happens to the samples of one channel after the filter, in this order: noise, offset,
+//! The samples of one channel get these faults after the filter, in this order: noise, offset,
 //! quantisation.
 
 use rand::Rng;
@@ -57,7 +57,7 @@ impl Converter {
     }
 }
 
-/// What is done to the samples of one channel.
+/// The faults of the samples of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Treatment {
     /// Rms of the noise, in the unit of the samples; 0 for none.

@@ -1,9 +1,9 @@
-//! Why a synthetic test cannot be computed.
+//! Errors state why a synthetic test cannot be computed.
 
 use crate::dof::Dof;
 use crate::quantity::Quantity;
 
-/// What is wrong with a truth or a test plan.
+/// An error of a truth or a test plan.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthError {
@@ -137,7 +137,7 @@ pub enum SynthError {
     PopulationSchema {
         /// As written.
         got: String,
-        /// What this version reads.
+        /// The versions that are read.
         expected: &'static str,
     },
     /// A range of a population that nothing can be drawn from.
@@ -151,7 +151,7 @@ pub enum SynthError {
         got_lo: f64,
         /// Upper end.
         got_hi: f64,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: String,
     },
     /// A member that the population does not have.

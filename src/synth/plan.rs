@@ -1,5 +1,5 @@
-//! The test plan: who is hit, who listens, how often and with what; and the checks of every
-//! argument.
+//! The test plan states excitation points, responses, averages and channels; every argument is
+//! checked.
 
 use std::collections::BTreeSet;
 
@@ -59,7 +59,7 @@ pub struct SecondContact {
     pub hits: BTreeSet<usize>,
 }
 
-/// What may go wrong in a test; the default is nothing.
+/// The faults of a test; the default is none.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Faults {
     /// Constants on the channels.
@@ -91,7 +91,7 @@ pub struct HammerTest {
     pub samples: usize,
     /// Time before the hit in every record, s.
     pub pretrigger_s: f64,
-    /// What the response channels measure.
+    /// The quantity of the response channels.
     pub quantity: Quantity,
     /// The hammer.
     pub pulse: Pulse,

@@ -1,5 +1,5 @@
-//! The truth of a synthetic test: modes with their residues, and what a free body does without
-//! them.
+//! The truth of a synthetic test holds the modes with their residues, and the rigid-body response
+//! of a free structure.
 
 use std::collections::BTreeMap;
 use std::ops::Mul;
@@ -163,7 +163,7 @@ impl Truth {
     }
 }
 
-/// What the truth says at one (response, hit) pair.
+/// The true FRF of one (response, hit) pair.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
     /// (lambda, A) of every mode.

@@ -1,4 +1,4 @@
-//! How far two functions that should be one are apart, beyond their noise.
+//! The difference of two functions that should be equal is compared with their noise.
 
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

@@ -36,7 +36,7 @@ impl<'a> Mobilities<'a> {
         (lines.len() >= MIN_BAND_LINES).then_some(Self { set, lines, omega })
     }
 
-    /// What the functions are.
+    /// The functions of the set.
     pub fn functions(&self) -> &'a [Function] {
         self.set.functions()
     }

@@ -1,5 +1,6 @@
-//! What a set of FRFs says about the test that made it: signs at driving points, reciprocity,
-//! repeated measurements, delays between channels, and resonances that move from run to run.
+//! Consistency checks of a set of FRFs find errors of the test: signs at driving points,
+//! reciprocity, repeated measurements, delays between channels, and natural frequencies that shift
+//! between measurement runs.
 //!
 //! | check | holds for | reference |
 //! |---|---|---|

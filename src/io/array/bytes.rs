@@ -232,7 +232,7 @@ impl RecentArrays {
     /// where it reads others.
     ///
     /// # Errors
-    /// What `read` returns.
+    /// The error of `read`.
     pub fn part(
         &mut self,
         index: usize,

@@ -1,11 +1,11 @@
-//! How the bytes of one element become a number or a text.
+//! The bytes of one HDF5 element become a number or a text.
 
 use hdf5_pure::{Datatype, DatatypeByteOrder, FloatingPointLayout, StringPadding};
 use num_complex::Complex64;
 
 use super::super::array::Elements;
 
-/// What the elements of a dataset are.
+/// The content of the elements of a dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Content {
     /// Real numbers of 32 bits.

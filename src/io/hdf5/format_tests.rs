@@ -1,4 +1,4 @@
-//! What is written comes back, and damage is said.
+//! Written files are read back unchanged, and damage is reported.
 
 use std::io::Cursor;
 

@@ -31,9 +31,9 @@ pub(super) struct Item {
     pub dataset: Dataset,
     /// Its path in the file; `None` where only a reference leads to it.
     pub path: Option<String>,
-    /// What its elements are.
+    /// The content of its elements.
     pub content: Content,
-    /// What they are, for people.
+    /// The name of their type.
     pub kind: String,
     /// Bytes of one element.
     pub stride: usize,
@@ -200,7 +200,7 @@ fn nesting(datatype: &Datatype) -> usize {
     deepest
 }
 
-/// What of the dataset the default reader cannot read.
+/// The part of the dataset that the default reader cannot read.
 fn refusal(dataset: &Dataset, content: &Content) -> Result<Option<String>, Error> {
     if *content == Content::NativeComplex {
         return Ok(Some("complex numbers of datatype class 11".to_owned()));
@@ -239,7 +239,7 @@ fn filter_name(id: u16) -> String {
     format!("{id} ({name})")
 }
 
-/// What the default reader says of a part of the format that it does not know.
+/// The error of the default reader for an unknown part of the format.
 pub(super) fn newer_format(error: &Error) -> Option<String> {
     let Error::Format(error) = error else {
         return None;

@@ -25,7 +25,7 @@ const STACK: usize = 128 << 20;
 /// Groups of MATLAB that hold what others refer to.
 const HIDDEN: [&str; 2] = ["#refs#", "#subsystem#"];
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Default)]
 pub(super) struct Listing {
     /// The datasets for people.
@@ -159,7 +159,7 @@ impl Walk<'_> {
         }
     }
 
-    /// What the cells refer to.
+    /// The objects that the cells refer to.
     fn cells(&mut self, item: &Item, name: &str) -> Option<Vec<Object>> {
         let count: usize = item.stored.iter().product();
         if count > MAX_CELLS {

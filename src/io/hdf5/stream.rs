@@ -30,7 +30,7 @@ impl Stream {
     /// The whole of `input`, of which nothing may be read yet.
     ///
     /// # Errors
-    /// What the input says when it is asked for its length.
+    /// The error of the input when it is asked for its length.
     pub fn new(mut input: Box<dyn ReadSeek>) -> std::io::Result<Self> {
         let len = input.seek(SeekFrom::End(0))?;
         let shared = Shared {

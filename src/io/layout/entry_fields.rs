@@ -1,4 +1,4 @@
-//! What is kept of each function, by name: the writer and the reader share this table.
+//! This table lists the stored properties of each function by name; writer and reader share it.
 
 use crate::dof::Dof;
 use crate::frf::Estimator;
@@ -201,7 +201,7 @@ pub(super) fn domain_name(domain: Domain) -> String {
     }
 }
 
-/// What an abscissa of this name measures.
+/// The quantity of an abscissa of this name.
 pub(super) fn domain_of(name: &str) -> Option<Domain> {
     match name {
         "time" => Some(Domain::Time),

@@ -145,7 +145,7 @@ pub(super) fn array_names(
     Ok(names)
 }
 
-/// What is asked of the writers.
+/// Options of the writers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Wanted {
     /// Whether arrays of samples are filled, or empty because their names alone are wanted.

@@ -116,7 +116,7 @@ fn groups(shelf: &Shelf) -> Vec<String> {
     names.map(str::to_owned).collect()
 }
 
-/// What a group holds of which something cannot be read.
+/// The contents of a group with an unreadable part.
 fn part_of(shelf: &mut Shelf, group: &str) -> Part {
     let name = format!("{group}/function_type");
     named(shelf, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)

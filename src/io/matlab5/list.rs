@@ -22,7 +22,7 @@ const PARTS: u64 = 1024;
 /// for every element.
 const NAMES_EXPANSION: u64 = 16;
 
-/// What a part of the file holds.
+/// The content of a part of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     /// Real or complex numbers.
@@ -33,7 +33,7 @@ pub(super) enum Content {
     TextCells,
     /// A sparse matrix that fits.
     Sparse,
-    /// What is not read.
+    /// Unread content.
     Unread,
 }
 

@@ -236,7 +236,7 @@ fn entries_of<T>(
 /// deflate well.
 const TEXT_EXPANSION: u64 = 8;
 
-/// What a text takes beside its characters.
+/// Memory of a text in addition to its characters.
 const TEXT_BYTES: u64 = size_of::<String>() as u64;
 
 /// Bytes that the texts of an array of this file may take.

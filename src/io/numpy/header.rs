@@ -7,7 +7,7 @@ use crate::io::IoError;
 
 use super::items::Item;
 
-/// What an `.npy` file begins with.
+/// The first bytes of an `.npy` file.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Longest header that is read, bytes; the default limit of NumPy is 10,000 characters.
@@ -21,7 +21,7 @@ const MAX_DIMENSIONS: usize = 64;
 pub(super) struct Header {
     /// Bytes from the magic to the first element.
     pub data: u64,
-    /// What the elements are.
+    /// The type of the elements.
     pub item: Item,
     /// Whether the first index runs fastest.
     pub fortran: bool,

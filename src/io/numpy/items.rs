@@ -3,7 +3,7 @@
 use crate::io::array::Elements;
 use crate::io::array::bytes::{NumberType, decode, decode_pairs};
 
-/// What an element is.
+/// The type of an element.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Item {
     /// A truth value, 0 or 1.

@@ -21,7 +21,7 @@ use super::header::{Header, written};
 use super::items::{description, encode};
 use super::npy::read_bytes;
 
-/// What a zip archive with members begins with.
+/// The first bytes of a zip archive with members.
 const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
 /// Where the length of the first member's name stands, and where the name begins.

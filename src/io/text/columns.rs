@@ -41,7 +41,7 @@ impl Rows {
     }
 }
 
-/// What is to be done with the wanted columns.
+/// The use of the wanted columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wanted {
     /// Their finite values.

@@ -27,7 +27,7 @@ pub(super) enum Part {
     Imaginary,
 }
 
-/// What a column is.
+/// The meaning of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// The abscissa.
@@ -36,10 +36,10 @@ pub(super) enum Meaning {
     Values(Part, Box<HeadingMeaning>),
 }
 
-/// What a heading says of the abscissa.
+/// The abscissa as a heading states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Abscissa {
-    /// What it measures.
+    /// The measured quantity.
     pub domain: Domain,
     /// Whether its values are to be kept as they are.
     pub uneven: bool,
@@ -47,10 +47,10 @@ pub(super) struct Abscissa {
     pub label: String,
 }
 
-/// What a heading says of an entry.
+/// An entry as a heading states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HeadingMeaning {
-    /// What it is.
+    /// The type of the function.
     pub function_type: FunctionType,
     /// Role of a time record.
     pub role: Option<Role>,
@@ -77,7 +77,7 @@ pub(super) struct StatedUnit {
     pub label: String,
 }
 
-/// What the columns are, when every heading says it.
+/// The meaning of all columns, when every heading states it.
 pub(super) fn meanings(headings: &[String]) -> Option<Vec<Meaning>> {
     let (first, others) = headings.split_first()?;
     let mut found = vec![Meaning::Abscissa(abscissa(first)?)];
@@ -179,7 +179,7 @@ fn described(heading: &str) -> Option<(Part, HeadingMeaning)> {
     Some((part, described))
 }
 
-/// What a unit text says; a coherence has none.
+/// The unit that a text states; a coherence has none.
 fn stated(text: Option<&str>, function_type: FunctionType) -> StatedUnit {
     match text {
         Some(text) => unit_of(text, function_type),

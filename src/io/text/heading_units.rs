@@ -30,7 +30,7 @@ const FREQUENCIES: [(&str, f64); 5] = [
     ("rad/s", 1.0 / std::f64::consts::TAU),
 ];
 
-/// What a text says, as far as it is known.
+/// The unit that a text states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stated {
     Time(f64),

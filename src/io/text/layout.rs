@@ -1,9 +1,9 @@
-//! How a table is laid out, judged from its first block: separator, decimal mark, headings, first
+//! The layout of a table is detected from its first block: separator, decimal mark, headings, first
 //! row of numbers.
 //!
-//! Every notation is tried. One whose rows of numbers go on while those of another break off is
-//! taken; notations that read the same numbers are the same; where two read different numbers, as
-//! `1,5` alone in a line, the scene must say.
+//! Every notation is tried. The notation with the longest run of rows of numbers is used; notations
+//! that read the same numbers are equal; where two read different numbers, as `1,5` alone in a
+//! line, the scene must state the notation.
 
 use super::blocks::{self, text_of};
 use super::row::{Notation, fields, is_passed_over, row_of};

@@ -126,7 +126,7 @@ impl RowShape {
     /// Reads the numbers of a line: its row, or nothing for a blank line or a comment.
     ///
     /// # Errors
-    /// What is wrong with it: what it is about, got, expected.
+    /// The fault of the line: subject, got, expected.
     pub fn read(&self, line: &[u8], row: &mut [f64]) -> Result<bool, RowFault> {
         if self.plain(line, b'\n', row) == Some(line.len()) {
             return Ok(true);
@@ -213,7 +213,7 @@ impl RowShape {
     }
 }
 
-/// What is wrong with a row.
+/// The error of a row.
 #[derive(Debug)]
 pub(super) struct RowFault {
     what: &'static str,

@@ -33,7 +33,7 @@ const NOTATION: Notation = Notation {
     decimal: b'.',
 };
 
-/// What the file says of its channels.
+/// The channels as the file describes them.
 const CHANNELS: &str = "Ref Chan:Resp Chan";
 
 impl Format for SignalCalc {
@@ -79,7 +79,7 @@ impl Format for SignalCalc {
     }
 }
 
-/// What stands before the numbers.
+/// The lines before the numbers.
 #[derive(Debug, Default)]
 struct Header {
     /// Lines before the numbers.
@@ -90,7 +90,7 @@ struct Header {
     channels: Vec<(Option<Dof>, Option<Dof>)>,
     /// Names and comments of the channels.
     notes: Vec<String>,
-    /// What the columns are.
+    /// The meaning of the columns.
     columns: Vec<String>,
     /// Their units; one for both parts of a complex function.
     units: Vec<String>,
@@ -234,7 +234,7 @@ impl Header {
     }
 }
 
-/// What belongs to a function: the lists of the header have one item for each, or say nothing.
+/// The item of a function in a list of the header, if the list has one item for each function.
 fn of_function<T>(items: &[T], number: usize, functions: usize) -> Option<&T> {
     items.get(number).filter(|_| items.len() == functions)
 }

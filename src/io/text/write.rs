@@ -179,7 +179,7 @@ fn check_window(
     }
 }
 
-/// What a table has no place for.
+/// The properties that a table has no place for.
 fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
     let count = |lost: fn(&Entry) -> bool| {
         let lost = chosen

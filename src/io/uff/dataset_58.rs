@@ -43,7 +43,7 @@ pub(super) const HEADER_LINES: usize = 11;
 /// More header lines than this are not believed.
 const MAX_HEADER_LINES: i64 = 99;
 
-/// What the first line of a binary dataset says.
+/// The contents of the first line of a binary dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BinaryLine {
     pub little_endian: bool,

@@ -66,9 +66,9 @@ const TURNING_UNITS: [(f64, &[&str]); 2] = [
     (1.0 / 60.0, &["rpm", "cpm", "1/min", "r/min", "rev/min"]),
 ];
 
-/// What the abscissa measures, and its factor to seconds or hertz. A unit that is not known leaves
-/// the stored values and the type of the header unchanged, so that they are not taken for seconds
-/// or hertz.
+/// The quantity of the abscissa, and its factor to seconds or hertz. A unit that is not known
+/// leaves the stored values and the type of the header unchanged, so that they are not taken for
+/// seconds or hertz.
 pub(super) fn domain(header: &Header) -> (Domain, f64) {
     let unit = header.abscissa.unit.trim_matches(['(', ')', '[', ']']);
     let unit = unit.trim();

@@ -26,7 +26,7 @@ const SI: Units = Units {
     force: 1.0,
 };
 
-/// What a header says.
+/// The contents of a header.
 pub(super) struct FunctionHeader {
     pub id_lines: [String; 5],
     pub function_type: i32,

@@ -1,4 +1,4 @@
-//! What a header of dataset 58 means: degrees of freedom, quantity, factor to SI and axis. No I/O.
+//! A header of dataset 58 gives degrees of freedom, quantity, factor to SI and axis. No I/O.
 //!
 //! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that
 //! is not a known unit of the stated quantity leaves the factor open. The note of modalign in ID
@@ -121,7 +121,7 @@ pub(super) fn set_units(entry: &mut Entry, header: &Header, units: Option<&Units
         (meant.quantity, meant.denominator, meant.to_si);
 }
 
-/// What numerator and denominator of an ordinate say.
+/// The quantity that numerator and denominator of an ordinate state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Ordinate {
     pub quantity: Option<Quantity>,

@@ -34,7 +34,7 @@ pub(super) fn written_format(format: SampleFormat, precision: Option<Precision>)
 /// A dataset that is to be written.
 pub(super) struct Target<'a> {
     header: FunctionHeader,
-    /// What the values are multiplied by.
+    /// The factor of the values.
     factor: f64,
     options: &'a WriteOptions,
 }

@@ -15,7 +15,7 @@ use crate::io::{Catalog, ModeEntry};
 use crate::linalg::Vector3;
 use crate::modal::{Mode, ModeShape, Scaling};
 
-/// What is read back of both, in SI units, and the findings of the writers.
+/// Geometry and modes as read back, in SI units, and the findings of the writers.
 fn read_back(geometry: &Geometry, modes: &[ModeEntry]) -> (Geometry, Vec<ModeEntry>, Vec<Finding>) {
     let mut file = dataset(&["   164", "1", "1. 1. 1.", "0."], "\n");
     let mut findings = write_modes(&mut file, modes, geometry, "Machine", PATH).unwrap();

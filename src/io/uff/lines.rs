@@ -55,7 +55,7 @@ impl<R: Read + Seek> LineReader<R> {
         self.end
     }
 
-    /// What is in memory from here on.
+    /// The bytes in memory from here on.
     fn unread(&self) -> &[u8] {
         &self.buffer[self.used..]
     }

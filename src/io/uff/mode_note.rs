@@ -15,11 +15,11 @@ use crate::modal::{Mode, Scaling};
 const MARK: &str = "modalign";
 /// Characters of an ID line.
 const LINE_CHARACTERS: usize = 80;
-/// What zeros stand for.
+/// Value of `zeros` in a note where zeros stand for unmeasured directions.
 const UNMEASURED: &str = "unmeasured";
 const SCALINGS: [Scaling; 3] = [Scaling::UnitModalMass, Scaling::UnitMax, Scaling::Unknown];
 
-/// What the lines say.
+/// The contents of the note lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ModeNote {
     /// Natural frequency, Hz.
@@ -34,7 +34,7 @@ pub(super) struct ModeNote {
 }
 
 impl ModeNote {
-    /// What is kept of a mode; `zeros_unmeasured` when it lacks directions of its nodes.
+    /// The note of a mode; `zeros_unmeasured` when it lacks directions of its nodes.
     pub fn of(mode: &Mode, zeros_unmeasured: bool) -> Self {
         Self {
             frequency_hz: Some(mode.frequency_hz),
@@ -69,7 +69,7 @@ impl ModeNote {
         lines
     }
 
-    /// What ID lines say; nothing where they are another program's.
+    /// The note in the ID lines; empty where they are another program's.
     pub fn from_lines(lines: &[&Line]) -> Self {
         let mut note = Self::default();
         for line in lines {

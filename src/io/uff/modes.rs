@@ -46,7 +46,7 @@ const REAL_MASS: f64 = 1e-4;
 /// A part of a direction that is not rounding of its printed axes.
 pub(super) const ALONG: f64 = 1e-6;
 
-/// What a file says of a mode's pole.
+/// The pole of a mode as a file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Root {
     Normal {

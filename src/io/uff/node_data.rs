@@ -1,4 +1,4 @@
-//! What datasets 55 and 2414 have in common: what the values are, and the values at nodes.
+//! Datasets 55 and 2414 share the description of values and the values at nodes.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::fields::{FieldError, Line, integer, integer_or_zero, numeric_record};
 use super::records::{Records, is_label};
 
-/// What the values of a dataset are.
+/// The meaning of the values of a dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Definition {
     /// 2 normal mode, 3 complex eigenvalue of first, 7 of second order; others are no modes.

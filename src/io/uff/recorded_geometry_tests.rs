@@ -9,7 +9,7 @@ use crate::modal::{Scaling, mac};
 
 const MODES: &str = "lms-testlab-modes/OOP_inb_new_attach_0_30Hz_no euler.unv";
 
-/// What is listed for a file.
+/// The listed contents of a file.
 fn expected(name: &str) -> Value {
     let path = recording("expected.json").expect("it lies beside the recordings");
     let all: Value = serde_json::from_slice(&std::fs::read(path).expect("the file can be read"))

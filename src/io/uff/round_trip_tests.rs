@@ -1,5 +1,5 @@
-//! What is written comes back: samples to the bit, and every field of a header that the format
-//! holds.
+//! Written files are read back unchanged: samples to the bit, and every header field that the
+//! format holds.
 
 use num_complex::Complex64;
 use proptest::prelude::*;

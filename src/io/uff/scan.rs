@@ -20,7 +20,7 @@ use super::{dataset_151, dataset_164};
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
 
-/// What a pass over a file found.
+/// The result of a pass over a file.
 pub(super) struct Scan {
     pub catalog: Catalog,
     /// Where the samples of each entry are.
@@ -318,7 +318,7 @@ pub(super) fn units_at(units: &[(Position, Option<Units>)], byte: u64) -> Option
         .and_then(|(_, units)| units.as_ref())
 }
 
-/// What the dataset of a number holds.
+/// The contents of the dataset of a number.
 fn part_of(number: u32) -> Part {
     match number {
         55 | 2414 => Part::Mode,
@@ -329,7 +329,7 @@ fn part_of(number: u32) -> Part {
     }
 }
 
-/// What a function is of whose header these lines are, as far as its record 6 can be read.
+/// The type of the function with these header lines, as far as record 6 can be read.
 pub(super) fn header_part(lines: &[Line]) -> Part {
     lines
         .get(5)

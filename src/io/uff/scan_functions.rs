@@ -204,7 +204,7 @@ impl Scanner {
         }
     }
 
-    /// What the function is of whose header begins at `start`; nothing is passed over.
+    /// The type of the function whose header begins at `start`; nothing is passed over.
     fn part_ahead(&mut self, start: Position) -> io::Result<Part> {
         let mut lines = Vec::with_capacity(HEADER_LINES);
         while lines.len() < HEADER_LINES {
@@ -379,7 +379,7 @@ impl Scanner {
 }
 
 impl Header {
-    /// What the function is.
+    /// The type of the function.
     fn part(&self) -> Part {
         Part::of_function(FunctionType::from_code(self.function_type))
     }

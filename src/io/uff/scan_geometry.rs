@@ -21,7 +21,7 @@ use crate::io::{Part, directions_lost};
 /// them.
 const MAX_REPORTED_SYSTEMS: usize = 20;
 
-/// What is collected, in file units.
+/// The collected geometry, in file units.
 #[derive(Debug, Default)]
 pub(super) struct RawGeometry {
     nodes: Vec<RawNode>,
@@ -256,7 +256,7 @@ impl Scanner {
     }
 }
 
-/// What a second node of a label says other than the first.
+/// The error of a second node with a label that differs from the first.
 fn differs(systems: &Systems, node: &RawNode, before: &RawNode) -> Option<FieldError> {
     let resolved = |label: i64| match systems.find(label) {
         Found::Global => 0,

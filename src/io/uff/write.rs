@@ -31,7 +31,7 @@ const MAX_HITS: usize = 9_999;
 /// Lines of dataset 151, of which the sixth is the program that wrote the file.
 const TITLE_LINES: usize = 7;
 
-/// What a file says beyond its data.
+/// The description of a file beyond its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileLabel<'a> {
     /// Path, for messages.

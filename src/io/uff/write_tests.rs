@@ -1,4 +1,4 @@
-//! What the generic writer makes of a source comes back.
+//! Sources written by the generic writer are read back unchanged.
 
 use std::io::Cursor;
 

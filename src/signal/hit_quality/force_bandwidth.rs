@@ -1,4 +1,4 @@
-//! How far the spectrum of the pulse has fallen at the end of the band.
+//! The force bandwidth check measures how far the spectrum of the pulse falls within the band.
 
 use crate::fourier::ForwardPlan;
 

@@ -36,7 +36,7 @@ pub use decay::{Drift, drift_of};
 pub use double_hit::least_delay_samples;
 pub use limits::JudgeLimits;
 
-/// What a check looks at.
+/// The rules of the checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rule {
     /// A second contact of the hammer.
@@ -79,7 +79,7 @@ impl Rule {
     }
 }
 
-/// What a rule says of a hit.
+/// The outcome of a rule for a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
     /// Within the limit.
@@ -111,13 +111,13 @@ pub struct Check {
     pub rule: Rule,
     /// The response; `None` for the force.
     pub dof: Option<Dof>,
-    /// What was found; `None` where there is nothing to measure it from.
+    /// The measured value; `None` where there is nothing to measure it from.
     pub value: Option<f64>,
     /// The limit of the value.
     pub limit: Option<f64>,
     /// Unit of value and limit, empty for a plain number.
     pub unit: &'static str,
-    /// What follows.
+    /// The outcome.
     pub outcome: Outcome,
     /// Double hit: onset to onset, s (negative: before the pulse). Roll-off: where the spectrum
     /// passes the limit, Hz.
@@ -157,7 +157,7 @@ pub(super) fn beyond(value: f64, limit: f64, otherwise: Outcome) -> Outcome {
     }
 }
 
-/// What is judged of a force, in this order.
+/// The checks of a force, in this order.
 const FORCE_RULES: [Rule; 7] = [
     Rule::DoubleHit,
     Rule::Overload,
@@ -168,7 +168,7 @@ const FORCE_RULES: [Rule; 7] = [
     Rule::Drift,
 ];
 
-/// What is judged of a response, in this order.
+/// The checks of a response, in this order.
 const RESPONSE_RULES: [Rule; 5] = [
     Rule::Overload,
     Rule::PreTrigger,

@@ -1,5 +1,5 @@
-//! What a channel does before the hit, whether it does anything after it, and the sign of the
-//! force.
+//! Pre-trigger checks find drift and ringing before the hit, dead channels, and a reversed sign of
+//! the force.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

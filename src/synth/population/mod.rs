@@ -103,11 +103,11 @@ pub struct PopulationSpec {
 pub struct MemberSpec {
     /// Number of members.
     pub count: usize,
-    /// What they are.
+    /// The kind of structure.
     pub structure: StructureSpec,
 }
 
-/// What a member is, by its `kind` key.
+/// The structure of a member, by its `kind` key.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum StructureSpec {

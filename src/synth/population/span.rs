@@ -40,7 +40,7 @@ impl Span {
     }
 }
 
-/// What the ends of a range must be.
+/// The requirement on the ends of a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ends {
     /// Finite.
