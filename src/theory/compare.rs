@@ -1,10 +1,9 @@
-//! Models of growing detail of one machine held against each other: which is the simplest within a
-//! stated error.
+//! Comparison of models of growing detail of one machine: the simplest within a stated error.
 //!
 //! A model's small bodies can be left without mass: with `b` their coordinates and `a` the others,
-//! statics gives `x_b = -K_bb^+ K_ba x_a` and `K = K_aa - K_ab K_bb^+ K_ba`, where directions in
-//! which nothing holds a small body drop out of the pseudo-inverse. Roots are then held against
-//! those of the whole model by their shapes, with `x_b` put back.
+//! statics gives `x_b = -K_bb^+ K_ba x_a` and `K = K_aa - K_ab K_bb^+ K_ba`; directions in which no
+//! spring holds a small body drop out of the pseudo-inverse. Roots are paired with those of the whole
+//! model by their shapes, after the motion `x_b` is restored.
 //!
 //! # Reference
 //! Guyan (1965), Reduction of stiffness and mass matrices, AIAA Journal 3, 380.
@@ -16,15 +15,15 @@ use super::{
     TimeResponse, model_roots, modes_of_matrices,
 };
 
-/// Parts of the largest eigenvalue of `K_bb` from which a direction counts as held.
-const HELD: f64 = 1e-10;
-/// The least share of a root's shapes that a root of a simpler model must have to be the same.
-const SAME: f64 = 0.5;
+/// Fraction of the largest eigenvalue of `K_bb` above which a direction counts as held.
+const MIN_EIGENVALUE_RATIO: f64 = 1e-10;
+/// Minimum share of a root's shapes in a root of a simpler model for both to be the same root.
+const MIN_SHAPE_SHARE: f64 = 0.5;
 
 /// A simpler model, or the whole one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplerModel {
-    /// What it leaves out.
+    /// The masses that it leaves out.
     pub name: String,
     /// Its coordinates.
     pub coordinates: usize,
@@ -34,7 +33,7 @@ pub struct SimplerModel {
 }
 
 impl SimplerModel {
-    /// Work of the eigenproblem as a part of that of a model with so many coordinates: it grows
+    /// Work of the eigenproblem as a fraction of that of a model with `whole` coordinates: it grows
     /// with the third power.
     pub fn cost(&self, whole: usize) -> f64 {
         (self.coordinates as f64 / whole as f64).powi(3)
@@ -51,32 +50,32 @@ pub struct DetailComparison {
 }
 
 impl DetailComparison {
-    /// Error of a root in a model, as a part of the root.
+    /// Relative error of a root in a model.
     pub fn error(&self, model: usize, root: usize) -> Option<f64> {
-        let own = self.models[model].omega_rad_s[root]?;
-        Some(own / self.roots[root].omega_rad_s - 1.0)
+        let omega = self.models[model].omega_rad_s[root]?;
+        Some(omega / self.roots[root].omega_rad_s - 1.0)
     }
 
     /// The model with the fewest coordinates that has a root within this error.
     pub fn simplest(&self, root: usize, within: f64) -> Option<&SimplerModel> {
         let all = 0..self.models.len();
-        let mut fit =
+        let mut fits =
             all.filter(|&model| self.error(model, root).is_some_and(|e| e.abs() <= within));
-        fit.next().map(|model| &self.models[model])
+        fits.next().map(|model| &self.models[model])
     }
 
     /// The model with the fewest coordinates that has every root up to an angular frequency within
     /// this error.
     pub fn simplest_up_to(&self, omega_rad_s: f64, within: f64) -> Option<&SimplerModel> {
-        let asked: Vec<usize> = (0..self.roots.len())
+        let roots: Vec<usize> = (0..self.roots.len())
             .filter(|&root| self.roots[root].omega_rad_s <= omega_rad_s)
             .collect();
-        let fits = |model: &usize| {
-            let mut all = asked.iter();
+        let reproduces_all = |model: &usize| {
+            let mut all = roots.iter();
             all.all(|&root| self.error(*model, root).is_some_and(|e| e.abs() <= within))
         };
         (0..self.models.len())
-            .find(fits)
+            .find(reproduces_all)
             .map(|model| &self.models[model])
     }
 }
@@ -94,10 +93,14 @@ pub fn simplest_detail<'a>(
             .difference(signal, detail, last)
             .is_some_and(|d| d <= within)
     };
-    response.details.iter().map(|own| own.detail).find(near)
+    response
+        .details
+        .iter()
+        .map(|response| response.detail)
+        .find(near)
 }
 
-/// Holds a model against those without the mass of its small bodies, every combination of them.
+/// Compares a model with those without the mass of its small bodies, every combination of them.
 ///
 /// # Errors
 /// Those of the model; [`TheoryError::NothingSmall`] for one that names no small bodies.
@@ -145,13 +148,13 @@ fn simpler(
     let (light, kept): (Vec<usize>, Vec<usize>) =
         all.partition(|&i| of_kind(&matrices.coordinates[i].body));
     let expansion = static_expansion(&matrices.stiffness, &kept, &light)?;
-    let own = modes_of_matrices(
+    let simpler_modes = modes_of_matrices(
         &reduced(matrices, &expansion, &kept),
         &ModeOptions::default(),
     )?;
-    let shapes = &expansion * &own.vectors;
+    let shapes = &expansion * &simpler_modes.vectors;
     let overlap = whole.vectors.transpose() * (&matrices.mass * &shapes);
-    let groups = own.model.roots();
+    let groups = simpler_modes.model.roots();
     let matched = |root: &ModelRoot| {
         let share = |group: &Vec<usize>| -> f64 {
             let shares = group.iter().map(|&k| {
@@ -162,7 +165,7 @@ fn simpler(
             shares.sum::<f64>() / root.modes.len().max(group.len()) as f64
         };
         let best = groups.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
-        (share(best) >= SAME).then(|| own.omega_rad_s[best[0]])
+        (share(best) >= MIN_SHAPE_SHARE).then(|| simpler_modes.omega_rad_s[best[0]])
     };
     Ok(SimplerModel {
         name: match kinds {
@@ -188,17 +191,17 @@ fn static_expansion(
     }
     let m = light.len();
     let block = real_matrix(m, m, |i, j| stiffness[(light[i], light[j])]);
-    let own = symmetric_eigen(&block)?;
-    let largest = own.values.iter().copied().fold(0.0, f64::max);
+    let eigen = symmetric_eigen(&block)?;
+    let largest = eigen.values.iter().copied().fold(0.0, f64::max);
     let coupling = real_matrix(m, kept.len(), |i, a| stiffness[(light[i], kept[a])]);
-    let mut followed = own.vectors.transpose() * coupling;
-    for (k, value) in own.values.iter().enumerate() {
+    let mut followed = eigen.vectors.transpose() * coupling;
+    for (k, value) in eigen.values.iter().enumerate() {
         for a in 0..kept.len() {
-            let held = *value > HELD * largest;
+            let held = *value > MIN_EIGENVALUE_RATIO * largest;
             followed[(k, a)] = if held { -followed[(k, a)] / value } else { 0.0 };
         }
     }
-    let followed = &own.vectors * followed;
+    let followed = &eigen.vectors * followed;
     for (i, &row) in light.iter().enumerate() {
         for a in 0..kept.len() {
             expansion[(row, a)] = followed[(i, a)];
@@ -207,7 +210,7 @@ fn static_expansion(
     Ok(expansion)
 }
 
-/// Matrices over the coordinates kept: their own mass, the stiffness with the others following.
+/// Matrices over the coordinates kept: their masses, and the stiffness with the others following.
 fn reduced(matrices: &SystemMatrices, expansion: &RealMatrix, kept: &[usize]) -> SystemMatrices {
     let stiffness = expansion.transpose() * (&matrices.stiffness * expansion);
     let n = kept.len();
@@ -233,7 +236,7 @@ mod tests {
     fn without_mass_is_the_limit_of_a_light_mass() {
         let model = built_in("cycloid-ball").unwrap();
         let values = nominal_values(model.parameters());
-        let own = compare_details(model.as_ref(), &values).unwrap();
+        let comparison = compare_details(model.as_ref(), &values).unwrap();
         let mut light = model.assemble(&values).unwrap();
         for (i, coordinate) in light.coordinates.iter().enumerate() {
             if coordinate.body.contains("ball-") {
@@ -242,7 +245,7 @@ mod tests {
         }
         let options = ModeOptions::default();
         let limit = modes_of_matrices(&light, &options).unwrap().omega_rad_s;
-        let found: Vec<f64> = own.models[0]
+        let found: Vec<f64> = comparison.models[0]
             .omega_rad_s
             .iter()
             .flatten()
@@ -252,7 +255,7 @@ mod tests {
         for omega in found {
             let nearest = limit
                 .iter()
-                .map(|own| (own / omega - 1.0).abs())
+                .map(|limit| (limit / omega - 1.0).abs())
                 .fold(f64::MAX, f64::min);
             assert!(nearest < 1e-6, "{omega}: {nearest}");
         }
@@ -262,34 +265,41 @@ mod tests {
     fn every_combination_is_compared_and_the_simplest_within_the_error_is_named() {
         let model = built_in("cycloid-ball").unwrap();
         let values = nominal_values(model.parameters());
-        let own = compare_details(model.as_ref(), &values).unwrap();
-        let coordinates: Vec<usize> = own.models.iter().map(|model| model.coordinates).collect();
+        let comparison = compare_details(model.as_ref(), &values).unwrap();
+        let coordinates: Vec<usize> = comparison
+            .models
+            .iter()
+            .map(|model| model.coordinates)
+            .collect();
         assert_eq!(coordinates, [11, 17, 31, 37]);
-        for root in 0..own.roots.len() {
+        for root in 0..comparison.roots.len() {
             assert!(
-                own.error(3, root).unwrap().abs() < 1e-12,
+                comparison.error(3, root).unwrap().abs() < 1e-12,
                 "the whole model is itself"
             );
         }
-        assert_eq!(own.simplest(0, 1e-9).unwrap().coordinates, 37);
+        assert_eq!(comparison.simplest(0, 1e-9).unwrap().coordinates, 37);
         // Roots of balls alone exist only with their mass.
-        let alone = own
+        let alone = comparison
             .roots
             .iter()
             .position(|root| root.modes.len() == 8)
             .unwrap();
-        assert_eq!(own.error(0, alone), None);
-        assert_eq!(own.simplest(alone, 10.0).unwrap().coordinates, 17 + 20 - 6);
-        let lowest = own.roots[0].omega_rad_s;
-        let pins = own
+        assert_eq!(comparison.error(0, alone), None);
+        assert_eq!(
+            comparison.simplest(alone, 10.0).unwrap().coordinates,
+            17 + 20 - 6
+        );
+        let lowest = comparison.roots[0].omega_rad_s;
+        let pins = comparison
             .roots
             .iter()
             .position(|root| root.modes.len() == 4)
             .unwrap();
-        assert_eq!(own.simplest(pins, 1e-9).unwrap().coordinates, 17);
-        let loose = own.simplest_up_to(lowest, 1.0).unwrap();
+        assert_eq!(comparison.simplest(pins, 1e-9).unwrap().coordinates, 17);
+        let loose = comparison.simplest_up_to(lowest, 1.0).unwrap();
         assert_eq!(loose.coordinates, 11);
-        // Two ways to a cube differ in the last digit.
+        // The two formulas of a cube differ in the last digit.
         assert!((loose.cost(37) / (11.0f64 / 37.0).powi(3) - 1.0).abs() < 1e-12);
         let error = compare_details(built_in("torsional-planetary").unwrap().as_ref(), &[]);
         assert!(matches!(error, Err(TheoryError::NothingSmall { .. })));
@@ -304,20 +314,23 @@ mod tests {
             told_periods: 5,
             step_radians: 0.6,
         };
-        let own = model.nonlinear().unwrap().response(&values, span).unwrap();
+        let response = model.nonlinear().unwrap().response(&values, span).unwrap();
         assert_eq!(
-            simplest_detail(&own, "delta_sp1", 0.01),
+            simplest_detail(&response, "delta_sp1", 0.01),
             Some("constant angle")
         );
-        assert_eq!(simplest_detail(&own, "delta_sp1", 0.5), Some("torsional"));
         assert_eq!(
-            simplest_detail(&own, "delta_sp1", 1e-9),
+            simplest_detail(&response, "delta_sp1", 0.5),
+            Some("torsional")
+        );
+        assert_eq!(
+            simplest_detail(&response, "delta_sp1", 1e-9),
             Some("varying angle, exact")
         );
         assert_eq!(
-            simplest_detail(&own, "angle_sp1", 0.01),
+            simplest_detail(&response, "angle_sp1", 0.01),
             Some("varying angle as printed")
         );
-        assert_eq!(simplest_detail(&own, "no such signal", 1.0), None);
+        assert_eq!(simplest_detail(&response, "no such signal", 1.0), None);
     }
 }

@@ -19,13 +19,14 @@ use super::few_masses;
 use super::massless::{Division, without_zeros};
 use super::{Coordinate, MassError, SystemMatrices, TheoryError};
 
-/// Coordinates whose share in a motion is above this part of the largest take part in it. Smaller:
+/// Coordinates whose share in a motion is above this fraction of the largest take part in it.
+/// Smaller:
 /// coordinates at rest are named (rounding leaves 1e-10). Larger: the soft end of a mechanism is
 /// not. Test: `massless_coordinates_that_nothing_holds_are_named`.
 const TAKES_PART: f64 = 1e-6;
-/// Least `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion,
-/// `1/(1 + tau lambda)` of others, which is not below 1e-5 where the mass of a coordinate is its
-/// own. Where fewer modes are left than there must be, an error says so. Test:
+/// Minimum `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion,
+/// `1/(1 + tau lambda)` of others, which is not below 1e-5 where coordinates do not share their
+/// mass. Where fewer modes are left than there must be, an error says so. Test:
 /// `all_finite_modes_of_a_small_sparse_model_are_found`.
 const CARRIES_MASS: f64 = 1e-9;
 
@@ -55,13 +56,13 @@ impl Condensation {
         }
         let turned = division.turned(&stiffness()?)?;
         let held = linalg::principal_block(&turned, &division.massless)?;
-        let own = Self {
+        let condensation = Self {
             division,
             held,
             size: mass.size(),
         };
-        own.check_held(coordinates)?;
-        Ok(Some(own))
+        condensation.check_held(coordinates)?;
+        Ok(Some(condensation))
     }
 
     /// Of full matrices.
@@ -144,15 +145,15 @@ impl Condensation {
         finding.value(self.massless() as f64, &of)
     }
 
-    /// `G f` with `G = diag(0, K_oo^-1)`: how massless motions give way to forces where those with
+    /// `G f` with `G = diag(0, K_oo^-1)`: deflection of massless motions under forces where those with
     /// mass are at rest. Rows are all coordinates.
     ///
     /// # Errors
     /// [`TheoryError::Linalg`].
     pub fn relax(&self, forces: &RealMatrix) -> Result<RealMatrix, TheoryError> {
         let forces = self.division.at_massless(forces, |weight| weight);
-        let own = linalg::solve_sparse_definite(&self.held, &forces)?;
-        let parts = [(self.division.massless.as_slice(), &own)];
+        let displacements = linalg::solve_sparse_definite(&self.held, &forces)?;
+        let parts = [(self.division.massless.as_slice(), &displacements)];
         Ok(self.division.lifted(&parts, self.size))
     }
 
@@ -215,9 +216,9 @@ impl Condensation {
             0.5 * (condensed[(i, j)] + condensed[(j, i)])
         });
         let mass = block(&self.division.turned_full(&matrices.mass)?);
-        let own = linalg::symmetric_modes(&symmetric, &mass)?;
-        let massless = &followed * &own.vectors;
-        let vectors = self.whole(&own.vectors, &massless);
+        let condensed_modes = linalg::symmetric_modes(&symmetric, &mass)?;
+        let massless = &followed * &condensed_modes.vectors;
+        let vectors = self.whole(&condensed_modes.vectors, &massless);
         let quotients = linalg::rayleigh_quotients(&matrices.stiffness, &matrices.mass, &vectors);
         let (omega_squared, rounding) = quotients.into_iter().unzip();
         Ok(SymmetricModes {
@@ -239,7 +240,7 @@ impl Condensation {
     ///
     /// # Errors
     /// [`TheoryError::Linalg`]; [`MassError::Indistinct`].
-    ///
+    /// The lowest modes of sparse matrices, over all coordinates.
     /// # Reference
     /// Ericsson and Ruhe (1980), The spectral transformation Lanczos method, Mathematics of
     /// Computation 35, 1251.
@@ -250,7 +251,7 @@ impl Condensation {
         wanted: Wanted,
         most: usize,
     ) -> Result<SparseModes, TheoryError> {
-        if self.division.massive.len() <= few_masses::MOST {
+        if self.division.massive.len() <= few_masses::MAX_MASSIVE_MOTIONS {
             return few_masses::lowest_modes(self, (stiffness, mass), wanted, most);
         }
         let tau = least_ratio(mass, stiffness);
@@ -301,7 +302,7 @@ impl Condensation {
 fn least_ratio(mass: &SparseMatrix, stiffness: &SparseMatrix) -> f64 {
     let ratios = (0..mass.size()).map(|i| mass.get(i, i) / stiffness.get(i, i));
     let least = ratios
-        .filter(|own| *own > 0.0 && own.is_finite())
+        .filter(|ratio| *ratio > 0.0 && ratio.is_finite())
         .fold(f64::MAX, f64::min);
     if least < f64::MAX { least } else { 1.0 }
 }

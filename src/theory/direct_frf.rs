@@ -1,4 +1,4 @@
-//! FRFs straight from the matrices: no modes, none left out, any damping.
+//! FRFs computed directly from the matrices: no modal truncation, any damping.
 
 use num_complex::Complex64;
 
@@ -11,7 +11,7 @@ use super::{SystemMatrices, TheoryError};
 /// hits, m/N.
 ///
 /// It costs a solution of all equations at every line, where a sum over modes costs one number for
-/// each; it needs no damping that modes uncouple, and lacks no mode above the band.
+/// each; it does not need proportional damping, and includes the modes above the band.
 ///
 /// # Errors
 /// [`TheoryError::MatrixSize`] of matrices that are not square over the coordinates;
@@ -47,9 +47,9 @@ fn check_matrices(matrices: &SystemMatrices, expected: usize) -> Result<(), Theo
         ("damping", matrices.damping.as_ref()),
         ("stiffness", Some(&matrices.stiffness)),
     ];
-    for (matrix, own) in named {
-        let Some(own) = own else { continue };
-        let (got_rows, got_columns) = (own.nrows(), own.ncols());
+    for (matrix, entries) in named {
+        let Some(entries) = entries else { continue };
+        let (got_rows, got_columns) = (entries.nrows(), entries.ncols());
         if expected == 0 || got_rows != expected || got_columns != expected {
             return Err(TheoryError::MatrixSize {
                 matrix,
@@ -95,7 +95,8 @@ mod tests {
     #[test]
     fn two_masses_with_a_damper_between_them_are_the_closed_form() {
         let (m, k, c) = ([2.0, 3.0], [500.0, 800.0], 4.0);
-        let diagonal = |own: [f64; 2]| real_matrix(2, 2, |i, j| if i == j { own[i] } else { 0.0 });
+        let diagonal =
+            |values: [f64; 2]| real_matrix(2, 2, |i, j| if i == j { values[i] } else { 0.0 });
         let mut matrices = SystemMatrices {
             mass: diagonal(m),
             damping: Some(real_matrix(2, 2, |i, j| if i == j { c } else { -c })),
@@ -111,24 +112,24 @@ mod tests {
             let s = Complex64::I * omega;
             let [a, b] = [0, 1].map(|i| s * s * m[i] + s * c + k[i]);
             let determinant = a * b - s * s * c * c;
-            let expected = [s * c * 2.0, s * c - a * 2.0].map(|own| own / determinant);
+            let expected = [s * c * 2.0, s * c - a * 2.0].map(|numerator| numerator / determinant);
             let found = direct_receptance(&matrices, s, &responses, &hits).unwrap();
             for (row, wanted) in expected.into_iter().enumerate() {
-                let own = found[(row, 0)];
+                let got = found[(row, 0)];
                 assert!(
-                    (own - wanted).norm() < 1e-13 * wanted.norm(),
-                    "{own} {wanted}"
+                    (got - wanted).norm() < 1e-13 * wanted.norm(),
+                    "{got} {wanted}"
                 );
             }
         }
         matrices.damping = None;
-        let own = direct_receptance(&matrices, Complex64::I * 10.0, &responses, &hits).unwrap();
-        assert!(own[(0, 0)].norm() < 1e-18, "nothing joins them");
-        assert!((own[(1, 0)] + 2.0 / 500.0).norm() < 1e-15);
+        let found = direct_receptance(&matrices, Complex64::I * 10.0, &responses, &hits).unwrap();
+        assert!(found[(0, 0)].norm() < 1e-18, "nothing joins them");
+        assert!((found[(1, 0)] + 2.0 / 500.0).norm() < 1e-15);
     }
 
     #[test]
-    fn sizes_that_do_not_belong_together_are_named() {
+    fn inconsistent_sizes_are_reported() {
         let square = |n: usize| real_matrix(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
         let good = SystemMatrices {
             mass: square(2),

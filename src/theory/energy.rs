@@ -1,4 +1,4 @@
-//! The distinct roots of a model, and where the kinetic and the strain energy of each of them are.
+//! The distinct roots of a model, and the distribution of their kinetic and strain energy.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ pub struct ModelRoot {
     /// name, in the order of the model; the shares add up to 1. Of a repeated root the mean over
     /// its modes. Empty for a root at 0 and for a model without springs or named parts.
     pub strain_energy: Vec<(String, f64)>,
-    /// What kind of motion it is, in the words of the model; `None` for a model that has no such
+    /// Class of the motion, in the words of the model; `None` for a model that has no such
     /// words.
     pub class: Option<String>,
 }
@@ -35,7 +35,7 @@ impl ModelRoot {
                 .rsplit_once('-')
                 .filter(|(_, number)| number.parse::<u32>().is_ok())
                 .map_or(body.as_str(), |(kind, _)| kind);
-            match kinds.iter_mut().find(|(own, _)| own == kind) {
+            match kinds.iter_mut().find(|(known, _)| known == kind) {
                 Some((_, total)) => *total += share,
                 None => kinds.push((kind.to_owned(), *share)),
             }
@@ -81,7 +81,7 @@ pub(super) fn part_shares(parts: &[StiffnessPart<'_>], vectors: &RealMatrix) -> 
     )
 }
 
-/// The energy of everything of one name in every mode over the sum of all.
+/// Share of the energy of all items of one name in each mode.
 fn shares<T>(
     all: &[T],
     vectors: &RealMatrix,
@@ -90,18 +90,18 @@ fn shares<T>(
 ) -> StrainShares {
     let mut names: Vec<String> = Vec::new();
     let mut rows = Vec::with_capacity(all.len());
-    for own in all {
-        let known = names.iter().position(|known| known == name(own));
+    for item in all {
+        let known = names.iter().position(|known| known == name(item));
         rows.push(known.unwrap_or(names.len()));
         if known.is_none() {
-            names.push(name(own).to_owned());
+            names.push(name(item).to_owned());
         }
     }
     let mut shares = crate::linalg::real_matrix(names.len(), vectors.ncols(), |_, _| 0.0);
     for j in 0..vectors.ncols() {
         let phi: Vec<f64> = vectors.col(j).iter().copied().collect();
-        for (own, &row) in all.iter().zip(&rows) {
-            shares[(row, j)] += energy(own, &phi);
+        for (item, &row) in all.iter().zip(&rows) {
+            shares[(row, j)] += energy(item, &phi);
         }
         let total: f64 = (0..names.len()).map(|i| shares[(i, j)]).sum();
         if total > 0.0 {
@@ -113,12 +113,12 @@ fn shares<T>(
 
 /// The distinct roots in ascending order; modes of one group number are one root.
 pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<ModelRoot> {
-    let root = |own: Vec<usize>| {
-        let omega_rad_s = modes.omega_rad_s[own[0]];
-        let shares = mean_shares(&modes.kinetic_shares, &own);
+    let root = |modes_of_root: Vec<usize>| {
+        let omega_rad_s = modes.omega_rad_s[modes_of_root[0]];
+        let shares = mean_shares(&modes.kinetic_shares, &modes_of_root);
         let strain = &modes.strain_shares;
         let strained = (omega_rad_s > 0.0).then(|| {
-            let means = mean_shares(&strain.shares, &own).into_iter();
+            let means = mean_shares(&strain.shares, &modes_of_root).into_iter();
             strain.names.iter().cloned().zip(means).collect()
         });
         ModelRoot {
@@ -126,7 +126,7 @@ pub fn model_roots(model: &dyn TheoreticalModel, modes: &TheoryModes) -> Vec<Mod
             kinetic_energy: by_body(modes, &shares),
             strain_energy: strained.unwrap_or_default(),
             class: model.mode_class(omega_rad_s, &shares).map(str::to_owned),
-            modes: own,
+            modes: modes_of_root,
         }
     };
     modes.model.roots().into_iter().map(root).collect()
@@ -141,8 +141,8 @@ pub(super) fn kinetic_shares(moved: &RealMatrix, vectors: &RealMatrix) -> RealMa
 }
 
 /// Each row's mean over the modes of a root.
-fn mean_shares(shares: &RealMatrix, own: &[usize]) -> Vec<f64> {
-    let mean = |i: usize| own.iter().map(|&j| shares[(i, j)]).sum::<f64>() / own.len() as f64;
+fn mean_shares(shares: &RealMatrix, modes: &[usize]) -> Vec<f64> {
+    let mean = |i: usize| modes.iter().map(|&j| shares[(i, j)]).sum::<f64>() / modes.len() as f64;
     (0..shares.nrows()).map(mean).collect()
 }
 

@@ -1,4 +1,4 @@
-//! All modes of a sparse model of which few motions carry mass, from the full condensed pair.
+//! All modes of a sparse model in which few motions carry mass, from the full condensed pair.
 //!
 //! `K_c = T^T K T` with `T = [I; -K_oo^-1 K_oa]`. `K T` is summed in twice the working precision;
 //! its rows without mass are the residual of `T`, so that `K_c` has the square of the error of `T`
@@ -12,13 +12,13 @@ use crate::linalg::{
 use super::massless::rows_of;
 use super::{Condensation, TheoryError};
 
-/// Most motions with mass that are condensed into full matrices. Smaller: 200 masses at 1e-10 of
+/// Maximum number of motions with mass that are condensed into full matrices. Smaller: 200 masses
+/// at 1e-10 of
 /// the stiffness of their coordinates are found
 /// (`modes_far_below_the_stiffness_of_their_coordinates_are_found`), 201 end in an error of block
 /// Lanczos. Larger: time and memory, which are those of as many solutions.
-pub(super) const MOST: usize = 200;
-/// Part of an omega² within which it is one root with the one before; rounding bounds of K within
-/// which it is 0.
+pub(super) const MAX_MASSIVE_MOTIONS: usize = 200;
+/// Fraction of an omega² within which it is one root with the one before.
 const REPEATED: f64 = 1e-5;
 const ZERO_ROUNDINGS: f64 = 4.0;
 
@@ -41,7 +41,8 @@ pub(super) fn lowest_modes(
     };
     let (found, counted_below) = match wanted {
         Wanted::Below(limit) => (
-            all.omega_squared.partition_point(|own| *own < limit),
+            all.omega_squared
+                .partition_point(|omega_squared| *omega_squared < limit),
             Some(limit),
         ),
         Wanted::Lowest(least) => match (least.max(1)..count).find(is_parted) {
@@ -73,8 +74,11 @@ fn all_modes(
     let followed = condensation.followed(&coupling(&turned, massive, massless))?;
     let condensed = condensed(&turned, (massive, massless), &followed);
     let loaded = linalg::principal_block(&division.turned(mass)?, massive)?;
-    let own = linalg::symmetric_modes(&condensed, &loaded.to_dense())?;
-    let vectors = condensation.whole(&own.vectors, &(&followed * &own.vectors));
+    let condensed_modes = linalg::symmetric_modes(&condensed, &loaded.to_dense())?;
+    let vectors = condensation.whole(
+        &condensed_modes.vectors,
+        &(&followed * &condensed_modes.vectors),
+    );
     let quotient =
         |j: usize| linalg::sparse_rayleigh_quotient(stiffness, mass, vectors.col_as_slice(j));
     let quotients: Vec<(f64, f64)> = (0..massive.len()).map(quotient).collect();

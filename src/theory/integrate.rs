@@ -1,5 +1,5 @@
-//! Ordinary differential equations `y' = f(t, y)`, with two integrators that share nothing, so that
-//! each can check the other.
+//! Ordinary differential equations `y' = f(t, y)`, with two independent integrators, so that each
+//! checks the other.
 //!
 //! # Reference
 //! Hairer, Nørsett and Wanner (1993), Solving Ordinary Differential Equations I, 2nd ed., sections
@@ -7,14 +7,14 @@
 
 /// A system of first-order equations.
 pub(super) trait Equations {
-    /// How many.
+    /// Number of equations.
     fn len(&self) -> usize;
 
     /// The rates `f(t, y)` into `rate`.
     fn rate(&self, time_s: f64, state: &[f64], rate: &mut [f64]);
 }
 
-/// A way to step through time.
+/// A method that steps through time.
 pub(super) trait Integrator {
     /// Advances a state from `time_s` by `step_s`.
     fn step(&mut self, equations: &dyn Equations, time_s: f64, step_s: f64, state: &mut [f64]);
@@ -35,13 +35,13 @@ impl Integrator for RungeKutta4 {
         let n = equations.len();
         self.point.resize(n, 0.0);
         for (stage, part) in [0.0, 0.5, 0.5, 1.0].into_iter().enumerate() {
-            let (done, own) = self.rates.split_at_mut(stage);
+            let (done, current) = self.rates.split_at_mut(stage);
             for (i, point) in self.point.iter_mut().enumerate() {
                 let last = done.last().map_or(0.0, |rate| rate[i]);
                 *point = state[i] + part * step_s * last;
             }
-            own[0].resize(n, 0.0);
-            equations.rate(time_s + part * step_s, &self.point, &mut own[0]);
+            current[0].resize(n, 0.0);
+            equations.rate(time_s + part * step_s, &self.point, &mut current[0]);
         }
         let [a, b, c, d] = &self.rates;
         for (i, value) in state.iter_mut().enumerate() {
@@ -67,13 +67,13 @@ pub(super) struct ExtrapolatedMidpoint {
 }
 
 impl ExtrapolatedMidpoint {
-    /// Gragg's rule with this many substeps (even) into column `own`.
+    /// Gragg's rule with this many substeps (even) into column `column`.
     fn midpoint(
         &mut self,
         equations: &dyn Equations,
         (time_s, step_s): (f64, f64),
         state: &[f64],
-        (own, substeps): (usize, usize),
+        (column, substeps): (usize, usize),
     ) {
         let h = step_s / substeps as f64;
         let [old, new] = &mut self.points;
@@ -90,7 +90,7 @@ impl ExtrapolatedMidpoint {
             }
         }
         equations.rate(time_s + step_s, new, &mut self.rate);
-        for (i, value) in self.columns[own].iter_mut().enumerate() {
+        for (i, value) in self.columns[column].iter_mut().enumerate() {
             *value = 0.5 * (old[i] + new[i] + h * self.rate[i]);
         }
     }
@@ -102,18 +102,18 @@ impl Integrator for ExtrapolatedMidpoint {
         self.columns.resize(COLUMNS, Vec::new());
         let all = self.columns.iter_mut().chain(&mut self.points);
         all.chain([&mut self.rate])
-            .for_each(|own| own.resize(n, 0.0));
-        for own in 0..COLUMNS {
-            let substeps = 2 * (own + 1);
-            self.midpoint(equations, (time_s, step_s), state, (own, substeps));
+            .for_each(|values| values.resize(n, 0.0));
+        for column in 0..COLUMNS {
+            let substeps = 2 * (column + 1);
+            self.midpoint(equations, (time_s, step_s), state, (column, substeps));
         }
         // In place: after round r, column k holds the extrapolation over columns k - r to k.
         for round in 1..COLUMNS {
-            for own in (round..COLUMNS).rev() {
-                let ratio = (own + 1) as f64 / (own + 1 - round) as f64;
+            for column in (round..COLUMNS).rev() {
+                let ratio = (column + 1) as f64 / (column + 1 - round) as f64;
                 let weight = 1.0 / (ratio * ratio - 1.0);
-                let (before, after) = self.columns.split_at_mut(own);
-                for (value, coarse) in after[0].iter_mut().zip(&before[own - 1]) {
+                let (before, after) = self.columns.split_at_mut(column);
+                for (value, coarse) in after[0].iter_mut().zip(&before[column - 1]) {
                     *value += (*value - coarse) * weight;
                 }
             }
@@ -123,7 +123,7 @@ impl Integrator for ExtrapolatedMidpoint {
 
     fn evaluations(&self) -> usize {
         // 1 + 2 substeps in each column, less the one at the start that is counted with them.
-        (1..=COLUMNS).map(|own| 2 * own + 1).sum()
+        (1..=COLUMNS).map(|column| 2 * column + 1).sum()
     }
 }
 

@@ -1,21 +1,21 @@
-//! Which motions of a model carry mass.
+//! Division of the motions of a model into those that carry mass and those that do not.
 //!
-//! Massless is a coordinate whose row and column of the mass matrix are exactly 0. A mass matrix of
+//! A coordinate is massless whose row and column of the mass matrix are exactly 0. A mass matrix of
 //! lower rank whose null space is no set of coordinates (a mass off its node without rotary
-//! inertia, a mass between the nodes of a massless beam) is turned, block by block, into the axes
+//! inertia, a mass between the nodes of a massless beam) is transformed, block by block, to the axes
 //! of its null space: `x = Q y`.
 
 use crate::linalg::{self, LinalgError, RealMatrix, SparseMatrix, real_matrix};
 
 use super::{Coordinate, MassError, TheoryError};
 
-/// Largest block of coordinates coupled by mass whose null space is looked for: a full eigenproblem
+/// Largest block of coordinates coupled by mass whose null space is computed: a full eigenproblem
 /// of less than a second.
-const MOST_BLOCK: usize = 500;
-/// Most mass that a motion which counts as massless may keep, over that of its coordinate; what it
-/// keeps is left out. Larger: a small mass beside a large one is left out. Smaller: rounding, 1e-16
+const MAX_BLOCK_COORDINATES: usize = 500;
+/// Maximum mass of a motion that counts as massless, over that of its coordinate; it is neglected.
+/// Larger: a small mass beside a large one is neglected. Smaller: rounding, 1e-16
 /// of the diagonal times the growth of the elimination.
-const LEFT_OVER: f64 = 1e-8;
+const MAX_RESIDUAL_MASS_RATIO: f64 = 1e-8;
 /// Smallest mass over the largest: the root of the smallest normal number, so that the product of
 /// two masses is one. Smaller: natural frequencies overflow (test
 /// `a_mass_matrix_that_is_not_semidefinite_is_named`). Larger: time without use, as no machine has
@@ -50,7 +50,7 @@ impl Division {
         for (i, j, got) in mass.entries().filter(|(_, _, v)| v.abs() > 0.0) {
             let diagonal = mass.get(i, i);
             if diagonal <= 0.0 {
-                let [row, column] = [i, j].map(|own| coordinates[own].name.clone());
+                let [row, column] = [i, j].map(|index| coordinates[index].name.clone());
                 return Err(MassError::Indefinite {
                     row,
                     column,
@@ -100,11 +100,11 @@ impl Division {
             let block = linalg::principal_block(mass, &at)?;
             let deficient = linalg::null_dimension(&block)?;
             let names = || at.iter().map(|&i| coordinates[i].name.clone()).collect();
-            if deficient > 0 && at.len() > MOST_BLOCK {
+            if deficient > 0 && at.len() > MAX_BLOCK_COORDINATES {
                 return Err(MassError::Rank {
                     coordinates: names(),
                     deficient,
-                    most: MOST_BLOCK,
+                    most: MAX_BLOCK_COORDINATES,
                 }
                 .into());
             }
@@ -198,14 +198,14 @@ impl Division {
     /// `Q y`, from rows of the motions named to rows of all coordinates; the other motions are at
     /// rest.
     pub fn lifted(&self, parts: &[(&[usize], &RealMatrix)], size: usize) -> RealMatrix {
-        let columns = parts.first().map_or(0, |(_, own)| own.ncols());
+        let columns = parts.first().map_or(0, |(_, motions)| motions.ncols());
         let mut y = real_matrix(size, columns, |_, _| 0.0);
-        for (at, own) in parts {
-            place_rows(&mut y, at, own);
+        for (at, motions) in parts {
+            place_rows(&mut y, at, motions);
         }
         for block in &self.blocks {
-            let own = rows_of(&y, &block.at);
-            place_rows(&mut y, &block.at, &(&block.vectors * own));
+            let displacements = rows_of(&y, &block.at);
+            place_rows(&mut y, &block.at, &(&block.vectors * displacements));
         }
         y
     }
@@ -215,11 +215,12 @@ impl Division {
         let mut turned = rows_of(forces, &self.massless);
         for block in &self.blocks {
             let k = block.at.len();
-            let own = real_matrix(k, k, |i, j| weight(block.vectors[(j, i)]));
-            let own = own * rows_of(forces, &block.at);
+            let transform = real_matrix(k, k, |i, j| weight(block.vectors[(j, i)]));
+            let forces_at_motions = transform * rows_of(forces, &block.at);
             for (row, at) in block.at.iter().enumerate() {
                 if let Ok(place) = self.massless.binary_search(at) {
-                    (0..own.ncols()).for_each(|j| turned[(place, j)] = own[(row, j)]);
+                    (0..forces_at_motions.ncols())
+                        .for_each(|j| turned[(place, j)] = forces_at_motions[(row, j)]);
                 }
             }
         }
@@ -252,7 +253,8 @@ impl Division {
 /// diagonal where more than rounding of its entry is left, and the other rows.
 ///
 /// # Errors
-/// [`LinalgError::Inaccurate`] where more is left of the other rows than [`LEFT_OVER`].
+/// [`LinalgError::Inaccurate`] where the residual of the other rows exceeds
+/// [`MAX_RESIDUAL_MASS_RATIO`].
 fn pivots(a: &SparseMatrix, rank: usize) -> Result<(Vec<usize>, Vec<usize>), TheoryError> {
     let k = a.size();
     let mut left = a.to_dense();
@@ -274,13 +276,13 @@ fn pivots(a: &SparseMatrix, rank: usize) -> Result<(Vec<usize>, Vec<usize>), The
     }
     let kept = |&of: &usize| left[(of, of)].abs() / a.get(of, of);
     let got = others.iter().map(kept).fold(0.0, f64::max);
-    if got > LEFT_OVER {
+    if got > MAX_RESIDUAL_MASS_RATIO {
         return Err(LinalgError::Inaccurate {
             what: "elimination of the motions with mass",
             rows: k,
             columns: k,
             got,
-            limit: LEFT_OVER,
+            limit: MAX_RESIDUAL_MASS_RATIO,
         }
         .into());
     }
@@ -303,8 +305,8 @@ fn coupled_blocks(mass: &SparseMatrix, massive: &[usize]) -> Vec<Vec<usize>> {
     }
     let mut blocks: std::collections::BTreeMap<usize, Vec<usize>> = Default::default();
     for &i in massive {
-        let own = root(&mut leader, i);
-        blocks.entry(own).or_default().push(i);
+        let leader_of_block = root(&mut leader, i);
+        blocks.entry(leader_of_block).or_default().push(i);
     }
     blocks.into_values().collect()
 }
@@ -314,9 +316,9 @@ pub(super) fn rows_of(a: &RealMatrix, rows: &[usize]) -> RealMatrix {
     real_matrix(rows.len(), a.ncols(), |i, j| a[(rows[i], j)])
 }
 
-fn place_rows(a: &mut RealMatrix, rows: &[usize], own: &RealMatrix) {
+fn place_rows(a: &mut RealMatrix, rows: &[usize], source: &RealMatrix) {
     for (i, &row) in rows.iter().enumerate() {
-        (0..own.ncols()).for_each(|j| a[(row, j)] = own[(i, j)]);
+        (0..source.ncols()).for_each(|j| a[(row, j)] = source[(i, j)]);
     }
 }
 
@@ -324,8 +326,8 @@ fn place_rows(a: &mut RealMatrix, rows: &[usize], own: &RealMatrix) {
 pub(super) fn without_zeros(a: &RealMatrix) -> Result<SparseMatrix, TheoryError> {
     let mut entries = Vec::new();
     for j in 0..a.ncols() {
-        let own = (0..a.nrows()).map(|i| (i, j, a[(i, j)]));
-        entries.extend(own.filter(|(_, _, value)| value.abs() > 0.0));
+        let column = (0..a.nrows()).map(|i| (i, j, a[(i, j)]));
+        entries.extend(column.filter(|(_, _, value)| value.abs() > 0.0));
     }
     Ok(SparseMatrix::from_entries(a.nrows(), &entries)?)
 }

@@ -1,9 +1,8 @@
-//! Responses over time of models that move nonlinearly, in growing detail, as signals with their
-//! figures.
+//! Responses over time of nonlinear models, in growing detail, as signals with their statistics.
 
 use super::TheoryError;
 
-/// A model whose equations of motion are more than its matrices.
+/// A model with nonlinear equations of motion beside its matrices.
 pub trait Nonlinear: Send + Sync {
     /// The steady response under the machine's own excitation, once for each detail of the model,
     /// from the simplest.
@@ -17,11 +16,11 @@ pub trait Nonlinear: Send + Sync {
 /// How long to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponseSpan {
-    /// Periods of the excitation before anything is told.
+    /// Periods of the excitation before the recorded ones, for the transient to decay.
     pub settling_periods: usize,
-    /// Periods that are told; at least 1.
+    /// Recorded periods; at least 1.
     pub told_periods: usize,
-    /// Largest step as a part of 1 over the highest angular frequency.
+    /// Largest step as a fraction of 1 over the highest angular frequency.
     pub step_radians: f64,
 }
 
@@ -51,7 +50,7 @@ impl ResponseSpan {
     }
 }
 
-/// A signal over the periods that are told.
+/// A signal over the recorded periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseSignal {
     /// Short name.
@@ -114,20 +113,23 @@ impl ResponseSignal {
         self.largest().max(-self.least())
     }
 
-    /// Number of harmonics above this part of the largest.
+    /// Number of harmonics above this fraction of the largest.
     pub fn lines_above(&self, part: f64) -> usize {
         let largest = self.harmonics.iter().copied().fold(0.0, f64::max);
-        let above = self.harmonics.iter().filter(|own| **own > part * largest);
+        let above = self
+            .harmonics
+            .iter()
+            .filter(|amplitude| **amplitude > part * largest);
         above.count()
     }
 
-    /// Distance from another signal of the same times as a part of that one, `|a - b|/|b|`; `None`
+    /// Distance from another signal of the same times relative to that one, `|a - b|/|b|`; `None`
     /// unless both have as many samples and the other is not zero.
     pub fn difference(&self, other: &Self) -> Option<f64> {
-        let own = norm(other.samples.iter().copied());
+        let other_norm = norm(other.samples.iter().copied());
         let pairs = self.samples.iter().zip(&other.samples);
-        let same = self.samples.len() == other.samples.len() && own > 0.0;
-        same.then(|| norm(pairs.map(|(a, b)| a - b)) / own)
+        let same = self.samples.len() == other.samples.len() && other_norm > 0.0;
+        same.then(|| norm(pairs.map(|(a, b)| a - b)) / other_norm)
     }
 }
 
@@ -159,7 +161,7 @@ fn amplitudes(samples: &[f64], steps: usize, harmonics: usize) -> Vec<f64> {
 /// The response with one detail of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DetailResponse {
-    /// What the model has of the machine.
+    /// The effects that the model includes.
     pub detail: &'static str,
     /// Its coordinates.
     pub coordinates: usize,
@@ -184,7 +186,7 @@ impl DetailResponse {
 pub struct TimeResponse {
     /// Frequency of the excitation, Hz.
     pub excitation_hz: f64,
-    /// Periods before anything was told, and told.
+    /// Periods before the recorded ones, and recorded periods.
     pub span: ResponseSpan,
     /// From the simplest to the most detailed.
     pub details: Vec<DetailResponse>,
@@ -193,13 +195,13 @@ pub struct TimeResponse {
 impl TimeResponse {
     /// The response with a detail, by its name.
     pub fn detail(&self, name: &str) -> Option<&DetailResponse> {
-        self.details.iter().find(|own| own.detail == name)
+        self.details.iter().find(|response| response.detail == name)
     }
 
-    /// Distance of a signal with one detail from that with another, as a part of the latter.
+    /// Distance of a signal with one detail from that with another, relative to the latter.
     pub fn difference(&self, signal: &str, detail: &str, from: &str) -> Option<f64> {
-        let own = self.detail(detail)?.signal(signal)?;
-        own.difference(self.detail(from)?.signal(signal)?)
+        let compared = self.detail(detail)?.signal(signal)?;
+        compared.difference(self.detail(from)?.signal(signal)?)
     }
 }
 
@@ -208,26 +210,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_of_a_sum_of_sines_are_its_own() {
+    fn statistics_and_harmonics_of_a_sum_of_sines_are_recovered() {
         let steps = 64;
         let turn = |i: usize| std::f64::consts::TAU * i as f64 / steps as f64;
         let value = |i: usize| 3.0 + 2.0 * turn(i).sin() - 0.5 * (3.0 * turn(i)).cos();
         let samples: Vec<f64> = (0..3 * steps).map(value).collect();
-        let own = ResponseSignal::new(("x", "m", "a sum"), samples.clone(), (steps, 40));
-        assert!((own.mean() - 3.0).abs() < 1e-12);
-        assert!((own.deviation() - (2.0f64 + 0.125).sqrt()).abs() < 1e-12);
-        assert!((own.rms() - (9.0f64 + 2.125).sqrt()).abs() < 1e-12);
-        assert_eq!(own.harmonics.len(), 31);
-        for (k, amplitude) in (1..).zip(&own.harmonics) {
+        let signal = ResponseSignal::new(("x", "m", "a sum"), samples.clone(), (steps, 40));
+        assert!((signal.mean() - 3.0).abs() < 1e-12);
+        assert!((signal.deviation() - (2.0f64 + 0.125).sqrt()).abs() < 1e-12);
+        assert!((signal.rms() - (9.0f64 + 2.125).sqrt()).abs() < 1e-12);
+        assert_eq!(signal.harmonics.len(), 31);
+        for (k, amplitude) in (1..).zip(&signal.harmonics) {
             let expected = [0.0, 2.0, 0.0, 0.5].get(k).copied().unwrap_or(0.0);
             assert!((amplitude - expected).abs() < 1e-12, "{k}: {amplitude}");
         }
-        assert_eq!((own.lines_above(0.1), own.lines_above(0.3)), (2, 1));
+        assert_eq!((signal.lines_above(0.1), signal.lines_above(0.3)), (2, 1));
         let doubled = samples.iter().map(|x| 2.0 * x).collect();
         let other = ResponseSignal::new(("x", "m", "twice"), doubled, (steps, 3));
-        assert!((own.difference(&other).unwrap() - 0.5).abs() < 1e-12);
-        assert!((other.difference(&own).unwrap() - 1.0).abs() < 1e-12);
+        assert!((signal.difference(&other).unwrap() - 0.5).abs() < 1e-12);
+        assert!((other.difference(&signal).unwrap() - 1.0).abs() < 1e-12);
         let shorter = ResponseSignal::new(("x", "m", "one"), samples[..steps].to_vec(), (steps, 3));
-        assert_eq!(own.difference(&shorter), None);
+        assert_eq!(signal.difference(&shorter), None);
     }
 }
