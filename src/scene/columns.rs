@@ -99,7 +99,7 @@ fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimensi
     };
     let found: Option<Vec<Dimension>> = names.iter().map(one).collect();
     let each_once = |all: &Vec<Dimension>| {
-        let count = |wanted| all.iter().filter(|own| **own == wanted).count();
+        let count = |wanted| all.iter().filter(|role| **role == wanted).count();
         count(Dimension::Sample) == 1
             && count(Dimension::Hit) <= 1
             && count(Dimension::Channel) <= 1

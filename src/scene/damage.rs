@@ -14,12 +14,12 @@ pub fn damage(scene: &Scene, test: &TestPlan) -> Result<Vec<Finding>, SceneError
     let (findings, partly_bad) = match &test.source {
         TestSource::Synth(_) => (Vec::new(), false),
         TestSource::Modes(path) => {
-            let own = finished_modes(test, path)?;
-            (own.modes.findings, own.partly_bad)
+            let loaded = finished_modes(test, path)?;
+            (loaded.modes.findings, loaded.partly_bad)
         }
         TestSource::Files { .. } => {
-            let own = test_data(scene, test)?.ingested;
-            (own.findings, own.partly_bad)
+            let ingested = test_data(scene, test)?.ingested;
+            (ingested.findings, ingested.partly_bad)
         }
     };
     Ok(match partly_bad {
@@ -30,6 +30,6 @@ pub fn damage(scene: &Scene, test: &TestPlan) -> Result<Vec<Finding>, SceneError
 
 /// The findings on what was left out of a partly bad file.
 pub fn lost_parts(findings: &[Finding]) -> Vec<Finding> {
-    let is_lost = |own: &&Finding| own.severity == Severity::Error;
+    let is_lost = |finding: &&Finding| finding.severity == Severity::Error;
     findings.iter().filter(is_lost).cloned().collect()
 }

@@ -88,8 +88,8 @@ impl Content {
         match catalog {
             _ if holds(FunctionType::Time) => Content::Records,
             _ if holds(FunctionType::Frf) => Content::Functions,
-            own if !own.modes.is_empty() => Content::Modes,
-            own if !own.arrays.is_empty() => Content::Arrays,
+            file if !file.modes.is_empty() => Content::Modes,
+            file if !file.arrays.is_empty() => Content::Arrays,
             _ => Content::Nothing,
         }
     }
@@ -107,8 +107,8 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     );
     let mut dofs = BTreeSet::new();
     for (index, group) in groups(files).iter().enumerate() {
-        let (content, own) = group;
-        text += &test_text(*content, own, (index, plan.band), &mut dofs);
+        let (content, files) = group;
+        text += &test_text(*content, files, (index, plan.band), &mut dofs);
     }
     text += &model_text(plan.model);
     let mut geometry = plan.geometry.cloned().unwrap_or_default();
@@ -130,12 +130,12 @@ fn groups<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFile<'a>
     let mut groups: Vec<(Content, Vec<&DraftFile>)> = Vec::new();
     for file in files {
         let content = Content::of(file.catalog);
-        let joins = |(own, first): &(Content, Vec<&DraftFile>)| {
+        let joins = |(kind, first): &(Content, Vec<&DraftFile>)| {
             let alike = || names(first[0].catalog) == names(file.catalog);
-            *own == content && content != Content::Modes && (content != Content::Arrays || alike())
+            *kind == content && content != Content::Modes && (content != Content::Arrays || alike())
         };
         match groups.iter_mut().find(|group| joins(group)) {
-            Some((_, own)) => own.push(file),
+            Some((_, files)) => files.push(file),
             None => groups.push((content, vec![file])),
         }
     }
@@ -352,9 +352,9 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         );
     }
     for file in files {
-        let own = || of_type(std::slice::from_ref(file), FunctionType::Frf);
-        let response = own().any(|own| own.response.is_none());
-        let reference = own().any(|own| own.reference.is_none());
+        let frf_files = || of_type(std::slice::from_ref(file), FunctionType::Frf);
+        let response = frf_files().any(|frf| frf.response.is_none());
+        let reference = frf_files().any(|frf| frf.reference.is_none());
         if response || reference {
             text += &file_text(file, response, reference, dofs);
         }
@@ -384,7 +384,7 @@ pub(super) fn file_text(
             "the hit point, such as 2:+Z",
         ),
     ];
-    for (_, key, stated, what) in points.iter().filter(|own| own.0) {
+    for (_, key, stated, what) in points.iter().filter(|point| point.0) {
         let _ = match stated {
             Some(dof) => writeln!(text, "{key} = \"{dof}\""),
             None => writeln!(text, "{key} = \"{FILL_IN}\"   # {what}"),
@@ -397,7 +397,7 @@ pub(super) fn file_text(
 fn model_text(model: Option<&DraftModel>) -> String {
     match model {
         Some(model) => format!("\n[model]\n{}\n", model.line),
-        None => "\n# The theory that the test is held against:\n\
+        None => "\n# The model that the test is compared with:\n\
                  # [model]\n\
                  # file = \"model.toml\"      # or a file of finished modes (.json, .csv, .unv)\n\
                  # name = \"cycloid-ball\"    # or a built-in model\n"
@@ -408,7 +408,7 @@ fn model_text(model: Option<&DraftModel>) -> String {
 /// Where sensors and hits are: positions from the geometry of the files; remarks while there is no
 /// model that has bodies.
 fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftModel>) -> String {
-    let stated = model.is_some_and(|own| own.has_sensors || own.bodies.is_empty());
+    let stated = model.is_some_and(|model| model.has_sensors || model.bodies.is_empty());
     if stated {
         return String::new();
     }
@@ -419,7 +419,7 @@ fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftM
     }
     for dof in dofs {
         let _ = write!(text, "{remark}[[sensor]]\n{remark}dof = \"{dof}\"\n");
-        let body = match model.map(|own| own.bodies.as_slice()) {
+        let body = match model.map(|model| model.bodies.as_slice()) {
             Some([only]) => format!("body = {}", quoted(only)),
             Some(all) => format!("body = \"{FILL_IN}\"   # one of {}", all.join(", ")),
             None => "body = \"\"   # a body of the model".to_owned(),

@@ -10,7 +10,7 @@ use super::draft::{DraftFile, file_text, quoted};
 use super::toml_text::FILL_IN;
 
 /// Arrays of more columns than this are not listed column by column.
-const MOST_COLUMNS: usize = 16;
+const MAX_COLUMNS: usize = 16;
 
 /// Columns and arrays: their names are known, their meaning where a heading says it.
 pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
@@ -58,7 +58,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     // One response is that of one column; the parts of one function are one.
     let several = ["response", "real", "imaginary", "magnitude"]
         .iter()
-        .any(|role| roles.iter().filter(|own| **own == Some(*role)).count() > 1);
+        .any(|role| roles.iter().filter(|other| **other == Some(*role)).count() > 1);
     let stated = Stated {
         response: files[0].response.filter(|_| !several),
         hit_point: files[0].reference.filter(|_| !by_file),
@@ -82,7 +82,7 @@ fn columns_of(array: &ArrayInfo) -> Vec<String> {
         .and_then(|number| number.parse::<usize>().ok());
     match (array.shape.as_slice(), is_number) {
         (_, Some(number)) => vec![number.to_string()],
-        ([_, count], _) if (2..=MOST_COLUMNS).contains(count) => (1..=*count)
+        ([_, count], _) if (2..=MAX_COLUMNS).contains(count) => (1..=*count)
             .map(|number| match array.name.as_str() {
                 "" => number.to_string(),
                 name => quoted(&format!("{name}:{number}")),

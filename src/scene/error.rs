@@ -26,7 +26,7 @@ pub enum SceneError {
         /// The nearest known key, where an unknown one was given; else empty.
         hint: String,
     },
-    /// A line of a drafted file that nobody has filled in.
+    /// A line of a drafted file that is not filled in yet.
     #[error("{path}:{line}: {key} is to be filled in: {expected}{}", also(others))]
     Unfilled {
         /// Path as given.

@@ -54,7 +54,7 @@ pub struct Expected {
     pub claims: Vec<Claim>,
 }
 
-/// Published results held against a model and against themselves.
+/// Published results compared with a model and with one another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedResult {
     /// Where they come from.
@@ -71,7 +71,7 @@ pub struct ExpectedResult {
 
 impl Expected {
     /// Holds the results against the roots of a model and the quantities of the models that claims
-    /// name; without a model they are only held against one another.
+    /// name; without a model they are only compared with one another.
     pub fn judge(
         &self,
         model: Option<&[ModelRoot]>,
@@ -287,7 +287,7 @@ pub(super) fn check_one_of<'a>(
     key: &str,
 ) -> Result<(), SceneError> {
     let known: Vec<&String> = known.collect();
-    if known.iter().any(|own| *own == name) {
+    if known.iter().any(|candidate| *candidate == name) {
         return Ok(());
     }
     let expected = format!("one of {known:?}");

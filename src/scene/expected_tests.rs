@@ -59,7 +59,7 @@ fn claim_of(kind: &str) -> String {
 }
 
 #[test]
-fn every_kind_is_read_with_its_keys_and_is_a_statement_of_its_own() {
+fn each_kind_of_claim_is_read_with_its_keys_as_one_statement() {
     let mut seen: Vec<Statement> = Vec::new();
     for (kind, needed) in KINDS {
         let expected =

@@ -16,10 +16,10 @@ pub(super) fn dofs_of_files(files: &[HitFile]) -> Vec<Vec<Dof>> {
         all.map(|dof| dof.positive()).collect()
     };
     let all: Vec<BTreeSet<Dof>> = files.iter().map(dofs).collect();
-    let alone = |dof: &&Dof| all.iter().filter(|own| own.contains(*dof)).count() == 1;
-    let of_file = |own: &BTreeSet<Dof>| match all.len() {
+    let alone = |dof: &&Dof| all.iter().filter(|dofs| dofs.contains(*dof)).count() == 1;
+    let of_file = |dofs: &BTreeSet<Dof>| match all.len() {
         1 => Vec::new(),
-        _ => own.iter().filter(alone).cloned().collect(),
+        _ => dofs.iter().filter(alone).cloned().collect(),
     };
     all.iter().map(of_file).collect()
 }

@@ -64,7 +64,7 @@ pub struct Ingested {
 /// How a test's files are to be read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IngestOptions<'a> {
-    /// How hits are told apart.
+    /// How hits are grouped.
     pub hits: HitGrouping,
     /// How hits are cut from continuous records.
     pub trigger: TriggerOptions,
@@ -160,7 +160,7 @@ pub fn open_test(
             "{}, whose headers describe its records",
             file.path.display()
         );
-        let expected = "tables or arrays in a scene with channels; give this file by its own name";
+        let expected = "tables or arrays in a scene with channels; give the name of this file";
         Err(value_error(scene, "[[test.channel]]", &got, expected))
     });
     let mut merged = Merged::new(opened.collect::<Result<_, SceneError>>()?);
@@ -172,12 +172,14 @@ pub fn open_test(
 
 /// Whether the scene says what the columns of a text are: a channel has a role that no record has.
 fn describes_columns(test: &TestTable) -> bool {
-    let roles = test.channel.iter().filter_map(|own| own.role.as_deref());
+    let roles = test
+        .channel
+        .iter()
+        .filter_map(|channel| channel.role.as_deref());
     roles.into_iter().any(|role| COLUMN_ROLES.contains(&role))
 }
 
-/// A unit such as (m/s2)/N, times its calibration, is that of every FRF that does not state its
-/// own.
+/// Unit of every FRF that does not state one: a unit such as (m/s2)/N, times its calibration.
 fn stated_frf_unit(channels: &[ChannelTable]) -> Option<FrfUnit> {
     channels.iter().find_map(|channel| {
         let unit: FrfUnit = channel.unit.as_deref()?.parse().ok()?;
@@ -515,8 +517,8 @@ mod tests {
 
     #[test]
     fn columns_that_a_scene_describes_are_read_as_such() {
-        let own = read("");
-        assert_eq!(own.functions()[0].response.to_string(), "4:-Z");
+        let ingested = read("");
+        assert_eq!(ingested.functions()[0].response.to_string(), "4:-Z");
         let described = read(
             "[[channel]]\ncolumn = 1\nrole = \"frequency\"\n[[channel]]\ncolumn = 3\nrole = \"real\"\nunit = \"g/N\"\n\
              [[channel]]\ncolumn = 2\nrole = \"imaginary\"\nunit = \"g/N\"\n",

@@ -42,7 +42,7 @@ pub struct ModeLimit {
     pub max_damping_error_percent: Option<f64>,
 }
 
-/// One limit held against one value.
+/// One limit with the value that it is checked against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCheck {
     /// What was checked, with the test or the row.
@@ -75,7 +75,7 @@ pub struct LimitsFile {
     pub limits: Limits,
 }
 
-/// Every stated absolute limit on a comparison, held against every test.
+/// Checks every stated absolute limit on a comparison for every test.
 pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitCheck> {
     let mut checks = Vec::new();
     for test in tests {
@@ -157,7 +157,7 @@ fn paired_label(test: &TestSummary) -> String {
     }
 }
 
-/// Every stated mode held against the modes that were found: the nearest one in frequency counts,
+/// Checks every stated mode against the identified modes: the nearest one in frequency counts,
 /// each once.
 pub fn judge_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCheck> {
     let mut free: Vec<&(f64, Option<f64>)> = found.iter().collect();
@@ -277,20 +277,20 @@ mod tests {
     }
 
     #[test]
-    fn missed_modes_that_were_not_judged_are_told() {
+    fn missed_modes_of_unknown_observability_are_counted_in_the_limit() {
         let limits = Limits {
             max_missed: Some(1),
             ..Limits::default()
         };
-        let told = |not_judged| {
+        let label = |not_judged| {
             let test = TestSummary {
                 not_judged,
                 ..figures()
             };
             judge_comparison(&limits, &[test])[0].what.clone()
         };
-        assert_eq!(told(0), "hammer: missed modes");
-        assert_eq!(told(1), "hammer: missed modes (1 of them not judged)");
+        assert_eq!(label(0), "hammer: missed modes");
+        assert_eq!(label(1), "hammer: missed modes (1 of them not judged)");
     }
 
     #[test]

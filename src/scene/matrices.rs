@@ -163,7 +163,7 @@ impl<'de> Deserialize<'de> for DofList {
 /// The model of a file's text.
 ///
 /// # Errors
-/// [`SceneError`] with file and place, or the model's own reason.
+/// [`SceneError`] with file and place, or the error of the model.
 pub(super) fn matrix_model(
     text: &str,
     path: &str,

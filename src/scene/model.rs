@@ -55,11 +55,11 @@ pub struct Theory {
 }
 
 impl From<LoadedModes> for Theory {
-    fn from(own: LoadedModes) -> Self {
+    fn from(loaded: LoadedModes) -> Self {
         Self {
-            modes: own.modes,
-            geometry: own.geometry,
-            partly_bad: own.partly_bad,
+            modes: loaded.modes,
+            geometry: loaded.geometry,
+            partly_bad: loaded.partly_bad,
             ..Self::default()
         }
     }
@@ -84,7 +84,7 @@ struct SensorsOnly {
 /// parameters set by name.
 ///
 /// # Errors
-/// [`SceneError`] with file, line and column, or the model's own reason.
+/// [`SceneError`] with file, line and column, or the error of the model.
 pub fn load_model(
     name: &Path,
     overrides: &BTreeMap<String, f64>,
@@ -100,14 +100,14 @@ pub fn load_model(
     let text = read_text(name)?;
     let KindOnly { kind, matrices } = parse(&text, &path)?;
     let tables = parse::<SensorsOnly>(&text, &path)?.sensor;
-    let mut own_sensors = sensors(&tables, &path)?;
+    let mut sensors_of_file = sensors(&tables, &path)?;
     let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
     let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
         Some("matrices") => {
             let folder = name.parent().unwrap_or(Path::new(""));
             let model = matrix_model(&text, &path, folder)?;
-            if own_sensors.is_empty() {
-                own_sensors = model.sensors();
+            if sensors_of_file.is_empty() {
+                sensors_of_file = model.sensors();
             }
             Box::new(model)
         }
@@ -122,7 +122,7 @@ pub fn load_model(
             return Err(value_error(&path, "kind", &got, expected));
         }
     };
-    loaded(model, own_sensors, overrides)
+    loaded(model, sensors_of_file, overrides)
 }
 
 /// What a path of the command line names where a model is meant.
@@ -203,7 +203,7 @@ fn beam_model(file: BeamFile, path: &str) -> Result<BeamModel, SceneError> {
     BeamModel::new(file).map_err(|source| in_file(path, source))
 }
 
-/// A model's own reason with the file that it is about.
+/// The error of a model with the file that it is about.
 fn in_file(path: &str, source: TheoryError) -> SceneError {
     SceneError::Model {
         path: path.to_owned(),
@@ -242,17 +242,21 @@ pub fn sensors(tables: &[SensorTable], path: &str) -> Result<Vec<Sensor>, SceneE
 }
 
 impl LoadedModel {
-    /// Solves the model at the sensors; without any at its own coordinates, as far as body and axis
+    /// Solves the model at the sensors; without any at its coordinates, as far as body and axis
     /// name them.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn solve(&self, sensors: &[Sensor], options: &ModeOptions) -> Result<Theory, SceneError> {
-        let own = match sensors {
+        let default_sensors = match sensors {
             [] => coordinate_sensors(&self.model.assemble(&self.values)?.coordinates),
             _ => Vec::new(),
         };
-        let sensors = if sensors.is_empty() { &own } else { sensors };
+        let sensors = if sensors.is_empty() {
+            &default_sensors
+        } else {
+            sensors
+        };
         let solved = modes(self.model.as_ref(), &self.values, sensors, options)?;
         let parameters = self
             .model
@@ -281,24 +285,30 @@ impl LoadedModel {
         sensors: &[Sensor],
         band: Option<Band>,
     ) -> Result<ModalModel, SceneError> {
-        let own = match sensors {
+        let all_sensors = match sensors {
             [] => coordinate_sensors(&self.model.assemble(&self.values)?.coordinates),
             _ => sensors.to_vec(),
         };
-        Ok(damped_model(self.model.as_ref(), &self.values, &own, band)?)
+        Ok(damped_model(
+            self.model.as_ref(),
+            &self.values,
+            &all_sensors,
+            band,
+        )?)
     }
 
     /// The model file's sensors and those of a scene, which counts where both name one.
     pub fn sensors_with(&self, sensors: &[Sensor]) -> Vec<Sensor> {
-        let own = self.sensors.iter();
-        let own = own.filter(|own| !sensors.iter().any(|s| s.dof == own.dof));
-        own.chain(sensors).cloned().collect()
+        let sensors_of_model = self.sensors.iter();
+        let unreplaced =
+            sensors_of_model.filter(|sensor| !sensors.iter().any(|s| s.dof == sensor.dof));
+        unreplaced.chain(sensors).cloned().collect()
     }
 
     /// The numbers that the model's theory gives beside its roots.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn quantities(&self) -> Result<Vec<ModelQuantity>, SceneError> {
         Ok(self.model.quantities(&self.values)?)
     }
@@ -307,7 +317,7 @@ impl LoadedModel {
     /// the roots inside a band, or the lowest.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn sensitivities(&self, band: Option<Band>) -> Result<Vec<RootSensitivity>, SceneError> {
         let model = self.model.as_ref();
         let sparse = self.is_sparse()?;
@@ -323,7 +333,7 @@ impl LoadedModel {
     /// The model against simpler ones without the mass of its small bodies.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn compare_details(&self) -> Result<DetailComparison, SceneError> {
         Ok(compare_details(self.model.as_ref(), &self.values)?)
     }
@@ -331,7 +341,7 @@ impl LoadedModel {
     /// The steady response over time in growing detail.
     ///
     /// # Errors
-    /// [`SceneError::Value`] for a model that is its matrices alone; the model's own reasons.
+    /// [`SceneError::Value`] for a model that is its matrices alone; the error of the model.
     pub fn response(&self) -> Result<TimeResponse, SceneError> {
         let nonlinear = self.model.nonlinear().ok_or_else(|| {
             let got = "a model that is its matrices alone";
@@ -349,7 +359,7 @@ impl LoadedModel {
     /// band's end, or the lowest.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn sweep(
         &self,
         parameter: &str,
@@ -418,8 +428,8 @@ pub fn theory(
             partial: table.partial,
             ..ModesOptions::default()
         };
-        let own = load_modes(&named_model(table, folder, path)?, &options)?;
-        return Ok(own.into());
+        let modes = load_modes(&named_model(table, folder, path)?, &options)?;
+        return Ok(modes.into());
     };
     model.solve(&model.sensors_with(sensors), options)
 }

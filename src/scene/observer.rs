@@ -9,7 +9,7 @@ pub trait Observer: Sync {
     fn step(&self, what: &str, number: usize, count: usize);
 }
 
-/// Nobody listens.
+/// Ignores all messages.
 impl Observer for () {
     fn step(&self, _what: &str, _number: usize, _count: usize) {}
 }

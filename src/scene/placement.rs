@@ -1,4 +1,4 @@
-//! Points that tests of a scene should have beside their own.
+//! Proposal of points that tests of a scene should measure in addition.
 
 use crate::correlate::{Candidates, NotJudged, Placement, placement};
 use crate::dof::Dof;
@@ -71,14 +71,17 @@ fn points(
     };
     let mut found = std::collections::BTreeSet::new();
     for pattern in patterns {
-        let own = sensors.iter().map(|sensor| &sensor.dof);
-        let own: Vec<Dof> = own.filter(|dof| fits(pattern, dof)).cloned().collect();
-        if own.is_empty() {
+        let sensor_dofs = sensors.iter().map(|sensor| &sensor.dof);
+        let fitting: Vec<Dof> = sensor_dofs
+            .filter(|dof| fits(pattern, dof))
+            .cloned()
+            .collect();
+        if fitting.is_empty() {
             let got = format!("{pattern:?}");
             let expected = "the degree of freedom of a [[sensor]], or the beginning of some with a * behind it";
             return Err(value_error(path, key, &got, expected));
         }
-        found.extend(own);
+        found.extend(fitting);
     }
     Ok(found.into_iter().collect())
 }

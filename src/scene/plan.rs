@@ -47,7 +47,7 @@ pub struct Scene {
     pub sensors: Vec<Sensor>,
     /// The model; a scene without one compares nothing.
     pub model: Option<ModelTable>,
-    /// How recorded hits become FRFs, except what a test says of its own hits.
+    /// How recorded hits become FRFs, except for options that a test states.
     pub hammer: HammerOptions,
     /// Identification method.
     pub method: Option<String>,
@@ -91,7 +91,7 @@ pub enum TestSource {
     Files {
         /// Each file with what the scene says of it.
         files: Vec<FilePlan>,
-        /// How hits are told apart.
+        /// How hits are grouped.
         hits: HitGrouping,
         /// How they are cut from continuous records.
         trigger: TriggerOptions,
@@ -116,7 +116,7 @@ pub struct FilePlan {
 }
 
 impl TestPlan {
-    /// The options of the scene with what this test says of its own hits.
+    /// The options of the scene, replaced by those that this test states.
     pub fn hammer_options(&self, scene: &HammerOptions) -> HammerOptions {
         HammerOptions {
             accept: self.accept.clone(),
@@ -269,7 +269,7 @@ fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneE
                 path,
                 "[[test]] name",
                 &format!("{:?} twice", test.name),
-                "a name of its own for each test",
+                "a distinct name for each test",
             ));
         }
     }

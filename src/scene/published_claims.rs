@@ -79,7 +79,7 @@ pub(super) fn check_names(
 }
 
 /// More digits after the point than this no `f64` holds of a number of ordinary size.
-const MOST_DECIMALS: usize = 15;
+const MAX_DECIMALS: usize = 15;
 
 /// The claim that a table means.
 pub(super) fn claim(typed: &ClaimTable, path: &str) -> Result<Claim, SceneError> {
@@ -143,12 +143,12 @@ fn digits(typed: &ClaimTable, path: &str) -> Result<Digits, SceneError> {
             let got = "`significant` beside `decimals`";
             Err(value_error(path, &key("decimals"), got, "one of them"))
         }
-        (Some(got), None) if got > MOST_DECIMALS => {
-            let (got, expected) = (got.to_string(), format!("0 to {MOST_DECIMALS}"));
+        (Some(got), None) if got > MAX_DECIMALS => {
+            let (got, expected) = (got.to_string(), format!("0 to {MAX_DECIMALS}"));
             Err(value_error(path, &key("decimals"), &got, &expected))
         }
-        (None, Some(got)) if !(1..=MOST_DECIMALS).contains(&got) => {
-            let (got, expected) = (got.to_string(), format!("1 to {MOST_DECIMALS}"));
+        (None, Some(got)) if !(1..=MAX_DECIMALS).contains(&got) => {
+            let (got, expected) = (got.to_string(), format!("1 to {MAX_DECIMALS}"));
             Err(value_error(path, &key("significant"), &got, &expected))
         }
         (None, Some(all)) => Ok(Digits::Significant(all)),

@@ -13,37 +13,44 @@ use super::plan::Scene;
 ///
 /// # Errors
 /// [`SceneError::Value`] for a claim about a quantity or a built-in model that is not there; the
-/// model's own reasons.
+/// model's error.
 pub(super) fn quantities(
     scene: &Scene,
     claims: &[Claim],
 ) -> Result<Vec<ModelQuantities>, SceneError> {
     let mut found: Vec<ModelQuantities> = Vec::new();
     for claim in claims {
-        let Statement::Quantity(own) = &claim.statement else {
+        let Statement::Quantity(stated) = &claim.statement else {
             continue;
         };
-        if !found.iter().any(|other| other.model == own.model) {
-            let model = model_of(scene, claim, own)?;
+        if !found.iter().any(|other| other.model == stated.model) {
+            let model = model_of(scene, claim, stated)?;
             found.push(ModelQuantities {
-                model: own.model.clone(),
+                model: stated.model.clone(),
                 quantities: model.quantities()?,
             });
         }
-        let known = found.iter().filter(|other| other.model == own.model);
+        let known = found.iter().filter(|other| other.model == stated.model);
         let known: Vec<&str> = known
             .flat_map(|other| other.quantities.iter().map(|quantity| quantity.name))
             .collect();
-        if !known.contains(&own.quantity.as_str()) {
-            let (got, expected) = (format!("{:?}", own.quantity), format!("one of {known:?}"));
+        if !known.contains(&stated.quantity.as_str()) {
+            let (got, expected) = (
+                format!("{:?}", stated.quantity),
+                format!("one of {known:?}"),
+            );
             return Err(error(claim, "quantity", &got, &expected));
         }
     }
     Ok(found)
 }
 
-fn model_of(scene: &Scene, claim: &Claim, own: &QuantityClaim) -> Result<LoadedModel, SceneError> {
-    if let Some(name) = &own.model {
+fn model_of(
+    scene: &Scene,
+    claim: &Claim,
+    stated: &QuantityClaim,
+) -> Result<LoadedModel, SceneError> {
+    if let Some(name) = &stated.model {
         let name = Path::new(name);
         if !is_built_in(name) {
             let got = format!("{:?}", name.display());

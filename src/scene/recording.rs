@@ -42,7 +42,7 @@ pub fn load_synth(path: &Path) -> Result<SynthFile, SceneError> {
 /// The test that a spec means; relative paths are taken from the spec's folder.
 ///
 /// # Errors
-/// [`SceneError`] for a value that cannot be meant, or the model's or the synthetic test's own
+/// [`SceneError`] for a value that cannot be meant, or the model's or the synthetic test's
 /// reason.
 pub fn hammer_test(spec: &SynthFile, path: &Path) -> Result<HammerTest, SceneError> {
     let name = path.display().to_string();
@@ -108,7 +108,7 @@ fn response_quantity(name: &str, path: &str) -> Result<Quantity, SceneError> {
 /// filter beside.
 ///
 /// # Errors
-/// The synthetic test's own reasons, or a degree of freedom that a universal file cannot name.
+/// The errors of the synthetic test, or a degree of freedom that a universal file cannot name.
 pub fn record(
     spec: &SynthFile,
     test: &HammerTest,

@@ -12,12 +12,12 @@ use super::model::LoadedModel;
 
 impl LoadedModel {
     /// The mass matrix reduced to readings, each named as a comparison names it and a sum of the
-    /// sensors at which the model was solved (without any, of its own coordinates); SEREP keeps the
+    /// sensors at which the model was solved (without any, at its coordinates); SEREP keeps the
     /// modes of these indices in the solved model's list.
     ///
     /// # Errors
     /// [`CorrelateError::NotACoordinate`] also for a degree of freedom that no sensor has; the
-    /// model's own reasons.
+    /// The error of the model.
     pub fn reduced_mass(
         &self,
         sensors: &[Sensor],
@@ -26,12 +26,12 @@ impl LoadedModel {
         kept: &[usize],
     ) -> Result<ReducedMass, SceneError> {
         let matrices = self.model.assemble(&self.values)?;
-        let own = match sensors {
+        let sensors_of_model = match sensors {
             [] => coordinate_sensors(&matrices.coordinates),
             _ => sensors.to_vec(),
         };
         let read = |dof: &Dof| -> Result<Vec<f64>, SceneError> {
-            let mut known = own.iter();
+            let mut known = sensors_of_model.iter();
             let sensor = known.find(|sensor| sensor.dof.positive() == dof.positive());
             let sensor =
                 sensor.ok_or_else(|| CorrelateError::NotACoordinate { dof: dof.clone() })?;
@@ -40,9 +40,9 @@ impl LoadedModel {
         let row = |(name, reading): &(Dof, Reading)| -> Result<SensorRow, SceneError> {
             let mut row = vec![0.0; matrices.coordinates.len()];
             for (dof, part) in reading {
-                let own = read(dof)?;
+                let shape_values = read(dof)?;
                 row.iter_mut()
-                    .zip(own)
+                    .zip(shape_values)
                     .for_each(|(sum, b)| *sum += part * b);
             }
             let dof = name.clone();
@@ -52,7 +52,7 @@ impl LoadedModel {
         let solved = modes(
             self.model.as_ref(),
             &self.values,
-            &own,
+            &sensors_of_model,
             &ModeOptions::default(),
         )?;
         let vectors = &solved.vectors;
@@ -64,7 +64,7 @@ impl LoadedModel {
     /// coordinate is not one of a body.
     ///
     /// # Errors
-    /// The model's own reasons.
+    /// The error of the model.
     pub fn coordinate_dofs(&self) -> Result<Vec<Dof>, SceneError> {
         let coordinates = self.model.assemble(&self.values)?.coordinates;
         let sensors = coordinate_sensors(&coordinates).into_iter();

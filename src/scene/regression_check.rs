@@ -1,4 +1,4 @@
-//! A result held against an earlier one of its kind: what may differ follows from the uncertainties
+//! Comparison of a result with a baseline of its kind: the allowed change follows from uncertainties
 //! that both state, so that the rate at which a perfect result is refused is known, or from
 //! absolute limits.
 
@@ -101,7 +101,7 @@ pub enum Measure {
     AtLeast(f64, f64),
 }
 
-/// What was held against one row of the baseline.
+/// The value that was compared with one row of the baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowVerdict {
     /// The row: a mode, a root with its test, or the whole.
@@ -119,7 +119,7 @@ impl RowVerdict {
 
 /// Changes judged together, by row in the order of their first change.
 ///
-/// Each of the `n` changes that are held against stated uncertainties gets the level `1 − (1 −
+/// Each of the `n` changes that are compared with stated uncertainties gets the level `1 − (1 −
 /// false_refusals)^(1/n)`, which makes `false_refusals` the rate of all together where they are
 /// independent.
 ///
@@ -164,8 +164,9 @@ fn judged(change: &Change, level: f64) -> LimitCheck {
         }
         Measure::ChiSquared { sum, degrees } => {
             // Degrees of freedom are above 0: see `shape_changes`.
-            let largest =
-                ChiSquared::new(degrees).map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - level));
+            let largest = ChiSquared::new(degrees).map_or(f64::INFINITY, |distribution| {
+                distribution.inverse_cdf(1.0 - level)
+            });
             check(Some(sum / degrees), largest / degrees, true)
         }
         Measure::AtMost(value, limit) => check(value, limit, true),
@@ -222,9 +223,9 @@ pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allow
         return Measure::AtMost(None, otherwise);
     };
     match (allowed.percent, now.std.zip(before.std)) {
-        (None, Some((own, other))) if before.value != 0.0 => Measure::Normal {
+        (None, Some((new_std, other))) if before.value != 0.0 => Measure::Normal {
             difference: ((now.value - before.value) / before.value).abs(),
-            std: (own.hypot(other) / before.value.abs()).hypot(allowed.floor),
+            std: (new_std.hypot(other) / before.value.abs()).hypot(allowed.floor),
         },
         _ => Measure::AtMost(Some(percent(now.value, before.value)), otherwise),
     }
@@ -241,8 +242,8 @@ pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits
     let mut changes = Vec::new();
     for (number, (mode, partner)) in (1..).zip(before.modes.iter().zip(&partner)) {
         let row = format!("mode {number} at {} Hz", rounded(mode.frequency_hz));
-        let own = partner.map(|index| &now.modes[index]);
-        let found = Measure::AtLeast(f64::from(u8::from(own.is_some())), 1.0);
+        let partner_mode = partner.map(|index| &now.modes[index]);
+        let found = Measure::AtLeast(f64::from(u8::from(partner_mode.is_some())), 1.0);
         let mut push = |what: &str, measure| {
             changes.push(Change {
                 row: row.clone(),
@@ -251,18 +252,20 @@ pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits
             });
         };
         push("found", found);
-        let Some(own) = own else { continue };
+        let Some(mode_now) = partner_mode else {
+            continue;
+        };
         let measure = relative_change(
-            Some(frequency_of(own)),
+            Some(frequency_of(mode_now)),
             frequency_of(mode),
             limits.frequency(),
         );
         push("frequency change (%)", measure);
         if let Some(ratio) = damping_of(mode) {
-            let measure = relative_change(damping_of(own), ratio, limits.damping());
+            let measure = relative_change(damping_of(mode_now), ratio, limits.damping());
             push("damping change (%)", measure);
         }
-        for (what, measure) in shape_changes(own, mode, limits, &root_of(before, mode)) {
+        for (what, measure) in shape_changes(mode_now, mode, limits, &root_of(before, mode)) {
             push(what, measure);
         }
     }
@@ -316,8 +319,8 @@ fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
         if !matches!(part, 0.0..=1.0) {
             return None;
         }
-        let (own, other, _) = common(new, old);
-        let unlike = 1.0 - mac(&own, &other).unwrap_or(1.0);
+        let (new_shape, other, _) = common(new, old);
+        let unlike = 1.0 - mac(&new_shape, &other).unwrap_or(1.0);
         // Below 1, the cost of a mode without a partner.
         Some(0.49 * (part + unlike))
     };
@@ -334,12 +337,12 @@ fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
 type Common = (Vec<Complex64>, Vec<Complex64>, Option<Vec<(f64, f64)>>);
 
 fn common(now: &Mode, before: &Mode) -> Common {
-    let (mut own, mut other, mut stds) = (Vec::new(), Vec::new(), Some(Vec::new()));
+    let (mut new_values, mut other, mut stds) = (Vec::new(), Vec::new(), Some(Vec::new()));
     for (dof, value) in before.shape.iter() {
         let Some(new) = now.shape.along_positive(dof) else {
             continue;
         };
-        own.push(new);
+        new_values.push(new);
         other.push(value * dof.sign());
         let pair = std_at(&now.shape_std, dof).zip(std_at(&before.shape_std, dof));
         stds = stds.zip(pair).map(|(mut all, pair): (Vec<_>, _)| {
@@ -347,7 +350,7 @@ fn common(now: &Mode, before: &Mode) -> Common {
             all
         });
     }
-    (own, other, stds)
+    (new_values, other, stds)
 }
 
 fn std_at(stds: &Option<BTreeMap<Dof, f64>>, dof: &Dof) -> Option<f64> {
@@ -365,17 +368,17 @@ fn shape_changes(
     if before.shape.is_empty() {
         return Vec::new();
     }
-    let (own, other, stds) = common(now, before);
-    let points = Measure::AtLeast(own.len() as f64, before.shape.len() as f64);
+    let (new_shape, other, stds) = common(now, before);
+    let points = Measure::AtLeast(new_shape.len() as f64, before.shape.len() as f64);
     let mut changes = vec![("degrees of freedom", points)];
     // One component is a scale and no shape.
-    if own.len() < 2 {
+    if new_shape.len() < 2 {
         return changes;
     }
     let most = limits.mac.unwrap_or(MAC_CHANGE);
     if root.len() > 1 {
         let span: Vec<Vec<Complex64>> = root.iter().map(|mode| along(mode, now, before)).collect();
-        let outside = subspace_mac(&own, &span).map(|share| 1.0 - share);
+        let outside = subspace_mac(&new_shape, &span).map(|share| 1.0 - share);
         changes.push((
             "part outside the repeated root",
             Measure::AtMost(outside, most),
@@ -383,15 +386,15 @@ fn shape_changes(
         return changes;
     }
     if let (None, Some(stds)) = (limits.mac, stds) {
-        let sum = misfit(&own, &other, &stds, limits.shape_floor);
-        let degrees = 2.0 * (own.len() - 1) as f64;
+        let sum = misfit(&new_shape, &other, &stds, limits.shape_floor);
+        let degrees = 2.0 * (new_shape.len() - 1) as f64;
         let measure = Measure::ChiSquared { sum, degrees };
         changes.push(("shape, chi-square per degree of freedom", measure));
         return changes;
     }
-    let unlike = mac(&own, &other).map(|mac| 1.0 - mac);
+    let unlike = mac(&new_shape, &other).map(|mac| 1.0 - mac);
     changes.push(("1 - MAC", Measure::AtMost(unlike, most)));
-    let reversed = reversed(&own, &other);
+    let reversed = reversed(&new_shape, &other);
     changes.push((
         "reversed components",
         Measure::AtMost(Some(reversed as f64), 0.0),
@@ -407,41 +410,44 @@ fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
         .collect()
 }
 
-/// `Σ |own − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest
+/// `Σ |measured − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest
 /// for the weights of its plain value; the deviations are those of real and imaginary part each.
-fn misfit(own: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
-    let square: f64 = own.iter().map(|value| value.norm_sqr()).sum();
-    let granted = floor.max(ROUNDING) * (square / own.len() as f64).sqrt();
-    let plain = modal_scale_factor(other, own).unwrap_or_default();
-    let deviation = |(own, other): &(f64, f64)| {
-        let stated = own.hypot(plain.norm() * other);
+fn misfit(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
+    let square: f64 = measured.iter().map(|value| value.norm_sqr()).sum();
+    let granted = floor.max(ROUNDING) * (square / measured.len() as f64).sqrt();
+    let plain = modal_scale_factor(other, measured).unwrap_or_default();
+    let deviation = |(new_std, other): &(f64, f64)| {
+        let stated = new_std.hypot(plain.norm() * other);
         stated.hypot(granted).max(f64::MIN_POSITIVE)
     };
     let weighted = |values: &[Complex64]| -> Vec<Complex64> {
         let pairs = values.iter().zip(stds);
         pairs.map(|(value, stds)| value / deviation(stds)).collect()
     };
-    let (own, other) = (weighted(own), weighted(other));
-    let scale = modal_scale_factor(&other, &own).unwrap_or_default();
-    let rests = own
+    let (new_values, other) = (weighted(measured), weighted(other));
+    let scale = modal_scale_factor(&other, &new_values).unwrap_or_default();
+    let rests = new_values
         .iter()
         .zip(&other)
-        .map(|(own, other)| own - scale * other);
+        .map(|(new_value, other)| new_value - scale * other);
     rests.map(|rest| rest.norm_sqr()).sum()
 }
 
 /// Number of components against the others: those that lie on the other side of the scaled
 /// baseline.
-fn reversed(own: &[Complex64], other: &[Complex64]) -> usize {
-    let Some(scale) = modal_scale_factor(other, own) else {
+fn reversed(new_values: &[Complex64], other: &[Complex64]) -> usize {
+    let Some(scale) = modal_scale_factor(other, new_values) else {
         return 0;
     };
     let largest =
         |values: &[Complex64]| values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-    let (least_own, least_other) = (SIGN_MATTERS * largest(own), SIGN_MATTERS * largest(other));
-    let against = |(own, other): &(&Complex64, &Complex64)| {
-        let both_large = own.norm() >= least_own && other.norm() >= least_other;
-        both_large && ((scale * **other).conj() * **own).re < 0.0
+    let (least_new, least_other) = (
+        SIGN_MATTERS * largest(new_values),
+        SIGN_MATTERS * largest(other),
+    );
+    let against = |(new_value, other): &(&Complex64, &Complex64)| {
+        let both_large = new_value.norm() >= least_new && other.norm() >= least_other;
+        both_large && ((scale * **other).conj() * **new_value).re < 0.0
     };
-    own.iter().zip(other).filter(against).count()
+    new_values.iter().zip(other).filter(against).count()
 }

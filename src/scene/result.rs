@@ -41,10 +41,10 @@ impl TestResult {
         modes_to_json(&self.modes, None)
     }
 
-    /// Whether it was computed from a model and nobody measured it.
+    /// Whether it was computed from a model instead of measured.
     pub fn is_synthetic(&self) -> bool {
         let mut findings = self.modes.findings.iter();
-        findings.any(|own| own.code == Code::Synthetic)
+        findings.any(|finding| finding.code == Code::Synthetic)
     }
 }
 
@@ -61,11 +61,11 @@ pub struct SceneResult {
     pub comparison_findings: Vec<(String, Vec<Finding>)>,
     /// The pairing of every test, in their order; none without a comparison.
     pub pairings: Vec<Pairing>,
-    /// Points that tests should have beside their own.
+    /// Points that tests should measure in addition.
     pub placements: Vec<PlacedTest>,
-    /// Limits held against the comparison.
+    /// Limits that the comparison was checked against.
     pub limits: Vec<LimitCheck>,
-    /// Published results held against the model and themselves; `None` for a scene without any.
+    /// Published results compared with the model and with one another; `None` for a scene without any.
     pub expected: Option<ExpectedResult>,
 }
 
@@ -89,7 +89,7 @@ impl SceneResult {
         let mut all: Vec<(String, Vec<Finding>)> = Vec::new();
         for test in &self.tests {
             let paired = self.comparison_findings.iter();
-            let paired = paired.filter(|(own, _)| *own == test.name);
+            let paired = paired.filter(|(test_name, _)| *test_name == test.name);
             let findings = test.modes.findings.iter();
             let findings = findings.chain(paired.flat_map(|(_, findings)| findings));
             all.push((name(&test.name), findings.cloned().collect()));

@@ -65,9 +65,9 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         false => Some(compare_tests(&theory.modes, &named, &scene.pair)?),
     };
     let (table, comparison_findings, pairings) =
-        comparison.map_or((None, Vec::new(), Vec::new()), |own| {
-            let table = own.table.labelled_from(scene.first_root);
-            (Some(table), own.findings, own.pairings)
+        comparison.map_or((None, Vec::new(), Vec::new()), |comparison| {
+            let table = comparison.table.labelled_from(scene.first_root);
+            (Some(table), comparison.findings, comparison.pairings)
         });
     limits.extend(
         table
@@ -86,7 +86,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
     })
 }
 
-/// The published results, if there are any, held against the model.
+/// The published results, if there are any, compared with the model.
 fn judged(
     scene: &Scene,
     roots: Option<&[ModelRoot]>,
@@ -98,7 +98,7 @@ fn judged(
     Ok(Some(expected.judge(roots, quantities)))
 }
 
-/// `[[limits.mode]]` held against one test.
+/// Checks one test against `[[limits.mode]]`.
 fn mode_limits(scene: &Scene, test: &TestResult) -> Vec<LimitCheck> {
     let found: Vec<_> = test
         .modes
@@ -292,11 +292,11 @@ fn identify_test(
         None => (data.frfs, test.band),
         Some(mut recording) => {
             let options = test.hammer_options(&scene.hammer);
-            let own = hammer(recording.as_mut(), &options).map_err(of_test)?;
-            let set = own.estimated.set;
-            let band =
-                band_to_search(&set, own.usable, test.band, &mut findings).map_err(of_test)?;
-            hits = own.hits;
+            let hammer_result = hammer(recording.as_mut(), &options).map_err(of_test)?;
+            let set = hammer_result.estimated.set;
+            let band = band_to_search(&set, hammer_result.usable, test.band, &mut findings)
+                .map_err(of_test)?;
+            hits = hammer_result.hits;
             (vec![set], Some(band))
         }
     };
@@ -370,7 +370,7 @@ fn outside_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
         .collect()
 }
 
-/// The roots of a model; `None` for finished modes, which have none of their own.
+/// The roots of a model; `None` for finished modes, which have no roots.
 fn known_roots(theory: &Theory) -> Option<&[ModelRoot]> {
     (!theory.roots.is_empty()).then_some(theory.roots.as_slice())
 }
@@ -386,11 +386,12 @@ pub fn identify_sets(
     test: &str,
 ) -> Result<Identification, SceneError> {
     let set = of_one_axis(sets, test)?;
-    let mut own = identification(set, options).map_err(|source| SceneError::Identify {
-        test: test.to_owned(),
-        source: Box::new(source),
-    })?;
-    let model = &mut own.model;
+    let mut identification_result =
+        identification(set, options).map_err(|source| SceneError::Identify {
+            test: test.to_owned(),
+            source: Box::new(source),
+        })?;
+    let model = &mut identification_result.model;
     if model.modes.is_empty() {
         model.findings.push(Finding::new(
             Severity::Warning,
@@ -403,7 +404,7 @@ pub fn identify_sets(
     let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
     model.findings = findings;
-    Ok(own)
+    Ok(identification_result)
 }
 
 /// Mode indicator functions of the FRFs of one test.

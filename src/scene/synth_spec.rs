@@ -61,7 +61,7 @@ pub struct TruthTable {
     pub damping_ratio: Option<f64>,
     /// Highest mode of a model that takes part, Hz; every mode when not stated.
     pub highest_hz: Option<f64>,
-    /// Roots of a model that are there, at frequencies of their own; every root at its own when
+    /// Roots of a model that are there, at stated frequencies; every root at that of the model when
     /// none is stated.
     #[serde(default)]
     pub mode: Vec<TruthModeTable>,

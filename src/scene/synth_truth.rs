@@ -78,8 +78,8 @@ fn moved_modes(
         .roots()
         .into_iter()
         .partition(|root| model.modes[root[0]].frequency_hz <= 0.0);
-    let own = |index: &usize| model.modes[*index].clone();
-    let mut modes: Vec<Mode> = rigid.iter().flatten().map(own).collect();
+    let mode_of_model = |index: &usize| model.modes[*index].clone();
+    let mut modes: Vec<Mode> = rigid.iter().flatten().map(mode_of_model).collect();
     let mut taken = BTreeSet::new();
     for table in wanted {
         let key = format!("[[truth.mode]] root {}", table.root);
@@ -98,7 +98,7 @@ fn moved_modes(
         }
         let moved = |index: &usize| Mode {
             frequency_hz: table.frequency_hz,
-            ..own(index)
+            ..mode_of_model(index)
         };
         if table.shape.is_empty() {
             modes.extend(root.iter().map(moved));

@@ -75,7 +75,7 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             line: first.line,
             key: first.key.clone(),
             expected: first.expected.clone(),
-            others: open[1..].iter().map(|own| own.line).collect(),
+            others: open[1..].iter().map(|header| header.line).collect(),
         });
     }
     toml::from_str(text).map_err(|error| {

@@ -21,28 +21,28 @@ pub(super) fn cut(
     for (record, info) in infos.iter().enumerate() {
         found.push(hits_of(whole.as_mut(), record, info, options)?);
     }
-    // Without a stated length each record has its own; the shortest is that of all.
-    let all = || found.iter().flat_map(|own| &own.segments);
+    // Without a stated length the shortest of all records is that of all.
+    let all = || found.iter().flat_map(|record| &record.segments);
     let before = all().map(|hit| hit.onset - hit.range.start).min();
     let before = before.unwrap_or(0);
     let after = all().map(|hit| hit.range.end - hit.onset).min();
     let shortest = before + after.unwrap_or(0);
     let mut pieces: Vec<(usize, Range<usize>)> = Vec::new();
     let mut findings = Vec::new();
-    for (record, own) in found.iter().enumerate() {
-        let pieces_of = own.segments.iter().map(|hit| {
+    for (record, record_hits) in found.iter().enumerate() {
+        let pieces_of = record_hits.segments.iter().map(|hit| {
             let start = hit.onset - before;
             (record, start..start + shortest)
         });
         pieces.extend(pieces_of);
-        let left_out = own.cut_off + own.too_early;
+        let left_out = record_hits.cut_off + record_hits.too_early;
         let place = Place::File {
             path: infos[record].origin.clone(),
             line: None,
             byte: None,
         };
         let level = Finding::new(Severity::Info, Code::TriggerLevel, place.clone());
-        findings.push(level.value(own.level_n, "N"));
+        findings.push(level.value(record_hits.level_n, "N"));
         let length_s = shortest as f64 * infos[record].axis.step_s;
         let length = Finding::new(Severity::Info, Code::HitLength, place.clone());
         findings.push(length.value(length_s, "s"));
@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// Hits in memory that own themselves.
+    /// Hits in memory, owned by the recording.
     struct Owned(Vec<Hit>, Vec<HitInfo>);
 
     impl Recording for Owned {
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hits_of_long_records_have_one_length_and_their_own_samples() {
+    fn hits_of_long_records_have_one_length_and_the_samples_around_their_trigger() {
         let records = vec![
             record(&[500, 2500, 4500], 6500),
             record(&[700, 2300, 3900], 5500),

@@ -51,7 +51,7 @@ pub struct SceneFile {
     pub limits: Limits,
 }
 
-/// Points that a test could have beside its own.
+/// Points that a test could measure in addition.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacementTable {
@@ -82,7 +82,7 @@ pub struct TestTable {
     pub synth: Option<String>,
     /// Finished modes (`modes.json`), relative to the scene.
     pub modes: Option<String>,
-    /// How hits are told apart: `records` (default), `files`, or `trigger` for continuous records.
+    /// How hits are grouped: `records` (default), `files`, or `trigger` for continuous records.
     pub hits: Option<String>,
     /// How hits are cut from continuous records; found from the records where not stated.
     #[serde(default)]
@@ -311,14 +311,14 @@ pub struct UpdateTable {
     /// Names of the parameters that may change; all of the model that can when neither this nor
     /// `[[update.parameter]]` is stated.
     pub parameters: Vec<String>,
-    /// Parameters with a prior or bounds of their own.
+    /// Parameters with an individual prior or bounds.
     pub parameter: Vec<UpdateParameterTable>,
     /// Names of the tests that count; all when not stated, none beside `published`.
     pub tests: Option<Vec<String>>,
     /// Whether the published natural frequencies of `expected.toml` count, those apart from which a
     /// parameter was inferred.
     pub published: bool,
-    /// Modes in this band alone count, `[lo, hi]` in Hz; the others are held against the result.
+    /// Modes in this band alone count, `[lo, hi]` in Hz; the others are checked against the result.
     pub band_hz: Option<[f64; 2]>,
     /// What is compared: `modes` (not stated), `modal-dynamic`, `frf-complex` or
     /// `frf-log-magnitude`.

@@ -76,14 +76,17 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let options = options(scene, &stated)?;
     let choices = choices(&stated, &model, &scene.path)?;
     let band = band(&stated, &scene.path)?;
-    let in_band: Vec<Measured> = measured.iter().map(|own| own.inside(band)).collect();
-    let own: Vec<MeasuredModes<'_>> = in_band.iter().map(Measured::borrowed).collect();
+    let in_band: Vec<Measured> = measured
+        .iter()
+        .map(|measured_modes| measured_modes.inside(band))
+        .collect();
+    let all_measured: Vec<MeasuredModes<'_>> = in_band.iter().map(Measured::borrowed).collect();
     let values = &model.values;
     let problem = UpdateProblem::new(
         model.model.as_ref(),
         values,
         &choices,
-        &own,
+        &all_measured,
         &sensors,
         options.clone(),
     )?;
@@ -110,15 +113,23 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .iter()
         .flat_map(|t| t.modes.findings.clone())
         .collect();
-    findings.extend(after.findings.into_iter().flat_map(|(_, own)| own));
+    findings.extend(
+        after
+            .findings
+            .into_iter()
+            .flat_map(|(_, finding_list)| finding_list),
+    );
     // An updated model may have adapted to a reversed sensor: the model at the start shows it.
-    let reversed = before.findings.iter().flat_map(|(_, own)| own);
-    let reversed = reversed.filter(|own| REVERSED.contains(&own.code));
+    let reversed = before
+        .findings
+        .iter()
+        .flat_map(|(_, finding_list)| finding_list);
+    let reversed = reversed.filter(|finding| REVERSED.contains(&finding.code));
     let new: Vec<Finding> = reversed
-        .filter(|own| {
+        .filter(|finding| {
             !findings
                 .iter()
-                .any(|other| (other.code, &other.place) == (own.code, &own.place))
+                .any(|other| (other.code, &other.place) == (finding.code, &finding.place))
         })
         .cloned()
         .collect();
@@ -211,7 +222,7 @@ impl Measured {
     /// Published roots apart from which nothing was inferred, numbered as the scene numbers the
     /// roots of its model.
     fn published(expected: &Expected, first_root: usize) -> Self {
-        let mut own = Self {
+        let mut collected = Self {
             name: PUBLISHED.to_owned(),
             modes: ModalModel::default(),
             numbers: Vec::new(),
@@ -229,11 +240,11 @@ impl Measured {
                 ..Mode::new(hz, None, ModeShape::default(), Scaling::Unknown)
             };
             let modes = std::iter::repeat_n(mode, root.multiplicity);
-            own.modes.modes.extend(modes);
+            collected.modes.modes.extend(modes);
             let numbers = std::iter::repeat_n(number, root.multiplicity);
-            own.numbers.extend(numbers);
+            collected.numbers.extend(numbers);
         }
-        own
+        collected
     }
 
     /// The modes inside the band.
@@ -297,9 +308,9 @@ fn band(stated: &UpdateTable, path: &str) -> Result<Option<Band>, SceneError> {
 
 /// The scene's sensors and the model's; without any, one on every coordinate.
 fn sensors(model: &LoadedModel, scene: &Scene) -> Result<Vec<Sensor>, SceneError> {
-    let own = model.sensors_with(&scene.sensors);
-    if !own.is_empty() {
-        return Ok(own);
+    let model_sensors = model.sensors_with(&scene.sensors);
+    if !model_sensors.is_empty() {
+        return Ok(model_sensors);
     }
     let matrices = model.model.assemble(&model.values)?;
     Ok(coordinate_sensors(&matrices.coordinates))
@@ -398,11 +409,11 @@ fn compared(
 ) -> Result<Comparison, SceneError> {
     let named: Vec<NamedTest<'_>> = measured
         .iter()
-        .map(|own| {
-            let test = tests.iter().find(|test| test.name == own.name);
+        .map(|measured_modes| {
+            let test = tests.iter().find(|test| test.name == measured_modes.name);
             NamedTest {
-                name: &own.name,
-                modes: &own.modes,
+                name: &measured_modes.name,
+                modes: &measured_modes.modes,
                 frfs: test.map_or(&[], |test| test.frfs.as_slice()),
             }
         })

@@ -25,19 +25,19 @@ pub(super) fn replaced(
         } else {
             ("inferred", format!("updated from {start:?}"))
         };
-        let own = parameter_table(&lines, &spec.name)?;
-        let nominal = key_line(&lines, &own, "nominal")?;
+        let table_range = parameter_table(&lines, &spec.name)?;
+        let nominal = key_line(&lines, &table_range, "nominal")?;
         set(
             &mut lines[nominal],
             &format!("nominal = {value:?}    # {comment}"),
         );
-        let printed = key_line(&lines, &own, "status")?;
+        let printed = key_line(&lines, &table_range, "status")?;
         set(&mut lines[printed], &format!("status = \"{status}\""));
     }
     Some(lines.join("\n") + "\n")
 }
 
-/// Lines before an updated `model.toml`: which values of the scene would hide its own. Empty where
+/// Lines before an updated `model.toml`: which values of the scene would hide those of the file. Empty where
 /// there are none.
 pub(super) fn overrides_note<'a>(names: impl Iterator<Item = &'a String>) -> String {
     let names: Vec<&str> = names.map(String::as_str).collect();
@@ -59,8 +59,8 @@ fn set(line: &mut String, text: &str) {
 
 /// The value of a key on a line, with the comment behind it.
 fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
-    let (own, value) = line.split_once('=')?;
-    (own.trim() == key).then(|| value.trim())
+    let (line_key, value) = line.split_once('=')?;
+    (line_key.trim() == key).then(|| value.trim())
 }
 
 fn key_line(lines: &[String], table: &Range<usize>, key: &str) -> Option<usize> {
@@ -78,8 +78,9 @@ fn parameter_table(lines: &[String], name: &str) -> Option<Range<usize>> {
     };
     let named = |table: &Range<usize>| {
         table.clone().any(|i| {
-            let own = value(&lines[i], "name");
-            own.is_some_and(|own| quoted.iter().any(|q| own.starts_with(q.as_str())))
+            let table_name = value(&lines[i], "name");
+            table_name
+                .is_some_and(|table_name| quoted.iter().any(|q| table_name.starts_with(q.as_str())))
         })
     };
     starts.map(table).find(named)
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn nominal_values_are_replaced_in_their_own_tables_alone() {
+    fn nominal_values_are_replaced_in_the_table_of_their_parameter_alone() {
         let text = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.0 # start\nname = \"a\"\nstatus = \"printed\"\n[[parameter]]\nname = 'ab'\n  nominal = 2.0\n status = 'printed'\n[[body]]\nname = \"a\"\n";
         let specs = [spec("a", 1.0), spec("ab", 2.0)];
         // The scene states 3 for the second one, which updating leaves.

@@ -2,7 +2,7 @@
 //! consistent mass.
 //!
 //! Several beams may stand in one model; they do not touch one another. A mass, a spring, a sensor
-//! or a hit may be anywhere on a beam: the element's own interpolation carries it, so that nothing
+//! or a hit may be anywhere on a beam: the interpolation of the element carries it, so that nothing
 //! is snapped to a node.
 //!
 //! # Reference

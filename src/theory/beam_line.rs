@@ -10,7 +10,7 @@ use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 
 /// Dense matrices of the coordinates of more would not fit a desk.
-const MOST_ELEMENTS: usize = 2000;
+const MAX_ELEMENTS: usize = 2000;
 
 /// How far beyond an end a point may lie and still be at the end, as a share of the length:
 /// rounding of coordinates.
@@ -62,7 +62,7 @@ impl BeamLine {
         if beam.elements == 0 {
             return Err(out_of_range("elements", 0.0, "1 or more"));
         }
-        if beam.elements > MOST_ELEMENTS {
+        if beam.elements > MAX_ELEMENTS {
             let expected =
                 "at most 2000: matrices are dense, and 40 elements give four modes to 1e-5";
             return Err(out_of_range("elements", beam.elements as f64, expected));

@@ -341,7 +341,7 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
             }
             let warned = result.model.findings.iter();
             let warned: Vec<_> = warned
-                .filter(|own| own.code == Code::StiffnessRounding)
+                .filter(|finding| finding.code == Code::StiffnessRounding)
                 .collect();
             // The finding is at the mode of the largest bound; the others above the limit are in
             // its detail.
@@ -353,7 +353,7 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
                 let value = finding.value.expect("the bound");
                 assert!((value / bound - 1.0).abs() < 1e-6, "{value} {bound}");
                 let detail = finding.detail.as_deref().unwrap_or_default();
-                let others = above.iter().filter(|own| own.0.to_bits() != hz.to_bits());
+                let others = above.iter().filter(|peak| peak.0.to_bits() != hz.to_bits());
                 for (hz, _) in others {
                     assert!(detail.contains(&format!(" at {hz:.4} Hz")), "{detail}");
                 }

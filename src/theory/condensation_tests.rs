@@ -98,15 +98,17 @@ fn a_mass_behind_two_springs_in_series_has_their_series_stiffness() {
     let mut stiffness: Entries = spring(0, 1, 300.0).to_vec();
     stiffness.push((0, 0, 200.0));
     let matrices = system(2, &vec![(1, 1, 5.0)], &stiffness);
-    for own in both(&matrices, 2) {
-        assert_eq!(own.omega_rad_s.len(), 1);
-        assert!((own.omega_rad_s[0].powi(2) / (120.0 / 5.0) - 1.0).abs() < 1e-14);
-        let (node, mass) = (own.vectors[(0, 0)], own.vectors[(1, 0)]);
+    for solved in both(&matrices, 2) {
+        assert_eq!(solved.omega_rad_s.len(), 1);
+        assert!((solved.omega_rad_s[0].powi(2) / (120.0 / 5.0) - 1.0).abs() < 1e-14);
+        let (node, mass) = (solved.vectors[(0, 0)], solved.vectors[(1, 0)]);
         assert!((mass - 0.2f64.sqrt()).abs() < 1e-14);
         assert!((node / mass - 300.0 / 500.0).abs() < 1e-14, "{node} {mass}");
-        assert_eq!(own.kinetic_shares[(0, 0)].abs().to_bits(), 0);
-        let said: Vec<_> = own.model.findings.iter().collect();
-        let condensed = said.iter().find(|own| own.code == Code::MasslessCondensed);
+        assert_eq!(solved.kinetic_shares[(0, 0)].abs().to_bits(), 0);
+        let said: Vec<_> = solved.model.findings.iter().collect();
+        let condensed = said
+            .iter()
+            .find(|finding| finding.code == Code::MasslessCondensed);
         let condensed = condensed.unwrap();
         assert_eq!(condensed.value, Some(1.0));
         assert!(
@@ -120,9 +122,9 @@ fn a_mass_behind_two_springs_in_series_has_their_series_stiffness() {
 fn a_chain_of_alternate_massless_nodes_is_the_chain_of_its_series_springs() {
     let masses = 60;
     let matrices = alternating(masses, false);
-    for own in both(&matrices, 40) {
-        assert!(own.omega_rad_s.len() >= 40);
-        for (j, omega) in own.omega_rad_s.iter().enumerate() {
+    for solved in both(&matrices, 40) {
+        assert!(solved.omega_rad_s.len() >= 40);
+        for (j, omega) in solved.omega_rad_s.iter().enumerate() {
             let angle = 0.5 * std::f64::consts::PI * (j + 1) as f64 / (masses + 1) as f64;
             let exact = 2.0 * (series() / MASS).sqrt() * angle.sin();
             assert!((omega / exact - 1.0).abs() < 1e-12, "{j}: {omega} {exact}");
@@ -130,7 +132,7 @@ fn a_chain_of_alternate_massless_nodes_is_the_chain_of_its_series_springs() {
         // A massless node divides the stretch of its two springs as their compliances: u_o = (k1
         // u_1 + k2 u_2)/(k1 + k2).
         for (node, j) in (1..masses).flat_map(|i| [(2 * i, 0), (2 * i, 7), (2 * i, 39)]) {
-            let phi = |i: usize| own.vectors[(i, j)];
+            let phi = |i: usize| solved.vectors[(i, j)];
             let weighed = SPRINGS[0] * phi(node - 1) + SPRINGS[1] * phi(node + 1);
             let expected = weighed / (SPRINGS[0] + SPRINGS[1]);
             assert!((phi(node) - expected).abs() < 1e-9, "{node} {j}");
@@ -157,13 +159,13 @@ fn all_finite_modes_of_a_small_sparse_model_are_found() {
 fn a_free_chain_with_massless_nodes_has_a_rigid_body_mode_at_exactly_zero() {
     let masses = 30;
     let matrices = alternating(masses, true);
-    for own in both(&matrices, 20) {
-        assert_eq!((own.rigid, own.omega_rad_s[0].to_bits()), (1, 0));
+    for solved in both(&matrices, 20) {
+        assert_eq!((solved.rigid, solved.omega_rad_s[0].to_bits()), (1, 0));
         for i in 0..2 * masses - 1 {
             let uniform = (MASS * masses as f64).sqrt().recip();
-            assert!((own.vectors[(i, 0)] - uniform).abs() < 1e-9);
+            assert!((solved.vectors[(i, 0)] - uniform).abs() < 1e-9);
         }
-        for (j, omega) in own.omega_rad_s.iter().enumerate().skip(1) {
+        for (j, omega) in solved.omega_rad_s.iter().enumerate().skip(1) {
             let angle = 0.5 * std::f64::consts::PI * j as f64 / masses as f64;
             let exact = 2.0 * (series() / MASS).sqrt() * angle.sin();
             assert!((omega / exact - 1.0).abs() < 1e-12, "{j}: {omega} {exact}");
@@ -197,9 +199,9 @@ fn a_free_massless_beam_with_three_masses_has_two_rigid_modes_and_its_closed_for
     );
     let matrices = model.assemble(&[]).unwrap();
     let expected = 48.0 * 2.06e11 * 1.7e-9 / 0.9f64.powi(3) * (1.0 / 5.0 + 1.0 / 4.0);
-    for own in both(&matrices, 5) {
-        assert_eq!((own.rigid, own.omega_rad_s.len()), (2, 3));
-        let found = own.omega_rad_s[2].powi(2);
+    for solved in both(&matrices, 5) {
+        assert_eq!((solved.rigid, solved.omega_rad_s.len()), (2, 3));
+        let found = solved.omega_rad_s[2].powi(2);
         assert!((found / expected - 1.0).abs() < 1e-11, "{found} {expected}");
     }
 }
@@ -222,9 +224,9 @@ fn a_mass_between_the_nodes_of_a_massless_beam_is_condensed_in_the_axes_of_its_n
         .enumerate()
         .map(|(i, b)| b * deflection[(i, 0)])
         .sum();
-    for own in both(&matrices, 3) {
-        assert_eq!(own.omega_rad_s.len(), 1);
-        let found = own.omega_rad_s[0].powi(2);
+    for solved in both(&matrices, 3) {
+        assert_eq!(solved.omega_rad_s.len(), 1);
+        let found = solved.omega_rad_s[0].powi(2);
         assert!((found * kg * compliance - 1.0).abs() < 1e-10, "{found}");
         // The shape is the static deflection under the inertia force.
         let scale = (kg.sqrt() * compliance).recip();
@@ -232,11 +234,11 @@ fn a_mass_between_the_nodes_of_a_massless_beam_is_condensed_in_the_axes_of_its_n
             let expected = scale * deflection[(i, 0)];
             let largest = scale * deflection[(row.len() - 2, 0)].abs();
             assert!(
-                (own.vectors[(i, 0)] - expected).abs() < 1e-9 * largest,
+                (solved.vectors[(i, 0)] - expected).abs() < 1e-9 * largest,
                 "{i}"
             );
         }
-        assert_eq!(own.model.findings.last().unwrap().value, Some(9.0));
+        assert_eq!(solved.model.findings.last().unwrap().value, Some(9.0));
     }
 }
 
@@ -250,10 +252,10 @@ fn a_mass_off_its_node_without_rotary_inertia_is_condensed_in_the_axes_of_its_nu
         let mass = vec![(0, 0, m), (0, 1, m * r), (1, 0, m * r), (1, 1, m * r * r)];
         let matrices = system(2, &mass, &vec![(0, 0, k), (1, 1, q)]);
         let expected = 1.0 / (m * (1.0 / k + r * r / q));
-        for own in both(&matrices, 2) {
-            assert_eq!(own.omega_rad_s.len(), 1, "{r}");
+        for solved in both(&matrices, 2) {
+            assert_eq!(solved.omega_rad_s.len(), 1, "{r}");
             assert!(
-                (own.omega_rad_s[0].powi(2) / expected - 1.0).abs() < 1e-12,
+                (solved.omega_rad_s[0].powi(2) / expected - 1.0).abs() < 1e-12,
                 "{r}"
             );
         }
@@ -310,14 +312,14 @@ fn a_body_of_the_model_file_may_lack_mass_or_inertia() {
         )
     };
     let model = |text: String| LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap());
-    let own = model(text("0.0", "0.0")).unwrap();
-    let solved = modes(&own, &[], &[], &ModeOptions::default()).unwrap();
+    let model_with_mass = model(text("0.0", "0.0")).unwrap();
+    let solved = modes(&model_with_mass, &[], &[], &ModeOptions::default()).unwrap();
     // Compliances in series: 1/1000 + 0.5^2/50 + 1/400.
     let expected = 1.0 / (2.0 * (1e-3 + 0.25 / 50.0 + 2.5e-3));
     assert_eq!(solved.omega_rad_s.len(), 1);
     assert!((solved.omega_rad_s[0].powi(2) / expected - 1.0).abs() < 1e-13);
     // Energy in series is as compliance; the block alone moves mass.
-    let root = &model_roots(&own, &solved)[0];
+    let root = &model_roots(&model_with_mass, &solved)[0];
     for ((name, share), compliance) in root.strain_energy.iter().zip([1e-3, 5e-3, 2.5e-3]) {
         assert!(
             (share - compliance / 8.5e-3).abs() < 1e-13,
@@ -375,10 +377,10 @@ fn a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale() {
             assert_eq!((*motions, coordinates.len()), (1, nodes));
         }
         stiffness.extend(spring(0, nodes, 1e-3 * unit));
-        let own = solve(&system(nodes + 1, &mass, &stiffness));
+        let solved = solve(&system(nodes + 1, &mass, &stiffness));
         // Nothing pulls at the far end of the chain: it follows the mass, but for the rounding of
         // its stiff springs.
-        let found = own.omega_rad_s[0].powi(2);
+        let found = solved.omega_rad_s[0].powi(2);
         assert!((found / (0.5 * unit) - 1.0).abs() < 1e-5, "{nodes} {found}");
     }
 }
@@ -386,9 +388,9 @@ fn a_mechanism_of_many_massless_nodes_is_seen_at_any_size_and_scale() {
 #[test]
 fn a_long_massless_beam_is_no_mechanism() {
     let model = massless_beam(300, [End::Clamped, End::Free], &[(0.9, 3.0)]);
-    let own = solve(&model.assemble(&[]).unwrap());
+    let solved = solve(&model.assemble(&[]).unwrap());
     let expected = 3.0 * 2.06e11 * 1.7e-9 / 0.9f64.powi(3) / 3.0;
-    let found = own.omega_rad_s[0].powi(2);
+    let found = solved.omega_rad_s[0].powi(2);
     // Rounding of the stiffness: eps times the fourth power of the number of elements.
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
 }

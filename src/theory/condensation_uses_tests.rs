@@ -22,8 +22,8 @@ fn proportional(masses: usize, [alpha, beta]: [f64; 2]) -> SystemMatrices {
 fn damping_proportional_to_mass_and_stiffness_leaves_the_condensation_exact() {
     let [alpha, beta] = [0.7, 3e-5];
     for masses in [3, 200] {
-        for own in both(&proportional(masses, [alpha, beta]), 10) {
-            for (mode, omega) in own.model.modes.iter().zip(&own.omega_rad_s) {
+        for solved in both(&proportional(masses, [alpha, beta]), 10) {
+            for (mode, omega) in solved.model.modes.iter().zip(&solved.omega_rad_s) {
                 let ratio = 0.5 * (alpha / omega + beta * omega);
                 assert!(
                     (mode.damping_ratio.expect("the model has damping") / ratio - 1.0).abs() < 1e-9
@@ -107,20 +107,20 @@ fn reduction_to_the_coordinates_with_mass_keeps_every_frequency() {
     let matrices = alternating(6, false);
     let whole = solve(&matrices);
     let massive: Vec<usize> = (0..6).map(|i| 2 * i + 1).collect();
-    for own in [
+    for reduction in [
         guyan(&matrices, &massive).expect("the rest is held"),
         serep(&matrices, &whole.vectors, &massive).expect("as many modes as coordinates"),
     ] {
-        let reduced = solve(&own.matrices);
+        let reduced = solve(&reduction.matrices);
         for (a, b) in reduced.omega_rad_s.iter().zip(&whole.omega_rad_s) {
             assert!((a / b - 1.0).abs() < 1e-10, "{a} {b}");
         }
-        let shapes = &own.expansion * &reduced.vectors;
+        let shapes = &reduction.expansion * &reduced.vectors;
         for (i, j) in (0..13).flat_map(|i| (0..6).map(move |j| (i, j))) {
             assert!((shapes[(i, j)] - whole.vectors[(i, j)]).abs() < 1e-9);
         }
     }
-    // Guyan to massless coordinates as well gives their mass to nobody.
+    // Guyan to massless coordinates as well loses their mass.
     let kept: Vec<usize> = (0..13).collect();
     let same = solve(&guyan(&matrices, &kept).expect("the rest is held").matrices);
     assert_eq!(same.omega_rad_s.len(), 6);
@@ -219,29 +219,34 @@ fn sensitivities_and_shape_derivatives_are_those_of_differences() {
         let derivatives = mode_derivatives(&base, &each, &by).expect("simple roots");
         for r in 0..6 {
             let sum = |of: &dyn Fn(&TheoryModes) -> f64| -> f64 {
-                moved.iter().map(|(own, weight)| weight * of(own)).sum()
+                moved
+                    .iter()
+                    .map(|(solution, weight)| weight * of(solution))
+                    .sum()
             };
             let lambda = base.omega_rad_s[r].powi(2);
-            let slope = sum(&|own| own.omega_rad_s[r].powi(2));
-            let own = found[r].mean(j).expect("j is a parameter");
+            let slope = sum(&|at| at.omega_rad_s[r].powi(2));
+            let sensitivity = found[r].mean(j).expect("j is a parameter");
             assert!(
-                (own - slope).abs() < 1e-8 * lambda,
-                "{j} {r}: {own} {slope}"
+                (sensitivity - slope).abs() < 1e-8 * lambda,
+                "{j} {r}: {sensitivity} {slope}"
             );
-            assert!((derivatives[r].projected[(0, 0)] / own - 1.0).abs() < 1e-10);
+            assert!((derivatives[r].projected[(0, 0)] / sensitivity - 1.0).abs() < 1e-10);
             // The derivative of the shape less its part along the shape, -phi (phi^T dM phi)/2.
             let moved_mass: RealMatrix = &by.mass * &base.vectors;
             let along: f64 = (0..13)
                 .map(|i| base.vectors[(i, r)] * moved_mass[(i, r)])
                 .sum();
             for i in 0..13 {
-                let slope = sum(&|own| own.vectors[(i, r)] * own.vectors[(1, r)].signum());
+                let slope = sum(&|sensitivity| {
+                    sensitivity.vectors[(i, r)] * sensitivity.vectors[(1, r)].signum()
+                });
                 let sign = base.vectors[(1, r)].signum();
                 let expected = sign * slope + 0.5 * along * base.vectors[(i, r)];
-                let own = derivatives[r].vectors[(i, 0)];
+                let derivative = derivatives[r].vectors[(i, 0)];
                 assert!(
-                    (own - expected).abs() < 1e-7,
-                    "{j} {r} {i}: {own} {expected}"
+                    (derivative - expected).abs() < 1e-7,
+                    "{j} {r} {i}: {derivative} {expected}"
                 );
             }
         }
@@ -263,7 +268,7 @@ fn a_sweep_of_a_chain_with_massless_nodes_follows_its_closed_form() {
         let springs = SPRINGS[0] * value * SPRINGS[1] / (SPRINGS[0] * value + SPRINGS[1]);
         let angle = 0.5 * std::f64::consts::PI / 5.0;
         let exact = 2.0 * (springs / (0.8 * MASS)).sqrt() * angle.sin();
-        let own = found.loci[0].omega_rad_s[k].expect("the root is followed");
-        assert!((own / exact - 1.0).abs() < 1e-12, "{own} {exact}");
+        let omega = found.loci[0].omega_rad_s[k].expect("the root is followed");
+        assert!((omega / exact - 1.0).abs() < 1e-12, "{omega} {exact}");
     }
 }

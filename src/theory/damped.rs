@@ -252,7 +252,7 @@ fn form(q: &[Complex64], p: &[Complex64], lambda: Complex64, damping: &RealMatri
 /// Vectors of one root with `b(q, q) = 1` and, where it is repeated, `b(q, p) = 0`.
 ///
 /// Gram and Schmidt with respect to a form that is not definite: the vector that goes first is the
-/// one of largest `|b|` among what is left and its sums and differences in pairs, one of which is
+/// one of largest `|b|` among the remaining vectors and their sums and differences in pairs, one of which is
 /// not zero unless the form is.
 fn scaled(
     group: &[Root],
@@ -277,13 +277,17 @@ fn scaled(
         }
         left.swap_remove(first);
         let scale = b(&turned, &turned).sqrt();
-        let own: Vec<Complex64> = turned.iter().map(|v| v / scale).collect();
+        let vector: Vec<Complex64> = turned.iter().map(|v| v / scale).collect();
         for other in &mut left {
-            let part = b(&own, other);
-            let rest: Vec<Complex64> = other.iter().zip(&own).map(|(v, o)| v - part * o).collect();
+            let part = b(&vector, other);
+            let rest: Vec<Complex64> = other
+                .iter()
+                .zip(&vector)
+                .map(|(v, o)| v - part * o)
+                .collect();
             *other = unit(&rest);
         }
-        done.push(own);
+        done.push(vector);
     }
     Ok(done)
 }

@@ -158,7 +158,7 @@ fn repeated_roots_still_give_the_inverse_and_are_equal() {
 }
 
 #[test]
-fn two_equal_oscillators_with_their_own_dampers_are_one_double_root() {
+fn two_equal_oscillators_with_a_damper_each_are_one_double_root() {
     let mut chain = Chain::new(&[2.0, 2.0], &[8e4, 0.0, 8e4]);
     chain.damping = real_matrix(2, 2, |i, j| 12.0 * f64::from(u8::from(i == j)));
     assert_receptance(&chain.matrices());

@@ -1,6 +1,6 @@
-//! The typed contents of a `model.toml`: what a person wrote, before it is a model.
+//! The typed contents of a `model.toml`: what the user wrote, before it is a model.
 //!
-//! The `kind` key says which model it is; each kind has its own struct, and a key that the kind
+//! The `kind` key says which model it is; each kind has a struct, and a key that the kind
 //! does not know is an error. Text is parsed elsewhere; nothing here is assembled.
 
 use serde::Deserialize;
@@ -169,7 +169,7 @@ pub struct PointMassDescription {
     pub at_m: [f64; 3],
     /// Mass, kg.
     pub mass_kg: Value,
-    /// Moment of inertia about its own centre in the plane of bending, kg m².
+    /// Moment of inertia about its centre in the plane of bending, kg m².
     #[serde(default)]
     pub rotary_inertia_kg_m2: Option<Value>,
 }

@@ -168,9 +168,9 @@ pub fn modes_of_matrices(
     check_arguments(matrices, options)?;
     let condensation = Condensation::of_full(matrices)?;
     let solution = solve(matrices, condensation.as_ref())?;
-    if let Some((own, c)) = condensation.as_ref().zip(matrices.damping.as_ref()) {
+    if let Some((condensation, c)) = condensation.as_ref().zip(matrices.damping.as_ref()) {
         let (forces, magnitudes) = (c * &solution.vectors, sizes(c) * sizes(&solution.vectors));
-        own.check_undamped(&forces, &magnitudes, &matrices.coordinates)?;
+        condensation.check_undamped(&forces, &magnitudes, &matrices.coordinates)?;
     }
     let damping = |j: usize| {
         let c = matrices.damping.as_ref()?;
@@ -322,7 +322,7 @@ fn solve(
 ) -> Result<Solution, TheoryError> {
     let raw = match condensation {
         None => linalg::symmetric_modes(&matrices.stiffness, &matrices.mass)?,
-        Some(own) => own.modes(matrices)?,
+        Some(condensation) => condensation.modes(matrices)?,
     };
     let mut total = row_squares(&raw.vectors);
     // A coordinate without mass is never a pivot, here as in sparse systems: its motion in all

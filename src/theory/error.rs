@@ -1,4 +1,4 @@
-//! What can be wrong with a model, its values or a request to it.
+//! Errors of a model, of its parameter values and of requests to it.
 
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
@@ -63,15 +63,13 @@ pub enum TheoryError {
         got: f64,
     },
     /// A derivative by a number of parts.
-    #[error(
-        "parameter `{name}`: got a derivative asked for, expected none: it takes whole numbers alone"
-    )]
+    #[error("parameter `{name}`: an integer parameter has no derivative")]
     NoDerivative {
         /// Parameter.
         name: String,
     },
     /// Two things of one kind with one name.
-    #[error("got {what} `{name}` twice, expected every {what} to have its own name")]
+    #[error("got {what} `{name}` twice, expected a distinct name for every {what}")]
     Duplicate {
         /// What kind of thing.
         what: &'static str,
@@ -142,7 +140,7 @@ pub enum TheoryError {
     },
     /// A spring that no coordinate stretches.
     #[error(
-        "{part}: got ends that nothing moves along its direction, expected at least one that a coordinate moves"
+        "{part}: neither end of the spring moves along its direction, expected a coordinate that moves at least one"
     )]
     NothingMoves {
         /// Part of the model.
@@ -221,11 +219,11 @@ pub enum TheoryError {
         /// How many the model has.
         size: usize,
     },
-    /// Readings that do not tell modes apart.
+    /// Readings at which modes are linearly dependent.
     #[error(
-        "expansion: got {readings} readings that do not tell {modes} modes apart (least over largest singular value {got:.1e}), expected above {expected:.0e}: more sensors or fewer modes"
+        "expansion: got {readings} readings that do not separate {modes} modes (least over largest singular value {got:.1e}), expected above {expected:.0e}: more sensors or fewer modes"
     )]
-    ModesNotTold {
+    IndistinctModes {
         /// Modes.
         modes: usize,
         /// Readings.
@@ -321,7 +319,7 @@ pub enum TheoryError {
         /// The entry.
         got: f64,
     },
-    /// A stiffness matrix that lets the model fall away.
+    /// A stiffness matrix that is not positive semidefinite.
     #[error(
         "got an eigenvalue {got_rad2_s2:.6e} (rad/s)^2, expected none below -{limit_rad2_s2:.3e}: the stiffness is not positive semidefinite"
     )]
@@ -364,7 +362,7 @@ pub enum TheoryError {
         "damped modes: got a model without a damping matrix, expected one (ratios stated mode by mode leave the modes as they are)"
     )]
     Undamped,
-    /// A motion that creeps back without swinging.
+    /// An overdamped motion.
     #[error(
         "damped modes: got the real root {got_rad_s:.6e} rad/s, expected complex roots only (less damping)"
     )]
@@ -421,19 +419,19 @@ pub enum TheoryError {
         /// The model.
         model: String,
     },
-    /// A response over nothing.
+    /// A response without recorded periods or without a time step.
     #[error(
-        "response: got {periods} periods to tell in steps of {step_radians} rad of the highest frequency, expected at least 1 and a step above 0"
+        "response: got {periods} recorded periods in steps of {step_radians} rad of the highest frequency, expected at least 1 and a step above 0"
     )]
     NoPeriods {
-        /// Periods that were to be told.
+        /// Recorded periods.
         periods: usize,
         /// Step times the highest angular frequency.
         step_radians: f64,
     },
-    /// Modes that change from one value of a parameter to the next, however near.
+    /// Modes whose shapes change too much between two values of a parameter to be tracked.
     #[error(
-        "parameter `{parameter}` between {lower} and {upper}: got shapes that do not go over into each other, expected them to"
+        "parameter `{parameter}` between {lower} and {upper}: mode shapes cannot be tracked between these values; use smaller steps"
     )]
     NotFollowed {
         /// The parameter.

@@ -1,7 +1,7 @@
 //! A model of given matrices: sums of a fixed part and of named groups that parameters scale.
 //!
 //! `M = M_0 + sum theta_j M_j`, `K = K_0 + sum theta_j K_j`, `C = C_0 + sum theta_j C_j + alpha M +
-//! beta K`, so that the derivative by a parameter is its own group. Where the matrices come from is
+//! beta K`, so that the derivative by a parameter is its group. Where the matrices come from is
 //! not known here; they are in SI units.
 
 use std::collections::BTreeMap;
@@ -25,8 +25,8 @@ const DENSE_COORDINATES: usize = 1000;
 /// Matrices with more than this part of their entries are not sparse.
 const SPARSE_FILL: f64 = 0.1;
 /// Full matrices of more coordinates are not made: 200 MB each.
-const MOST_DENSE: usize = 5000;
-/// What the part of a stiffness matrix is called that no group holds.
+const MAX_DENSE_COORDINATES: usize = 5000;
+/// Name of the part of a stiffness matrix that no group scales.
 const REST: &str = "rest";
 
 /// The matrices of one group, or of the fixed part; what is not there is zero.
@@ -142,7 +142,7 @@ impl ExternalModel {
         })
     }
 
-    /// A sensor on every coordinate, under its own name.
+    /// A sensor on every coordinate, under the name of the coordinate.
     pub fn sensors(&self) -> Vec<Sensor> {
         let sensor = |dof: &Dof| Sensor {
             dof: dof.positive(),
@@ -165,8 +165,12 @@ impl ExternalModel {
         let mut sets = groups.chain([&self.matrices.fixed]);
         let damped = mass_per_s > 0.0 || stiffness_s > 0.0;
         let damping = if damped || sets.any(|set| set.damping.is_some()) {
-            let own = self.part(DAMPING, values, by)?;
-            let terms = [(1.0, &own), (mass_per_s, &mass), (stiffness_s, &stiffness)];
+            let stated_damping = self.part(DAMPING, values, by)?;
+            let terms = [
+                (1.0, &stated_damping),
+                (mass_per_s, &mass),
+                (stiffness_s, &stiffness),
+            ];
             Some(SparseMatrix::weighted_sum(mass.size(), &terms)?)
         } else {
             None
@@ -325,12 +329,12 @@ fn coordinate(dof: &Dof) -> Coordinate {
 }
 
 fn check_dense(size: usize) -> Result<(), TheoryError> {
-    if size <= MOST_DENSE {
+    if size <= MAX_DENSE_COORDINATES {
         return Ok(());
     }
     Err(TheoryError::TooLarge {
         got: size,
-        most: MOST_DENSE,
+        most: MAX_DENSE_COORDINATES,
     })
 }
 

@@ -68,8 +68,8 @@ fn two_masses(second: &str) -> ExternalMatrices {
 fn membrane(damping: StatedDamping) -> (ExternalModel, Vec<f64>) {
     let nodes = 40;
     let h = 1.0 / (nodes + 1) as f64;
-    let bar = |own: f64, beside: f64| -> Entries {
-        let entry = move |i: usize, j: usize| (i, j, if i == j { own } else { beside });
+    let bar = |diagonal: f64, beside: f64| -> Entries {
+        let entry = move |i: usize, j: usize| (i, j, if i == j { diagonal } else { beside });
         let near = |i: usize| (i.saturating_sub(1)..=(i + 1).min(nodes - 1)).map(move |j| (i, j));
         (0..nodes)
             .flat_map(near)
@@ -116,12 +116,15 @@ fn parameters_scale_their_groups() {
     let (mass, damping) = ([[2.0, 0.0], [0.0, 5.0]], [[0.0, 0.0], [0.0, 8.0]]);
     let c = built.damping.unwrap();
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        for (own, expected) in [
+        for (entry, expected) in [
             (built.stiffness[(i, j)], stiffness[i][j]),
             (built.mass[(i, j)], mass[i][j]),
             (c[(i, j)], damping[i][j]),
         ] {
-            assert!((own - expected).abs() < 1e-13, "{i} {j}: {own} {expected}");
+            assert!(
+                (entry - expected).abs() < 1e-13,
+                "{i} {j}: {entry} {expected}"
+            );
         }
     }
     let by = model.derivative(&[3.0, 2.0], 0).unwrap();
@@ -231,10 +234,13 @@ fn sparse_sensitivities_split_a_double_root() {
     let found = model_sensitivities(&model, &[1.0], &solved, &roots).unwrap();
     // mu_1 + mu_1, then mu_1 + mu_2 twice, whose branches are mu_1 and mu_2.
     let expected = [vec![mu[0]], vec![mu[0], mu[1]], vec![mu[1]]];
-    for (own, expected) in found.iter().zip(expected) {
-        assert_eq!(own.branches[0].len(), expected.len());
-        for (own, expected) in own.branches[0].iter().zip(expected) {
-            assert!((own / expected - 1.0).abs() < 1e-8, "{own} {expected}");
+    for (sensitivities, expected) in found.iter().zip(expected) {
+        assert_eq!(sensitivities.branches[0].len(), expected.len());
+        for (sensitivity, expected) in sensitivities.branches[0].iter().zip(expected) {
+            assert!(
+                (sensitivity / expected - 1.0).abs() < 1e-8,
+                "{sensitivity} {expected}"
+            );
         }
     }
     assert!(found.len() >= 3);
@@ -396,7 +402,7 @@ fn groups_and_the_rest_share_the_strain_energy() {
             assert!((share - spring / all).abs() < 1e-14, "{share}");
         }
     }
-    // Without groups nothing is told apart.
+    // Without groups there are no named parts.
     let mut plain = two_masses("2:+X");
     plain.groups.clear();
     plain.fixed.stiffness = matrix(2, &[(0, 0, 100.0), (1, 1, 40.0)]);

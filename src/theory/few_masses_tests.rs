@@ -19,8 +19,12 @@ fn lowest(system: &SparseSystem, count: Option<usize>) -> Result<TheoryModes, Th
 /// 2e-6 where none is.
 fn stated_rounding(modes: &TheoryModes) -> f64 {
     let findings = modes.model.findings.iter();
-    let mut stated = findings.filter(|own| own.code == crate::finding::Code::StiffnessRounding);
-    2.0 * stated.next().and_then(|own| own.value).unwrap_or(1e-6)
+    let mut stated =
+        findings.filter(|finding| finding.code == crate::finding::Code::StiffnessRounding);
+    2.0 * stated
+        .next()
+        .and_then(|finding| finding.value)
+        .unwrap_or(1e-6)
 }
 
 #[test]
@@ -29,10 +33,10 @@ fn one_mass_at_the_end_of_a_fine_mesh_has_its_closed_form() {
     let expected = 3.0 * BENDING_N_M2 / (3.0 * LENGTH_M.powi(3));
     for elements in [100, 800] {
         let model = massless_beam(elements, [End::Clamped, End::Free], &[(LENGTH_M, 3.0)]);
-        let own = lowest(&sparse(&model.assemble(&[]).unwrap()), None).unwrap();
-        assert_eq!((own.rigid, own.omega_rad_s.len()), (0, 1));
-        let error = (own.omega_rad_s[0].powi(2) / expected - 1.0).abs();
-        assert!(error < stated_rounding(&own), "{elements}: {error:e}");
+        let solved = lowest(&sparse(&model.assemble(&[]).unwrap()), None).unwrap();
+        assert_eq!((solved.rigid, solved.omega_rad_s.len()), (0, 1));
+        let error = (solved.omega_rad_s[0].powi(2) / expected - 1.0).abs();
+        assert!(error < stated_rounding(&solved), "{elements}: {error:e}");
     }
 }
 
@@ -45,12 +49,15 @@ fn a_free_fine_mesh_with_three_masses_has_two_rigid_modes_and_its_closed_form() 
         let model = massless_beam(elements, [End::Free, End::Free], &masses);
         let system = sparse(&model.assemble(&[]).unwrap());
         for count in [None, Some(1), Some(2), Some(3)] {
-            let own = lowest(&system, count).unwrap();
+            let solved = lowest(&system, count).unwrap();
             let found = count.unwrap_or(3);
-            assert_eq!((own.rigid, own.omega_rad_s.len()), (found.min(2), found));
+            assert_eq!(
+                (solved.rigid, solved.omega_rad_s.len()),
+                (found.min(2), found)
+            );
             if found == 3 {
-                let error = (own.omega_rad_s[2].powi(2) / expected - 1.0).abs();
-                assert!(error < stated_rounding(&own), "{elements}: {error:e}");
+                let error = (solved.omega_rad_s[2].powi(2) / expected - 1.0).abs();
+                assert!(error < stated_rounding(&solved), "{elements}: {error:e}");
             }
         }
     }
@@ -74,15 +81,15 @@ fn soft(i: usize, masses: usize) -> f64 {
 
 #[test]
 fn modes_far_below_the_stiffness_of_their_coordinates_are_found() {
-    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MOST` the count of modes ends in an error
+    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MAX_MASSIVE_MOTIONS` the count of modes ends in an error
     // of its factor.
     for masses in [10, 200] {
-        let own = lowest(&sparse(&soft_supports(masses, 1e10)), Some(8)).unwrap();
-        assert_eq!((own.rigid, own.omega_rad_s.len()), (0, 8));
-        for (i, omega) in own.omega_rad_s.iter().enumerate() {
+        let solved = lowest(&sparse(&soft_supports(masses, 1e10)), Some(8)).unwrap();
+        assert_eq!((solved.rigid, solved.omega_rad_s.len()), (0, 8));
+        for (i, omega) in solved.omega_rad_s.iter().enumerate() {
             let error = omega.powi(2) / soft(i, masses) - 1.0;
             assert!(
-                error.abs() < stated_rounding(&own),
+                error.abs() < stated_rounding(&solved),
                 "{masses} {i}: {error:e}"
             );
         }
@@ -98,9 +105,9 @@ fn a_band_of_a_model_with_few_masses_holds_the_modes_below_its_end() {
         band: Some(crate::axis::Band::new(0.0, hi_hz).unwrap()),
         ..ModeOptions::default()
     };
-    let own = modes_of_sparse(&system, &options).unwrap();
-    assert_eq!(own.omega_rad_s.len(), 7);
-    for (a, b) in own.omega_rad_s.iter().zip(&exact) {
+    let solved = modes_of_sparse(&system, &options).unwrap();
+    assert_eq!(solved.omega_rad_s.len(), 7);
+    for (a, b) in solved.omega_rad_s.iter().zip(&exact) {
         assert!((a / b - 1.0).abs() < 1e-10, "{a} {b}");
     }
 }
@@ -158,7 +165,7 @@ fn exact_clamped(masses: &[(f64, f64)]) -> Vec<f64> {
 
 #[test]
 fn masses_off_their_nodes_by_rounding_have_the_modes_of_masses_there() {
-    // Twelve masses on a clamped beam of 120 elements, on the nodes and beside them: the own mass
+    // Twelve masses on a clamped beam of 120 elements, on the nodes and beside them: the mass
     // of a neighbouring coordinate is the sixth power of the offset.
     for off_m in [
         0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3,
@@ -168,9 +175,9 @@ fn masses_off_their_nodes_by_rounding_have_the_modes_of_masses_there() {
         let exact = exact_clamped(&masses);
         let model = massless_beam(120, [End::Clamped, End::Free], &masses);
         let matrices = model.assemble(&[]).unwrap();
-        for own in [solve(&matrices), lowest(&sparse(&matrices), None).unwrap()] {
-            assert_eq!(own.omega_rad_s.len(), 12, "{off_m:e}");
-            for (a, b) in own.omega_rad_s.iter().zip(&exact).take(4) {
+        for solved in [solve(&matrices), lowest(&sparse(&matrices), None).unwrap()] {
+            assert_eq!(solved.omega_rad_s.len(), 12, "{off_m:e}");
+            for (a, b) in solved.omega_rad_s.iter().zip(&exact).take(4) {
                 assert!((a / b - 1.0).abs() < 1e-6, "{off_m:e}: {a} {b}");
             }
         }
@@ -185,7 +192,7 @@ fn a_small_mass_beside_a_large_one_within_one_element_is_kept() {
     let model = massless_beam(2, [End::Clamped, End::Free], &masses);
     let matrices = model.assemble(&[]).unwrap();
     let heavy = exact_clamped(&masses)[0];
-    let own = solve(&matrices);
-    assert_eq!(own.omega_rad_s.len(), 2);
-    assert!((own.omega_rad_s[0] / heavy - 1.0).abs() < 1e-6);
+    let solved = solve(&matrices);
+    assert_eq!(solved.omega_rad_s.len(), 2);
+    assert!((solved.omega_rad_s[0] / heavy - 1.0).abs() < 1e-6);
 }

@@ -103,16 +103,16 @@ impl LumpedModel {
     }
 
     fn springs(&self, values: &Values<'_>) -> Result<Vec<Spring>, TheoryError> {
-        let spring = |(own, link): (&Stiffness, &LinkDescription)| {
+        let spring = |(stiffness, link): (&Stiffness, &LinkDescription)| {
             let property = Property {
                 part: &link.label(),
-                name: own.name,
-                value: &own.value,
+                name: stiffness.name,
+                value: &stiffness.value,
                 sign: Sign::NotNegative,
             };
             Ok(Spring {
                 name: link.name.clone(),
-                row: own.row.clone(),
+                row: stiffness.row.clone(),
                 stiffness: values.part(property.dual(values)?),
             })
         };

@@ -6,7 +6,7 @@ use crate::linalg::{RealMatrix, complex_matrix, real_matrix, singular_vectors, s
 use super::{SystemMatrices, TheoryError};
 
 /// Least singular value, as a part of the largest, of the modes at the measured coordinates: below
-/// it they do not tell the modes apart.
+/// it they do not separate the modes.
 const INDEPENDENT: f64 = 1e-10;
 
 /// A model over fewer coordinates.
@@ -38,9 +38,9 @@ pub fn guyan(matrices: &SystemMatrices, kept: &[usize]) -> Result<ReducedModel, 
     let mut expansion = real_matrix(n, kept.len(), |i, a| f64::from(u8::from(kept[a] == i)));
     if !others.is_empty() {
         let size = others.len();
-        let own = real_matrix(size, size, |i, j| k[(others[i], others[j])]);
+        let stiffness = real_matrix(size, size, |i, j| k[(others[i], others[j])]);
         let coupling = real_matrix(size, kept.len(), |i, a| -k[(others[i], kept[a])]);
-        let followed = solve_definite(&own, &coupling)?;
+        let followed = solve_definite(&stiffness, &coupling)?;
         for (i, &row) in others.iter().enumerate() {
             (0..kept.len()).for_each(|a| expansion[(row, a)] = followed[(i, a)]);
         }
@@ -59,7 +59,7 @@ pub fn guyan(matrices: &SystemMatrices, kept: &[usize]) -> Result<ReducedModel, 
 ///
 /// # Errors
 /// [`TheoryError::MatrixSize`] for rows of another length or fewer than modes;
-/// [`TheoryError::ModesNotTold`] where the readings do not tell the modes apart;
+/// [`TheoryError::IndistinctModes`] where the readings do not separate the modes;
 /// [`TheoryError::Linalg`].
 ///
 /// # Reference
@@ -83,7 +83,7 @@ pub fn serep_expansion(modes: &RealMatrix, rows: &[Vec<f64>]) -> Result<RealMatr
     let svd = singular_vectors(&complex_matrix(rows.len(), m, |i, j| read(i, j).into()))?;
     let got = svd.values[m - 1] / svd.values[0];
     if got.is_nan() || got <= INDEPENDENT {
-        return Err(TheoryError::ModesNotTold {
+        return Err(TheoryError::IndistinctModes {
             modes: m,
             readings: rows.len(),
             got,

@@ -54,9 +54,9 @@ fn a_mass_between_springs_follows_by_statics() {
 fn static_reduction_bounds_the_frequencies_from_above() {
     let full = chain(&[3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0]);
     let reduced = guyan(&full, &[4, 1]).unwrap();
-    let (own, exact) = (solved(&reduced.matrices), solved(&full));
-    for (own, exact) in own.omega_rad_s.iter().zip(&exact.omega_rad_s) {
-        assert!(own > exact && *own < 1.3 * exact, "{own} {exact}");
+    let (reduced_modes, exact) = (solved(&reduced.matrices), solved(&full));
+    for (omega, exact) in reduced_modes.omega_rad_s.iter().zip(&exact.omega_rad_s) {
+        assert!(omega > exact && *omega < 1.3 * exact, "{omega} {exact}");
     }
     // Kept whole, nothing changes.
     let whole = guyan(&full, &[0, 1, 2, 3, 4, 5]).unwrap();
@@ -70,9 +70,9 @@ fn serep_keeps_the_modes_exactly_and_gives_them_back_from_readings() {
     let modes = first(&exact.vectors, 3);
     let kept = [5, 0, 2];
     let reduced = serep(&full, &modes, &kept).unwrap();
-    let own = solved(&reduced.matrices);
-    for (own, exact) in own.omega_rad_s.iter().zip(&exact.omega_rad_s) {
-        assert!((own / exact - 1.0).abs() < 1e-12, "{own} {exact}");
+    let reduced_modes = solved(&reduced.matrices);
+    for (omega, exact) in reduced_modes.omega_rad_s.iter().zip(&exact.omega_rad_s) {
+        assert!((omega / exact - 1.0).abs() < 1e-12, "{omega} {exact}");
     }
     let read = real_matrix(3, 3, |i, j| modes[(kept[i], j)]);
     let back = &reduced.expansion * &read;
@@ -107,7 +107,7 @@ fn coordinates_and_readings_that_cannot_serve_are_named() {
     let error = serep_expansion(&modes, &same).unwrap_err();
     assert!(matches!(
         error,
-        TheoryError::ModesNotTold {
+        TheoryError::IndistinctModes {
             modes: 2,
             readings: 2,
             ..

@@ -55,8 +55,8 @@ fn pivots(rows: &[Vec<f64>], count: usize, total: &[f64]) -> Vec<usize> {
             dot(&rest, &rest)
         };
         let serves = |i: &usize| {
-            let own = dot(&rows[*i], &rows[*i]);
-            own > AT_REST * total[*i] && left(i) >= INDEPENDENT * own
+            let square = dot(&rows[*i], &rows[*i]);
+            square > AT_REST * total[*i] && left(i) >= INDEPENDENT * square
         };
         let share = |i: &usize| left(i) / total[*i];
         let best = || (0..rows.len()).max_by(|a, b| share(a).total_cmp(&share(b)));

@@ -87,7 +87,11 @@ fn readings(modes: &TheoryModes, dof: &Dof) -> Result<Vec<f64>, TheoryError> {
             .map(|v| v.re * dof.sign())
             .ok_or_else(|| TheoryError::NotObserved {
                 got: dof.clone(),
-                known: mode.shape.iter().map(|(own, _)| own.to_string()).collect(),
+                known: mode
+                    .shape
+                    .iter()
+                    .map(|(sensor, _)| sensor.to_string())
+                    .collect(),
             })
     };
     modes.model.modes.iter().map(of_mode).collect()

@@ -4,7 +4,7 @@ use super::TheoryError;
 
 /// A model with nonlinear equations of motion beside its matrices.
 pub trait Nonlinear: Send + Sync {
-    /// The steady response under the machine's own excitation, once for each detail of the model,
+    /// The steady response under the excitation of the machine, once for each detail of the model,
     /// from the simplest.
     ///
     /// # Errors

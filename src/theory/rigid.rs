@@ -152,14 +152,14 @@ impl RigidBodies {
     }
 
     fn row(&self, body: &str, reading: impl Fn(&Coordinate) -> f64) -> Vec<f64> {
-        let own = |coordinate: &Coordinate| {
+        let of_body = |coordinate: &Coordinate| {
             if coordinate.body == body {
                 reading(coordinate)
             } else {
                 0.0
             }
         };
-        self.coordinates.iter().map(own).collect()
+        self.coordinates.iter().map(of_body).collect()
     }
 
     /// Row of the second end minus that of the first.
@@ -180,8 +180,8 @@ impl RigidBodies {
     /// A coordinate that is a radius times an angle says nothing of a point of its body, nor of its
     /// angle.
     fn check_radius(&self, used_by: &str, body: &str) -> Result<(), TheoryError> {
-        let mut own = self.coordinates.iter().filter(|c| c.body == body);
-        match own.find(|c| c.motion == Motion::Arc) {
+        let mut coordinates_of_body = self.coordinates.iter().filter(|c| c.body == body);
+        match coordinates_of_body.find(|c| c.motion == Motion::Arc) {
             None => Ok(()),
             Some(coordinate) => Err(TheoryError::NoRadius {
                 used_by: used_by.to_owned(),

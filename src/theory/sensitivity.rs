@@ -34,8 +34,8 @@ impl RootSensitivity {
     /// Derivative of the mean of the branches by parameter `j`, (rad/s)² per unit; `None` for a
     /// number of parts.
     pub fn mean(&self, j: usize) -> Option<f64> {
-        let own = &self.branches[j];
-        (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
+        let branches = &self.branches[j];
+        (!branches.is_empty()).then(|| branches.iter().sum::<f64>() / branches.len() as f64)
     }
 
     /// Relative change of the frequency per relative change of parameter `j` with this value, `p/(2
@@ -138,7 +138,7 @@ fn of_roots(
 /// How the modes of one root change with a parameter.
 #[derive(Clone, Debug)]
 pub struct ModeDerivatives {
-    /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with its own
+    /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with the
     /// eigenvalue: derivatives of the eigenvalues on the diagonal, (rad/s)² per unit of the
     /// parameter.
     pub projected: RealMatrix,
@@ -172,7 +172,7 @@ pub fn mode_derivatives(
     // All columns at once: a product of matrices costs less than as many of a matrix and a vector.
     let columns: Vec<(usize, &[usize])> = roots
         .iter()
-        .flat_map(|root| root.iter().map(move |&own| (own, *root)))
+        .flat_map(|root| root.iter().map(move |&mode| (mode, *root)))
         .collect();
     let (n, m) = (modes.vectors.nrows(), columns.len());
     let phi = real_matrix(n, m, |i, c| modes.vectors[(i, columns[c].0)]);
@@ -182,12 +182,12 @@ pub fn mode_derivatives(
     });
     let all = modes.vectors.transpose() * &force;
     let share = real_matrix(modes.vectors.ncols(), m, |k, c| {
-        let (own, root) = columns[c];
-        let same = modes.omega_rad_s[k].to_bits() == modes.omega_rad_s[own].to_bits();
+        let (mode, root) = columns[c];
+        let same = modes.omega_rad_s[k].to_bits() == modes.omega_rad_s[mode].to_bits();
         if same || root.contains(&k) {
             0.0
         } else {
-            all[(k, c)] / (lambda(own) - lambda(k))
+            all[(k, c)] / (lambda(mode) - lambda(k))
         }
     });
     let mut vectors = &modes.vectors * &share;

@@ -95,14 +95,14 @@ fn sensitivities_of_the_torsional_gear_are_the_reference() {
         ),
     ] {
         for (parameter, text) in parameters.iter().zip(expected) {
-            let own = gear.sensitivities[root]
+            let sensitivity = gear.sensitivities[root]
                 .mean(gear.index(parameter))
                 .unwrap();
             let wanted: f64 = text.parse().unwrap();
             // Half a unit of the last printed digit; still bodies are still to rounding.
             assert!(
-                (own - wanted).abs() <= 6e-8 * wanted.abs() + 1e-12,
-                "{root} {parameter}: {own} {text}"
+                (sensitivity - wanted).abs() <= 6e-8 * wanted.abs() + 1e-12,
+                "{root} {parameter}: {sensitivity} {text}"
             );
         }
     }
@@ -152,19 +152,19 @@ fn check_derivatives(name: &str, model: &dyn TheoreticalModel) {
             }
         };
         let mut moved = 0.0f64;
-        for (own, expected) in [
+        for (matrix, expected) in [
             (&by.stiffness, difference(at(|m| m.stiffness), step)),
             (&by.mass, difference(at(|m| m.mass), step)),
         ] {
-            let all = || (0..own.nrows()).flat_map(|i| (0..own.nrows()).map(move |j| (i, j)));
+            let all = || (0..matrix.nrows()).flat_map(|i| (0..matrix.nrows()).map(move |j| (i, j)));
             let largest = all().map(|at| expected[at].abs()).fold(0.0, f64::max);
             moved = moved.max(largest);
             for place in all() {
                 assert!(
-                    (own[place] - expected[place]).abs() <= 1e-8 * largest,
+                    (matrix[place] - expected[place]).abs() <= 1e-8 * largest,
                     "{name} {} {place:?}: {} {}",
                     spec.name,
-                    own[place],
+                    matrix[place],
                     expected[place]
                 );
             }
@@ -178,9 +178,9 @@ fn check_derivatives(name: &str, model: &dyn TheoreticalModel) {
 
 #[test]
 fn derivatives_of_the_matrices_are_their_differences_for_every_parameter_of_every_built_in_model() {
-    for own in BUILT_IN {
-        for set in own.sets {
-            let name = format!("{}/{set}", own.name);
+    for model_set in BUILT_IN {
+        for set in model_set.sets {
+            let name = format!("{}/{set}", model_set.name);
             check_derivatives(&name, built_in(&name).unwrap().as_ref());
         }
     }
@@ -339,23 +339,23 @@ fn sensitivities_of_all_roots_are_extrapolated_differences_repeated_ones_by_bran
         "spider-reducer/paper",
         "helical-planetary",
     ] {
-        let own = solved(name);
-        let model = own.model.as_ref();
-        for (j, &value) in own.values.iter().enumerate() {
+        let gear = solved(name);
+        let model = gear.model.as_ref();
+        for (j, &value) in gear.values.iter().enumerate() {
             // Where the value is 0 there is no scale: angles, and supports that may not be
             // negative.
             if value.abs() <= 0.0 || model.parameters()[j].whole {
                 continue;
             }
             let step = 1e-4 * value.abs();
-            let at = |h: f64| eigenvalues(model, &own.values, (j, value + h));
+            let at = |h: f64| eigenvalues(model, &gear.values, (j, value + h));
             let [low, half_low, here, half_high, high] =
                 [-step, -0.5 * step, 0.0, 0.5 * step, step].map(at);
-            for (root, sensitivity) in own.roots.iter().zip(&own.sensitivities) {
+            for (root, sensitivity) in gear.roots.iter().zip(&gear.sensitivities) {
                 if root.omega_rad_s <= 0.0 {
                     continue;
                 }
-                let limit = 1e-6 * largest(sensitivity, &own.values);
+                let limit = 1e-6 * largest(sensitivity, &gear.values);
                 let mean = |all: &[f64]| -> f64 {
                     root.modes.iter().map(|&i| all[i]).sum::<f64>() / root.modes.len() as f64
                 };
@@ -391,19 +391,19 @@ fn sensitivities_of_all_roots_are_extrapolated_differences_repeated_ones_by_bran
 
 #[test]
 fn a_scaled_sensitivity_is_half_the_strain_share_of_its_spring() {
-    let own = solved("spider-reducer");
-    let roots = own.roots.iter().zip(&own.sensitivities);
+    let spider = solved("spider-reducer");
+    let roots = spider.roots.iter().zip(&spider.sensitivities);
     for (root, sensitivity) in roots {
         for (name, share) in &root.strain_energy {
-            let j = own.index(name);
-            let scaled = sensitivity.scaled(j, own.values[j]).unwrap();
+            let j = spider.index(name);
+            let scaled = sensitivity.scaled(j, spider.values[j]).unwrap();
             assert!(
                 (scaled - 0.5 * share).abs() < 1e-9,
                 "{name}: {scaled} {share}"
             );
         }
     }
-    assert_eq!(own.modes.rigid, 0);
+    assert_eq!(spider.modes.rigid, 0);
     let free = solved("torsional-planetary");
     assert_eq!(
         free.sensitivities[0].scaled(0, 1.0),
@@ -413,9 +413,9 @@ fn a_scaled_sensitivity_is_half_the_strain_share_of_its_spring() {
     let balls = solved("cycloid-ball");
     let j = balls.index("ball_count");
     let elastic = balls.sensitivities.iter().skip(1);
-    let mut elastic = elastic.map(|own| (own.mean(j), own.scaled(j, 10.0)));
+    let mut elastic = elastic.map(|sensitivity| (sensitivity.mean(j), sensitivity.scaled(j, 10.0)));
     assert!(
-        elastic.all(|own| own == (None, None)),
+        elastic.all(|means| means == (None, None)),
         "no derivative by a number of parts"
     );
 }

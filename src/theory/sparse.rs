@@ -8,10 +8,10 @@ use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
 use super::eigen::{Root, Solution, check_damping_ratio, check_entries, sizes};
 use super::{Condensation, Coordinate, ModeOptions, TheoryError, TheoryModes};
 
-/// Modes that are computed when neither a band nor a number is asked for.
-pub(super) const MODES: usize = 30;
-/// Most modes that are computed: beyond them full matrices cost less.
-const MOST_MODES: usize = 2000;
+/// Number of modes that are computed where neither a band nor a number is specified.
+pub(super) const DEFAULT_MODES: usize = 30;
+/// Maximum number of modes that are computed: beyond it full matrices cost less.
+const MAX_MODES: usize = 2000;
 /// A band's end is put up by this part, so that a mode at the end itself is counted for sure.
 const BEYOND_END: f64 = 1e-6;
 
@@ -60,19 +60,21 @@ pub fn modes_of_sparse(
     let wanted = match (options.band, options.count) {
         (Some(band), _) => Wanted::Below(((1.0 + BEYOND_END) * TAU * band.hi_hz).powi(2)),
         (None, Some(count)) => Wanted::Lowest(count.max(1)),
-        (None, None) => Wanted::Lowest(MODES),
+        (None, None) => Wanted::Lowest(DEFAULT_MODES),
     };
     let stiffness = || Ok(system.stiffness.clone());
     let condensation = Condensation::of(&system.mass, stiffness, &system.coordinates)?;
     let raw = match &condensation {
-        None => linalg::sparse_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?,
-        Some(own) => own.lowest_modes(&system.stiffness, &system.mass, wanted, MOST_MODES)?,
+        None => linalg::sparse_modes(&system.stiffness, &system.mass, wanted, MAX_MODES)?,
+        Some(condensation) => {
+            condensation.lowest_modes(&system.stiffness, &system.mass, wanted, MAX_MODES)?
+        }
     };
     let solution = solution(system, &raw)?;
-    if let Some((own, c)) = condensation.as_ref().zip(system.damping.as_ref()) {
+    if let Some((condensation, c)) = condensation.as_ref().zip(system.damping.as_ref()) {
         let forces = c.multiply(&solution.vectors);
         let magnitudes = magnitudes(c)?.multiply(&sizes(&solution.vectors));
-        own.check_undamped(&forces, &magnitudes, &system.coordinates)?;
+        condensation.check_undamped(&forces, &magnitudes, &system.coordinates)?;
     }
     let damping = |j: usize| {
         let c = system.damping.as_ref()?;

@@ -70,7 +70,12 @@ impl Machine {
     fn read(&self, body: &str, reading: impl Fn(&Coordinate, [Dual; 3]) -> Dual) -> Stretch {
         let all = self.coordinates.iter().enumerate();
         all.filter(|(_, coordinate)| coordinate.body == body)
-            .map(|(index, own)| (index, reading(own, own.axis.map(Dual::constant))))
+            .map(|(index, coordinate)| {
+                (
+                    index,
+                    reading(coordinate, coordinate.axis.map(Dual::constant)),
+                )
+            })
             .collect()
     }
 
@@ -118,15 +123,15 @@ impl Machine {
         total
     }
 
-    fn spring(&self, own: &MachineSpring) -> Spring {
+    fn spring(&self, spring: &MachineSpring) -> Spring {
         let mut row = vec![0.0; self.coordinates.len()];
-        for (i, part) in &own.stretch {
+        for (i, part) in &spring.stretch {
             row[*i] += part.value;
         }
         Spring {
-            name: own.name.to_owned(),
+            name: spring.name.to_owned(),
             row,
-            stiffness: own.stiffness.value,
+            stiffness: spring.stiffness.value,
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Roots of a model over one of its parameters, each followed by its shape, and where their loci
-//! cross or veer.
+//! Natural frequencies of a model over one of its parameters: modes are tracked by shape, and
+//! crossings and veerings of their loci are located.
 //!
-//! The values to be told are joined by as many more as the shapes need (`sweep_track`); where two
+//! Values are added between the requested ones where the shapes need them (`sweep_track`); where two
 //! loci meet or come nearest is then found between the samples (`sweep_events`).
 //!
 //! # Reference
@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use crate::axis::Band;
 
 use super::parameter::{check_values, index_of};
-use super::sparse::MODES;
+use super::sparse::DEFAULT_MODES;
 use super::sweep_events::events;
 use super::sweep_track::{Follower, Sample, Trail};
 use super::{
@@ -158,7 +158,7 @@ pub struct Sweep {
     pub solved: usize,
     /// Whether the loci are followed by their shapes. Not over a number of parts, by which the
     /// coordinates change: there a locus is the root of one number, counted from the lowest, and no
-    /// event is told.
+    /// event is reported.
     pub followed: bool,
 }
 
@@ -223,9 +223,9 @@ fn whole_trail(
 ) -> Result<Trail, TheoryError> {
     let unseen = |sample: &Sample| {
         let stranger = sample.strangers_rad_s.first();
-        stranger.is_some_and(|&own| match lowest {
-            Some(band) => band.contains(own / TAU),
-            None => sample.omega_rad_s.iter().filter(|w| **w <= own).count() < MODES,
+        stranger.is_some_and(|&omega| match lowest {
+            Some(band) => band.contains(omega / TAU),
+            None => sample.omega_rad_s.iter().filter(|w| **w <= omega).count() < DEFAULT_MODES,
         })
     };
     let mut options = ModeOptions {
@@ -263,11 +263,15 @@ fn numbered(
     let locus = |number: usize| Locus {
         multiplicity: roots
             .iter()
-            .map(|own| own.get(number).map_or(0, |root| root.modes.len()))
+            .map(|roots_at_value| {
+                roots_at_value
+                    .get(number)
+                    .map_or(0, |root| root.modes.len())
+            })
             .collect(),
         omega_rad_s: roots
             .iter()
-            .map(|own| own.get(number).map(|root| root.omega_rad_s))
+            .map(|roots_at_value| roots_at_value.get(number).map(|root| root.omega_rad_s))
             .collect(),
         class: roots[0].get(number).and_then(|root| root.class.clone()),
     };
@@ -287,18 +291,18 @@ fn loci(
     families: &[Vec<usize>],
     grid: &[f64],
 ) -> Vec<Locus> {
-    let told = grid.iter().filter_map(|value| trail.at(*value));
-    let told: Vec<_> = told.collect();
+    let samples = grid.iter().filter_map(|value| trail.at(*value));
+    let samples: Vec<_> = samples.collect();
     let locus = |family: &Vec<usize>| Locus {
-        multiplicity: vec![family.len(); told.len()],
-        omega_rad_s: told
+        multiplicity: vec![family.len(); samples.len()],
+        omega_rad_s: samples
             .iter()
             .map(|sample| Some(sample.omega_rad_s[family[0]]))
             .collect(),
         class: model
             .mode_class(
-                told[0].omega_rad_s[family[0]],
-                &told[0].kinetic_shares(family),
+                samples[0].omega_rad_s[family[0]],
+                &samples[0].kinetic_shares(family),
             )
             .map(str::to_owned),
     };

@@ -21,7 +21,10 @@ pub(super) fn events(
     trail: &Trail,
     families: &[Vec<usize>],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
-    let couplings = trail.samples.iter().map(|own| follower.couplings(own));
+    let couplings = trail
+        .samples
+        .iter()
+        .map(|sample| follower.couplings(sample));
     let couplings: Vec<RealMatrix> = couplings.collect::<Result<_, _>>()?;
     let mut found = Vec::new();
     for (a, b) in pairs(families.len()) {
@@ -42,11 +45,11 @@ fn crossings(
     let mut found = Vec::new();
     for meeting in &trail.meetings {
         let loci = match meeting.modes {
-            own if own == firsts => [a, b],
+            modes if modes == firsts => [a, b],
             [y, x] if [x, y] == firsts => [b, a],
             _ => continue,
         };
-        // Beside the place, where the two still have shapes of their own.
+        // Near the crossing, where the two shapes are still distinct.
         let from = before(trail, meeting.between[0]);
         let Some(sample) = follower.follow(from, meeting.place)? else {
             continue;
@@ -54,7 +57,7 @@ fn crossings(
         let pair = Pair::new(follower, from, families, loci)?;
         let hz = 0.5
             * loci
-                .map(|own| sample.omega_rad_s[families[own][0]])
+                .map(|locus| sample.omega_rad_s[families[locus][0]])
                 .iter()
                 .sum::<f64>()
             / TAU;
@@ -73,7 +76,9 @@ fn crossings(
 
 /// The last sample at or before a value.
 fn before(trail: &Trail, value: f64) -> &Sample {
-    let after = trail.samples.partition_point(|own| own.value <= value);
+    let after = trail
+        .samples
+        .partition_point(|sample| sample.value <= value);
     &trail.samples[after.saturating_sub(1)]
 }
 
@@ -93,9 +98,9 @@ fn veerings(
         let (Some(from), Some(to)) = (rates[i], rates[i + 1]) else {
             continue;
         };
-        let met = trail.meetings.iter().any(|own| {
-            let both = own.modes.iter().all(|mode| firsts.contains(mode));
-            both && own.between[0] < ends[1].value && own.between[1] > ends[0].value
+        let met = trail.meetings.iter().any(|meeting| {
+            let both = meeting.modes.iter().all(|mode| firsts.contains(mode));
+            both && meeting.between[0] < ends[1].value && meeting.between[1] > ends[0].value
         });
         if met || from >= 0.0 || to <= 0.0 || !parted(trail, i, firsts) {
             continue;
@@ -139,14 +144,14 @@ fn parted(trail: &Trail, i: usize, [a, b]: [usize; 2]) -> bool {
     let least = gap(&trail.samples[i]).min(gap(&trail.samples[i + 1]));
     let reaches = |side: &mut dyn Iterator<Item = &Sample>| {
         let mut last = least;
-        for own in side.map(gap) {
-            if own >= PARTED * least {
+        for distance in side.map(gap) {
+            if distance >= PARTED * least {
                 return true;
             }
-            if own < last {
+            if distance < last {
                 return false;
             }
-            last = own;
+            last = distance;
         }
         false
     };
@@ -171,10 +176,10 @@ impl Pair {
         loci: [usize; 2],
     ) -> Result<Self, TheoryError> {
         let couplings = follower.couplings(sample)?;
-        let firsts = loci.map(|own| families[own][0]);
+        let firsts = loci.map(|locus| families[locus][0]);
         let lambda = |mode: usize| sample.omega_rad_s[mode].powi(2);
-        let dependence = |own: usize, other: usize| {
-            let mode = families[own][0];
+        let dependence = |from: usize, other: usize| {
+            let mode = families[from][0];
             let part = |k: usize| (couplings[(mode, k)] / (lambda(k) - lambda(mode))).powi(2);
             let strangers = (0..sample.root.len()).filter(|&k| sample.root[k] != sample.root[mode]);
             let all: f64 = strangers.map(part).sum();

@@ -17,7 +17,7 @@ const CHAIN: usize = 550;
 /// The root of number `n` of a chain is near so many times `n`, rad/s.
 const SPACING: f64 = 100.0;
 /// The mass whose spring stays: between the fifth and the sixth root of the chains.
-const STILL: f64 = 550.0 * 550.0;
+const FIXED_STIFFNESS_N_PER_M: f64 = 550.0 * 550.0;
 /// The spring between the masses, N/m.
 const JOINT: f64 = 2000.0;
 /// Masses that nothing joins: enough for a model to be solved sparse.
@@ -36,12 +36,12 @@ fn chain_root(n: usize) -> f64 {
 
 /// Both roots of the masses with `p` the spring of the second to the ground.
 fn pair_roots(p: f64) -> [f64; 2] {
-    let (a, b) = (STILL + JOINT, p + JOINT);
+    let (a, b) = (FIXED_STIFFNESS_N_PER_M + JOINT, p + JOINT);
     let distance = (0.5 * (a - b)).hypot(JOINT);
     [0.5 * (a + b) - distance, 0.5 * (a + b) + distance]
 }
 
-/// The model; the spring `p` of the second mass is `fixed + factor * own`.
+/// The model; the spring `p` of the second mass is `fixed + factor * p`.
 fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
     let size = 2 * CHAIN + 2;
     let k = chain_stiffness();
@@ -56,7 +56,7 @@ fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
     }
     let (still, swept) = (size - 2, size - 1);
     stiffness.extend([
-        (still, still, STILL + JOINT),
+        (still, still, FIXED_STIFFNESS_N_PER_M + JOINT),
         (still, swept, -JOINT),
         (swept, still, -JOINT),
         (swept, swept, fixed + JOINT),
@@ -64,7 +64,7 @@ fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
     external((size, &stiffness), (swept, factor), (lower, upper))
 }
 
-/// Masses of 1 kg on a stiffness, one entry of its diagonal with `factor * own` on top.
+/// Masses of 1 kg on a stiffness, one entry of its diagonal with `factor * p` on top.
 fn external(
     (size, stiffness): (usize, &[(usize, usize, f64)]),
     (swept, factor): (usize, f64),
@@ -87,7 +87,7 @@ fn external(
             ..MatrixSet::default()
         },
         parameters: vec![ParameterSpec {
-            name: "own".to_owned(),
+            name: "factor".to_owned(),
             unit: "N/m".to_owned(),
             nominal: lower,
             lower: Some(lower),
@@ -95,49 +95,58 @@ fn external(
             status: ParameterStatus::Assumed,
             whole: false,
         }],
-        groups: vec![("own".to_owned(), scaled)],
+        groups: vec![("factor".to_owned(), scaled)],
         ..ExternalMatrices::default()
     });
     model.expect("matrices of one size")
 }
 
 fn swept(model: &ExternalModel, count: usize, band_rad_s: Option<f64>) -> Sweep {
-    let own = &model.parameters()[0];
+    let parameter = &model.parameters()[0];
     assert!(
         model
-            .sparse(&[own.nominal])
+            .sparse(&[parameter.nominal])
             .expect("a nominal value")
             .is_some()
     );
     let range = SweepRange {
-        lower: own.lower.expect("a lower bound"),
-        upper: own.upper.expect("an upper bound"),
+        lower: parameter.lower.expect("a lower bound"),
+        upper: parameter.upper.expect("an upper bound"),
         count,
     };
     let band = band_rad_s.map(|end| Band::new(0.0, end / TAU).expect("a band"));
-    sweep(model, &[own.nominal], "own", range, band).expect("a range within the bounds")
+    sweep(model, &[parameter.nominal], "factor", range, band).expect("a range within the bounds")
 }
 
 /// Every locus is a chain's root, or one of the two masses', through all values; how many of the
 /// chains' there are.
-fn check_loci(own: &Sweep, p: impl Fn(f64) -> f64) -> usize {
+fn check_loci(sweep: &Sweep, p: impl Fn(f64) -> f64) -> usize {
     let mut chains = 0;
     let mut pairs = Vec::new();
-    for locus in &own.loci {
+    for locus in &sweep.loci {
         let squares = locus
             .omega_rad_s
             .iter()
             .map(|w| w.expect("a mode at every value").powi(2));
         let squares: Vec<f64> = squares.collect();
         let all = |expected: &dyn Fn(f64) -> f64| {
-            let mut each = own.values.iter().zip(&squares);
+            let mut each = sweep.values.iter().zip(&squares);
             each.all(|(value, square)| (square / expected(*value) - 1.0).abs() < 1e-9)
         };
-        if locus.multiplicity.iter().all(|own| *own == 2) {
+        if locus
+            .multiplicity
+            .iter()
+            .all(|multiplicity| *multiplicity == 2)
+        {
             chains += 1;
             assert!(all(&|_| chain_root(chains)), "{chains}: {squares:?}");
         } else {
-            assert!(locus.multiplicity.iter().all(|own| *own == 1));
+            assert!(
+                locus
+                    .multiplicity
+                    .iter()
+                    .all(|multiplicity| *multiplicity == 1)
+            );
             let branch = [0, 1]
                 .into_iter()
                 .find(|&i| all(&|value| pair_roots(p(value))[i]));
@@ -151,14 +160,14 @@ fn check_loci(own: &Sweep, p: impl Fn(f64) -> f64) -> usize {
 /// Where a root of the masses is one of a chain's: `(a + c - l)(p + c - l) = c^2`.
 fn meeting(n: usize) -> f64 {
     let l = chain_root(n);
-    l - JOINT + JOINT * JOINT / (STILL + JOINT - l)
+    l - JOINT + JOINT * JOINT / (FIXED_STIFFNESS_N_PER_M + JOINT - l)
 }
 
-fn check_events(own: &Sweep, place: impl Fn(f64) -> f64, expected: &[(EventKind, f64)]) {
-    let got: Vec<EventKind> = own.events.iter().map(|event| event.kind).collect();
-    let kinds: Vec<EventKind> = expected.iter().map(|own| own.0).collect();
-    assert_eq!(got, kinds, "{:#?}", own.events);
-    for (event, (kind, wanted)) in own.events.iter().zip(expected) {
+fn check_events(sweep: &Sweep, place: impl Fn(f64) -> f64, expected: &[(EventKind, f64)]) {
+    let got: Vec<EventKind> = sweep.events.iter().map(|event| event.kind).collect();
+    let kinds: Vec<EventKind> = expected.iter().map(|event| event.0).collect();
+    assert_eq!(got, kinds, "{:#?}", sweep.events);
+    for (event, (kind, wanted)) in sweep.events.iter().zip(expected) {
         let found = place(event.place);
         // A crossing is where roots within rounding are; the least distance in frequency is flat.
         assert!((found / wanted - 1.0).abs() < 1e-6, "{event:?} {wanted}");
@@ -176,11 +185,15 @@ fn check_events(own: &Sweep, place: impl Fn(f64) -> f64, expected: &[(EventKind,
 /// Where the frequencies of the two masses are nearest: both change alike, `dl/dp / 2 w`.
 fn veering() -> f64 {
     let rate = |p: f64| {
-        let slope = 0.5 * (p - STILL) / (p - STILL).hypot(2.0 * JOINT);
+        let slope =
+            0.5 * (p - FIXED_STIFFNESS_N_PER_M) / (p - FIXED_STIFFNESS_N_PER_M).hypot(2.0 * JOINT);
         let [low, high] = pair_roots(p).map(f64::sqrt);
         (0.5 + slope) / high - (0.5 - slope) / low
     };
-    let (mut low, mut high) = (STILL - JOINT, STILL + JOINT);
+    let (mut low, mut high) = (
+        FIXED_STIFFNESS_N_PER_M - JOINT,
+        FIXED_STIFFNESS_N_PER_M + JOINT,
+    );
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if rate(middle) < 0.0 {
@@ -194,13 +207,13 @@ fn veering() -> f64 {
 
 #[test]
 fn a_root_that_rises_crosses_the_chains_and_veers_with_the_other_mass() {
-    // The second mass from 420 to 680 rad/s; all that lie in the band at the start are told.
+    // The second mass from 420 to 680 rad/s; all that lie in the band at the start are swept.
     let model = model(0.0, 1.0, (420.0f64.powi(2), 680.0f64.powi(2)));
-    let own = swept(&model, 8, Some(630.0));
-    assert!(own.followed);
-    assert_eq!(check_loci(&own, |p| p), 6);
+    let sweep = swept(&model, 8, Some(630.0));
+    assert!(sweep.followed);
+    assert_eq!(check_loci(&sweep, |p| p), 6);
     check_events(
-        &own,
+        &sweep,
         |p| p,
         &[
             (EventKind::Crossing, meeting(5)),
@@ -210,7 +223,7 @@ fn a_root_that_rises_crosses_the_chains_and_veers_with_the_other_mass() {
     );
     // A gap of 2 c in the squares over twice the coupling of one half.
     assert!(
-        (own.events[1].width.expect("a veering has a width") / (2.0 * JOINT) - 1.0).abs() < 1e-4
+        (sweep.events[1].width.expect("a veering has a width") / (2.0 * JOINT) - 1.0).abs() < 1e-4
     );
 }
 
@@ -218,26 +231,26 @@ fn a_root_that_rises_crosses_the_chains_and_veers_with_the_other_mass() {
 fn a_root_that_comes_from_above_is_followed_from_where_it_was() {
     // From 930 rad/s, beyond the band, down to 420: p = 930^2 - own.
     let fixed = 930.0f64.powi(2);
-    let p = |own: f64| fixed - own;
+    let p = |value: f64| fixed - value;
     let model = model(fixed, -1.0, (1.0, fixed - 420.0f64.powi(2)));
-    let own = swept(&model, 12, Some(630.0));
+    let sweep = swept(&model, 12, Some(630.0));
     // Seven are in the band at the start; more are followed until the mass is among them.
-    let chains = check_loci(&own, p);
+    let chains = check_loci(&sweep, p);
     assert!(chains >= 9, "{chains}");
     let crossings = |n: usize| (EventKind::Crossing, meeting(n));
     let (above, below) = ([9, 8, 7, 6].map(crossings), crossings(5));
     let mut expected = above.to_vec();
     expected.extend([(EventKind::Veering, veering()), below]);
-    check_events(&own, p, &expected);
+    check_events(&sweep, p, &expected);
 }
 
 #[test]
 fn without_a_band_the_lowest_thirty_are_followed() {
     let model = model(0.0, 1.0, (420.0f64.powi(2), 430.0f64.powi(2)));
-    let own = swept(&model, 2, None);
-    assert!(own.events.is_empty(), "{:?}", own.events);
+    let sweep = swept(&model, 2, None);
+    assert!(sweep.events.is_empty(), "{:?}", sweep.events);
     // Two of the masses, and fourteen double roots.
-    assert_eq!(check_loci(&own, |p| p), 14);
+    assert_eq!(check_loci(&sweep, |p| p), 14);
 }
 
 /// Masses of 1 kg, each alone on its spring: the first ones at `roots_rad_s`, the last of these
@@ -260,20 +273,24 @@ fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
     for first in [&[TAU * 40.0][..], &[]] {
         let roots: Vec<f64> = first.iter().copied().chain([TAU * 105.0]).collect();
         let model = masses(&roots, range);
-        let own = swept(&model, 6, Some(TAU * 100.0));
+        let sweep = swept(&model, 6, Some(TAU * 100.0));
         // Alone it leaves no mode in the band at the first value.
-        let told = own.loci.iter().map(|locus| &locus.omega_rad_s);
-        let told: Vec<_> = told.collect();
-        assert_eq!(told.len(), roots.len(), "the mass that falls is told");
-        for (i, &value) in own.values.iter().enumerate() {
+        let tracked = sweep.loci.iter().map(|locus| &locus.omega_rad_s);
+        let tracked: Vec<_> = tracked.collect();
+        assert_eq!(
+            tracked.len(),
+            roots.len(),
+            "the mass whose frequency falls is swept"
+        );
+        for (i, &value) in sweep.values.iter().enumerate() {
             let expected = first.iter().copied().chain([at(value)]);
-            for (locus, wanted) in told.iter().zip(expected) {
+            for (locus, wanted) in tracked.iter().zip(expected) {
                 let got = locus[i].expect("a mode at every value");
                 // Vectors are exact to 1e-11, their quotients to the square of it times the spread
                 // of the squares, 1e6.
                 assert!((got / wanted - 1.0).abs() < 1e-9, "{got} {wanted}");
             }
         }
-        assert!(own.events.is_empty(), "{:?}", own.events);
+        assert!(sweep.events.is_empty(), "{:?}", sweep.events);
     }
 }

@@ -30,27 +30,27 @@ fn swept(
 }
 
 /// Kind, place, gap of every event.
-fn told(sweep: &Sweep) -> Vec<(EventKind, f64, f64)> {
+fn events_of(sweep: &Sweep) -> Vec<(EventKind, f64, f64)> {
     let all = sweep.events.iter();
     all.map(|event| (event.kind, event.place, event.gap_hz))
         .collect()
 }
 
 /// All roots at every value, sorted, are those that a solver gives there: none lost, none twice.
-fn check_complete(model: &dyn TheoreticalModel, own: &Sweep) {
-    let j = index_of("test", model.parameters(), &own.parameter.name).unwrap();
-    for (i, &value) in own.values.iter().enumerate() {
+fn check_complete(model: &dyn TheoreticalModel, sweep: &Sweep) {
+    let j = index_of("test", model.parameters(), &sweep.parameter.name).unwrap();
+    for (i, &value) in sweep.values.iter().enumerate() {
         let mut values = nominal_values(model.parameters());
         values[j] = value;
         let modes = modes(model, &values, &[], &Default::default()).unwrap();
         let mut expected = modes.omega_rad_s.clone();
         expected.sort_by(f64::total_cmp);
-        let each = own.loci.iter();
+        let each = sweep.loci.iter();
         let mut got: Vec<f64> = each
             .flat_map(|locus| vec![locus.omega_rad_s[i].unwrap(); locus.multiplicity[i]])
             .collect();
         got.sort_by(f64::total_cmp);
-        assert_eq!(got, expected, "{} = {value}", own.parameter.name);
+        assert_eq!(got, expected, "{} = {value}", sweep.parameter.name);
     }
 }
 
@@ -85,10 +85,10 @@ fn two_masses_veer_where_their_springs_are_equal_however_weak_the_joint_and_howe
     for joint in [1.0, 1e-1, 1e-2, 1e-3] {
         for count in [2, 3, 50] {
             let model = pair(joint);
-            let own = swept(&model, "left", (37.0, 181.0, count));
-            check_complete(&model, &own);
-            let [event] = &own.events[..] else {
-                panic!("{joint} {count}: {:?}", own.events);
+            let result = swept(&model, "left", (37.0, 181.0, count));
+            check_complete(&model, &result);
+            let [event] = &result.events[..] else {
+                panic!("{joint} {count}: {:?}", result.events);
             };
             assert_eq!(event.kind, EventKind::Veering, "{joint} {count}");
             // d(omega_2 - omega_1)/da = 0: the difference of the eigenvalues is least at a = b, and
@@ -116,10 +116,10 @@ fn two_masses_veer_where_their_springs_are_equal_however_weak_the_joint_and_howe
 fn two_masses_without_a_joint_cross_and_keep_their_shapes() {
     let model = pair(0.0);
     for count in [2, 3, 64] {
-        let own = swept(&model, "left", (30.0, 170.0, count));
-        check_complete(&model, &own);
-        let [event] = &own.events[..] else {
-            panic!("{count}: {:?}", own.events);
+        let result = swept(&model, "left", (30.0, 170.0, count));
+        check_complete(&model, &result);
+        let [event] = &result.events[..] else {
+            panic!("{count}: {:?}", result.events);
         };
         assert_eq!(
             (event.kind, event.gap_hz, event.width),
@@ -131,41 +131,42 @@ fn two_masses_without_a_joint_cross_and_keep_their_shapes() {
         assert_eq!(event.loci, [0, 1]);
         // The locus of the mass that does not change stays where it is.
         assert!(
-            own.loci[1]
+            result.loci[1]
                 .omega_rad_s
                 .iter()
                 .flatten()
                 .all(|omega| (omega - 10.0).abs() < 1e-12)
         );
-        assert!((own.loci[0].omega_rad_s[count - 1].unwrap() - 170.0f64.sqrt()).abs() < 1e-12);
+        assert!((result.loci[0].omega_rad_s[count - 1].unwrap() - 170.0f64.sqrt()).abs() < 1e-12);
     }
 }
 
 #[test]
 fn a_sample_exactly_on_a_crossing_does_not_swap_the_modes() {
-    let own = swept(&pair(0.0), "left", (50.0, 150.0, 3));
-    assert_eq!(told(&own).len(), 1);
-    assert_eq!(own.events[0].kind, EventKind::Crossing);
-    assert!((own.loci[0].omega_rad_s[2].unwrap() - 150.0f64.sqrt()).abs() < 1e-12);
+    let result = swept(&pair(0.0), "left", (50.0, 150.0, 3));
+    assert_eq!(events_of(&result).len(), 1);
+    assert_eq!(result.events[0].kind, EventKind::Crossing);
+    assert!((result.loci[0].omega_rad_s[2].unwrap() - 150.0f64.sqrt()).abs() < 1e-12);
 }
 
 #[test]
 fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_ring_mesh() {
     let model = built_in("torsional-planetary/carrier-fixed").unwrap();
     for count in [8, 60, 200] {
-        let own = swept(model.as_ref(), "k_r", (1e7, 1e11, count));
-        check_complete(model.as_ref(), &own);
+        let result = swept(model.as_ref(), "k_r", (1e7, 1e11, count));
+        check_complete(model.as_ref(), &result);
         // Free motion, the planet modes (two), the rotational ones.
-        let mut multiplicities: Vec<usize> = own.loci.iter().map(|l| l.multiplicity[0]).collect();
+        let mut multiplicities: Vec<usize> =
+            result.loci.iter().map(|l| l.multiplicity[0]).collect();
         multiplicities.sort_unstable();
         assert_eq!(multiplicities, [1, 1, 1, 2], "{count}");
-        let kinds: Vec<EventKind> = own.events.iter().map(|event| event.kind).collect();
+        let kinds: Vec<EventKind> = result.events.iter().map(|event| event.kind).collect();
         assert_eq!(
             kinds,
             [EventKind::Crossing, EventKind::Veering, EventKind::Crossing],
             "{count}"
         );
-        let [lower, veering, upper] = &own.events[..] else {
+        let [lower, veering, upper] = &result.events[..] else {
             panic!()
         };
         for (event, place, hz) in [
@@ -199,13 +200,14 @@ fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_
         assert!((veering.place - 2.512238e9).abs() < 0.1 * veering.width.unwrap());
         // The rotational locus that comes from below crosses the planet modes on both sides; the
         // other one never does.
-        let planet = own
+        let planet = result
             .loci
             .iter()
             .position(|locus| locus.multiplicity[0] == 2)
             .unwrap();
         assert!(lower.loci.contains(&planet) && upper.loci.contains(&planet));
-        let rotational = |loci: [usize; 2]| loci.into_iter().find(|own| *own != planet).unwrap();
+        let rotational =
+            |loci: [usize; 2]| loci.into_iter().find(|locus| *locus != planet).unwrap();
         assert_eq!(rotational(lower.loci), rotational(upper.loci));
         assert_eq!(rotational(upper.loci), veering.loci[0]);
     }
@@ -214,10 +216,10 @@ fn the_torsional_gear_crosses_its_planet_modes_twice_and_veers_between_over_the_
 #[test]
 fn over_the_sun_the_gear_veers_and_crosses_where_the_reference_has_it() {
     let model = built_in("torsional-planetary/carrier-fixed").unwrap();
-    let own = swept(model.as_ref(), "m_s", (0.1, 40.0, 25));
-    check_complete(model.as_ref(), &own);
-    let [veering, crossing] = &own.events[..] else {
-        panic!("{:?}", own.events);
+    let result = swept(model.as_ref(), "m_s", (0.1, 40.0, 25));
+    check_complete(model.as_ref(), &result);
+    let [veering, crossing] = &result.events[..] else {
+        panic!("{:?}", result.events);
     };
     assert_eq!(
         (veering.kind, crossing.kind),
@@ -245,16 +247,16 @@ fn the_cycloid_mode_that_jumps_crosses_and_does_not_veer() {
         ("D", 2.529523e7, 65468.220541 / TAU),
     ] {
         let model = built_in(&format!("cycloid-ball/{set}")).unwrap();
-        let own = swept(model.as_ref(), "k_03y", (1e7, 9e7, 9));
-        check_complete(model.as_ref(), &own);
+        let result = swept(model.as_ref(), "k_03y", (1e7, 9e7, 9));
+        check_complete(model.as_ref(), &result);
         let at = |hertz: f64| {
             move |event: &&super::LocusEvent| (event.frequency_hz[0] - hertz).abs() < 1e-3
         };
-        let jump = own
+        let jump = result
             .events
             .iter()
             .find(at(hz))
-            .unwrap_or_else(|| panic!("{:?}", own.events));
+            .unwrap_or_else(|| panic!("{:?}", result.events));
         assert_eq!(jump.kind, EventKind::Crossing);
         assert!(
             (jump.place / place - 1.0).abs() < 3e-7,
@@ -264,7 +266,7 @@ fn the_cycloid_mode_that_jumps_crosses_and_does_not_veer() {
         assert!(jump.coupling < 1e-12, "{}", jump.coupling);
         // The mode that is met does not move at all.
         let met = jump.loci.into_iter().find(|&locus| {
-            let all = &own.loci[locus].omega_rad_s;
+            let all = &result.loci[locus].omega_rad_s;
             all.iter()
                 .flatten()
                 .all(|omega| (omega / all[0].unwrap() - 1.0).abs() < 1e-9)
@@ -274,14 +276,14 @@ fn the_cycloid_mode_that_jumps_crosses_and_does_not_veer() {
 }
 
 #[test]
-fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_told() {
+fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_reported() {
     let model = built_in("cycloid-ball").unwrap();
-    let own = swept(model.as_ref(), "ball_count", (8.0, 14.0, 7));
-    assert_eq!(own.values, [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0]);
-    assert!(!own.followed && own.events.is_empty());
-    assert_eq!(own.loci.len(), 17);
+    let result = swept(model.as_ref(), "ball_count", (8.0, 14.0, 7));
+    assert_eq!(result.values, [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0]);
+    assert!(!result.followed && result.events.is_empty());
+    assert_eq!(result.loci.len(), 17);
     let balls = |less: i32| -> Vec<usize> { (8..15).map(|n| (n + less) as usize).collect() };
-    for (number, locus) in (1..).zip(&own.loci) {
+    for (number, locus) in (1..).zip(&result.loci) {
         let expected = match number {
             1 => balls(1),
             6 => vec![4; 7],
@@ -297,7 +299,7 @@ fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_told() {
         (13, 4, 59611.981),
         (14, 6, 65167.516),
     ] {
-        let omega = own.loci[number - 1].omega_rad_s[value].unwrap();
+        let omega = result.loci[number - 1].omega_rad_s[value].unwrap();
         assert!((omega - expected).abs() < 6e-4, "{number}: {omega}");
     }
     // A range of a factor of ten goes on in equal steps.
@@ -321,8 +323,8 @@ fn over_the_number_of_balls_roots_are_numbered_and_their_multiplicities_told() {
 
 #[test]
 fn every_built_in_model_keeps_its_modes_over_a_stiffness_and_a_mass() {
-    for own in BUILT_IN {
-        let model = built_in(own.name).unwrap();
+    for builtin in BUILT_IN {
+        let model = built_in(builtin.name).unwrap();
         for prefix in ["k_", "m_"] {
             let spec = model
                 .parameters()
@@ -337,7 +339,7 @@ fn every_built_in_model_keeps_its_modes_over_a_stiffness_and_a_mass() {
             let values = nominal_values(model.parameters());
             let solved = modes(model.as_ref(), &values, &[], &Default::default()).unwrap();
             let roots = model_roots(model.as_ref(), &solved).len();
-            assert!(swept.loci.len() >= roots, "{} {}", own.name, spec.name);
+            assert!(swept.loci.len() >= roots, "{} {}", builtin.name, spec.name);
         }
     }
 }

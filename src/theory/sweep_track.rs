@@ -1,4 +1,4 @@
-//! Modes followed by shape from one value of a parameter to the next.
+//! Mode tracking by shape from one value of a parameter to the next.
 
 use std::cell::Cell;
 use std::f64::consts::TAU;
@@ -95,7 +95,7 @@ impl Trail {
     pub fn at(&self, value: f64) -> Option<&Sample> {
         let place = self
             .samples
-            .binary_search_by(|own| own.value.total_cmp(&value));
+            .binary_search_by(|sample| sample.value.total_cmp(&value));
         place.ok().map(|i| &self.samples[i])
     }
 
@@ -103,7 +103,11 @@ impl Trail {
     pub fn families(&self) -> Vec<Vec<usize>> {
         let mut families: Vec<Vec<usize>> = Vec::new();
         for mode in 0..self.samples[0].omega_rad_s.len() {
-            let together = |own: usize| self.samples.iter().all(|s| s.root[own] == s.root[mode]);
+            let together = |family_mode: usize| {
+                self.samples
+                    .iter()
+                    .all(|s| s.root[family_mode] == s.root[mode])
+            };
             match families.iter_mut().find(|family| together(family[0])) {
                 Some(family) => family.push(mode),
                 None => families.push(vec![mode]),
@@ -163,8 +167,10 @@ impl<'a> Follower<'a> {
         let all = ModeOptions::default();
         let modes = system.modes(if system.is_sparse() { options } else { &all })?;
         let mut root = vec![0; modes.omega_rad_s.len()];
-        for (number, own) in modes.model.roots().into_iter().enumerate() {
-            own.into_iter().for_each(|mode| root[mode] = number);
+        for (number, modes_of_root) in modes.model.roots().into_iter().enumerate() {
+            modes_of_root
+                .into_iter()
+                .for_each(|mode| root[mode] = number);
         }
         Ok(Sample {
             value,
@@ -181,7 +187,7 @@ impl<'a> Follower<'a> {
     pub fn couplings(&self, sample: &Sample) -> Result<RealMatrix, TheoryError> {
         let by = SystemSlope::of(self.model, &self.values_at(sample.value), self.j)?;
         let phi = &sample.vectors;
-        let [mass, stiffness] = by.products(phi).map(|own| phi.transpose() * own);
+        let [mass, stiffness] = by.products(phi).map(|product| phi.transpose() * product);
         let lambda = |a: usize| sample.omega_rad_s[a].powi(2);
         let n = phi.ncols();
         Ok(real_matrix(n, n, |a, b| {
@@ -215,13 +221,15 @@ impl<'a> Follower<'a> {
             parts.map(|at| from.vectors[at] * seen[at]).sum()
         };
         let squares: Vec<f64> = (0..seen.ncols()).map(square).collect();
-        let Some(own) = roots_of_modes(&overlap, &squares, &found.root) else {
+        let Some(root_of_mode) = roots_of_modes(&overlap, &squares, &found.root) else {
             return Ok(None);
         };
-        let mut parts: Vec<Vec<(usize, f64)>> = vec![Vec::new(); own.len()];
+        let mut parts: Vec<Vec<(usize, f64)>> = vec![Vec::new(); root_of_mode.len()];
         let mut strangers_rad_s = Vec::new();
         for root in 0..found.root.iter().max().map_or(0, |last| last + 1) {
-            let modes: Vec<usize> = (0..own.len()).filter(|&mode| own[mode] == root).collect();
+            let modes: Vec<usize> = (0..root_of_mode.len())
+                .filter(|&mode| root_of_mode[mode] == root)
+                .collect();
             let columns: Vec<usize> = (0..found.root.len())
                 .filter(|&column| found.root[column] == root)
                 .collect();
@@ -236,7 +244,7 @@ impl<'a> Follower<'a> {
             }
         }
         let turned = |all: &RealMatrix| {
-            real_matrix(all.nrows(), own.len(), |i, mode| {
+            real_matrix(all.nrows(), root_of_mode.len(), |i, mode| {
                 let parts = parts[mode].iter();
                 parts
                     .map(|&(column, factor)| all[(i, column)] * factor)
@@ -247,13 +255,13 @@ impl<'a> Follower<'a> {
             value,
             omega_rad_s: parts
                 .iter()
-                .map(|own| found.omega_rad_s[own[0].0])
+                .map(|column| found.omega_rad_s[column[0].0])
                 .collect(),
             strangers_rad_s,
             vectors: turned(&found.vectors),
             moved: turned(&found.moved),
             forces: turned(&found.forces),
-            root: own,
+            root: root_of_mode,
         }))
     }
 
@@ -313,7 +321,7 @@ impl<'a> Follower<'a> {
             };
             // Modes that share their roots on both sides meet the same others at the same place.
             let key = [before.root[a], before.root[b], to.root[a], to.root[b]];
-            if let Some(same) = seen.iter().position(|own| *own == key) {
+            if let Some(same) = seen.iter().position(|known_key| *known_key == key) {
                 meetings.push(Meeting {
                     modes,
                     ..meetings[same].clone()
@@ -339,15 +347,15 @@ impl<'a> Follower<'a> {
         Ok(Step::Taken(Box::new(to), meetings))
     }
 
-    /// Where two modes meet between two samples; the value at which their shapes are not to be told
-    /// apart from others.
+    /// Where two modes meet between two samples; the value at which their shapes cannot be separated
+    /// from others.
     fn meeting(
         &self,
         before: &Sample,
         after: &Sample,
         [a, b]: [usize; 2],
     ) -> Result<Result<f64, f64>, TheoryError> {
-        let ends = [before, after].map(|own| (own.value, own.quotient_distance(a, b)));
+        let ends = [before, after].map(|sample| (sample.value, sample.quotient_distance(a, b)));
         zero_between(ends, |value| {
             let sample = self.follow(before, value)?;
             Ok(sample.map(|sample| sample.quotient_distance(a, b)))
@@ -411,8 +419,8 @@ pub(super) fn zero_between<E>(
 fn roots_of_modes(overlap: &RealMatrix, squares: &[f64], root: &[usize]) -> Option<Vec<usize>> {
     let n = root.len();
     let mut left = vec![0usize; n];
-    root.iter().for_each(|&own| left[own] += 1);
-    let mut own = Vec::with_capacity(squares.len());
+    root.iter().for_each(|&number| left[number] += 1);
+    let mut roots = Vec::with_capacity(squares.len());
     for (mode, square) in squares.iter().enumerate() {
         let mut shares = vec![0.0; n];
         (0..n).for_each(|column| shares[root[column]] += overlap[(mode, column)].powi(2));
@@ -420,9 +428,9 @@ fn roots_of_modes(overlap: &RealMatrix, squares: &[f64], root: &[usize]) -> Opti
             .iter()
             .position(|share| *share >= SAME_SHAPE * square)?;
         left[found] = left[found].checked_sub(1)?;
-        own.push(found);
+        roots.push(found);
     }
-    Some(own)
+    Some(roots)
 }
 
 /// The matrix of orthonormal rows nearest to one whose rows nearly are so, `(A A^T)^(-1/2) A`; a
@@ -438,7 +446,9 @@ fn nearest_rotation(a: &RealMatrix) -> Result<RealMatrix, TheoryError> {
     }
     let gram = a * a.transpose();
     let symmetric = real_matrix(m, m, |i, k| 0.5 * (gram[(i, k)] + gram[(k, i)]));
-    let own = symmetric_eigen(&symmetric)?;
-    let scaled = real_matrix(m, m, |i, k| own.vectors[(i, k)] / own.values[k].sqrt());
-    Ok(scaled * (own.vectors.transpose() * a))
+    let gram_eigen = symmetric_eigen(&symmetric)?;
+    let scaled = real_matrix(m, m, |i, k| {
+        gram_eigen.vectors[(i, k)] / gram_eigen.values[k].sqrt()
+    });
+    Ok(scaled * (gram_eigen.vectors.transpose() * a))
 }

@@ -29,24 +29,24 @@ impl System {
     /// The modes that the options ask for; of a sparse system the lowest without any.
     pub fn modes(&self, options: &ModeOptions) -> Result<TheoryModes, TheoryError> {
         match self {
-            System::Full(own) => modes_of_matrices(own, options),
-            System::Sparse(own) => modes_of_sparse(own, options),
+            System::Full(matrices) => modes_of_matrices(matrices, options),
+            System::Sparse(system) => modes_of_sparse(system, options),
         }
     }
 
     /// `M X`.
     pub fn mass(&self, x: &RealMatrix) -> RealMatrix {
         match self {
-            System::Full(own) => &own.mass * x,
-            System::Sparse(own) => own.mass.multiply(x),
+            System::Full(matrices) => &matrices.mass * x,
+            System::Sparse(system) => system.mass.multiply(x),
         }
     }
 
     /// `K X`.
     pub fn stiffness(&self, x: &RealMatrix) -> RealMatrix {
         match self {
-            System::Full(own) => &own.stiffness * x,
-            System::Sparse(own) => own.stiffness.multiply(x),
+            System::Full(matrices) => &matrices.stiffness * x,
+            System::Sparse(system) => system.stiffness.multiply(x),
         }
     }
 }

@@ -11,10 +11,10 @@ use super::super::model::LoadedModel;
 use super::rounded;
 
 /// Numbers at most; a model of more is not drawn, but at the sensors.
-const MOST_NUMBERS: usize = 90_000;
+const MAX_NUMBERS: usize = 90_000;
 
 /// Coordinates of a sparse model above which it is not solved once more.
-const MOST_SPARSE: usize = 3000;
+const MAX_SPARSE_COORDINATES: usize = 3000;
 
 /// The modes of a model over its bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,7 +54,7 @@ pub(super) fn theory_motion(
     let sparse = model.model.sparse(&model.values)?;
     if sparse
         .as_ref()
-        .is_some_and(|own| own.coordinates.len() > MOST_SPARSE)
+        .is_some_and(|system| system.coordinates.len() > MAX_SPARSE_COORDINATES)
     {
         return Ok(None);
     }
@@ -65,20 +65,25 @@ pub(super) fn theory_motion(
     let solved = modes(model.model.as_ref(), &model.values, &[], &options)?;
     let coordinates = &solved.coordinates;
     let places = places(coordinates);
-    let count =
-        places.iter().map(|(_, _, own)| own.len()).sum::<usize>() * 6 * solved.omega_rad_s.len();
-    if places.is_empty() || count > MOST_NUMBERS || placeless(&places, coordinates) {
+    let count = places
+        .iter()
+        .map(|(_, _, coordinates_there)| coordinates_there.len())
+        .sum::<usize>()
+        * 6
+        * solved.omega_rad_s.len();
+    if places.is_empty() || count > MAX_NUMBERS || placeless(&places, coordinates) {
         return Ok(None);
     }
     let masses = match sparse {
         Some(_) => None,
         None => Some(model.model.assemble(&model.values)?.mass),
     };
-    let mass = |c: usize| masses.as_ref().map(|own| own[(c, c)]);
-    let several = |body: &str| places.iter().filter(|(own, ..)| *own == body).count() > 1;
-    let nodes = places.iter().map(|(body, at_m, own)| {
+    let mass = |c: usize| masses.as_ref().map(|matrix| matrix[(c, c)]);
+    let several = |body: &str| places.iter().filter(|(name, ..)| *name == body).count() > 1;
+    let nodes = places.iter().map(|(body, at_m, coordinates_there)| {
         let of = |motion: Motion| {
-            own.iter()
+            coordinates_there
+                .iter()
                 .filter(move |c| coordinates[**c].motion == motion)
         };
         let heaviest = of(Motion::Translation)
@@ -120,14 +125,14 @@ type PlaceOf<'a> = (&'a str, [f64; 3], Vec<usize>);
 
 fn places(coordinates: &[Coordinate]) -> Vec<PlaceOf<'_>> {
     let mut all: Vec<PlaceOf> = Vec::new();
-    for (index, own) in coordinates.iter().enumerate() {
+    for (index, coordinate) in coordinates.iter().enumerate() {
         let bits = |at: &[f64; 3]| at.map(f64::to_bits);
         let known = all
             .iter_mut()
-            .find(|(body, at, _)| *body == own.body && bits(at) == bits(&own.at_m));
+            .find(|(body, at, _)| *body == coordinate.body && bits(at) == bits(&coordinate.at_m));
         match known {
             Some((_, _, members)) => members.push(index),
-            None => all.push((&own.body, own.at_m, vec![index])),
+            None => all.push((&coordinate.body, coordinate.at_m, vec![index])),
         }
     }
     all
@@ -138,7 +143,7 @@ fn placeless(places: &[PlaceOf<'_>], coordinates: &[Coordinate]) -> bool {
     let first = places[0].1;
     let turns = coordinates
         .iter()
-        .any(|own| own.motion != Motion::Translation);
+        .any(|coordinate| coordinate.motion != Motion::Translation);
     let far = |at: &[f64; 3]| at.iter().zip(&first).any(|(a, b)| (a - b).abs() > 1e-12);
     places.len() > 1 && !turns && !places.iter().any(|(_, at, _)| far(at))
 }
@@ -146,7 +151,7 @@ fn placeless(places: &[PlaceOf<'_>], coordinates: &[Coordinate]) -> bool {
 fn motion(solved: &TheoryModes, places: &[PlaceOf<'_>], mode: usize) -> Vec<f64> {
     let mut all = Vec::with_capacity(6 * places.len());
     for (_, _, members) in places {
-        let mut own = [0.0; 6];
+        let mut components = [0.0; 6];
         for &c in members {
             let coordinate = &solved.coordinates[c];
             let offset = match coordinate.motion {
@@ -154,10 +159,10 @@ fn motion(solved: &TheoryModes, places: &[PlaceOf<'_>], mode: usize) -> Vec<f64>
                 Motion::Rotation | Motion::Arc => 3,
             };
             for (k, part) in coordinate.axis.iter().enumerate() {
-                own[offset + k] += part * solved.vectors[(c, mode)];
+                components[offset + k] += part * solved.vectors[(c, mode)];
             }
         }
-        all.extend(own.map(|value| rounded(value, 4)));
+        all.extend(components.map(|value| rounded(value, 4)));
     }
     all
 }
@@ -207,23 +212,25 @@ stiffness_n_per_m = 1e6
 
     #[test]
     fn a_body_has_the_radius_of_its_inertia_and_moves_as_its_mode() {
-        let own = theory_motion(&discs(0.3), None).unwrap().unwrap();
+        let theory_figure = theory_motion(&discs(0.3), None).unwrap().unwrap();
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-3 * b.abs().max(1e-9), "{a} {b}");
-        assert_eq!(own.nodes.len(), 2);
-        near(own.nodes[0].radius_m.unwrap(), 0.2);
-        assert!(own.nodes[1].radius_m.is_none() && own.nodes[1].axes.is_empty());
-        let [[x, y, z]] = own.nodes[0].axes[..] else {
+        assert_eq!(theory_figure.nodes.len(), 2);
+        near(theory_figure.nodes[0].radius_m.unwrap(), 0.2);
+        assert!(
+            theory_figure.nodes[1].radius_m.is_none() && theory_figure.nodes[1].axes.is_empty()
+        );
+        let [[x, y, z]] = theory_figure.nodes[0].axes[..] else {
             panic!("one axis")
         };
         near(x + y + 1.0, 1.0);
         near(z, 1.0);
         // 1/m + r²/J + 1/m' per unit stiffness: 0.5 + 0.01/0.08 + 1.
-        let elastic = own.hz.len() - 1;
+        let elastic = theory_figure.hz.len() - 1;
         near(
-            own.hz[elastic],
+            theory_figure.hz[elastic],
             (1e6f64 * 1.625).sqrt() / std::f64::consts::TAU,
         );
-        let motion = &own.modes[elastic];
+        let motion = &theory_figure.modes[elastic];
         assert_eq!(motion.len(), 12);
         // Momentum and moment of momentum stay 0: 2 y + y' = 0, 0.08 θ = 0.2 y.
         near(motion[7], -2.0 * motion[1]);
@@ -239,20 +246,20 @@ stiffness_n_per_m = 1e6
             axis: [0.0, 0.0, 1.0],
             at_m: [x, 0.0, 0.0],
         };
-        let told = |second: Coordinate| {
+        let is_drawable = |second: Coordinate| {
             let all = [coordinate("a", Motion::Translation, 0.0), second];
             placeless(&places(&all), &all)
         };
-        assert!(told(coordinate("b", Motion::Translation, 0.0)));
-        assert!(!told(coordinate("b", Motion::Translation, 0.1)));
-        assert!(!told(coordinate("b", Motion::Arc, 0.0)));
-        assert!(!told(coordinate("a", Motion::Translation, 0.0)));
+        assert!(is_drawable(coordinate("b", Motion::Translation, 0.0)));
+        assert!(!is_drawable(coordinate("b", Motion::Translation, 0.1)));
+        assert!(!is_drawable(coordinate("b", Motion::Arc, 0.0)));
+        assert!(!is_drawable(coordinate("a", Motion::Translation, 0.0)));
     }
 
     #[test]
     fn a_band_leaves_the_modes_outside_away() {
         let band = Band::new(1.0, 1e5).unwrap();
-        let own = theory_motion(&discs(0.3), Some(band)).unwrap().unwrap();
-        assert_eq!((own.hz.len(), own.modes.len()), (1, 1));
+        let motion = theory_motion(&discs(0.3), Some(band)).unwrap().unwrap();
+        assert_eq!((motion.hz.len(), motion.modes.len()), (1, 1));
     }
 }

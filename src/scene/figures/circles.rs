@@ -13,12 +13,12 @@ use super::super::result::TestResult;
 use super::curves::{contribution, terms};
 use super::{one_set, rounded};
 
-/// Half of the window in half-power widths.
-const REACH: f64 = 1.5;
-/// Fewest lines on either side of the resonance.
+/// Half width of the fitted band, half-power bandwidths.
+const FIT_BAND_BANDWIDTHS: f64 = 1.5;
+/// Minimum number of lines on either side of the resonance.
 const SIDE: usize = 4;
-/// Lines of a window at most.
-const MOST_LINES: usize = 61;
+/// Maximum number of lines of a plot.
+const MAX_LINES: usize = 61;
 
 /// The Nyquist plot of one mode with its circle and damping surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,8 +58,10 @@ pub(super) fn circle_figures(test: &TestResult) -> Vec<CircleFigure> {
     let Some(set) = one_set(&test.frfs) else {
         return Vec::new();
     };
-    let own = |index: usize| circle_figure(set, &test.modes, index);
-    (0..test.modes.modes.len()).filter_map(own).collect()
+    let figure_of_mode = |index: usize| circle_figure(set, &test.modes, index);
+    (0..test.modes.modes.len())
+        .filter_map(figure_of_mode)
+        .collect()
 }
 
 /// The function in which a mode has its largest residue.
@@ -80,13 +82,13 @@ fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<Circl
     let in_data = pole.lambda - set.added_damping_rad_s;
     let axis = set.axis();
     let width_hz = 2.0 * -in_data.re / TAU;
-    let side = ((REACH * width_hz / axis.step_hz).ceil() as usize).max(SIDE);
+    let side = ((FIT_BAND_BANDWIDTHS * width_hz / axis.step_hz).ceil() as usize).max(SIDE);
     let middle = axis.nearest(pole.damped_frequency_hz())?;
     let first = middle
         .saturating_sub(side)
         .max(usize::from(axis.start_hz <= 0.0));
     let last = (middle + side).min(axis.len - 1);
-    let stride = (last - first + 1).div_ceil(MOST_LINES).max(1);
+    let stride = (last - first + 1).div_ceil(MAX_LINES).max(1);
     let lines: Vec<usize> = (first..=last).step_by(stride).collect();
     let d = set.functions()[i].kind.derivative_order();
     let alone = |k: &usize| {
@@ -98,14 +100,14 @@ fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<Circl
     };
     let values: Vec<Complex64> = lines.iter().map(alone).collect();
     let omega: Vec<f64> = lines.iter().map(|k| axis.rad_s(*k)).collect();
-    let own = circle_detail(&omega, &values, in_data)?;
+    let detail = circle_detail(&omega, &values, in_data)?;
     let hz = |lines: &[usize]| lines.iter().map(|n| rounded(omega[*n] / TAU, 7)).collect();
     let number = |value: f64| rounded(value, 5);
     let function = &set.functions()[i];
-    let surface = own.damping.iter();
+    let surface = detail.damping.iter();
     let surface = surface.map(|row| {
         row.iter()
-            .map(|own| own.map(|zeta| rounded(zeta, 4)))
+            .map(|cell| cell.map(|zeta| rounded(zeta, 4)))
             .collect()
     });
     Some(CircleFigure {
@@ -115,12 +117,12 @@ fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<Circl
         line_hz: omega.iter().map(|w| rounded(w / TAU, 7)).collect(),
         re: values.iter().map(|v| number(v.re)).collect(),
         im: values.iter().map(|v| number(v.im)).collect(),
-        center: [number(own.center.re), number(own.center.im)],
-        radius: number(own.radius),
-        resonance: [number(own.resonance.re), number(own.resonance.im)],
-        resonance_hz: rounded(own.omega_rad_s / TAU, 7),
-        below_hz: hz(&own.below),
-        above_hz: hz(&own.above),
+        center: [number(detail.center.re), number(detail.center.im)],
+        radius: number(detail.radius),
+        resonance: [number(detail.resonance.re), number(detail.resonance.im)],
+        resonance_hz: rounded(detail.omega_rad_s / TAU, 7),
+        below_hz: hz(&detail.below),
+        above_hz: hz(&detail.above),
         damping: surface.collect(),
         window_damping: rounded(set.added_damping_rad_s / in_data.norm(), 4),
     })

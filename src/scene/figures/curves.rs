@@ -14,12 +14,12 @@ use crate::modal::ModalModel;
 
 use super::{rounded, to_decimals};
 
-/// Functions of one test that are shown at most.
-pub(super) const MOST_FUNCTIONS: usize = 24;
+/// Maximum number of FRFs of one test that are shown.
+pub(super) const MAX_FUNCTIONS: usize = 24;
 /// Lines on which the residual terms are fitted.
 const FITTED_LINES: usize = 1000;
-/// Least size of a line beside the largest, for which its error is relative.
-const LEAST_SIZE: f64 = 1e-9;
+/// Minimum magnitude of a line over the largest, for which its error is relative.
+const MIN_MAGNITUDE_RATIO: f64 = 1e-9;
 /// Lines around the circle of a mode.
 const ARC_STEPS: usize = 31;
 /// Angle from the resonance up to which they go, rad.
@@ -108,11 +108,7 @@ pub(super) fn chosen(set: &FrfSet, lines: &Range<usize>) -> Vec<usize> {
     };
     let mut ranked: Vec<(usize, (bool, f64))> = (0..set.len()).map(|i| (i, strength(&i))).collect();
     ranked.sort_by(|(_, a), (_, b)| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
-    let mut kept: Vec<usize> = ranked
-        .iter()
-        .map(|(i, _)| *i)
-        .take(MOST_FUNCTIONS)
-        .collect();
+    let mut kept: Vec<usize> = ranked.iter().map(|(i, _)| *i).take(MAX_FUNCTIONS).collect();
     kept.sort_unstable();
     kept
 }
@@ -231,7 +227,7 @@ fn fit(
         // the cost of all between them.
         let size = |k: &usize| receptance(*k).norm() + at_line(*k).norm();
         let largest = used.iter().map(size).fold(0.0, f64::max);
-        let least = (LEAST_SIZE * largest).max(f64::MIN_POSITIVE.sqrt());
+        let least = (MIN_MAGNITUDE_RATIO * largest).max(f64::MIN_POSITIVE.sqrt());
         let size: Vec<f64> = used.iter().map(|k| size(k).max(least)).collect();
         let left = complex_matrix(used.len(), 2, |row, column| {
             let x = s(used[row]) / middle;

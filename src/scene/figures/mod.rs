@@ -32,7 +32,7 @@ pub use provenance::{Provenance, SourceFile};
 pub use shapes::{MacFigure, Partner, Reading, ShapeFigure, ShapePoint, ShapeValues};
 
 /// Points of all FRF curves of a report together: with six numbers each, about 2 MB.
-const MOST_POINTS: usize = 36_000;
+const MAX_CURVE_POINTS: usize = 36_000;
 
 /// All that a report shows beside its tables.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -52,7 +52,7 @@ pub struct Figures {
 pub struct TestFigures {
     /// Its name.
     pub name: String,
-    /// Whether it was computed from a model and nobody measured it.
+    /// Whether it was computed from a model instead of measured.
     #[serde(default)]
     pub synthetic: bool,
     /// Its file of FRFs in the folder of the run; `None` for a test of finished modes.
@@ -145,7 +145,7 @@ pub fn figures(
             frf_file: frf_files.get(index).cloned().flatten(),
             modes: marks(test),
             frfs: one_set(&test.frfs)
-                .and_then(|set| curves::frf_figure(set, &test.modes, MOST_POINTS / functions)),
+                .and_then(|set| curves::frf_figure(set, &test.modes, MAX_CURVE_POINTS / functions)),
             stabilization: poles::stabilization_figure(scene, test),
             circles: circles::circle_figures(test),
             mac: shapes::mac_figure(&shown),
@@ -177,9 +177,10 @@ fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
     let hz = |omega: f64| omega / std::f64::consts::TAU;
     let roots = result.theory.roots.iter();
     let inside = roots.filter(|root| band.is_none_or(|band| band.contains(hz(root.omega_rad_s))));
-    let shares = |own: &[(String, f64)]| -> Vec<(String, f64)> {
-        let told = own.iter().filter(|(_, share)| *share >= 5e-4);
-        told.map(|(name, share)| (name.clone(), rounded(*share, 4)))
+    let shares = |parts: &[(String, f64)]| -> Vec<(String, f64)> {
+        let visible = parts.iter().filter(|(_, share)| *share >= 5e-4);
+        visible
+            .map(|(name, share)| (name.clone(), rounded(*share, 4)))
             .collect()
     };
     let bar = inside.map(|root| EnergyBar {
@@ -201,7 +202,7 @@ fn one_set(sets: &[FrfSet]) -> Option<&FrfSet> {
 }
 
 fn functions_shown(sets: &[FrfSet]) -> usize {
-    one_set(sets).map_or(0, |set| set.len().min(curves::MOST_FUNCTIONS))
+    one_set(sets).map_or(0, |set| set.len().min(curves::MAX_FUNCTIONS))
 }
 
 /// A number with so many significant digits.

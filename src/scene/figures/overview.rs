@@ -8,7 +8,7 @@ use crate::correlate::{ComparisonTable, ErrorReference, Row, Status, TestCell, T
 use super::rounded;
 
 /// Fewest pairs whose errors tell which way the model leans.
-const FEWEST_LEANING: usize = 3;
+const MIN_LEANING_ROWS: usize = 3;
 
 /// What the first screen of a report says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,7 @@ pub struct OverviewCell {
     pub status: Status,
     /// Why.
     pub reasons: Vec<String>,
-    /// A missed root of which nobody knows whether the test could see it.
+    /// An unmatched model mode of unknown observability.
     #[serde(default)]
     pub not_judged: bool,
 }
@@ -75,25 +75,25 @@ pub(super) fn overview(table: &ComparisonTable, updatable: bool) -> Overview {
 }
 
 fn row(row: &Row) -> OverviewRow {
-    let theory_hz = row.theory.as_ref().map(|own| own.hz);
+    let theory_hz = row.theory.as_ref().map(|root| root.hz);
     OverviewRow {
         label: row.label.clone(),
         theory_hz: theory_hz.map(|hz| rounded(hz, 9)),
-        multiplicity: row.theory.as_ref().map_or(1, |own| own.modes.len()),
+        multiplicity: row.theory.as_ref().map_or(1, |root| root.modes.len()),
         cells: row
             .tests
             .iter()
-            .map(|cell| own_cell(cell, theory_hz))
+            .map(|cell| cell_of_test(cell, theory_hz))
             .collect(),
     }
 }
 
-fn own_cell(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
+fn cell_of_test(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
     let reference_hz = theory_hz.or(cell.hz);
     let relative = |hz: f64| {
         reference_hz
-            .filter(|own| *own > 0.0)
-            .map(|own| 100.0 * hz / own)
+            .filter(|hz_of_reference| *hz_of_reference > 0.0)
+            .map(|hz_of_reference| 100.0 * hz / hz_of_reference)
     };
     OverviewCell {
         test: cell.test.clone(),
@@ -120,7 +120,7 @@ fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
             variance += (cell.hz_std.unwrap_or(0.0) / theory.hz).powi(2);
         }
     }
-    if ratios.len() < FEWEST_LEANING {
+    if ratios.len() < MIN_LEANING_ROWS {
         return None;
     }
     let one_side = ratios.iter().all(|r| *r > 1.0) || ratios.iter().all(|r| *r < 1.0);

@@ -13,16 +13,16 @@ use super::super::result::TestResult;
 use super::curves::{chosen, kept_lines};
 use super::{one_set, rounded};
 
-/// Method whose poles are shown where the test's own has no model orders.
+/// Method whose poles are shown where the method of the test has no model orders.
 const WITH_ORDERS: &str = "lscf";
 /// Lines of the indicator.
 const LINES: usize = 1200;
 /// Singular values that are shown.
 const VALUES: usize = 3;
 /// Functions of a set above which the poles are those of the functions that are shown.
-const MOST_FUNCTIONS: usize = 64;
+const MAX_FUNCTIONS: usize = 64;
 /// Poles at most; the lowest orders are left out first.
-const MOST_POLES: usize = 4000;
+const MAX_POLES: usize = 4000;
 
 /// Poles of all model orders.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,7 @@ pub struct CmifCurve {
     pub values: Vec<Vec<f64>>,
 }
 
-/// Poles of the test's own method, else of polyreference LSCF; `None` where neither gives any.
+/// Poles of the test's method, else of polyreference LSCF; `None` where neither gives any.
 pub(super) fn stabilization_figure(
     scene: &Scene,
     test: &TestResult,
@@ -69,8 +69,8 @@ pub(super) fn stabilization_figure(
         .band
         .or(set.valid_band)
         .or_else(|| set.axis().band())?;
-    let own_method = !test.stabilization.is_empty();
-    let (poles, method, functions) = match own_method {
+    let has_test_method = !test.stabilization.is_empty();
+    let (poles, method, functions) = match has_test_method {
         true => {
             let method = scene.method.clone().unwrap_or_else(|| "auto".to_owned());
             (test.stabilization.clone(), method, set.len())
@@ -81,32 +81,32 @@ pub(super) fn stabilization_figure(
         }
     };
     let cmif = cmif_curve(set, band)?;
-    let inside = poles.iter().filter(|own| {
-        let damping = own.pole.damping_ratio();
-        damping > 0.0 && damping < 1.0 && band.contains(own.pole.natural_frequency_hz())
+    let inside = poles.iter().filter(|pole_at_order| {
+        let damping = pole_at_order.pole.damping_ratio();
+        damping > 0.0 && damping < 1.0 && band.contains(pole_at_order.pole.natural_frequency_hz())
     });
-    let mut told: Vec<&PoleAtOrder> = inside.collect();
-    if told.len() > MOST_POLES {
-        told.sort_by_key(|own| std::cmp::Reverse(own.order));
-        told.truncate(MOST_POLES);
-        told.reverse();
+    let mut shown: Vec<&PoleAtOrder> = inside.collect();
+    if shown.len() > MAX_POLES {
+        shown.sort_by_key(|pole| std::cmp::Reverse(pole.order));
+        shown.truncate(MAX_POLES);
+        shown.reverse();
     }
     Some(StabilizationFigure {
         method,
-        own_method,
-        max_order: scene.order.filter(|_| own_method),
+        own_method: has_test_method,
+        max_order: scene.order.filter(|_| has_test_method),
         functions,
         band_hz: [band.lo_hz, band.hi_hz],
-        order: told.iter().map(|own| own.order).collect(),
-        hz: told
+        order: shown.iter().map(|pole| pole.order).collect(),
+        hz: shown
             .iter()
-            .map(|own| rounded(own.pole.natural_frequency_hz(), 8))
+            .map(|pole| rounded(pole.pole.natural_frequency_hz(), 8))
             .collect(),
-        damping: told
+        damping: shown
             .iter()
-            .map(|own| rounded(own.pole.damping_ratio(), 5))
+            .map(|pole| rounded(pole.pole.damping_ratio(), 5))
             .collect(),
-        status: told.iter().map(|own| status(own.status)).collect(),
+        status: shown.iter().map(|pole| status(pole.status)).collect(),
         cmif,
     })
 }
@@ -125,17 +125,17 @@ fn poles_of_orders(set: &FrfSet, band: Band) -> (Vec<PoleAtOrder>, usize) {
     debug_assert!(
         ESTIMATORS
             .iter()
-            .any(|own| own.name == WITH_ORDERS && own.has_order)
+            .any(|option| option.name == WITH_ORDERS && option.has_order)
     );
     let part =
-        (set.len() > MOST_FUNCTIONS).then(|| set.part(&chosen(set, &set.axis().lines(&band))));
+        (set.len() > MAX_FUNCTIONS).then(|| set.part(&chosen(set, &set.axis().lines(&band))));
     let set = part.as_ref().unwrap_or(set);
     let options = IdentifyOptions {
         method: WITH_ORDERS.to_owned(),
         band: Some(band),
         ..IdentifyOptions::default()
     };
-    let found = identification(set, &options).map(|own| own.stabilization);
+    let found = identification(set, &options).map(|fit| fit.stabilization);
     (found.unwrap_or_default(), set.len())
 }
 
@@ -153,7 +153,12 @@ fn cmif_curve(set: &FrfSet, band: Band) -> Option<CmifCurve> {
     let kept = kept_lines(&sum, lines, LINES);
     let values = cmif_at(set, &kept).ok()?;
     let count = values.first().map_or(0, Vec::len).min(VALUES);
-    let course = |j: usize| values.iter().map(|own| rounded(own[j], 4)).collect();
+    let course = |j: usize| {
+        values
+            .iter()
+            .map(|value_row| rounded(value_row[j], 4))
+            .collect()
+    };
     Some(CmifCurve {
         hz: kept.iter().map(|k| rounded(axis.hz(*k), 7)).collect(),
         values: (0..count).map(course).collect(),

@@ -13,7 +13,7 @@ use super::super::recording::load_synth;
 use super::super::result::SceneResult;
 
 /// A text of more bytes is named and not shown.
-const MOST_TEXT: usize = 60_000;
+const MAX_TEXT_BYTES: usize = 60_000;
 
 /// Where a result comes from.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -64,8 +64,10 @@ pub(super) fn provenance(scene: &Scene, result: &SceneResult) -> Result<Provenan
     let mut inputs = Vec::new();
     let mut searched = Vec::new();
     for test in &result.tests {
-        let own = test.modes.inputs.iter();
-        inputs.extend(own.map(|file| [test.name.clone(), file.path.clone(), file.sha256.clone()]));
+        let input_files = test.modes.inputs.iter();
+        inputs.extend(
+            input_files.map(|file| [test.name.clone(), file.path.clone(), file.sha256.clone()]),
+        );
         let method = test.modes.modes.iter().find_map(|mode| mode.method.clone());
         let band = test.modes.band;
         searched.push([
@@ -92,7 +94,7 @@ fn source_file(path: &Path) -> Result<SourceFile, SceneError> {
         source,
     })?;
     let sha256 = sha256_of_bytes(&bytes);
-    let short = bytes.len() <= MOST_TEXT;
+    let short = bytes.len() <= MAX_TEXT_BYTES;
     Ok(SourceFile {
         path: name,
         sha256,

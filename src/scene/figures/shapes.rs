@@ -16,11 +16,11 @@ use super::bodies::TheoryMotion;
 use super::{rounded, to_decimals};
 
 /// Modes of the theory that are shown at the sensors.
-const MOST_THEORY: usize = 60;
+const MAX_MODEL_MODES: usize = 60;
 /// Numbers of shapes at most.
-const MOST_NUMBERS: usize = 60_000;
+const MAX_NUMBERS: usize = 60_000;
 /// Points of a mesh that is drawn at most.
-const MOST_POINTS: usize = 3000;
+const MAX_POINTS: usize = 3000;
 
 /// MAC of every test mode (row) with every theory mode (column).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -127,17 +127,17 @@ pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
     let row = |row: &Vec<Option<f64>>| -> Vec<Option<f64>> {
         let shown = columns.iter().map(|j| row[*j]);
         shown
-            .map(|own| own.map(|mac| to_decimals(mac, 3)))
+            .map(|row| row.map(|mac| to_decimals(mac, 3)))
             .collect()
     };
     let mut pairs = Vec::new();
     for pair in &pairing.pairs {
-        for own in &pair.partners {
+        for partner in &pair.partners {
             let places = pair
                 .theory
                 .iter()
-                .filter_map(|j| columns.iter().position(|own| own == j));
-            pairs.extend(places.map(|column| [own.test, column]));
+                .filter_map(|j| columns.iter().position(|column| column == j));
+            pairs.extend(places.map(|column| [partner.test, column]));
         }
     }
     let hz = |mode: &crate::modal::Mode| rounded(mode.frequency_hz, 9);
@@ -164,7 +164,7 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
                 .map(|(dof, _)| dof.positive().with_repeat(1))
         })
         .collect();
-    if dofs.is_empty() || dofs.len() * modes.len() > MOST_NUMBERS {
+    if dofs.is_empty() || dofs.len() * modes.len() > MAX_NUMBERS {
         return None;
     }
     let mut geometry = shown.test.geometry.clone();
@@ -178,42 +178,43 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
         let mut axes = a.at_m.iter().zip(&b.at_m);
         axes.all(|(a, b)| (a - b).abs() < f64::MIN_POSITIVE)
     };
-    let one_place = first.is_some_and(|(_, own)| placed.iter().all(|(_, p)| same(p, own)));
-    let several =
-        first.is_some_and(|(own, _)| placed.iter().any(|(d, _)| d.point() != own.point()));
+    let one_place =
+        first.is_some_and(|(_, position)| placed.iter().all(|(_, p)| same(p, position)));
+    let several = first
+        .is_some_and(|(other_dof, _)| placed.iter().any(|(d, _)| d.point() != other_dof.point()));
     let in_a_row = placed.is_empty() || (several && one_place && shown.motion.is_none());
     if in_a_row {
         placed = row_of(&dofs);
     }
     let mut points: Vec<ShapePoint> = Vec::new();
     let mut readings = Vec::with_capacity(placed.len());
-    for (dof, own) in &placed {
+    for (dof, position) in &placed {
         let point = points.iter().position(|point| point.name == dof.point());
         let point = point.unwrap_or_else(|| {
             points.push(ShapePoint {
                 name: dof.point().to_owned(),
-                at_m: own.at_m.map(|x| rounded(x, 6)),
-                body: own.body.clone(),
+                at_m: position.at_m.map(|x| rounded(x, 6)),
+                body: position.body.clone(),
             });
             points.len() - 1
         });
         readings.push(Reading {
             dof: dof.to_string(),
             point,
-            direction: own.direction.map(|x| to_decimals(x, 5)),
+            direction: position.direction.map(|x| to_decimals(x, 5)),
         });
     }
-    let own = |shape: &ModeShape, hz: f64| values(shape, hz, &placed);
+    let shown_values = |shape: &ModeShape, hz: f64| values(shape, hz, &placed);
     let lines = lines(&geometry, &mut points);
-    let theory = shown.theory.modes.modes.iter().take(MOST_THEORY);
+    let theory = shown.theory.modes.modes.iter().take(MAX_MODEL_MODES);
     Some(ShapeFigure {
         not_drawn: dofs.len() - placed.len(),
         test: modes
             .iter()
-            .map(|mode| own(&mode.shape, mode.frequency_hz))
+            .map(|mode| shown_values(&mode.shape, mode.frequency_hz))
             .collect(),
         theory: theory
-            .map(|mode| own(&mode.shape, mode.frequency_hz))
+            .map(|mode| shown_values(&mode.shape, mode.frequency_hz))
             .collect(),
         partners: (0..modes.len()).map(|i| partner(shown, i)).collect(),
         points,
@@ -280,7 +281,7 @@ fn row_of(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, Placed)> {
     let mut points: Vec<&str> = dofs.iter().map(Dof::point).collect();
     points.dedup();
     let place = |dof: &Dof| {
-        let number = points.iter().position(|own| *own == dof.point())?;
+        let number = points.iter().position(|name| *name == dof.point())?;
         let along = dof.axis().unit_vector().unwrap_or([0.0, 0.0, 1.0]);
         let placed = Placed {
             at_m: [number as f64, 0.0, 0.0],
@@ -294,23 +295,23 @@ fn row_of(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, Placed)> {
 
 fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
     let unit = shape.largest().map_or(1.0, |(_, value)| value.norm());
-    let own: Vec<Option<Complex64>> = placed
+    let components: Vec<Option<Complex64>> = placed
         .iter()
         .map(|(dof, _)| shape.along_positive(dof))
         .collect();
     let imaginary = |value: &Option<Complex64>| value.map_or(0.0, |v| v.im);
-    let real = own
+    let real = components
         .iter()
         .all(|value| imaginary(value).abs() <= 1e-6 * unit);
     ShapeValues {
         hz: rounded(hz, 9),
-        re: own
+        re: components
             .iter()
             .map(|value| value.map(|v| rounded(v.re, 4)))
             .collect(),
         im: match real {
             true => Vec::new(),
-            false => own
+            false => components
                 .iter()
                 .map(|value| rounded(imaginary(value), 4))
                 .collect(),
@@ -357,7 +358,7 @@ fn index_of(name: &str, geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Op
     if let Some(known) = points.iter().position(|point| point.name == name) {
         return Some(known);
     }
-    let node = geometry.node(name).filter(|_| points.len() < MOST_POINTS)?;
+    let node = geometry.node(name).filter(|_| points.len() < MAX_POINTS)?;
     points.push(ShapePoint {
         name: name.to_owned(),
         at_m: node.at_m.into(),
@@ -390,10 +391,13 @@ fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
 fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
     let pairing = shown.pairing?;
     let paired = pairing.pairs.iter().find_map(|pair| {
-        let own = pair.partners.iter().find(|own| own.test == test)?;
-        Some((pair, own))
+        let partner = pair
+            .partners
+            .iter()
+            .find(|candidate| candidate.test == test)?;
+        Some((pair, partner))
     });
-    let (pair, own) = paired?;
+    let (pair, partner) = paired?;
     let theory: Vec<&ModeShape> = pair
         .theory
         .iter()
@@ -404,7 +408,7 @@ fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
     for dofs in &pairing.map.pairs {
         let values: Option<Vec<Complex64>> = theory
             .iter()
-            .map(|own| own.along_positive(&dofs.theory))
+            .map(|shape| shape.along_positive(&dofs.theory))
             .collect();
         if let (Some(values), Some(value)) = (values, shape.along_positive(&dofs.test)) {
             rows.push((values, value));
@@ -427,7 +431,7 @@ fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
         modes: modes
             .map(|(j, factor)| (*j, rounded(factor.re, 5), rounded(factor.im, 5)))
             .collect(),
-        mac: own.mac.map(|mac| to_decimals(mac, 4)),
-        error_percent: rounded(100.0 * own.frequency_error, 4),
+        mac: partner.mac.map(|mac| to_decimals(mac, 4)),
+        error_percent: rounded(100.0 * partner.frequency_error, 4),
     })
 }

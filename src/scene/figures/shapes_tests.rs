@@ -84,42 +84,42 @@ fn figure(edit: impl Fn(&mut TestResult)) -> (ShapeFigure, MacFigure) {
 
 #[test]
 fn partners_carry_the_factors_that_bring_them_to_the_test() {
-    let (own, mac) = figure(|_| ());
+    let (figure_data, mac) = figure(|_| ());
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-4, "{a} {b}");
-    let first = own.partners[0].as_ref().unwrap();
+    let first = figure_data.partners[0].as_ref().unwrap();
     let (mode, re, im) = first.modes[0];
     assert_eq!((mode, first.modes.len()), (0, 1));
     near(re, 1.0);
     near(im, 3f64.sqrt());
     near(first.error_percent, -1.0);
-    let second = own.partners[1].as_ref().unwrap();
+    let second = figure_data.partners[1].as_ref().unwrap();
     assert_eq!(second.modes.len(), 2);
     near(second.modes[0].1, 0.6);
     near(second.modes[1].1, -0.8);
     near(second.mac.unwrap(), 1.0);
     assert_eq!(mac.pairs, [[0, 0], [1, 1], [1, 2]]);
-    assert!(!own.test[0].im.is_empty() && own.theory[0].im.is_empty());
+    assert!(!figure_data.test[0].im.is_empty() && figure_data.theory[0].im.is_empty());
 }
 
 #[test]
 fn without_positions_points_stand_in_a_row() {
-    let (own, _) = figure(|_| ());
-    assert!(own.in_a_row && own.not_drawn == 0);
-    for (n, point) in own.points.iter().enumerate() {
+    let (figure_data, _) = figure(|_| ());
+    assert!(figure_data.in_a_row && figure_data.not_drawn == 0);
+    for (n, point) in figure_data.points.iter().enumerate() {
         assert!((point.at_m[0] - n as f64).abs() < 1e-12);
     }
-    assert_eq!(own.lines, [[0, 1], [1, 2], [2, 3]]);
+    assert_eq!(figure_data.lines, [[0, 1], [1, 2], [2, 3]]);
 }
 
 #[test]
 fn points_that_are_all_at_one_place_stand_in_a_row() {
     let all_at = |x: [f64; 4]| {
-        let (own, _) = figure(|test| {
+        let (figure_data, _) = figure(|test| {
             let names = ["1", "2", "3", "4"].iter().zip(x);
             let node = |(name, x): (&&str, f64)| Node::new(*name, Vector3::new(x, 0.0, 0.0));
             test.geometry.nodes = names.map(node).collect();
         });
-        own.in_a_row
+        figure_data.in_a_row
     };
     assert!(all_at([0.0; 4]));
     assert!(!all_at([0.0, 0.0, 0.0, 0.1]));
@@ -127,7 +127,7 @@ fn points_that_are_all_at_one_place_stand_in_a_row() {
 
 #[test]
 fn files_give_positions_and_lines_with_the_points_between() {
-    let (own, _) = figure(|test| {
+    let (figure_data, _) = figure(|test| {
         let node = |name: &str, x: f64, y: f64| Node::new(name, Vector3::new(x, y, 0.0));
         test.geometry.nodes = vec![
             node("1", 0.0, 0.0),
@@ -144,13 +144,17 @@ fn files_give_positions_and_lines_with_the_points_between() {
                 .collect(),
         }];
     });
-    assert!(!own.in_a_row);
+    assert!(!figure_data.in_a_row);
     // Point 4 has no position; point 9 is on a line alone.
     assert_eq!(
-        (own.readings.len(), own.not_drawn, own.points.len()),
+        (
+            figure_data.readings.len(),
+            figure_data.not_drawn,
+            figure_data.points.len()
+        ),
         (3, 1, 4)
     );
-    assert_eq!(own.lines, [[0, 1], [1, 3]]);
+    assert_eq!(figure_data.lines, [[0, 1], [1, 3]]);
 }
 
 #[test]
@@ -171,13 +175,13 @@ fn a_sensor_of_the_scene_says_where_and_along_what() {
         sensors: &sensors,
         motion: None,
     };
-    let own = shape_figure(&shown).unwrap();
-    assert_eq!((own.readings.len(), own.not_drawn), (1, 3));
+    let figure_data = shape_figure(&shown).unwrap();
+    assert_eq!((figure_data.readings.len(), figure_data.not_drawn), (1, 3));
     let near = |got: [f64; 3], wanted: [f64; 3]| {
         let off = got.iter().zip(wanted).map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{got:?} {wanted:?}");
     };
-    near(own.readings[0].direction, [0.0, 0.6, 0.8]);
-    near(own.points[0].at_m, [0.1, 0.2, 0.3]);
-    assert_eq!(own.points[0].body.as_deref(), Some("disc"));
+    near(figure_data.readings[0].direction, [0.0, 0.6, 0.8]);
+    near(figure_data.points[0].at_m, [0.1, 0.2, 0.3]);
+    assert_eq!(figure_data.points[0].body.as_deref(), Some("disc"));
 }

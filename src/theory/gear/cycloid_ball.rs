@@ -8,7 +8,7 @@
 //! along the normal; only their part in the plane counts, hence cos²β. The pin balls between planet
 //! disc and output move along y.
 //!
-//! The paper's own quirks are kept, because its table 2 has them: the contact force acts on the
+//! The quirks of the paper are kept, because its table 2 has them: the contact force acts on the
 //! centre disc with the arm Z3 e of the planet disc ((Z2 - 1) e would be right; at most 0.21 % in a
 //! frequency), and the y coordinate of a pin ball is its only one.
 //!
@@ -35,7 +35,7 @@ use super::cycloid_studies::study_quantities;
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
-/// The arm of a body's own centre.
+/// The arm of a body's centre.
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 
 /// The parameter with the number of reduction balls Z2.
@@ -44,7 +44,7 @@ const BALLS: &str = "ball_count";
 const PIN_BALLS: usize = 6;
 /// A share of the kinetic energy below which a group of coordinates counts as still: far above
 /// rounding.
-const STILL: f64 = 1e-12;
+const MIN_MOVING_ENERGY_SHARE: f64 = 1e-12;
 /// A share above which one body has the motion for itself.
 const ALONE: f64 = 0.99;
 
@@ -254,21 +254,26 @@ impl TheoreticalModel for CycloidBall {
         if omega_rad_s <= 0.0 {
             return Some("free motion");
         }
-        if share(&on("ball-")) > 1.0 - STILL {
+        if share(&on("ball-")) > 1.0 - MIN_MOVING_ENERGY_SHARE {
             return Some("output still: reduction balls");
         }
-        if share(&on("pin-ball-")) > 1.0 - STILL {
+        if share(&on("pin-ball-")) > 1.0 - MIN_MOVING_ENERGY_SHARE {
             return Some("output still: pin balls");
         }
         if share(&along("u1")) > ALONE {
             return Some("x and torsion, output nearly still: centre disc turns");
         }
         let turning = share(&|c: &Coordinate| c.motion == Motion::Rotation);
-        Some(match (share(&along("y5")) > STILL, turning > STILL) {
-            (true, false) => "translation in y, nothing turns",
-            (false, true) => "x and torsion, output turns",
-            _ => "coupled",
-        })
+        Some(
+            match (
+                share(&along("y5")) > MIN_MOVING_ENERGY_SHARE,
+                turning > MIN_MOVING_ENERGY_SHARE,
+            ) {
+                (true, false) => "translation in y, nothing turns",
+                (false, true) => "x and torsion, output turns",
+                _ => "coupled",
+            },
+        )
     }
 
     fn small_bodies(&self) -> &'static [&'static str] {

@@ -94,14 +94,14 @@ fn differences(set: &str) -> Differences {
 
 /// The parameters of a set.
 pub(super) fn parameters(set: &str) -> Vec<ParameterSpec> {
-    let own = differences(set);
+    let set_values = differences(set);
     let printed = STIFFNESSES.iter().chain(&INERTIAS);
     let mut specs: Vec<ParameterSpec> = printed
         .map(|&(name, value, unit)| positive(name, value, unit, Printed))
         .collect();
     let nominal = |name: &str| {
         let mut all = STIFFNESSES.iter().chain(&INERTIAS);
-        all.find(|(own, _, _)| *own == name)
+        all.find(|(parameter, _, _)| *parameter == name)
             .map_or(f64::NAN, |(_, value, _)| *value)
     };
     let contact = nominal("k_a") + nominal("k_b") + nominal("k_c") + nominal("k_d");
@@ -109,16 +109,35 @@ pub(super) fn parameters(set: &str) -> Vec<ParameterSpec> {
     let cos2_beta = BALL_OMEGA_RAD_S.powi(2) * nominal("m_2") / contact;
     let cos2_pin = PIN_BALL_OMEGA_RAD_S.powi(2) * nominal("m_4") / pin_contact;
     if let Some(k_03y) = specs.iter_mut().find(|spec| spec.name == "k_03y") {
-        *k_03y = positive("k_03y", own.k_03y.0, "N/m", own.k_03y.1);
+        *k_03y = positive("k_03y", set_values.k_03y.0, "N/m", set_values.k_03y.1);
     }
     specs.extend([
-        positive("m_3", own.planet_mass_kg.0, "kg", own.planet_mass_kg.1),
+        positive(
+            "m_3",
+            set_values.planet_mass_kg.0,
+            "kg",
+            set_values.planet_mass_kg.1,
+        ),
         fraction("cos2_beta", cos2_beta, Inferred),
         fraction("cos2_beta_1", cos2_pin, Inferred),
         fraction("cos2_beta_2", cos2_pin, Inferred),
-        fraction("trochoid_ratio", own.trochoid_ratio.0, own.trochoid_ratio.1),
-        positive("half_eccentricity", own.half_eccentricity_m, "m", Inferred),
-        positive("pin_circle_radius", own.pin_circle_radius_m, "m", Inferred),
+        fraction(
+            "trochoid_ratio",
+            set_values.trochoid_ratio.0,
+            set_values.trochoid_ratio.1,
+        ),
+        positive(
+            "half_eccentricity",
+            set_values.half_eccentricity_m,
+            "m",
+            Inferred,
+        ),
+        positive(
+            "pin_circle_radius",
+            set_values.pin_circle_radius_m,
+            "m",
+            Inferred,
+        ),
         angle("ball_phase"),
         angle("pin_phase"),
         ball_count(),

@@ -18,8 +18,8 @@ fn roots(set: &str, changes: &[(&str, f64)]) -> Vec<ModelRoot> {
 }
 
 fn nominal(model: &CycloidBall, name: &str) -> f64 {
-    let own = model.parameters().iter().find(|spec| spec.name == name);
-    own.unwrap().nominal
+    let parameter = model.parameters().iter().find(|spec| spec.name == name);
+    parameter.unwrap().nominal
 }
 
 fn printed(value: f64, text: &str) {
@@ -135,13 +135,16 @@ fn the_roots_of_every_set_are_the_reference_beside_the_printed_ones() {
         let mut of_single = Vec::new();
         for (root, (table, wanted, error_of_d, multiplicity)) in found.iter().zip(TABLE_2) {
             // Half of the last digit, and as much for the rounding of both solvers.
-            let own = root.omega_rad_s;
-            assert!((own - wanted[i]).abs() <= 1e-6, "{set}: {own} {wanted:?}");
-            assert_eq!(root.modes.len(), multiplicity, "{set}: {own}");
+            let omega = root.omega_rad_s;
+            assert!(
+                (omega - wanted[i]).abs() <= 1e-6,
+                "{set}: {omega} {wanted:?}"
+            );
+            assert_eq!(root.modes.len(), multiplicity, "{set}: {omega}");
             let Some(table) = table.filter(|_| multiplicity == 1) else {
                 continue;
             };
-            let error = 100.0 * (own / table - 1.0);
+            let error = 100.0 * (omega / table - 1.0);
             if set == "D" {
                 printed(error, error_of_d.unwrap());
             }
@@ -167,8 +170,11 @@ fn with_the_printed_planet_disc_the_fourteenth_and_fifteenth_root_change_groups(
     ] {
         let found = roots(set, &[]);
         for (number, class) in [(14, fourteenth), (15, fifteenth)] {
-            let own = found[number - 1].class.as_ref().unwrap();
-            assert!(own.starts_with(class), "{set} {number}: {own}");
+            let found_class = found[number - 1].class.as_ref().unwrap();
+            assert!(
+                found_class.starts_with(class),
+                "{set} {number}: {found_class}"
+            );
         }
     }
 }
@@ -229,7 +235,7 @@ fn sprung(matrices: &SystemMatrices) -> RealMatrix {
     real_matrix(n, n, |i, j| {
         let springs = matrices.springs.iter();
         springs
-            .map(|own| own.stiffness * own.row[i] * own.row[j])
+            .map(|spring| spring.stiffness * spring.row[i] * spring.row[j])
             .sum()
     })
 }
@@ -238,8 +244,8 @@ fn sprung(matrices: &SystemMatrices) -> RealMatrix {
 fn the_right_arm_of_the_centre_disc_moves_its_torsion_most_by_a_fifth_of_a_percent() {
     let model = CycloidBall::new("D").unwrap();
     let mut matrices = model.assemble(&nominal_values(model.parameters())).unwrap();
-    let solve = |own: &SystemMatrices| {
-        let solved = modes_of_matrices(own, &ModeOptions::default()).unwrap();
+    let solve = |matrices: &SystemMatrices| {
+        let solved = modes_of_matrices(matrices, &ModeOptions::default()).unwrap();
         solved.omega_rad_s
     };
     let papers = solve(&matrices);

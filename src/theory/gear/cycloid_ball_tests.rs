@@ -33,8 +33,8 @@ fn with_balls(balls: f64) -> (CycloidBall, Vec<f64>) {
 /// `tests/reference/cycloid_ball.py`.
 fn reference(set: &str) -> Vec<f64> {
     let lines = include_str!("../../../tests/reference/cycloid_ball.txt").lines();
-    let own = lines.filter_map(|line| line.strip_prefix(set)?.strip_prefix(' '));
-    own.map(|number| number.parse().unwrap()).collect()
+    let numbers = lines.filter_map(|line| line.strip_prefix(set)?.strip_prefix(' '));
+    numbers.map(|number| number.parse().unwrap()).collect()
 }
 
 #[test]
@@ -49,11 +49,11 @@ fn roots_and_multiplicities_of_every_set_are_the_reference() {
         let all = all.flat_map(|root| vec![root.omega_rad_s; root.modes.len()]);
         let expected = reference(set);
         assert_eq!(expected.len(), 37);
-        for (own, expected) in all.zip(expected) {
+        for (omega, expected) in all.zip(expected) {
             // Two solvers, each good to some units in the last place of the largest root.
             assert!(
-                (own - expected).abs() <= 1e-8 + 1e-11 * expected,
-                "set {set}: {own} and {expected}"
+                (omega - expected).abs() <= 1e-8 + 1e-11 * expected,
+                "set {set}: {omega} and {expected}"
             );
         }
     }
@@ -270,7 +270,7 @@ fn the_number_of_balls_is_whole_has_no_derivative_and_moves_the_sensors_with_it(
     }
     let error = model.derivative(&values, j).unwrap_err();
     assert!(matches!(error, TheoryError::NoDerivative { name } if name == "ball_count"));
-    // Ball 12 is there, on its circle of radius Z2 e/K about (0, e), and reads its own coordinate
+    // Ball 12 is there, on its circle of radius Z2 e/K about (0, e), and reads its coordinate
     // alone.
     let matrices = model.assemble(&values).unwrap();
     assert_eq!(matrices.coordinates.len(), 11 + 2 * 12 + 6);

@@ -57,7 +57,7 @@ impl Studies<'_> {
         let solved = modes(self.model, &values, &[], &ModeOptions::default());
         let roots = solved.map(|solved| {
             let roots = model_roots(self.model, &solved);
-            let root = |number: usize| roots.get(number - 1).map(|own| own.omega_rad_s);
+            let root = |number: usize| roots.get(number - 1).map(|root| root.omega_rad_s);
             ROOTS.map(|number| root(number).unwrap_or(f64::NAN))
         });
         allowed_or([f64::NAN; 4], roots)
@@ -121,7 +121,7 @@ impl Studies<'_> {
                 _ => 0.0,
             };
             pairs
-                .map(|(value, own)| (*own as f64 - first - change(value)).abs())
+                .map(|(value, count)| (*count as f64 - first - change(value)).abs())
                 .fold(0.0, f64::max)
         };
         Ok((1..).zip(&swept.loci).map(off).fold(0.0, f64::max))
@@ -170,13 +170,13 @@ impl Studies<'_> {
 
 /// Changes of a root from each value of a study to the next, percent.
 fn steps(study: &[[f64; 4]], root: usize) -> Vec<f64> {
-    let own = ROOTS
+    let column = ROOTS
         .iter()
         .position(|number| *number == root)
         .unwrap_or_default();
     let steps = study
         .windows(2)
-        .map(|pair| 100.0 * (pair[1][own] / pair[0][own] - 1.0));
+        .map(|pair| 100.0 * (pair[1][column] / pair[0][column] - 1.0));
     steps.filter(|step| step.is_finite()).collect()
 }
 

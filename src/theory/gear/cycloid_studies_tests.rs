@@ -6,10 +6,10 @@ use crate::theory::{CycloidBall, TheoreticalModel};
 
 fn check(name: &str, study: &Study, expected: &[[f64; 4]]) {
     assert_eq!(study.len(), expected.len());
-    for (i, (own, wanted)) in study.iter().zip(expected).enumerate() {
-        for (own, wanted) in own.iter().zip(wanted) {
-            // Half of the last printed digit and as much for the reference's own rounding.
-            assert!((own - wanted).abs() <= 6e-4, "{name} {i}: {own} {wanted}");
+    for (i, (row, wanted)) in study.iter().zip(expected).enumerate() {
+        for (got, wanted) in row.iter().zip(wanted) {
+            // Half of the last printed digit and as much for the rounding of the reference.
+            assert!((got - wanted).abs() <= 6e-4, "{name} {i}: {got} {wanted}");
         }
     }
 }
@@ -70,7 +70,7 @@ fn roots_over_the_geometry_of_the_fitted_set_are_the_reference() {
         model: &model,
         values: &values,
     };
-    // The rolling circle kept; 0.6 to 1.1 of the set's own K, to three digits. The reference has
+    // The rolling circle kept; 0.6 to 1.1 of the K of the set, to three digits. The reference has
     // 1.15, too, 0.995, which is beyond the bounds of the parameter.
     let circle = studies.value("half_eccentricity").expect("a parameter")
         / studies.value("trochoid_ratio").expect("a parameter");
@@ -187,11 +187,11 @@ fn the_quantities_tell_rises_falls_and_the_jump() {
     let values = nominal_values(model.parameters());
     let all = model.quantities(&values).expect("values of the model");
     let value = |name: &str| {
-        let own = all
+        let found = all
             .iter()
             .find(|quantity| quantity.name == name)
             .expect("a quantity of the model");
-        own.value.expect("a value")
+        found.value.expect("a value")
     };
     for (name, expected) in [
         // From the reference's numbers: the first step for ω14, the third for ω4.

@@ -36,7 +36,7 @@ fn reaches_a_hundredth([(x0, y0), (x1, y1)]: [(f64, f64); 2]) -> f64 {
 type Row = (f64, [f64; 4]);
 
 fn changes(load_nm: f64, ratio: f64) -> [f64; 4] {
-    // The reference's 100 periods before 20 that are told: the softest bearings are hardly damped.
+    // The reference's 100 periods before the 20 recorded ones: the softest bearings are hardly damped.
     let span = ResponseSpan {
         settling_periods: 100,
         told_periods: 20,
@@ -97,11 +97,11 @@ fn the_constant_angle_is_worst_and_the_suns_motion_within_a_percent_where_the_re
         let found: Vec<(f64, f64)> = rows
             .par_iter()
             .map(|(ratio, expected)| {
-                let own = changes(load, *ratio);
-                for (own, expected) in own.iter().zip(expected) {
-                    near(*own, *expected, &(load, ratio));
+                let found = changes(load, *ratio);
+                for (got, expected) in found.iter().zip(expected) {
+                    near(*got, *expected, &(load, ratio));
                 }
-                (*ratio, own[3].abs())
+                (*ratio, found[3].abs())
             })
             .collect();
         let ends = [found[found.len() - 2], found[found.len() - 1]];
@@ -131,17 +131,17 @@ fn the_torsional_model_comes_within_a_percent_at_a_hundred_and_twelve_times_the_
         };
         let [torsional, constant] = [Detail::Torsional, Detail::ConstantAngle].map(response);
         let [torsional, constant] =
-            [&torsional, &constant].map(|own| own.signal("delta_sp1").unwrap());
+            [&torsional, &constant].map(|response| response.signal("delta_sp1").unwrap());
         let deviation = constant.deviation();
         assert!(
             (deviation / deviation_m - 1.0).abs() < 4e-6,
             "{ratio}: {deviation:e}"
         );
         assert!((torsional.deviation() / 1.76728e-8 - 1.0).abs() < 4e-6);
-        let own = constant.difference(torsional).unwrap();
-        near(own, distance, &ratio);
+        let distance_found = constant.difference(torsional).unwrap();
+        near(distance_found, distance, &ratio);
         near(deviation / torsional.deviation() - 1.0, change, &ratio);
-        (ratio, own)
+        (ratio, distance_found)
     };
     let found: Vec<(f64, f64)> = [
         (2.5, 2000, 3.11598e-8, 1.394e-1, 7.632e-1),
@@ -160,8 +160,8 @@ fn the_torsional_model_comes_within_a_percent_at_a_hundred_and_twelve_times_the_
     // digits.
     let values = with(&model, 100.0, 40.0);
     let details = [Detail::Torsional, Detail::ConstantAngle];
-    let own = model.responses(&values, span, &details).unwrap();
-    let [torsional, constant] = details.map(|detail| signal(&own, detail, "delta_sp1"));
+    let responses = model.responses(&values, span, &details).unwrap();
+    let [torsional, constant] = details.map(|detail| signal(&responses, detail, "delta_sp1"));
     near(
         constant.difference(torsional).unwrap(),
         1.115e-2,

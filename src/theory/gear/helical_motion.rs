@@ -18,7 +18,7 @@
 //! - exact (involutes): `-Rb (β + σ (inv α - inv α0))`, whose gradient is the actual line of
 //!   action.
 //!
-//! The planets' equations are solved for their own accelerations, which leaves the carrier its own
+//! The planets' equations are solved for their accelerations, which leaves the carrier its
 //! mass and moment of inertia: the system is explicit.
 //!
 //! # Reference
@@ -75,8 +75,8 @@ impl Motion {
         detail: Detail,
     ) -> Result<Self, TheoryError> {
         model.assemble(values)?;
-        let own = model.values(values, None);
-        let get = |name: &str| own.get(name).value;
+        let parameters = model.values(values, None);
+        let get = |name: &str| parameters.get(name).value;
         let (radius_s, radius_p) = (get("base_radius_s"), get("base_radius_p"));
         let rest_angle = get("pressure_angle");
         let base = radius_s + radius_p;
@@ -225,20 +225,24 @@ impl Motion {
         let (sin, cos) = (sin * cos_0 + cos * sin_0, cos * cos_0 - sin * sin_0);
         let turned = |x: f64, y: f64| [x * cos + y * sin, y * cos - x * sin];
         let [xi, eta, psi] = std::array::from_fn(|i| state[6 + 3 * planet + i]);
-        let own = [self.pins + xi, eta];
+        let pin_motion = [self.pins + xi, eta];
         let carrier = turned(state[0], state[1]);
         // From the sun's centre, and from the ring's.
         let sun = turned(state[0] - state[3], state[1] - state[4]);
         let mut meshes = [
-            self.meshes[0].approach(self.detail, own[0] + sun[0], own[1] + sun[1]),
-            self.meshes[1].approach(self.detail, own[0] + carrier[0], own[1] + carrier[1]),
+            self.meshes[0].approach(self.detail, pin_motion[0] + sun[0], pin_motion[1] + sun[1]),
+            self.meshes[1].approach(
+                self.detail,
+                pin_motion[0] + carrier[0],
+                pin_motion[1] + carrier[1],
+            ),
         ];
         meshes[0].compression += self.radius_s * (state[5] - state[2]) - self.radius_p * psi;
         meshes[1].compression += self.radius_p * psi - self.radius_r * state[2];
         Placed {
             sin,
             cos,
-            own,
+            pin_motion,
             offsets: [sun, carrier],
             meshes,
         }
@@ -247,13 +251,13 @@ impl Motion {
     /// Derivatives of both compressions of a planet by xc, yc, psi_c, xs, ys, psi_s, xi, eta, psi.
     fn gradients(&self, place: &Placed) -> [[f64; 9]; 2] {
         let [sun, ring] = [0, 1].map(|kind| {
-            let own = &place.meshes[kind];
+            let mesh = &place.meshes[kind];
             let [along, across] = place.offsets[kind];
-            let by_x = own.by_u * place.cos - own.by_v * place.sin;
-            let by_y = own.by_u * place.sin + own.by_v * place.cos;
+            let by_x = mesh.by_u * place.cos - mesh.by_v * place.sin;
+            let by_y = mesh.by_u * place.sin + mesh.by_v * place.cos;
             // The frame turns with the carrier: du = v dtheta of the offset, dv = -u dtheta.
-            let by_turn = own.by_u * across - own.by_v * along;
-            ([by_x, by_y, by_turn], [own.by_u, own.by_v])
+            let by_turn = mesh.by_u * across - mesh.by_v * along;
+            ([by_x, by_y, by_turn], [mesh.by_u, mesh.by_v])
         });
         let ([sx, sy, st], [su, sv]) = sun;
         let ([rx, ry, rt], [ru, rv]) = ring;
@@ -284,8 +288,8 @@ impl Motion {
             let moving =
                 |x: f64, y: f64| [x * place.cos + y * place.sin, y * place.cos - x * place.sin];
             let [along, across] = moving(rate[0], rate[1]);
-            let radial = along + rate[at] - place.own[1] * turning;
-            let tangential = across + rate[at + 1] + place.own[0] * turning;
+            let radial = along + rate[at] - place.pin_motion[1] * turning;
+            let tangential = across + rate[at + 1] + place.pin_motion[0] * turning;
             let spin = turning - self.radius_r / self.radius_p * self.speed_rad_s - rate[at + 2];
             kinetic += self.mass[2] * squares(radial, tangential) + self.inertia[2] * spin * spin;
             strain += self.bearing[2] * squares(state[at], state[at + 1]);
@@ -302,7 +306,7 @@ impl Motion {
 struct Placed {
     sin: f64,
     cos: f64,
-    own: [f64; 2],
+    pin_motion: [f64; 2],
     offsets: [[f64; 2]; 2],
     meshes: [Approach; 2],
 }
@@ -332,7 +336,7 @@ impl Equations for Motion {
         for planet in 0..PLANETS {
             let place = self.placed(&frame, state, planet);
             let at = 6 + 3 * planet;
-            let mut own = [
+            let mut pin_force = [
                 support(2, state[at], now[at]),
                 support(2, state[at + 1], now[at + 1]),
                 0.0,
@@ -348,27 +352,28 @@ impl Equations for Motion {
                 let pressed = self.stiffness(time_s, kind, planet) * place.meshes[kind].compression
                     + self.mesh_damper * closing;
                 (0..6).for_each(|i| force[i] -= pressed * by[i]);
-                (0..3).for_each(|i| own[i] -= pressed * by[6 + i]);
+                (0..3).for_each(|i| pin_force[i] -= pressed * by[6 + i]);
             }
-            self.add_planet(&place, own, &mut force, &mut carried_inertia);
-            acceleration[at..at + 3].copy_from_slice(&own);
+            self.add_planet(&place, pin_force, &mut force, &mut carried_inertia);
+            acceleration[at..at + 3].copy_from_slice(&pin_force);
         }
         self.central_accelerations(&force, carried_inertia, acceleration);
         for planet in 0..PLANETS {
             let place = self.placed(&frame, state, planet);
             let at = 6 + 3 * planet;
-            let own: [f64; 3] = std::array::from_fn(|i| acceleration[at + i]);
+            let pin_acceleration: [f64; 3] = std::array::from_fn(|i| acceleration[at + i]);
             let [x, y, turn] = [acceleration[0], acceleration[1], acceleration[2]];
-            let [u, v] = place.own;
+            let [u, v] = place.pin_motion;
             let (du, dv) = (now[at], now[at + 1]);
-            acceleration[at + 2] = own[2] / self.inertia[2] + turn;
+            acceleration[at + 2] = pin_acceleration[2] / self.inertia[2] + turn;
             if self.detail == Detail::Torsional {
                 (acceleration[at], acceleration[at + 1]) = (0.0, 0.0);
                 continue;
             }
-            acceleration[at] = own[0] / self.mass[2] + u * turning * turning + 2.0 * dv * turning
-                - (x * place.cos + y * place.sin - v * turn);
-            acceleration[at + 1] = own[1] / self.mass[2] + v * turning * turning
+            acceleration[at] =
+                pin_acceleration[0] / self.mass[2] + u * turning * turning + 2.0 * dv * turning
+                    - (x * place.cos + y * place.sin - v * turn);
+            acceleration[at + 1] = pin_acceleration[1] / self.mass[2] + v * turning * turning
                 - 2.0 * du * turning
                 - (y * place.cos - x * place.sin + u * turn);
         }
@@ -378,20 +383,26 @@ impl Equations for Motion {
 impl Motion {
     /// Derivative of a compression by the ideal rotation of the frame, which `psi` does not count.
     fn turn_of_frame(&self, place: &Placed, kind: usize) -> f64 {
-        let own = &place.meshes[kind];
+        let mesh = &place.meshes[kind];
         let [along, across] = place.offsets[kind];
-        own.by_u * across - own.by_v * along
+        mesh.by_u * across - mesh.by_v * along
     }
 
     /// What the planets' bearings and rotations hand on to the carrier.
-    fn add_planet(&self, place: &Placed, own: [f64; 3], force: &mut [f64; 6], inertia: &mut f64) {
-        let [along, across, turn] = own;
+    fn add_planet(
+        &self,
+        place: &Placed,
+        pin_force: [f64; 3],
+        force: &mut [f64; 6],
+        inertia: &mut f64,
+    ) {
+        let [along, across, turn] = pin_force;
         force[2] += turn;
         if self.detail == Detail::Torsional {
             *inertia += self.mass[2] * self.pins * self.pins;
             return;
         }
-        let [u, v] = place.own;
+        let [u, v] = place.pin_motion;
         force[0] -= along * place.cos - across * place.sin;
         force[1] -= along * place.sin + across * place.cos;
         force[2] -= -along * v + across * u;

@@ -33,18 +33,18 @@ fn gradients_of_the_approach_are_its_differences_and_the_printed_one_doubles_the
             Detail::ExactAngle,
         ] {
             let (u, v) = (mesh.pins + 3e-4, -2e-4);
-            let own = mesh.approach(detail, u, v);
+            let approach = mesh.approach(detail, u, v);
             let h = 2e-7;
             let by_u = mesh.approach(detail, u + h, v).compression
                 - mesh.approach(detail, u - h, v).compression;
             let by_v = mesh.approach(detail, u, v + h).compression
                 - mesh.approach(detail, u, v - h).compression;
             assert!(
-                (own.by_u - by_u / (2.0 * h)).abs() < 1e-9,
+                (approach.by_u - by_u / (2.0 * h)).abs() < 1e-9,
                 "{side} {detail:?}"
             );
             assert!(
-                (own.by_v - by_v / (2.0 * h)).abs() < 1e-9,
+                (approach.by_v - by_v / (2.0 * h)).abs() < 1e-9,
                 "{side} {detail:?}"
             );
         }
@@ -90,7 +90,9 @@ fn the_equilibrium_is_the_reference_and_rests() {
     motion.rate(0.123, &state, &mut rate);
     // A centrifugal force of a radius longer by xi, and torques of 40 N m that cancel to rounding
     // over 1e-4 kg m2.
-    let largest = rate.iter().fold(0.0f64, |most, own| most.max(own.abs()));
+    let largest = rate
+        .iter()
+        .fold(0.0f64, |most, value| most.max(value.abs()));
     assert!(largest < 1e-4, "{largest}");
 }
 
@@ -221,19 +223,22 @@ fn after_ten_periods_the_state_is_the_reference_by_both_integrators() {
         }
         let state = followed;
         let time = 10.0 * motion.mesh_period_s();
-        for (own, wanted) in motion.meshes(time, &state, 0).iter().zip(meshes) {
+        for (got, wanted) in motion.meshes(time, &state, 0).iter().zip(meshes) {
             assert!(
-                (own.compression_m / wanted - 1.0).abs() < 2e-9,
+                (got.compression_m / wanted - 1.0).abs() < 2e-9,
                 "{detail:?}: {}",
-                own.compression_m
+                got.compression_m
             );
         }
         if detail == Detail::ConstantAngle {
             let mut other = motion.equilibrium();
             run(&mut RungeKutta4::default(), &motion, (10, 8000), &mut other);
-            let own = motion.meshes(time, &state, 0)[0].compression_m;
+            let compression = motion.meshes(time, &state, 0)[0].compression_m;
             let theirs = motion.meshes(time, &other, 0)[0].compression_m;
-            assert!((own / theirs - 1.0).abs() < 1e-8, "{own} {theirs}");
+            assert!(
+                (compression / theirs - 1.0).abs() < 1e-8,
+                "{compression} {theirs}"
+            );
         }
     }
 }
@@ -258,20 +263,20 @@ fn with_stiff_bearings_the_motion_becomes_the_torsional_one() {
 
 #[test]
 fn errors_of_the_runge_kutta_method_over_twenty_periods_are_the_reference() {
-    const TOLD: usize = 200;
+    const RECORDED_INSTANTS: usize = 200;
     let motion = motion("kb-1.5e8", Detail::ConstantAngle, &[]);
     let deflection = |steps: usize| -> Vec<f64> {
         let (mut rule, mut state) = (RungeKutta4::default(), motion.equilibrium());
         let step_s = motion.mesh_period_s() / steps as f64;
-        let mut told = Vec::new();
+        let mut compressions = Vec::new();
         for step in 0..20 * steps {
             let time_s = step as f64 * step_s;
-            if step.is_multiple_of(steps / TOLD) {
-                told.push(motion.meshes(time_s, &state, 0)[0].compression_m);
+            if step.is_multiple_of(steps / RECORDED_INSTANTS) {
+                compressions.push(motion.meshes(time_s, &state, 0)[0].compression_m);
             }
             rule.step(&motion, time_s, step_s, &mut state);
         }
-        told
+        compressions
     };
     let fine = deflection(8000);
     let largest = fine.iter().copied().fold(0.0, f64::max);
@@ -282,8 +287,8 @@ fn errors_of_the_runge_kutta_method_over_twenty_periods_are_the_reference() {
         (2000, 7.597e-6),
         (4000, 4.292e-7),
     ] {
-        let own = deflection(steps);
-        let pairs = own.iter().zip(&fine);
+        let coarse = deflection(steps);
+        let pairs = coarse.iter().zip(&fine);
         let error = pairs.fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / largest;
         assert!((error / expected - 1.0).abs() < 6e-4, "{steps}: {error:e}");
     }

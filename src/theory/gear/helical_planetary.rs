@@ -35,7 +35,7 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 /// A share of the kinetic energy below which a body counts as still: far above the rounding of
 /// repeated roots.
-const STILL: f64 = 1e-9;
+const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 
 /// The gear with 18 coordinates, or 6 with rigid bearings.
 ///
@@ -103,14 +103,14 @@ impl HelicalPlanetary {
         let turn = Z.map(Dual::constant);
         let radius = |name: &str| values.get(name);
         for planet in 0..PLANETS {
-            let own = format!("planet-{}", planet + 1);
+            let planet_name = format!("planet-{}", planet + 1);
             let [radial, tangential] = directions(planet);
             // The lines of action: from the sun outwards, and from the ring inwards.
             let along = |sign: f64| -> [Dual; 3] {
                 std::array::from_fn(|i| sign * radial[i] * sin + tangential[i] * cos)
             };
             let rolled = |body: &str, radius: Dual| scaled(all.rotation(body, turn), radius);
-            let of_planet = rolled(&own, radius("base_radius_p"));
+            let of_planet = rolled(&planet_name, radius("base_radius_p"));
             let of_sun = rolled("sun", radius("base_radius_s"));
             let [sun_mesh, ring_mesh] = if self.torsional {
                 // Planets go with their pins, by R_c cos α per unit of the carrier's rotation along
@@ -123,9 +123,9 @@ impl HelicalPlanetary {
             } else {
                 let from_sun = minus(
                     all.point("sun", CENTRE, along(1.0)),
-                    all.point(&own, CENTRE, along(1.0)),
+                    all.point(&planet_name, CENTRE, along(1.0)),
                 );
-                let to_ring = minus(Stretch::new(), all.point(&own, CENTRE, along(-1.0)));
+                let to_ring = minus(Stretch::new(), all.point(&planet_name, CENTRE, along(-1.0)));
                 [
                     sum(from_sun, sum(of_sun, of_planet.clone())),
                     minus(to_ring, of_planet),
@@ -146,11 +146,11 @@ impl HelicalPlanetary {
         }
         let pins = radius_of_pins(values);
         for planet in 0..PLANETS {
-            let own = format!("planet-{}", planet + 1);
+            let planet_name = format!("planet-{}", planet + 1);
             let [radial, _] = directions(planet);
             for direction in directions(planet) {
                 let pin = all.point("carrier", radial.map(|part| pins * part), direction);
-                let stretch = minus(all.point(&own, CENTRE, direction), pin);
+                let stretch = minus(all.point(&planet_name, CENTRE, direction), pin);
                 all.add("k_p", values.get("k_p"), stretch);
             }
         }
@@ -243,17 +243,24 @@ impl TheoreticalModel for HelicalPlanetary {
         let all = || self.bodies.coordinates.iter().zip(shares);
         let central = |motion: Motion| -> f64 {
             all()
-                .filter(|(own, _)| own.motion == motion && !own.body.starts_with("planet-"))
+                .filter(|(coordinate, _)| {
+                    coordinate.motion == motion && !coordinate.body.starts_with("planet-")
+                })
                 .map(|(_, share)| share)
                 .sum()
         };
         let (moves, turns) = (central(Motion::Translation), central(Motion::Rotation));
-        Some(match (moves > STILL, turns > STILL) {
-            (false, false) => "planet mode: carrier and sun still",
-            (true, false) => "translational mode: carrier and sun do not turn",
-            (false, true) => "rotational mode: carrier and sun turn in place",
-            (true, true) => "coupled",
-        })
+        Some(
+            match (
+                moves > MIN_MOVING_ENERGY_SHARE,
+                turns > MIN_MOVING_ENERGY_SHARE,
+            ) {
+                (false, false) => "planet mode: carrier and sun still",
+                (true, false) => "translational mode: carrier and sun do not turn",
+                (false, true) => "rotational mode: carrier and sun turn in place",
+                (true, true) => "coupled",
+            },
+        )
     }
 
     fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {

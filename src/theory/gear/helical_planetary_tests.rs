@@ -25,8 +25,8 @@ fn changed(set: &str, changes: &[(&str, f64)]) -> (HelicalPlanetary, Vec<f64>) {
 
 fn nominal(name: &str) -> f64 {
     let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
-    let own = model.parameters().iter().find(|spec| spec.name == name);
-    own.unwrap().nominal
+    let parameter = model.parameters().iter().find(|spec| spec.name == name);
+    parameter.unwrap().nominal
 }
 
 fn motion(changes: &[(&str, f64)]) -> Motion {
@@ -109,7 +109,10 @@ fn natural_frequencies_with_the_means_of_the_wave_are_the_reference() {
         all.sum::<f64>() / count as f64
     };
     let means = [mean(0), mean(1)];
-    assert_eq!(means.map(|own| format!("{own:.2e}")), ["3.74e8", "4.28e8"]);
+    assert_eq!(
+        means.map(|mean| format!("{mean:.2e}")),
+        ["3.74e8", "4.28e8"]
+    );
     check(
         "means",
         &roots("kb-1.5e8", &[("k_sp", means[0]), ("k_rp", means[1])]),
@@ -134,9 +137,12 @@ fn natural_frequencies_with_the_means_of_the_wave_are_the_reference() {
 fn check(set: &str, found: &[ModelRoot], expected: Table) {
     assert_eq!(found.len(), expected.len(), "{set}: {found:?}");
     for (root, (hz, multiplicity, class)) in found.iter().zip(expected) {
-        let own = root.omega_rad_s / TAU;
-        assert!((own - hz).abs() < 6e-7 * hz.max(1.0), "{set}: {own} {hz}");
-        assert!((own - hz).abs() < 2e-6, "{set}: {own} {hz}");
+        let omega_hz = root.omega_rad_s / TAU;
+        assert!(
+            (omega_hz - hz).abs() < 6e-7 * hz.max(1.0),
+            "{set}: {omega_hz} {hz}"
+        );
+        assert!((omega_hz - hz).abs() < 2e-6, "{set}: {omega_hz} {hz}");
         assert_eq!(root.modes.len(), *multiplicity, "{set}: {hz}");
         assert!(
             root.class.as_ref().unwrap().starts_with(class),
@@ -194,7 +200,7 @@ fn radii_and_the_mesh_frequency_are_the_reference() {
     let coordinates = model.assemble(&values).unwrap().coordinates;
     let planet = coordinates
         .iter()
-        .find(|own| own.body == "planet-1")
+        .find(|coordinate| coordinate.body == "planet-1")
         .unwrap();
     let pins = planet.at_m[0];
     assert!((pins / 0.08075154207198648 - 1.0).abs() < 1e-14, "{pins}");
@@ -203,12 +209,12 @@ fn radii_and_the_mesh_frequency_are_the_reference() {
 
 #[test]
 fn the_printed_teeth_and_torques_fit_neither_the_pins_nor_each_other() {
-    // Of the torsional set the geometry alone is told.
+    // Of the torsional set the geometry alone is stated.
     let (model, values) = changed("torsional", &[]);
     let all = model.quantities(&values).unwrap();
     let value = |name: &str| {
-        let own = all.iter().find(|own| own.name == name).unwrap();
-        own.value.unwrap()
+        let quantity = all.iter().find(|candidate| candidate.name == name).unwrap();
+        quantity.value.unwrap()
     };
     for (name, text) in [
         ("centre_distance_sun", "80.751542"),
@@ -225,7 +231,10 @@ fn the_printed_teeth_and_torques_fit_neither_the_pins_nor_each_other() {
     // The printed drive accelerates the gear without its springs, whose free motion has unit modal
     // mass.
     let solved = modes(&model, &values, &[], &ModeOptions::default()).unwrap();
-    let carrier = solved.coordinates.iter().position(|own| own.name == "thc");
+    let carrier = solved
+        .coordinates
+        .iter()
+        .position(|coordinate| coordinate.name == "thc");
     let inertia = solved.vectors[(carrier.unwrap(), 0)].powi(-2);
     printed(inertia, "0.109085");
     let acceleration = value("printed_surplus") / inertia;

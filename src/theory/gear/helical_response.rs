@@ -16,7 +16,7 @@ use super::helical_mesh::{Detail, MeshState};
 use super::helical_motion::{COORDINATES, Motion};
 use super::helical_parameters::{PLANETS, RING_TEETH, SUN_TEETH};
 
-/// Harmonics of the mesh frequency that are told: up to 22 kHz at 80 rpm, above every natural
+/// Harmonics of the mesh frequency that are reported: up to 22 kHz at 80 rpm, above every natural
 /// frequency.
 const HARMONICS: usize = 200;
 /// Corners of the mesh stiffness lie on multiples of this part of the period.
@@ -26,7 +26,7 @@ const LINE: f64 = 0.01;
 /// Ratios of bearing to mean mesh stiffness at which the details are compared.
 /// The second brings a natural frequency to the mesh frequency, where they are farthest apart.
 pub(super) const RATIOS: [f64; 8] = [2.5e-3, 7.5e-3, 2.5e-2, 0.1, 0.375, 1.0, 3.75, 25.0];
-/// The span for it: the differences are told to two digits.
+/// The span for it: the differences are reported to two digits.
 const SHORT: ResponseSpan = ResponseSpan {
     settling_periods: 60,
     told_periods: 10,
@@ -60,7 +60,9 @@ impl HelicalPlanetary {
     ) -> Result<TimeResponse, TheoryError> {
         span.check()?;
         let steps = self.steps_per_period(values, span)?;
-        let motions = details.iter().map(|own| Motion::new(self, values, *own));
+        let motions = details
+            .iter()
+            .map(|detail| Motion::new(self, values, *detail));
         let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
         Ok(side_by_side(&motions?, (span, steps)))
     }
@@ -74,8 +76,8 @@ impl HelicalPlanetary {
     ) -> Result<TimeResponse, TheoryError> {
         let steps = self.steps_per_period(values, span)?;
         let details = [Detail::ConstantAngle, Detail::PrintedAngle].into_iter();
-        let motions = details.map(|own| {
-            let motion = Motion::new(self, values, own)?;
+        let motions = details.map(|detail| {
+            let motion = Motion::new(self, values, detail)?;
             Ok(motion.with_ring_teeth(PRINTED_RING_TEETH))
         });
         let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
@@ -94,15 +96,15 @@ impl HelicalPlanetary {
 
 /// Responses of one machine from the equilibrium, with so many steps per period.
 fn side_by_side(motions: &[Motion], (span, steps): (ResponseSpan, usize)) -> TimeResponse {
-    let own = |motion: &Motion| run(motion, motion.equilibrium(), (span, steps));
+    let run_motion = |motion: &Motion| run(motion, motion.equilibrium(), (span, steps));
     TimeResponse {
         excitation_hz: 1.0 / motions[0].mesh_period_s(),
         span,
-        details: motions.par_iter().map(own).collect(),
+        details: motions.par_iter().map(run_motion).collect(),
     }
 }
 
-/// What is told of one instant.
+/// Signal values of one instant.
 fn readings(motion: &Motion, time_s: f64, state: &[f64]) -> [f64; 8] {
     let all: [[MeshState; 2]; PLANETS] =
         std::array::from_fn(|planet| motion.meshes(time_s, state, planet));
@@ -177,7 +179,7 @@ pub(super) fn run(
             samples
                 .iter_mut()
                 .zip(now)
-                .for_each(|(all, own)| all.push(own));
+                .for_each(|(all, value)| all.push(value));
         }
         integrator.step(motion, time_s, step_s, &mut state);
     }
@@ -222,15 +224,15 @@ pub(super) fn bearing_points(
     model: &HelicalPlanetary,
     values: &[f64],
 ) -> Result<Vec<BearingPoint>, TheoryError> {
-    let own = model.values(values, None);
-    let mesh = 0.5 * (own.get("k_sp").value + own.get("k_rp").value);
+    let parameters = model.values(values, None);
+    let mesh = 0.5 * (parameters.get("k_sp").value + parameters.get("k_rp").value);
     let point = |ratio: &f64| {
         let values = with_bearings(model, values, ratio * mesh)?;
         let details = [Detail::Torsional, Detail::ConstantAngle, Detail::ExactAngle];
         let found = model.responses(&values, SHORT, &details)?;
-        let from_exact = |own: Detail| {
+        let from_exact = |detail: Detail| {
             found
-                .difference("delta_sp1", own.name(), Detail::ExactAngle.name())
+                .difference("delta_sp1", detail.name(), Detail::ExactAngle.name())
                 .unwrap_or(f64::NAN)
         };
         Ok(BearingPoint {
@@ -276,10 +278,13 @@ pub(super) fn response_quantities(
     all.extend(figures_3_to_8(&soft, &stiff));
     all.extend(printed_teeth_quantities(model, values, span)?);
     let points = bearing_points(model, values)?;
-    let largest = points.iter().map(|own| own.constant).fold(0.0, f64::max);
+    let largest = points
+        .iter()
+        .map(|point| point.constant)
+        .fold(0.0, f64::max);
     let least = points
         .iter()
-        .map(|own| own.torsional)
+        .map(|point| point.torsional)
         .fold(f64::MAX, f64::min);
     let tried = RATIOS.map(|ratio| ratio.to_string()).join(", ");
     let tried = format!("at bearing stiffnesses of {tried} times the mesh stiffness");
@@ -328,8 +333,10 @@ pub(super) fn printed_teeth_quantities(
 
 /// The teeth and torques as printed.
 fn printed_data(model: &HelicalPlanetary, values: &[f64]) -> Vec<ModelQuantity> {
-    let own = model.values(values, None);
-    let module = own.get("base_radius_s").value / own.get("pressure_angle").value.cos() / SUN_TEETH;
+    let parameters = model.values(values, None);
+    let module = parameters.get("base_radius_s").value
+        / parameters.get("pressure_angle").value.cos()
+        / SUN_TEETH;
     let distance = |sum: f64| 1e3 * module * sum;
     vec![
         ModelQuantity::new(
@@ -352,15 +359,15 @@ fn printed_data(model: &HelicalPlanetary, values: &[f64]) -> Vec<ModelQuantity> 
         ),
         ModelQuantity::new(
             "balanced_drive",
-            own.get("load").value / (1.0 + RING_TEETH / SUN_TEETH),
+            parameters.get("load").value / (1.0 + RING_TEETH / SUN_TEETH),
             "N m",
             "drive torque that balances the load",
         ),
         ModelQuantity::new(
             "printed_surplus",
-            PRINTED_DRIVE_NM * (1.0 + RING_TEETH / SUN_TEETH) - own.get("load").value,
+            PRINTED_DRIVE_NM * (1.0 + RING_TEETH / SUN_TEETH) - parameters.get("load").value,
             "N m",
-            "torque on the carrier left over by the printed drive of 9.65 N m",
+            "unbalanced torque on the carrier with the printed drive of 9.65 N m",
         ),
     ]
 }
@@ -372,8 +379,9 @@ fn figure_of(
     name: &str,
     figure: fn(&ResponseSignal) -> f64,
 ) -> f64 {
-    let own = response.detail(detail.name());
-    own.and_then(|own| own.signal(name))
+    let detail_response = response.detail(detail.name());
+    detail_response
+        .and_then(|detail_response| detail_response.signal(name))
         .map_or(f64::NAN, figure)
 }
 
@@ -393,15 +401,15 @@ fn figures_3_to_8(soft: &TimeResponse, stiff: &TimeResponse) -> Vec<ModelQuantit
         Detail::PrintedAngle.name(),
         Detail::ExactAngle.name(),
     );
-    let distance = |response: &TimeResponse, own: &str, from: &str| {
+    let distance = |response: &TimeResponse, detail: &str, from: &str| {
         100.0
             * response
-                .difference("delta_sp1", own, from)
+                .difference("delta_sp1", detail, from)
                 .unwrap_or(f64::NAN)
     };
     let lines = |detail| {
-        figure_of(soft, detail, "delta_sp1", |own| {
-            own.lines_above(LINE) as f64
+        figure_of(soft, detail, "delta_sp1", |signal| {
+            signal.lines_above(LINE) as f64
         })
     };
     let angle = |response| {
@@ -412,75 +420,75 @@ fn figures_3_to_8(soft: &TimeResponse, stiff: &TimeResponse) -> Vec<ModelQuantit
         |response, detail| figure_of(response, detail, "delta_sp1", ResponseSignal::deviation);
     let figure_5 = spread(stiff, Detail::PrintedAngle);
     let figures_differ = 100.0 * (figure_5 / spread(soft, Detail::ConstantAngle) - 1.0);
-    let told = |name, value, unit, what: &str| ModelQuantity::new(name, value, unit, what);
+    let make_quantity = |name, value, unit, what: &str| ModelQuantity::new(name, value, unit, what);
     vec![
-        told(
+        make_quantity(
             "peak_change",
             change(soft, "delta_sp1", ResponseSignal::largest),
             "%",
             "largest deflection of the sun mesh, printed varying angle against constant",
         ),
-        told(
+        make_quantity(
             "deviation_change",
             change(soft, "delta_sp1", ResponseSignal::deviation),
             "%",
             "the same of its standard deviation",
         ),
-        told(
+        make_quantity(
             "further_lines",
             lines(Detail::PrintedAngle) - lines(Detail::ConstantAngle),
             "",
             "harmonics above 1 % of the largest that the printed varying angle adds to the sun mesh's deflection",
         ),
-        told(
+        make_quantity(
             "printed_from_constant",
             distance(soft, printed, constant),
             "%",
             "distance of both deflections",
         ),
-        told(
+        make_quantity(
             "constant_from_exact",
             distance(soft, constant, exact),
             "%",
             "distance of the constant angle from the exact one",
         ),
-        told(
+        make_quantity(
             "torsional_from_exact",
             distance(soft, Detail::Torsional.name(), exact),
             "%",
             "distance of the torsional model from the exact one",
         ),
-        told(
+        make_quantity(
             "stiff_printed_from_constant",
             distance(stiff, printed, constant),
             "%",
             "distance of printed varying and constant angle with bearings of 1e10 N/m",
         ),
-        told(
+        make_quantity(
             "figure_5_from_figure_3",
             figures_differ,
             "%",
             "standard deviation of the deflection, printed varying angle with bearings of 1e10 N/m against constant angle with these",
         ),
-        told(
+        make_quantity(
             "angle_change",
             angle(soft),
             "deg",
             "largest change of the pressure angle of the sun mesh, exact",
         ),
-        told(
+        make_quantity(
             "angle_change_ratio",
             angle(soft) / angle(stiff),
             "",
             "times that with bearings of 1e10 N/m",
         ),
-        told(
+        make_quantity(
             "load_range_change",
             change(soft, "load_sp1", range),
             "%",
             "range of the load sharing factor, printed varying angle against constant",
         ),
-        told(
+        make_quantity(
             "sun_orbit_change",
             change(soft, "x_s", ResponseSignal::deviation),
             "%",

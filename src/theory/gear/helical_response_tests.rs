@@ -12,8 +12,8 @@ use crate::theory::{HelicalPlanetary, TheoreticalModel, TheoryError, TimeRespons
 /// The steady responses with bearings of 1.5e8 and 1e10 N/m, once for all tests of this file.
 fn response(set: &str) -> &'static TimeResponse {
     static ALL: [OnceLock<TimeResponse>; 2] = [OnceLock::new(), OnceLock::new()];
-    let own = ["kb-1.5e8", "kb-1e10"].iter().position(|name| *name == set);
-    ALL[own.unwrap()].get_or_init(|| {
+    let index = ["kb-1.5e8", "kb-1e10"].iter().position(|name| *name == set);
+    ALL[index.unwrap()].get_or_init(|| {
         let model = HelicalPlanetary::new(set).unwrap();
         let values = nominal_values(model.parameters());
         model.response(&values, ResponseSpan::default()).unwrap()
@@ -54,8 +54,8 @@ type Row = (
 fn check(set: &str, rows: &[Row]) {
     let found = response(set);
     for (detail, meshes, angles, load, sun) in rows {
-        let own = found.detail(detail.name()).unwrap();
-        let signal = |name: &str| own.signal(name);
+        let response = found.detail(detail.name()).unwrap();
+        let signal = |name: &str| response.signal(name);
         let (ds, dr) = (signal("delta_sp1").unwrap(), signal("delta_rp1").unwrap());
         let got = [
             ds.rms(),
@@ -67,7 +67,7 @@ fn check(set: &str, rows: &[Row]) {
             dr.largest(),
         ];
         for (i, (got, wanted)) in got.iter().zip(meshes).enumerate() {
-            // The transient left over, 1e-6, and the grid of samples, for six digits.
+            // The remaining transient, 1e-6, and the grid of samples, for six digits.
             assert!(
                 (got / wanted - 1.0).abs() < 2e-6,
                 "{set} {detail:?} {i}: {got} {wanted}"
@@ -86,16 +86,16 @@ fn check(set: &str, rows: &[Row]) {
             None => assert!(signal("angle_sp1").is_none()),
         }
         if let Some([most, least]) = load {
-            let own = signal("load_sp1").unwrap();
+            let load = signal("load_sp1").unwrap();
             assert!(
-                (own.largest() - most).abs() < 2e-6,
+                (load.largest() - most).abs() < 2e-6,
                 "{set} {detail:?}: {} {most}",
-                own.largest()
+                load.largest()
             );
             assert!(
-                (own.least() - least).abs() < 2e-6,
+                (load.least() - least).abs() < 2e-6,
                 "{set} {detail:?}: {} {least}",
-                own.least()
+                load.least()
             );
         }
         match sun {
@@ -254,8 +254,8 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
             ],
         ),
     ] {
-        let own = &signal(found, Detail::ConstantAngle, name).harmonics;
-        for (got, wanted) in own.iter().zip(expected) {
+        let harmonics = &signal(found, Detail::ConstantAngle, name).harmonics;
+        for (got, wanted) in harmonics.iter().zip(expected) {
             assert!((got / wanted - 1.0).abs() < 5e-5, "{name}: {got} {wanted}");
         }
     }
@@ -264,9 +264,9 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
         [lines(Detail::ConstantAngle), lines(Detail::PrintedAngle)],
         [17, 17]
     );
-    let from = |own: Detail, other: Detail| {
+    let from = |detail: Detail, other: Detail| {
         found
-            .difference("delta_sp1", own.name(), other.name())
+            .difference("delta_sp1", detail.name(), other.name())
             .unwrap()
     };
     let (constant, printed, exact) = (
@@ -284,10 +284,12 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
 fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
     use Detail::{ConstantAngle, ExactAngle, PrintedAngle, Torsional};
     let [soft, stiff] = ["kb-1.5e8", "kb-1e10"].map(response);
-    let change =
-        |from, name: &str, [own, reference]: [Detail; 2], figure: fn(&ResponseSignal) -> f64| {
-            figure(signal(from, own, name)) / figure(signal(from, reference, name)) - 1.0
-        };
+    let change = |from,
+                  name: &str,
+                  [compared, reference]: [Detail; 2],
+                  figure: fn(&ResponseSignal) -> f64| {
+        figure(signal(from, compared, name)) / figure(signal(from, reference, name)) - 1.0
+    };
     let (peak, std) = (ResponseSignal::largest, ResponseSignal::deviation);
     let (printed, exact) = ([PrintedAngle, ConstantAngle], [ExactAngle, ConstantAngle]);
     for (from, name, details, figure, expected) in [
@@ -311,21 +313,21 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
         (stiff, "delta_sp1", [ConstantAngle, Torsional], std, 0.1049),
         (stiff, "delta_sp1", [PrintedAngle, Torsional], std, 0.1049),
     ] {
-        let own = change(from, name, details, figure);
-        near(own, expected, &(name, details));
+        let got = change(from, name, details, figure);
+        near(got, expected, &(name, details));
     }
     // From extremes of six digits.
-    let range = |own: &ResponseSignal| own.largest() - own.least();
+    let range = |signal: &ResponseSignal| signal.largest() - signal.least();
     let shared = change(soft, "load_sp1", printed, range);
     assert!((shared + 2.4e-4).abs() < 1.5e-5, "{shared}");
     let mesh = |from, detail| signal(from, detail, "delta_sp1");
-    for (own, from, expected) in [
+    for (detail, from, expected) in [
         (PrintedAngle, ConstantAngle, 2.133e-8),
         (ExactAngle, ConstantAngle, 1.066e-8),
         (PrintedAngle, Torsional, 3.812e-2),
     ] {
-        let found = mesh(stiff, own).difference(mesh(stiff, from)).unwrap();
-        near(found, expected, &(own, from));
+        let found = mesh(stiff, detail).difference(mesh(stiff, from)).unwrap();
+        near(found, expected, &(detail, from));
     }
     let angle = |from| signal(from, ExactAngle, "angle_sp1").magnitude();
     assert_eq!(format!("{:.0}", angle(soft) / angle(stiff)), "13");
@@ -336,9 +338,9 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
         0.5105,
         &"figures 5 and 3",
     );
-    let thinned = |own: &ResponseSignal| {
-        let step = own.samples.len() / (400 * ResponseSpan::default().told_periods);
-        let samples: Vec<f64> = own.samples.iter().copied().step_by(step).collect();
+    let thinned = |signal: &ResponseSignal| {
+        let step = signal.samples.len() / (400 * ResponseSpan::default().told_periods);
+        let samples: Vec<f64> = signal.samples.iter().copied().step_by(step).collect();
         ResponseSignal::new(("delta_sp1", "m", "at common instants"), samples, (400, 1))
     };
     let distance = thinned(five).difference(&thinned(three)).unwrap();
@@ -346,10 +348,10 @@ fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
 }
 
 /// The four digits that the reference tells, and as much for the different steps.
-pub(super) fn near(own: f64, expected: f64, about: &dyn std::fmt::Debug) {
+pub(super) fn near(got: f64, expected: f64, about: &dyn std::fmt::Debug) {
     assert!(
-        (own / expected - 1.0).abs() < 1e-3,
-        "{about:?}: {own} {expected}"
+        (got / expected - 1.0).abs() < 1e-3,
+        "{about:?}: {got} {expected}"
     );
 }
 

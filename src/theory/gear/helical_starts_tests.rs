@@ -14,7 +14,7 @@ use crate::theory::integrate::Equations;
 use crate::theory::response::{ResponseSignal, ResponseSpan};
 use crate::theory::{DetailResponse, HelicalPlanetary};
 
-/// The reference's runs: forty periods, told from the first.
+/// The reference's runs: forty periods, recorded from the first.
 const SPAN: ResponseSpan = ResponseSpan {
     settling_periods: 0,
     told_periods: 40,
@@ -49,7 +49,7 @@ impl Start {
     }
 }
 
-/// The state in which the motion rests under mean mesh stiffnesses, by its own angles: Newton's
+/// The state in which the motion rests under mean mesh stiffnesses, by its angles: Newton's
 /// iteration from that of the constant angle, over the displacements that all planets share.
 fn settled(motion: &Motion) -> Vec<f64> {
     let steady = motion.clone().with_steady_meshes();
@@ -75,9 +75,9 @@ fn settled(motion: &Motion) -> Vec<f64> {
                 std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * h))
             })
             .collect();
-        let own = accelerations(&state);
+        let residual = accelerations(&state);
         let jacobian = real_matrix(4, 4, |row, column| slopes[column][row]);
-        for (i, by) in least_squares_real(&jacobian, &own)
+        for (i, by) in least_squares_real(&jacobian, &residual)
             .unwrap()
             .into_iter()
             .enumerate()
@@ -119,7 +119,9 @@ fn lines(samples: &[f64], count: usize) -> usize {
     };
     let all: Vec<f64> = (1..=count).map(amplitude).collect();
     let largest = all.iter().copied().fold(0.0, f64::max);
-    all.iter().filter(|own| **own > 0.01 * largest).count()
+    all.iter()
+        .filter(|amplitude| **amplitude > 0.01 * largest)
+        .count()
 }
 
 /// rms, standard deviation, largest and least of the sun mesh's deflection, m; largest change of
@@ -132,12 +134,12 @@ type Change = [f64; 4];
 
 /// So many digits, as a number has them that begins with 1; of changes no more than 1e-9, which
 /// rounding leaves.
-fn digits(own: f64, expected: f64, digits: i32, about: &dyn std::fmt::Debug) {
+fn digits(got: f64, expected: f64, digits: i32, about: &dyn std::fmt::Debug) {
     let rounding = if digits < 5 { 1e-9 } else { 0.0 };
     let limit = 0.51 * 10f64.powi(1 - digits) * expected.abs() + rounding;
     assert!(
-        (own - expected).abs() <= limit,
-        "{about:?}: {own:e} {expected:e}"
+        (got - expected).abs() <= limit,
+        "{about:?}: {got:e} {expected:e}"
     );
 }
 
@@ -150,41 +152,41 @@ fn check(set: &str, start: Start, steps: usize, rows: [Row; 3], changes: [Change
             run(&motion, start.state(&motion), (SPAN, steps))
         })
         .collect();
-    let signal = |own: usize, name: &str| details[own].signal(name).unwrap();
-    for (own, (mesh, angle, count, sun, load)) in rows.into_iter().enumerate() {
-        let about = (set, start, ANGLES[own]);
-        let ds = signal(own, "delta_sp1");
+    let signal = |detail: usize, name: &str| details[detail].signal(name).unwrap();
+    for (detail, (mesh, angle, count, sun, load)) in rows.into_iter().enumerate() {
+        let about = (set, start, ANGLES[detail]);
+        let ds = signal(detail, "delta_sp1");
         let got = [ds.rms(), ds.deviation(), ds.largest(), ds.least()];
         for (got, wanted) in got.iter().zip(mesh) {
             digits(*got, wanted, 6, &about);
         }
-        if ANGLES[own] != Detail::ConstantAngle {
-            digits(signal(own, "angle_sp1").magnitude(), angle, 5, &about);
+        if ANGLES[detail] != Detail::ConstantAngle {
+            digits(signal(detail, "angle_sp1").magnitude(), angle, 5, &about);
         }
         // 22 kHz, twice the highest natural frequency.
         assert_eq!(lines(&ds.samples, 8000), count, "{about:?}");
-        digits(signal(own, "x_s").deviation(), sun, 5, &about);
+        digits(signal(detail, "x_s").deviation(), sun, 5, &about);
         if let Some([least, most]) = load {
-            let own = signal(own, "load_sp1");
+            let load_signal = signal(detail, "load_sp1");
             assert!(
-                (own.least() - least).abs() < 5.1e-5,
+                (load_signal.least() - least).abs() < 5.1e-5,
                 "{about:?}: {}",
-                own.least()
+                load_signal.least()
             );
             assert!(
-                (own.largest() - most).abs() < 5.1e-5,
+                (load_signal.largest() - most).abs() < 5.1e-5,
                 "{about:?}: {}",
-                own.largest()
+                load_signal.largest()
             );
         }
     }
-    for (own, change) in [1, 2].into_iter().zip(changes) {
-        let about = (set, start, ANGLES[own], "against the constant angle");
+    for (detail, change) in [1, 2].into_iter().zip(changes) {
+        let about = (set, start, ANGLES[detail], "against the constant angle");
         let ratio = |name: &str, figure: fn(&ResponseSignal) -> f64| {
-            figure(signal(own, name)) / figure(signal(0, name)) - 1.0
+            figure(signal(detail, name)) / figure(signal(0, name)) - 1.0
         };
         let got = [
-            signal(own, "delta_sp1")
+            signal(detail, "delta_sp1")
                 .difference(signal(0, "delta_sp1"))
                 .unwrap(),
             ratio("delta_sp1", ResponseSignal::deviation),

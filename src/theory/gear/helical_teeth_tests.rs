@@ -1,5 +1,5 @@
 //! The helical planetary gear with the 82 teeth in the ring that the paper prints, against the
-//! reference: its natural frequencies by the energies of its motion, which know the ring's own
+//! reference: its natural frequencies by the energies of its motion, which know the ring's
 //! radius, and its steady response.
 
 use std::f64::consts::TAU;
@@ -124,8 +124,8 @@ fn natural_frequencies_by_the_energies_are_the_reference_with_83_and_with_82_tee
     for (motion, expected) in tables {
         let found = frequencies(&motion);
         assert!(found[0] < 1.0, "{found:?}");
-        for (own, hz) in found[1..].iter().zip(&expected[1..]) {
-            assert!((own / hz - 1.0).abs() < 1e-7, "{own} {hz}");
+        for (got, hz) in found[1..].iter().zip(&expected[1..]) {
+            assert!((got / hz - 1.0).abs() < 1e-7, "{got} {hz}");
         }
     }
 }
@@ -148,8 +148,8 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
             )
         })
         .collect();
-    let signal = |own: usize, name: &str| responses[own].signal(name).unwrap();
-    for (own, rms, std, largest, load, sun) in [
+    let signal = |detail: usize, name: &str| responses[detail].signal(name).unwrap();
+    for (detail, rms, std, largest, load, sun) in [
         (
             0,
             1.910380e-7,
@@ -175,20 +175,20 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
             1.10683e-8,
         ),
     ] {
-        let (mesh, share) = (signal(own, "delta_sp1"), signal(own, "load_sp1"));
+        let (mesh, share) = (signal(detail, "delta_sp1"), signal(detail, "load_sp1"));
         for (got, wanted) in [
             (mesh.rms(), rms),
             (mesh.deviation(), std),
             (mesh.largest(), largest),
-            (signal(own, "x_s").deviation(), sun),
+            (signal(detail, "x_s").deviation(), sun),
         ] {
             assert!(
                 (got / wanted - 1.0).abs() < 6e-6,
-                "{own}: {got:e} {wanted:e}"
+                "{detail}: {got:e} {wanted:e}"
             );
         }
         for (got, wanted) in [share.least(), share.largest()].iter().zip(load) {
-            assert!((got - wanted).abs() < 6e-6, "{own}: {got} {wanted}");
+            assert!((got - wanted).abs() < 6e-6, "{detail}: {got} {wanted}");
         }
         assert_eq!(mesh.lines_above(0.01), 18);
     }
@@ -203,15 +203,15 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
         3.52e-6,
         &"turned",
     );
-    for (own, expected) in [
+    for (detail, expected) in [
         (1, [2.077e-3, -1.027e-3, 8.621e-4, 1.444e-1]),
         (2, [2.080e-3, -1.027e-3, 8.648e-4, 1.446e-1]),
     ] {
         let ratio = |name: &str, figure: fn(&ResponseSignal) -> f64| {
-            figure(signal(own, name)) / figure(signal(0, name)) - 1.0
+            figure(signal(detail, name)) / figure(signal(0, name)) - 1.0
         };
         let got = [
-            signal(own, "delta_sp1")
+            signal(detail, "delta_sp1")
                 .difference(signal(0, "delta_sp1"))
                 .unwrap(),
             ratio("delta_sp1", ResponseSignal::deviation),
@@ -219,7 +219,7 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
             ratio("x_s", ResponseSignal::deviation),
         ];
         for (got, expected) in got.into_iter().zip(expected) {
-            near(got, expected, &own);
+            near(got, expected, &detail);
         }
     }
 }
@@ -234,12 +234,12 @@ fn what_is_printed_of_82_teeth_tells_both_angles_at_rest() {
         told_periods: 1,
         step_radians: 0.6,
     };
-    for own in printed_teeth_quantities(&model, &values, span).unwrap() {
+    for quantity in printed_teeth_quantities(&model, &values, span).unwrap() {
         for angle in [
             "varying angle (ring mesh at rest 23.40 deg)",
             "constant (20.65 deg)",
         ] {
-            assert!(own.meaning.contains(angle), "{}", own.meaning);
+            assert!(quantity.meaning.contains(angle), "{}", quantity.meaning);
         }
     }
 }

@@ -10,7 +10,7 @@
 //! `(cos psi_i, sin psi_i)`, `psi_i = pi/2 - alpha + phi_i`, between gear and ring, which touches
 //! both base circles.
 //!
-//! The input shaft's own rotation is held, as in the paper, so that there is no rigid-body mode.
+//! The rotation of the input shaft is held, as in the paper, so that there is no rigid-body mode.
 //!
 //! # Reference
 //! Zhang, Guo and Xie (2015), Elastodynamic modelling and modal analysis of the spider reducer with
@@ -36,7 +36,7 @@ use super::spider_reducer_results::quantities;
 /// Number of spider shafts of the machine.
 const SHAFTS: usize = 4;
 /// A share of the kinetic energy below which a group of bodies counts as still: far above rounding.
-const STILL: f64 = 1e-9;
+const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -250,8 +250,8 @@ impl TheoreticalModel for SpiderReducer {
     fn mode_class(&self, _omega_rad_s: f64, shares: &[f64]) -> Option<&'static str> {
         let share = |start: &str| -> f64 {
             let all = self.bodies.coordinates.iter().zip(shares);
-            let own = all.filter(|(coordinate, _)| coordinate.body.starts_with(start));
-            own.map(|(_, share)| share).sum()
+            let matching = all.filter(|(coordinate, _)| coordinate.body.starts_with(start));
+            matching.map(|(_, share)| share).sum()
         };
         let subsystems = [
             ("output", "compound, output shaft leads"),
@@ -259,7 +259,7 @@ impl TheoreticalModel for SpiderReducer {
             ("shaft-", "compound, spider shafts lead"),
             ("gear-", "compound, spider gears lead"),
         ];
-        if share("shaft-") > 1.0 - STILL {
+        if share("shaft-") > 1.0 - MIN_MOVING_ENERGY_SHARE {
             return Some("spider shafts alone, gears still");
         }
         let leading = subsystems

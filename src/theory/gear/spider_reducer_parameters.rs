@@ -83,17 +83,19 @@ pub(super) fn parameters() -> Vec<ParameterSpec> {
     let around = |nominal: f64| [0.1 * nominal, 10.0 * nominal];
     let mut all = Vec::new();
     all.extend(STIFFNESSES.map(|(name, k)| spec(name, k, "N/m", around(k), Printed)));
-    all.extend(INERTIAS.map(|(name, own, unit)| spec(name, own, unit, around(own), Assumed)));
-    all.extend(STATIONS.map(|(name, own)| spec(name, own, "m", [-0.5, 0.5], Assumed)));
+    all.extend(
+        INERTIAS.map(|(name, nominal, unit)| spec(name, nominal, unit, around(nominal), Assumed)),
+    );
+    all.extend(STATIONS.map(|(name, nominal)| spec(name, nominal, "m", [-0.5, 0.5], Assumed)));
     let ratio = CUTTER_DEG.to_radians().cos() / WORKING_DEG.to_radians().cos();
     let eccentricity = 0.5 * MODULE_M * (RING_TEETH - GEAR_TEETH) * ratio;
     let base = |teeth: f64| 0.5 * MODULE_M * teeth * CUTTER_DEG.to_radians().cos();
-    for (name, own) in [
+    for (name, nominal) in [
         ("eccentricity", eccentricity),
         ("ring_base_radius", base(RING_TEETH)),
         ("gear_base_radius", base(GEAR_TEETH)),
     ] {
-        all.push(spec(name, own, "m", around(own), Inferred));
+        all.push(spec(name, nominal, "m", around(nominal), Inferred));
     }
     let working = WORKING_DEG.to_radians();
     all.push(spec("pressure_angle", working, "rad", [0.1, 1.0], Printed));

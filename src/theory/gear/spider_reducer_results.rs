@@ -125,8 +125,8 @@ fn of_changes(
     let mut turn = 0.0f64;
     for position in 1..POSITIONS {
         let angle = TAU * position as f64 / POSITIONS as f64;
-        let hz = changed("crank_angle", &|own| {
-            own + if own > 0.0 { angle - TAU } else { angle }
+        let hz = changed("crank_angle", &|value| {
+            value + if value > 0.0 { angle - TAU } else { angle }
         })?;
         turn = largest([turn, all(&hz)]);
     }
@@ -173,37 +173,37 @@ fn of_statics(model: &SpiderReducer, values: &[f64]) -> Result<Vec<ModelQuantity
     let preload = preload(&matrices, [cos, sin])?;
     let quantity = ModelQuantity::new;
     let under = "under 1000 N m on the output, the input held";
-    let told =
+    let make_quantity =
         |name, value, unit, what: &str| quantity(name, value, unit, &format!("{what}, {under}"));
     let ratio = RING_TEETH / (RING_TEETH - GEAR_TEETH);
     Ok(vec![
-        told(
+        make_quantity(
             "output_twist",
             moved[output],
             "rad",
             "rotation of the output",
         ),
-        told("mesh_force_1", mesh[0], "N", "mesh force of phase 1"),
-        told("mesh_force_2", mesh[1], "N", "mesh force of phase 2"),
-        told(
+        make_quantity("mesh_force_1", mesh[0], "N", "mesh force of phase 1"),
+        make_quantity("mesh_force_2", mesh[1], "N", "mesh force of phase 2"),
+        make_quantity(
             "mesh_torque",
             radius * (mesh[0] + mesh[1]),
             "N m",
             "both mesh forces times the base radius, which balance the load",
         ),
-        told(
+        make_quantity(
             "bearing_force_1",
             bearing[0].hypot(bearing[2]),
             "N",
             "force on the input's bearing in gear 1",
         ),
-        told(
+        make_quantity(
             "bearing_force_2",
             bearing[1].hypot(bearing[3]),
             "N",
             "force on the input's bearing in gear 2",
         ),
-        told(
+        make_quantity(
             "input_torque",
             carried.abs(),
             "N m",
@@ -227,22 +227,23 @@ fn of_statics(model: &SpiderReducer, values: &[f64]) -> Result<Vec<ModelQuantity
 
 /// Force in each spring of one name.
 fn forces(matrices: &SystemMatrices, name: &str, moved: &[f64]) -> Vec<f64> {
-    let own = matrices.springs.iter().filter(|spring| spring.name == name);
-    own.map(|spring| {
-        let stretch: f64 = spring.row.iter().zip(moved).map(|(a, b)| a * b).sum();
-        spring.stiffness * stretch
-    })
-    .collect()
+    let named_springs = matrices.springs.iter().filter(|spring| spring.name == name);
+    named_springs
+        .map(|spring| {
+            let stretch: f64 = spring.row.iter().zip(moved).map(|(a, b)| a * b).sum();
+            spring.stiffness * stretch
+        })
+        .collect()
 }
 
 /// An error along `direction` of the first eccentric is a stretch of its two springs that nothing
 /// has relieved yet.
 fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> Result<[f64; 2], TheoryError> {
-    let own = matrices
+    let named_springs = matrices
         .springs
         .iter()
         .filter(|spring| spring.name == "k_a");
-    let springs: Vec<_> = own.step_by(2).collect();
+    let springs: Vec<_> = named_springs.step_by(2).collect();
     let mut load = vec![0.0; matrices.coordinates.len()];
     for (spring, part) in springs.iter().zip(direction) {
         for (force, row) in load.iter_mut().zip(&spring.row) {
@@ -250,7 +251,7 @@ fn preload(matrices: &SystemMatrices, direction: [f64; 2]) -> Result<[f64; 2], T
         }
     }
     let moved = least_squares_real(&matrices.stiffness, &load)?;
-    let own = forces(matrices, "k_a", &moved);
-    let force = |i: usize| own[2 * i] - springs[i].stiffness * direction[i] * ERROR_M;
+    let error_forces = forces(matrices, "k_a", &moved);
+    let force = |i: usize| error_forces[2 * i] - springs[i].stiffness * direction[i] * ERROR_M;
     Ok(std::array::from_fn(force))
 }

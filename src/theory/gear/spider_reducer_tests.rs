@@ -212,11 +212,11 @@ fn strain_shares_of_the_springs_are_the_reference() {
     ];
     for (root, shares) in roots.iter().zip(expected) {
         for (group, text) in groups.iter().zip(shares) {
-            let own = root
+            let shares = root
                 .strain_energy
                 .iter()
                 .filter(|(name, _)| group.contains(&name.as_str()));
-            printed(100.0 * own.map(|(_, share)| share).sum::<f64>(), text);
+            printed(100.0 * shares.map(|(_, share)| share).sum::<f64>(), text);
         }
     }
 }
@@ -311,7 +311,7 @@ fn quantities_are_the_reference() {
         .expect("quantities at nominal values");
     let value = |name: &str| {
         all.iter()
-            .find(|own| own.name == name)
+            .find(|quantity| quantity.name == name)
             .expect("a quantity of this name")
             .value
             .expect("a quantity that exists at these values")

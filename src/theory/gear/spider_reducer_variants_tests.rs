@@ -31,8 +31,8 @@ fn values(model: &SpiderReducer, changes: &[(&str, f64)]) -> Vec<f64> {
 
 fn nominal(name: &str) -> f64 {
     let model = paper();
-    let own = model.parameters().iter().find(|spec| spec.name == name);
-    own.expect("the name is a parameter").nominal
+    let parameter = model.parameters().iter().find(|spec| spec.name == name);
+    parameter.expect("the name is a parameter").nominal
 }
 
 fn printed(value: f64, text: &str) {
@@ -49,7 +49,7 @@ fn sprung(springs: &[Spring], n: usize) -> RealMatrix {
     real_matrix(n, n, |i, j| {
         let parts = springs.iter();
         parts
-            .map(|own| own.stiffness * own.row[i] * own.row[j])
+            .map(|spring| spring.stiffness * spring.row[i] * spring.row[j])
             .sum()
     })
 }
@@ -107,8 +107,8 @@ fn the_output_swings_in_mode_3() {
         (&["boz"], "0.0594"),
     ] {
         let all = solved.coordinates.iter().enumerate();
-        let own = all.filter(|(_, own)| names.contains(&own.name.as_str()));
-        let share: f64 = own.map(|(i, _)| solved.kinetic_shares[(i, 2)]).sum();
+        let named = all.filter(|(_, coordinate)| names.contains(&coordinate.name.as_str()));
+        let share: f64 = named.map(|(i, _)| solved.kinetic_shares[(i, 2)]).sum();
         printed(100.0 * share, text);
     }
 }
@@ -127,8 +127,8 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
         // The housing bearings of shafts 1 and 3.
         for spring in &mut matrices.springs {
             let mut parts = spring.row.iter().zip(coordinates);
-            let softer = parts.any(|(part, own)| {
-                part.abs() > 0.0 && matches!(own.body.as_str(), "shaft-1" | "shaft-3")
+            let softer = parts.any(|(part, coordinate)| {
+                part.abs() > 0.0 && matches!(coordinate.body.as_str(), "shaft-1" | "shaft-3")
             });
             if softer && matches!(spring.name.as_str(), "k_s1" | "k_s2") {
                 spring.stiffness *= 0.8;
@@ -143,7 +143,7 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
             largest[i] = largest[i].max(hz[i]);
         }
     }
-    for (own, expected) in [
+    for (found_hz, expected) in [
         (
             least,
             [
@@ -159,7 +159,7 @@ fn unequal_shafts_move_the_frequencies_over_a_turn_of_the_crank() {
             ],
         ),
     ] {
-        for (hz, text) in own.into_iter().zip(expected) {
+        for (hz, text) in found_hz.into_iter().zip(expected) {
             printed(hz, text);
         }
     }
@@ -177,7 +177,10 @@ fn with_free_input() -> SystemMatrices {
     for spring in &mut springs {
         // At a crank angle of 0 the eccentrics are at +e and -e along x, and move along y.
         let reads = |name: &str| {
-            let at = held.coordinates.iter().position(|own| own.name == name);
+            let at = held
+                .coordinates
+                .iter()
+                .position(|coordinate| coordinate.name == name);
             spring.row[at.expect("the coordinate is the model's")].abs() > 0.0
         };
         let part = match (spring.name.as_str(), reads("yp1"), reads("yp2")) {
@@ -215,7 +218,10 @@ fn with_its_input_free_the_machine_turns_by_the_transmission_ratio() {
     let free = with_free_input();
     let solved = modes_of_matrices(&free, &ModeOptions::default()).expect("the model has modes");
     assert_eq!(solved.rigid, 1);
-    let output = free.coordinates.iter().position(|own| own.name == "boz");
+    let output = free
+        .coordinates
+        .iter()
+        .position(|coordinate| coordinate.name == "boz");
     let ratio = solved.vectors[(35, 0)]
         / solved.vectors[(output.expect("the coordinate is the model's"), 0)];
     assert!((ratio / 49.0 - 1.0).abs() < 1e-8, "{ratio}");

@@ -67,7 +67,7 @@ impl ClosedForms {
         } = *self;
         let (both, cos2) = (k_r + k_s, self.cos * self.cos);
         let product = n * k_s * k_r;
-        let carried = |own: f64| product * (n * m_p * cos2 + m_c + 4.0 * own * cos2);
+        let carried = |inertia: f64| product * (n * m_p * cos2 + m_c + 4.0 * inertia * cos2);
         match self.fixed {
             Fixed::Carrier => {
                 let f2 = -(n * k_s * m_r * m_p + n * k_r * m_s * m_p + both * m_r * m_s);
@@ -79,8 +79,8 @@ impl ClosedForms {
                 ([m_c * m_s * m_p, f2, carried(m_s)], f2)
             }
             Fixed::Sun => {
-                let f2 = |own: f64| {
-                    -(n * k_r * m_c * m_p + both * m_c * m_r + n * both * own * m_p * cos2)
+                let f2 = |inertia: f64| {
+                    -(n * k_r * m_c * m_p + both * m_c * m_r + n * both * inertia * m_p * cos2)
                 };
                 ([m_c * m_r * m_p, f2(m_r), carried(m_r)], f2(m_s))
             }
@@ -144,41 +144,41 @@ impl ClosedForms {
         let mass = n_p + m_r + m_s;
         let nearest = n_p * m_r * mass / (m_s * (n_p + m_r).powi(2)) * self.k_s;
         let place = "over k_r at this k_s";
-        let told = |name, value, unit, what: &str| {
+        let make_quantity = |name, value, unit, what: &str| {
             ModelQuantity::new(name, value, unit, &format!("{what}, {place}"))
         };
         [
-            told(
+            make_quantity(
                 "veering_k_r",
                 criterion,
                 "N/m",
                 "veering of modes 2 and N + 2 by equation 7",
             ),
-            told(
+            make_quantity(
                 "crossing_k_r_lower",
                 crossing(-1.0),
                 "N/m",
                 "mode 2 meets the planet modes (equation 8)",
             ),
-            told(
+            make_quantity(
                 "crossing_k_r_upper",
                 crossing(1.0),
                 "N/m",
                 "mode 2 meets the planet modes (equation 8)",
             ),
-            told(
+            make_quantity(
                 "delta_2",
                 delta,
                 "kg2",
                 "(N m_p)^2 - 4 m_r m_s (equation 9): below 0 nothing meets",
             ),
-            told(
+            make_quantity(
                 "nearest_k_r",
                 nearest,
                 "N/m",
                 "modes 2 and N + 2 are nearest: N m_p m_r (N m_p + m_r + m_s)/(m_s (N m_p + m_r)^2) k_s",
             ),
-            told(
+            make_quantity(
                 "nearest_gap",
                 Self {
                     k_r: nearest,
@@ -206,21 +206,21 @@ impl ClosedForms {
         let product = self.planets * self.k_s * self.k_r / (m_r * self.m_p);
         let nearest = sum / (product * (sum / rate).powi(2) - 1.0);
         let place = "over m_s at these k_r = k_s";
-        let told = |name, value, what: &str| {
+        let make_quantity = |name, value, what: &str| {
             ModelQuantity::new(name, value, "kg", &format!("{what}, {place}"))
         };
         [
-            told(
+            make_quantity(
                 "veering_m_s",
                 only_equal(criterion),
                 "veering of modes 2 and N + 2 by equation 7",
             ),
-            told(
+            make_quantity(
                 "crossing_m_s",
                 only_equal(n_p - m_r),
                 "mode 2 meets the planet modes: N m_p - m_r",
             ),
-            told("nearest_m_s", nearest, "modes 2 and N + 2 are nearest"),
+            make_quantity("nearest_m_s", nearest, "modes 2 and N + 2 are nearest"),
         ]
     }
 

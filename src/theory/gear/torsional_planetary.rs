@@ -7,7 +7,7 @@
 //!
 //! A planet mode leaves carrier, ring and sun still, `lambda = (k_r + k_s)/m_p`, N - 1 of them. In
 //! a rotational mode all planets move alike. With one member fixed its two roots above 0 solve a
-//! quadratic; where it meets the planet modes and where its own roots come nearest are closed
+//! quadratic; where it meets the planet modes and where its roots come nearest are closed
 //! forms, too (`torsional_closed_forms`).
 //!
 //! # Reference
@@ -32,7 +32,7 @@ use ParameterStatus::{Inferred, Printed};
 pub(super) const SET_NAMES: &[&str] = &["table-2", "carrier-fixed", "ring-fixed", "sun-fixed"];
 
 /// A share of the kinetic energy below which a body counts as still: far above rounding.
-const STILL: f64 = 1e-12;
+const MIN_MOVING_ENERGY_SHARE: f64 = 1e-12;
 
 /// The gear with `3 + N` coordinates, or `2 + N` with one member fixed.
 ///
@@ -99,7 +99,7 @@ impl TorsionalPlanetary {
                     (planet.as_str(), Dual::constant(sign)),
                 ];
                 let parts = parts.into_iter();
-                let parts = parts.filter_map(|(own, part)| Some((self.index(own)?, part)));
+                let parts = parts.filter_map(|(body, part)| Some((self.index(body)?, part)));
                 all.add(name, values.get(name), parts.collect());
             }
         }
@@ -173,7 +173,7 @@ impl TheoreticalModel for TorsionalPlanetary {
         let all = self.bodies.coordinates.iter().zip(shares);
         let planets = all.filter(|(coordinate, _)| coordinate.body.starts_with("planet-"));
         let planets: f64 = planets.map(|(_, share)| share).sum();
-        Some(if planets > 1.0 - STILL {
+        Some(if planets > 1.0 - MIN_MOVING_ENERGY_SHARE {
             "planet mode: carrier, ring and sun still"
         } else {
             "rotational mode: planets alike"

@@ -22,8 +22,8 @@ fn quantity(model: &TorsionalPlanetary, name: &str) -> f64 {
     let all = model
         .quantities(&nominal_values(model.parameters()))
         .unwrap();
-    let own: &ModelQuantity = all.iter().find(|own| own.name == name).unwrap();
-    own.value.unwrap()
+    let quantity: &ModelQuantity = all.iter().find(|candidate| candidate.name == name).unwrap();
+    quantity.value.unwrap()
 }
 
 /// The value rounds to the printed text.
@@ -100,10 +100,10 @@ fn closed_forms_with_one_member_fixed_are_the_roots_of_the_matrices() {
         let model = TorsionalPlanetary::with_planets(set, planets).unwrap();
         let (_, roots) = solved(&model, &[]);
         let class = |start: &'static str| {
-            let own = roots
+            let matching = roots
                 .iter()
                 .filter(move |root| root.class.as_ref().unwrap().starts_with(start));
-            own.collect::<Vec<_>>()
+            matching.collect::<Vec<_>>()
         };
         let rotational = class("rotational");
         for (root, name, text) in [
@@ -294,7 +294,13 @@ fn energies_of_table_2_are_the_reference_and_add_up() {
         ),
     ] {
         let strain = &roots[root].strain_energy;
-        let share = |name: &str| strain.iter().find(|(own, _)| own == name).unwrap().1;
+        let share = |name: &str| {
+            strain
+                .iter()
+                .find(|(spring_name, _)| spring_name == name)
+                .unwrap()
+                .1
+        };
         for (name, text) in [
             ("k_r", ring),
             ("k_s", sun),
@@ -308,9 +314,9 @@ fn energies_of_table_2_are_the_reference_and_add_up() {
         }
         let kinds = roots[root].energy_by_kind();
         for (body, text) in ["carrier", "ring", "sun", "planet"].iter().zip(kinetic) {
-            let own = kinds.iter().find(|(kind, _)| kind == body).unwrap().1;
+            let share = kinds.iter().find(|(kind, _)| kind == body).unwrap().1;
             assert!(
-                (own - text.parse::<f64>().unwrap()).abs() <= 5.1e-8,
+                (share - text.parse::<f64>().unwrap()).abs() <= 5.1e-8,
                 "{body} {text}"
             );
         }
@@ -370,7 +376,7 @@ fn the_quantities_that_the_claims_ask_for_are_those_of_the_matrices() {
         &[("k_su".to_owned(), 1e6)].into(),
     );
     let all = carrier_fixed.quantities(&values.unwrap()).unwrap();
-    assert!(all.iter().all(|own| own.name != "veering_k_r"));
+    assert!(all.iter().all(|quantity| quantity.name != "veering_k_r"));
     // Without a crossing there is no place of it: delta_2 = N^2 m_p^2 - 4 m_r m_s below 0.
     let values = override_values(
         "gear",
@@ -380,7 +386,7 @@ fn the_quantities_that_the_claims_ask_for_are_those_of_the_matrices() {
     let all = carrier_fixed.quantities(&values.unwrap()).unwrap();
     let lower = all
         .iter()
-        .find(|own| own.name == "crossing_k_r_lower")
+        .find(|quantity| quantity.name == "crossing_k_r_lower")
         .unwrap();
     assert_eq!(lower.value, None);
 }
@@ -391,8 +397,8 @@ fn equations_13_14_and_19_hold_and_the_rate_of_a_mesh_energy_does_not() {
     let values = nominal_values(model.parameters());
     let all = model.quantities(&values).unwrap();
     let value = |name: &str| {
-        let own = all.iter().find(|quantity| quantity.name == name).unwrap();
-        own.value.unwrap()
+        let found = all.iter().find(|quantity| quantity.name == name).unwrap();
+        found.value.unwrap()
     };
     // Percent: 1e-6 of a root's largest scaled sensitivity for differences, rounding for sums.
     assert!(
@@ -422,20 +428,20 @@ fn with_a_free_carrier_one_crossing_with_the_planet_modes_is_left() {
         upper: 3e11,
         count: 40,
     };
-    let own = sweep(&model, &values, "k_r", range, None).unwrap();
-    let planet = own
+    let sweep_result = sweep(&model, &values, "k_r", range, None).unwrap();
+    let planet = sweep_result
         .loci
         .iter()
         .position(|locus| locus.multiplicity[0] == 2)
         .unwrap();
-    let class = own.loci[planet].class.as_deref();
+    let class = sweep_result.loci[planet].class.as_deref();
     assert!(class.unwrap().starts_with("planet mode"));
-    let crossings: Vec<_> = own
+    let crossings: Vec<_> = sweep_result
         .events
         .iter()
         .filter(|e| e.kind == EventKind::Crossing)
         .collect();
-    assert_eq!(crossings.len(), 1, "{:?}", own.events);
+    assert_eq!(crossings.len(), 1, "{:?}", sweep_result.events);
     assert!(crossings[0].loci.contains(&planet));
     assert!(
         (crossings[0].place / 3.206990e10 - 1.0).abs() < 2e-7,
@@ -450,7 +456,12 @@ fn places_by_following_the_loci_are_those_of_the_closed_forms() {
     let all = model
         .quantities(&nominal_values(model.parameters()))
         .unwrap();
-    let value = |name: &str| all.iter().find(|own| own.name == name).unwrap().value;
+    let value = |name: &str| {
+        all.iter()
+            .find(|quantity| quantity.name == name)
+            .unwrap()
+            .value
+    };
     for (name, expected) in [
         ("swept_crossing_k_r_lower", 4.308891e7),
         ("swept_crossing_k_r_upper", 3.108191e10),
@@ -460,8 +471,8 @@ fn places_by_following_the_loci_are_those_of_the_closed_forms() {
         ("swept_veering_m_s", 1.489840),
         ("swept_gap_m_s", 415.611341),
     ] {
-        let own = value(name).unwrap();
-        assert!((own / expected - 1.0).abs() < 4e-7, "{name}: {own}");
+        let got = value(name).unwrap();
+        assert!((got / expected - 1.0).abs() < 4e-7, "{name}: {got}");
     }
     assert_eq!(value("swept_crossing_m_s_upper"), None);
     assert_eq!(

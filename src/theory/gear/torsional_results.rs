@@ -17,7 +17,7 @@ const PRINTED_CARRIER_KG: f64 = 4.90;
 /// Planets whose motions differ by less than this part of the largest motion move alike: far above
 /// rounding.
 const ALIKE: f64 = 1e-9;
-/// How far before and after a place of veering the energies are told.
+/// Distance before and after a veering at which the energies are reported.
 const BEFORE: f64 = 0.8;
 const AFTER: f64 = 1.25;
 
@@ -66,19 +66,19 @@ pub(super) fn quantities(
         return Ok(all);
     };
     let printed = forms.printed_hz();
-    let error = |own: usize| 100.0 * (printed[own] / solved.rotational(own) - 1.0).abs();
+    let error = |column: usize| 100.0 * (printed[column] / solved.rotational(column) - 1.0).abs();
     all.push(quantity("closed_form_error", error(0).max(error(1)), "%", "largest difference of the rotational frequencies by equation 6 as printed from those of the matrices"));
     all.extend(forms.quantities());
     if let Some([veering, crossing]) = forms.veering_and_crossing() {
         let share = |k_r: f64| -> Result<f64, TheoryError> {
             let solved = Solved::new(model, values, &[("k_r", k_r)]);
-            allowed_or(f64::NAN, solved.map(|own| own.ring_share()))
+            allowed_or(f64::NAN, solved.map(|solution| solution.ring_share()))
         };
         let exchanged = |place: f64| -> Result<f64, TheoryError> {
             let (before, after) = (share(BEFORE * place)?, share(AFTER * place)?);
             Ok((before - after).abs())
         };
-        let told = |place: &str| {
+        let shares_text = |place: &str| {
             format!(
                 "change of the ring mesh's share of the strain energy of rotational mode 2 from 0.8 to 1.25 of the k_r of {place}"
             )
@@ -87,13 +87,13 @@ pub(super) fn quantities(
             "exchange_at_veering",
             exchanged(veering)?,
             "",
-            &told("veering"),
+            &shares_text("veering"),
         ));
         all.push(quantity(
             "exchange_at_crossing",
             exchanged(crossing)?,
             "",
-            &told("crossing"),
+            &shares_text("crossing"),
         ));
         let (k_s, m_r) = (value("k_s")?, value("m_r")?);
         let mesh = MESH_RANGE.map(|part| part * k_s);
@@ -147,7 +147,7 @@ fn swept(
     let place = |event: Option<&LocusEvent>| event.map_or(f64::NAN, |event| event.place);
     let veering = of(EventKind::Veering).next();
     let gap = veering.map_or(f64::NAN, |event| event.gap_hz);
-    // Two crossings at most and one veering are told.
+    // Two crossings at most and one veering are reported.
     let others = of(EventKind::Crossing).count().saturating_sub(2)
         + of(EventKind::Veering).count().saturating_sub(1);
     let unit: &'static str = if parameter == "k_r" { "N/m" } else { "kg" };
@@ -206,8 +206,11 @@ impl Solved {
     /// Motions of the planets in a mode, and the largest motion of all.
     fn planets(&self, mode: usize) -> (Vec<f64>, f64) {
         let all = self.modes.coordinates.iter().enumerate();
-        let own = all.filter(|(_, coordinate)| coordinate.body.starts_with("planet-"));
-        let planets = own.map(|(i, _)| self.modes.vectors[(i, mode)]).collect();
+        let planet_coordinates =
+            all.filter(|(_, coordinate)| coordinate.body.starts_with("planet-"));
+        let planets = planet_coordinates
+            .map(|(i, _)| self.modes.vectors[(i, mode)])
+            .collect();
         let rows = 0..self.modes.coordinates.len();
         let largest = rows.map(|i| self.modes.vectors[(i, mode)].abs());
         (planets, largest.fold(0.0, f64::max))

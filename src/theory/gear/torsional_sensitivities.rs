@@ -1,5 +1,5 @@
-//! What the torsional planetary gear's paper says of sensitivities and modal energies, each held
-//! against the matrices.
+//! Sensitivities and modal energies that the paper on the torsional planetary gear states, compared
+//! with the matrices.
 //!
 //! # Reference
 //! Wang et al. (2005), equations 13 (derivatives of an eigenvalue), 14 and 19 (kinetic and strain
@@ -70,22 +70,22 @@ impl<'a> State<'a> {
     }
 
     /// Mean eigenvalue of the modes with these numbers.
-    fn mean(&self, own: &[usize]) -> f64 {
-        let squares = own.iter().map(|&i| self.modes.omega_rad_s[i].powi(2));
-        squares.sum::<f64>() / own.len() as f64
+    fn mean(&self, modes: &[usize]) -> f64 {
+        let squares = modes.iter().map(|&i| self.modes.omega_rad_s[i].powi(2));
+        squares.sum::<f64>() / modes.len() as f64
     }
 
     /// `p dlambda/dp` of a root by equation 13: `k` times the squared compressions, `-lambda m`
     /// times the squared motions, the mean over the modes of the root.
     fn equation_13(&self, root: usize, name: &str) -> Result<f64, TheoryError> {
-        let own = &self.roots[root].modes;
+        let modes = &self.roots[root].modes;
         let vectors = &self.modes.vectors;
         let mut sum = 0.0;
         if let Some((_, body)) = MASSES.iter().find(|(mass, _)| *mass == name) {
             for (i, _) in (self.modes.coordinates.iter().enumerate())
                 .filter(|(_, coordinate)| coordinate.body.starts_with(body))
             {
-                let squares = own.iter().map(|&k| vectors[(i, k)].powi(2));
+                let squares = modes.iter().map(|&k| vectors[(i, k)].powi(2));
                 sum -= self.lambda(root) * squares.sum::<f64>();
             }
         } else {
@@ -95,10 +95,10 @@ impl<'a> State<'a> {
                     let parts = spring.row.iter().enumerate();
                     parts.map(|(i, part)| part * vectors[(i, k)]).sum()
                 };
-                sum += own.iter().map(|&k| stretch(k).powi(2)).sum::<f64>();
+                sum += modes.iter().map(|&k| stretch(k).powi(2)).sum::<f64>();
             }
         }
-        Ok(self.values[self.index(name)?] * sum / own.len() as f64)
+        Ok(self.values[self.index(name)?] * sum / modes.len() as f64)
     }
 
     /// `p dlambda/dp` of every root above 0 by central differences at two steps, extrapolated.
@@ -108,8 +108,8 @@ impl<'a> State<'a> {
         let central = |part: f64| -> Result<Vec<f64>, TheoryError> {
             let (up, down) = (at(part)?, at(-part)?);
             let slope = |root: usize| {
-                let own = &self.roots[root].modes;
-                (up.mean(own) - down.mean(own)) / (2.0 * part)
+                let modes = &self.roots[root].modes;
+                (up.mean(modes) - down.mean(modes)) / (2.0 * part)
             };
             Ok(self.elastic().into_iter().map(slope).collect())
         };
@@ -141,9 +141,9 @@ impl<'a> State<'a> {
         for name in self.names()? {
             let expected = self.differences(self.index(name)?)?;
             for (i, &root) in elastic.iter().enumerate() {
-                let own = self.equation_13(root, name)?;
-                off[i] = off[i].max((own - expected[i]).abs());
-                largest[i] = largest[i].max(own.abs());
+                let sensitivity = self.equation_13(root, name)?;
+                off[i] = off[i].max((sensitivity - expected[i]).abs());
+                largest[i] = largest[i].max(sensitivity.abs());
             }
         }
         let parts = off.iter().zip(&largest);
@@ -169,11 +169,13 @@ impl<'a> State<'a> {
         Ok(self.slope(root, self.index(name)?))
     }
 
-    /// `dlambda/dp`; not a number for a root that is not there: one that is met at a step is none
-    /// of its own there.
+    /// `dlambda/dp`; not a number for a root that does not exist: roots that meet at a step are one
+    /// root there.
     fn slope(&self, root: usize, j: usize) -> f64 {
-        let own = self.sensitivities.get(root);
-        own.and_then(|own| own.mean(j)).unwrap_or(f64::NAN)
+        let at_root = self.sensitivities.get(root);
+        at_root
+            .and_then(|sensitivity| sensitivity.mean(j))
+            .unwrap_or(f64::NAN)
     }
 
     fn value(&self, name: &str) -> Result<f64, TheoryError> {
@@ -230,19 +232,19 @@ pub(super) fn sensitivity_quantities(
     values: &[f64],
 ) -> Result<Vec<ModelQuantity>, TheoryError> {
     let state = State::new(model, values)?;
-    let told = |name, part: f64, what| ModelQuantity::new(name, 100.0 * part, "%", what);
+    let make_quantity = |name, part: f64, what| ModelQuantity::new(name, 100.0 * part, "%", what);
     let mut all = vec![
-        told(
+        make_quantity(
             "equation_13_error",
             allowed_or(f64::NAN, state.equation_13_error())?,
             "largest difference of dλ/dp by equation 13 from extrapolated differences, of the largest p dλ/dp of its root; a repeated root by its mean",
         ),
-        told(
+        make_quantity(
             "equation_14_error",
             state.energy_error(|root| state.kinetic(root))?,
             "largest difference of the kinetic energy by equation 14 from λ/2",
         ),
-        told(
+        make_quantity(
             "equation_19_error",
             state.energy_error(|root| state.strain(root, 0.5 / state.lambda(root)))?,
             "largest difference of the strain energy by equation 19 from λ/2, its last term with 1/(2λ)",
@@ -250,13 +252,13 @@ pub(super) fn sensitivity_quantities(
     ];
     if state.value("k_cu")? > 0.0 {
         let misread = |root: usize| state.strain(root, 0.5 * state.lambda(root));
-        all.push(told(
+        all.push(make_quantity(
             "equation_19_misread_error",
             state.energy_error(misread)?,
             "the same with λ/2 in the last term",
         ));
     }
-    all.push(told(
+    all.push(make_quantity(
         "mesh_energy_rate_error",
         allowed_or(f64::NAN, state.mesh_rate_error())?,
         "largest difference of dU_r/dk_r from (1/2) dλ/dk_r: 0 only while the shape stays as it is",

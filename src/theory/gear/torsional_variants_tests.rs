@@ -23,7 +23,7 @@ fn roots(model: &TorsionalPlanetary, changes: &[(&str, f64)]) -> Vec<ModelRoot> 
 fn quantity(model: &TorsionalPlanetary, changes: &[(&str, f64)], name: &str) -> f64 {
     let all = model.quantities(&values(model, changes)).unwrap();
     all.iter()
-        .find(|own| own.name == name)
+        .find(|quantity| quantity.name == name)
         .unwrap()
         .value
         .unwrap()
@@ -44,11 +44,11 @@ fn scientific(value: f64, text: &str) {
 
 /// The rotational roots above 0, Hz.
 fn rotational(found: &[ModelRoot]) -> Vec<f64> {
-    let own = found.iter().filter(|root| {
+    let matching = found.iter().filter(|root| {
         let class = root.class.as_ref();
         class.is_some_and(|class| class.starts_with("rotational"))
     });
-    own.map(|root| root.omega_rad_s / TAU).collect()
+    matching.map(|root| root.omega_rad_s / TAU).collect()
 }
 
 #[test]
@@ -75,10 +75,10 @@ fn other_readings_of_table_1_miss_table_2() {
             printed(hz, text);
         }
     }
-    // The carrier that table 2 needs: its own 4.90 kg and four planets of 0.66 kg.
+    // The carrier that table 2 needs: 4.90 kg and four planets of 0.66 kg.
     let nominal = |name: &str| {
-        let own = gear.parameters().iter().find(|spec| spec.name == name);
-        own.unwrap().nominal
+        let parameter = gear.parameters().iter().find(|spec| spec.name == name);
+        parameter.unwrap().nominal
     };
     printed(nominal("m_c") - 4.0 * 0.66, "4.90");
     printed(nominal("pressure_angle").cos(), "0.909236");
@@ -108,8 +108,8 @@ fn squared_gap(changes: &[(&str, f64)]) -> f64 {
 /// Where a function that is a quadratic is least, from three of its values about `at`.
 fn vertex(at: f64, quadratic: impl Fn(f64) -> f64) -> f64 {
     let step = 0.1 * at;
-    let [less, own, more] = [at - step, at, at + step].map(quadratic);
-    at + 0.5 * step * (less - more) / (less - 2.0 * own + more)
+    let [less, middle, more] = [at - step, at, at + step].map(quadratic);
+    at + 0.5 * step * (less - more) / (less - 2.0 * middle + more)
 }
 
 #[test]
