@@ -1,4 +1,4 @@
-//! What the files of a scene's tests have lost.
+//! Findings on damaged or incomplete files of the tests of a scene.
 
 use crate::finding::{Finding, Severity};
 

@@ -1,5 +1,5 @@
-//! A scene drafted from exported files: what their headers state is written down, what they leave
-//! open is a marked line.
+//! A scene drafted from exported files: their headers fill in what they state, and the draft marks
+//! the lines that the user has to fill in.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

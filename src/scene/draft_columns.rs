@@ -1,4 +1,4 @@
-//! Columns and arrays in a drafted scene: a person has to say what they are.
+//! Columns and arrays in a drafted scene, whose contents the user has to state.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -9,7 +9,7 @@ use crate::io::ArrayInfo;
 use super::draft::{DraftFile, file_text, quoted};
 use super::toml_text::FILL_IN;
 
-/// Arrays of more columns than this are not listed column by column.
+/// Maximum number of columns of an array that is listed column by column.
 const MAX_COLUMNS: usize = 16;
 
 /// Columns and arrays: their names are known, their meaning where a heading says it.

@@ -1,4 +1,4 @@
-//! Why a scene, a model file or a synthetic test's spec cannot be used.
+//! Errors of a scene, of a model file or of the spec of a synthetic test.
 
 use crate::correlate::CorrelateError;
 use crate::frf::FrfError;

@@ -1,5 +1,4 @@
-//! Which degrees of freedom came with which file: a file is a group whose sensors may all be
-//! reversed.
+//! Degrees of freedom by file: a file is a group whose sensors may all be reversed.
 
 use std::collections::BTreeSet;
 

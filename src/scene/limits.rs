@@ -1,4 +1,4 @@
-//! Stated limits on results, and which of them a result misses.
+//! Stated limits on results, and the check of a result against them.
 
 use serde::{Deserialize, Serialize};
 
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_missing_misses_its_limit() {
+    fn a_missing_value_fails_its_limit() {
         let none = TestSummary {
             max_error_percent: None,
             ..figures()

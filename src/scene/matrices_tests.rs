@@ -101,7 +101,7 @@ fn matrices_are_solved_at_their_degrees_of_freedom_with_damping_and_sensitivitie
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_file_and_key() {
+fn errors_are_reported_with_file_and_key() {
     for (from, to, expected) in [
         ("mass =", "mas =", "did you mean `mass`?"),
         ("{ file =", "{ flie =", "did you mean `file`?"),

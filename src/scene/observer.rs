@@ -1,4 +1,4 @@
-//! Who hears how far long work has come.
+//! Progress messages of long computations.
 
 use super::{Scene, SceneError, SceneResult, run_observed};
 

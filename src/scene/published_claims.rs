@@ -78,7 +78,7 @@ pub(super) fn check_names(
     }
 }
 
-/// More digits after the point than this no `f64` holds of a number of ordinary size.
+/// Maximum number of decimals of a published value: an `f64` of ordinary size holds no more.
 const MAX_DECIMALS: usize = 15;
 
 /// The claim that a table means.

@@ -1,6 +1,6 @@
-//! Comparison of a result with a baseline of its kind: the allowed change follows from uncertainties
-//! that both state, so that the rate at which a perfect result is refused is known, or from
-//! absolute limits.
+//! Comparison of a result with a baseline of its kind: the allowed change follows from
+//! uncertainties that both state, so that the rate at which a perfect result is refused is known,
+//! or from absolute limits.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What a scene and each of its tests came to.
+//! Results of a scene and of each of its tests.
 
 use crate::correlate::{ComparisonTable, Pairing};
 use crate::finding::{Code, Finding};
@@ -65,7 +65,8 @@ pub struct SceneResult {
     pub placements: Vec<PlacedTest>,
     /// Limits that the comparison was checked against.
     pub limits: Vec<LimitCheck>,
-    /// Published results compared with the model and with one another; `None` for a scene without any.
+    /// Published results compared with the model and with one another; `None` for a scene without
+    /// any.
     pub expected: Option<ExpectedResult>,
 }
 

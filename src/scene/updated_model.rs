@@ -1,5 +1,5 @@
-//! The model with its updated parameters as text: a `model.toml` with its nominal values replaced
-//! and everything else as it was, or the `[model]` table of a scene for a built-in one.
+//! The model with its updated parameters as text: a `model.toml` with nominal values replaced and
+//! all other text kept, or the `[model]` table of a scene for a built-in one.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -37,8 +37,8 @@ pub(super) fn replaced(
     Some(lines.join("\n") + "\n")
 }
 
-/// Lines before an updated `model.toml`: which values of the scene would hide those of the file. Empty where
-/// there are none.
+/// Lines before an updated `model.toml`: which values of the scene would hide those of the file.
+/// Empty where there are none.
 pub(super) fn overrides_note<'a>(names: impl Iterator<Item = &'a String>) -> String {
     let names: Vec<&str> = names.map(String::as_str).collect();
     if names.is_empty() {

@@ -1,4 +1,5 @@
-//! The geometry of one beam: where its nodes are, which of them move, and points between them.
+//! The geometry of one beam: positions of its nodes, their free coordinates, and points between
+//! them.
 //!
 //! Nothing here has mass or stiffness.
 
@@ -9,7 +10,8 @@ use super::nearest_name::nearest_name;
 use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 
-/// Dense matrices of the coordinates of more would not fit a desk.
+/// Maximum number of elements of a beam: dense matrices of more coordinates exceed the memory of a
+/// desktop computer.
 const MAX_ELEMENTS: usize = 2000;
 
 /// How far beyond an end a point may lie and still be at the end, as a share of the length:

@@ -2,8 +2,8 @@
 //!
 //! A model's small bodies can be left without mass: with `b` their coordinates and `a` the others,
 //! statics gives `x_b = -K_bb^+ K_ba x_a` and `K = K_aa - K_ab K_bb^+ K_ba`; directions in which no
-//! spring holds a small body drop out of the pseudo-inverse. Roots are paired with those of the whole
-//! model by their shapes, after the motion `x_b` is restored.
+//! spring holds a small body drop out of the pseudo-inverse. Roots are paired with those of the
+//! whole model by their shapes, after the motion `x_b` is restored.
 //!
 //! # Reference
 //! Guyan (1965), Reduction of stiffness and mass matrices, AIAA Journal 3, 380.

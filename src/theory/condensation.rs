@@ -22,7 +22,7 @@ use super::{Coordinate, MassError, SystemMatrices, TheoryError};
 /// Coordinates whose share in a motion is above this fraction of the largest take part in it.
 /// Smaller:
 /// coordinates at rest are named (rounding leaves 1e-10). Larger: the soft end of a mechanism is
-/// not. Test: `massless_coordinates_that_nothing_holds_are_named`.
+/// not. Test: `unsupported_massless_coordinates_are_reported`.
 const TAKES_PART: f64 = 1e-6;
 /// Minimum `phi^T M phi` over `phi^T (M + tau K) phi` of a mode: rounding of a massless motion,
 /// `1/(1 + tau lambda)` of others, which is not below 1e-5 where coordinates do not share their
@@ -145,8 +145,8 @@ impl Condensation {
         finding.value(self.massless() as f64, &of)
     }
 
-    /// `G f` with `G = diag(0, K_oo^-1)`: deflection of massless motions under forces where those with
-    /// mass are at rest. Rows are all coordinates.
+    /// `G f` with `G = diag(0, K_oo^-1)`: deflection of massless motions under forces where those
+    /// with mass are at rest. Rows are all coordinates.
     ///
     /// # Errors
     /// [`TheoryError::Linalg`].

@@ -1,5 +1,5 @@
-//! Static condensation of coordinates without mass against closed forms, dense and sparse, and what
-//! it refuses.
+//! Static condensation of coordinates without mass against closed forms, dense and sparse, and its
+//! errors.
 
 use crate::finding::Code;
 use crate::linalg::{SparseMatrix, real_matrix, solve_definite};
@@ -332,7 +332,7 @@ fn a_body_of_the_model_file_may_lack_mass_or_inertia() {
 }
 
 #[test]
-fn massless_coordinates_that_nothing_holds_are_named() {
+fn unsupported_massless_coordinates_are_reported() {
     // Coordinate 3 has no stiffness; 4 and 5 hold each other alone.
     let mut stiffness: Entries = vec![(0, 0, 100.0)];
     stiffness.extend(spring(0, 1, 50.0));

@@ -455,7 +455,7 @@ mod tests {
     use crate::theory::nearest_name::nearest_name;
 
     #[test]
-    fn the_sentence_names_what_was_given_what_was_expected_and_the_nearest() {
+    fn an_unknown_parameter_is_reported_with_the_expected_names_and_the_nearest() {
         let known = vec!["youngs_modulus".to_owned(), "density".to_owned()];
         let error = TheoryError::UnknownParameter {
             got: "youngs_modulos".to_owned(),
@@ -471,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_said_as_far_as_they_are_known() {
+    fn bounds_are_stated_as_far_as_they_are_specified() {
         let error = TheoryError::OutOfBounds {
             name: "k".to_owned(),
             got: 5.0,

@@ -162,7 +162,7 @@ fn full_matrices_of_a_large_model_are_not_made() {
 }
 
 #[test]
-fn a_coordinate_against_its_axis_is_turned_round() {
+fn a_coordinate_against_its_axis_is_reversed() {
     let solve = |second: &str| {
         let model = ExternalModel::new(two_masses(second)).unwrap();
         let sensors = model.sensors();
@@ -247,7 +247,7 @@ fn sparse_sensitivities_split_a_double_root() {
 }
 
 #[test]
-fn damping_stated_by_mode_stands_for_the_matrices() {
+fn damping_ratios_stated_by_mode_replace_those_of_the_matrices() {
     let mut matrices = two_masses("2:+X");
     matrices.damping.ratios = vec![0.01];
     let model = ExternalModel::new(matrices).unwrap();
@@ -265,7 +265,7 @@ fn damping_stated_by_mode_stands_for_the_matrices() {
 }
 
 #[test]
-fn what_is_wrong_with_matrices_is_named() {
+fn errors_of_matrices_are_reported() {
     let build = |change: &dyn Fn(&mut ExternalMatrices)| {
         let mut matrices = two_masses("2:+X");
         change(&mut matrices);
@@ -328,7 +328,7 @@ fn what_is_wrong_with_matrices_is_named() {
 }
 
 #[test]
-fn sparse_matrices_of_other_sizes_or_without_symmetry_are_refused_at_the_door() {
+fn sparse_matrices_of_other_sizes_or_without_symmetry_are_rejected() {
     let whole = || {
         let model = ExternalModel::new(two_masses("2:+X")).unwrap();
         let matrices = model.assemble(&nominal_values(model.parameters())).unwrap();

@@ -81,8 +81,8 @@ fn soft(i: usize, masses: usize) -> f64 {
 
 #[test]
 fn modes_far_below_the_stiffness_of_their_coordinates_are_found() {
-    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MAX_MASSIVE_MOTIONS` the count of modes ends in an error
-    // of its factor.
+    // omega^2 is 1e-10 of K_ii/M_ii. Beyond `few_masses::MAX_MASSIVE_MOTIONS` the count of modes
+    // ends in an error of its factor.
     for masses in [10, 200] {
         let solved = lowest(&sparse(&soft_supports(masses, 1e10)), Some(8)).unwrap();
         assert_eq!((solved.rigid, solved.omega_rad_s.len()), (0, 8));

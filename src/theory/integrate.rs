@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn each_converges_with_its_order() {
+    fn each_integrator_converges_with_its_order() {
         let mut rule = RungeKutta4::default();
         let order = (error(&mut rule, 20) / error(&mut rule, 40)).log2();
         assert!((order - 4.0).abs() < 0.15, "{order}");

@@ -1,4 +1,4 @@
-//! The lumped model against closed forms, and what a model file can get wrong.
+//! The lumped model against closed forms, and errors of model files.
 
 use std::f64::consts::TAU;
 
@@ -156,7 +156,7 @@ fn a_parameter_must_have_the_unit_of_its_property() {
 }
 
 #[test]
-fn what_a_file_gets_wrong_is_named() {
+fn errors_of_a_model_file_are_reported() {
     let error = |from: &str, to: &str| model(&BAR.replacen(from, to, 1)).unwrap_err();
     let unknown = error("from = \"left\"", "from = \"lefft\"");
     assert!(

@@ -1,4 +1,5 @@
-//! Why modes of a model with coordinates without mass are not defined.
+//! Errors of models whose mass matrix, or whose motions without mass, leave natural frequencies
+//! undefined.
 
 /// A mass matrix, or motions without mass, with which natural frequencies are not defined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

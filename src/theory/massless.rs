@@ -2,8 +2,8 @@
 //!
 //! A coordinate is massless whose row and column of the mass matrix are exactly 0. A mass matrix of
 //! lower rank whose null space is no set of coordinates (a mass off its node without rotary
-//! inertia, a mass between the nodes of a massless beam) is transformed, block by block, to the axes
-//! of its null space: `x = Q y`.
+//! inertia, a mass between the nodes of a massless beam) is transformed, block by block, to the
+//! axes of its null space: `x = Q y`.
 
 use crate::linalg::{self, LinalgError, RealMatrix, SparseMatrix, real_matrix};
 

@@ -1,4 +1,4 @@
-//! What would have been accepted, in the words of an error.
+//! The accepted names and bounds, as the text of an error lists them.
 
 /// The known name most like a given one, when it is like it at all (Jaro-Winkler similarity 0.7 or
 /// more).

@@ -1,5 +1,5 @@
-//! Parameters of a model: what each is, where its value comes from, and vectors of values over a
-//! list of them.
+//! Parameters of a model: definition, source of the value, and vectors of values over a list of
+//! them.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Named numbers that a model's theory gives beside its matrices.
+//! Named quantities that the theory of a model gives in addition to its matrices.
 
 use super::TheoryError;
 

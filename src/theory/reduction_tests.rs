@@ -90,7 +90,7 @@ fn serep_keeps_the_modes_exactly_and_gives_them_back_from_readings() {
 }
 
 #[test]
-fn coordinates_and_readings_that_cannot_serve_are_named() {
+fn unusable_coordinates_and_readings_are_reported() {
     let full = chain(&[1.0, 1.0, 1.0]);
     for kept in [&[] as &[usize], &[0, 0], &[2]] {
         let error = guyan(&full, kept).unwrap_err();

@@ -1,4 +1,4 @@
-//! One basis, always the same, for modes that share a root.
+//! A canonical basis for the modes of a repeated root.
 //!
 //! Any rotation of the vectors of a repeated root is as good a set of modes. What a solver returns
 //! depends on rounding; what is returned here depends on the subspace alone, up to signs, which

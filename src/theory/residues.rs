@@ -1,4 +1,4 @@
-//! Residues of a model with given damping: what a function between a sensor and a hit is made of.
+//! Residues of a model with given damping, for each pair of response and excitation DOF.
 //!
 //! Functions are not evaluated here; the parts are in the forms that `frf` and `synth` evaluate.
 

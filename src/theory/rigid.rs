@@ -1,4 +1,4 @@
-//! Rigid bodies on massless springs: what a point of a body does when the body moves, and the
+//! Rigid bodies on massless springs: displacement of a point with the motion of its body, and the
 //! matrices that follow.
 //!
 //! The velocity of a point p of a body with centre c is `v + w x (p - c)`; a spring stretches by

@@ -1,4 +1,4 @@
-//! Modes of models whose matrices are kept without their zeros: the lowest ones, counted.
+//! The lowest modes of models with sparse matrices, with a count that proves that none is missing.
 
 use std::f64::consts::TAU;
 

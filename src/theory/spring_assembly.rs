@@ -1,5 +1,4 @@
-//! A machine of bodies and springs as its built-in model builds it: every number with its
-//! derivative by one parameter.
+//! Assembly of a machine of bodies and springs, every number with its derivative by one parameter.
 //!
 //! `M = diag(inertia)`, `K = sum k b b^T` with `b` the stretch of a spring per unit of each
 //! coordinate; the derivatives are `dK = sum dk b b^T + k (db b^T + b db^T)`. Here are sums alone:

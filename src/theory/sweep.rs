@@ -1,8 +1,8 @@
 //! Natural frequencies of a model over one of its parameters: modes are tracked by shape, and
 //! crossings and veerings of their loci are located.
 //!
-//! Values are added between the requested ones where the shapes need them (`sweep_track`); where two
-//! loci meet or come nearest is then found between the samples (`sweep_events`).
+//! Values are added between the requested ones where the shapes need them (`sweep_track`); where
+//! two loci meet or come nearest is then found between the samples (`sweep_events`).
 //!
 //! # Reference
 //! Perkins and Mote (1986), Comments on curve veering in eigenvalue problems, Journal of Sound and

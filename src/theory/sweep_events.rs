@@ -1,4 +1,4 @@
-//! Where followed loci cross or veer, and how much they are coupled there.
+//! Crossings and veerings of tracked loci, and the coupling of the modes there.
 
 use std::f64::consts::TAU;
 

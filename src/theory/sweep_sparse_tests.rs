@@ -41,7 +41,7 @@ fn pair_roots(p: f64) -> [f64; 2] {
     [0.5 * (a + b) - distance, 0.5 * (a + b) + distance]
 }
 
-/// The model; the spring `p` of the second mass is `fixed + factor * p`.
+/// The model; the spring of the second mass is `fixed + factor * p` with the swept parameter `p`.
 fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
     let size = 2 * CHAIN + 2;
     let k = chain_stiffness();
@@ -64,7 +64,7 @@ fn model(fixed: f64, factor: f64, (lower, upper): (f64, f64)) -> ExternalModel {
     external((size, &stiffness), (swept, factor), (lower, upper))
 }
 
-/// Masses of 1 kg on a stiffness, one entry of its diagonal with `factor * p` on top.
+/// Masses of 1 kg on a stiffness, one entry of its diagonal raised by `factor * p`.
 fn external(
     (size, stiffness): (usize, &[(usize, usize, f64)]),
     (swept, factor): (usize, f64),
@@ -87,7 +87,7 @@ fn external(
             ..MatrixSet::default()
         },
         parameters: vec![ParameterSpec {
-            name: "factor".to_owned(),
+            name: "swept".to_owned(),
             unit: "N/m".to_owned(),
             nominal: lower,
             lower: Some(lower),
@@ -95,7 +95,7 @@ fn external(
             status: ParameterStatus::Assumed,
             whole: false,
         }],
-        groups: vec![("factor".to_owned(), scaled)],
+        groups: vec![("swept".to_owned(), scaled)],
         ..ExternalMatrices::default()
     });
     model.expect("matrices of one size")
@@ -115,7 +115,7 @@ fn swept(model: &ExternalModel, count: usize, band_rad_s: Option<f64>) -> Sweep 
         count,
     };
     let band = band_rad_s.map(|end| Band::new(0.0, end / TAU).expect("a band"));
-    sweep(model, &[parameter.nominal], "factor", range, band).expect("a range within the bounds")
+    sweep(model, &[parameter.nominal], "swept", range, band).expect("a range within the bounds")
 }
 
 /// Every locus is a chain's root, or one of the two masses', through all values; how many of the
@@ -228,8 +228,8 @@ fn a_root_that_rises_crosses_the_chains_and_veers_with_the_other_mass() {
 }
 
 #[test]
-fn a_root_that_comes_from_above_is_followed_from_where_it_was() {
-    // From 930 rad/s, beyond the band, down to 420: p = 930^2 - own.
+fn a_root_that_enters_the_band_from_above_is_tracked_from_outside_the_band() {
+    // From 930 rad/s, beyond the band, down to 420: p = 930^2 - the swept parameter.
     let fixed = 930.0f64.powi(2);
     let p = |value: f64| fixed - value;
     let model = model(fixed, -1.0, (1.0, fixed - 420.0f64.powi(2)));
@@ -245,7 +245,7 @@ fn a_root_that_comes_from_above_is_followed_from_where_it_was() {
 }
 
 #[test]
-fn without_a_band_the_lowest_thirty_are_followed() {
+fn without_a_band_the_lowest_thirty_roots_are_tracked() {
     let model = model(0.0, 1.0, (420.0f64.powi(2), 430.0f64.powi(2)));
     let sweep = swept(&model, 2, None);
     assert!(sweep.events.is_empty(), "{:?}", sweep.events);
@@ -254,7 +254,7 @@ fn without_a_band_the_lowest_thirty_are_followed() {
 }
 
 /// Masses of 1 kg, each alone on its spring: the first ones at `roots_rad_s`, the last of these
-/// with a spring less by `own`, all others above them, `SPACING` apart.
+/// with a spring less by the swept parameter, all others above them, `SPACING` apart.
 fn masses(roots_rad_s: &[f64], (lower, upper): (f64, f64)) -> ExternalModel {
     let above = |i: usize| SPACING * (10 + i) as f64;
     let root = |i: usize| roots_rad_s.get(i).copied().unwrap_or(above(i));
@@ -264,7 +264,7 @@ fn masses(roots_rad_s: &[f64], (lower, upper): (f64, f64)) -> ExternalModel {
 }
 
 #[test]
-fn a_root_that_falls_into_the_band_across_a_gap_is_seen() {
+fn a_root_that_falls_into_the_band_across_a_gap_is_tracked() {
     // Followed at 40 Hz with nothing up to the end of the band, 100 Hz; the next from 105 to 80 Hz,
     // never within 5/4 of it.
     let squares = [40.0, 105.0, 80.0].map(|hz: f64| (TAU * hz).powi(2));

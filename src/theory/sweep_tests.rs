@@ -1,4 +1,4 @@
-//! Loci followed through crossings and veerings: two-degree models in closed form, the torsional
+//! Loci tracked through crossings and veerings: two-degree models in closed form, the torsional
 //! gear and the cycloid ball transmission against their references.
 
 use std::f64::consts::TAU;
@@ -345,7 +345,7 @@ fn every_built_in_model_keeps_its_modes_over_a_stiffness_and_a_mass() {
 }
 
 #[test]
-fn a_range_that_is_none_is_named() {
+fn an_empty_or_fractional_range_is_reported() {
     let model = pair(1.0);
     let values = nominal_values(model.parameters());
     for (lower, upper, count) in [

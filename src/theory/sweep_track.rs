@@ -347,8 +347,8 @@ impl<'a> Follower<'a> {
         Ok(Step::Taken(Box::new(to), meetings))
     }
 
-    /// Where two modes meet between two samples; the value at which their shapes cannot be separated
-    /// from others.
+    /// Where two modes meet between two samples; the value at which their shapes cannot be
+    /// separated from others.
     fn meeting(
         &self,
         before: &Sample,

@@ -1,4 +1,4 @@
-//! The matrices of a model in the form in which it is solved: full, or without their zeros.
+//! The matrices of a model in the form in which it is solved: full or sparse.
 
 use crate::linalg::RealMatrix;
 

@@ -1,5 +1,5 @@
-//! How the bodies of a model move: every place of a body that has coordinates, with its
-//! displacement and rotation in each mode.
+//! Motion of the bodies of a model: displacement and rotation of every point with coordinates, in
+//! each mode.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,10 +10,10 @@ use super::super::SceneError;
 use super::super::model::LoadedModel;
 use super::rounded;
 
-/// Numbers at most; a model of more is not drawn, but at the sensors.
+/// Maximum number of values; a model of more is drawn at the sensors only.
 const MAX_NUMBERS: usize = 90_000;
 
-/// Coordinates of a sparse model above which it is not solved once more.
+/// Maximum number of coordinates of a sparse model that is solved once more for the figure.
 const MAX_SPARSE_COORDINATES: usize = 3000;
 
 /// The modes of a model over its bodies.
@@ -257,7 +257,7 @@ stiffness_n_per_m = 1e6
     }
 
     #[test]
-    fn a_band_leaves_the_modes_outside_away() {
+    fn modes_outside_the_band_are_omitted() {
         let band = Band::new(1.0, 1e5).unwrap();
         let motion = theory_motion(&discs(0.3), Some(band)).unwrap().unwrap();
         assert_eq!((motion.hz.len(), motion.modes.len()), (1, 1));

@@ -1,4 +1,4 @@
-//! The circle of each mode in the function that shows it best.
+//! The Nyquist circle of each mode in the FRF to which it contributes most.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,4 @@
-//! FRF curves: which functions of a set are shown, which of their lines, and the curve of the
-//! identified modes.
+//! FRF curves: selection of FRFs and of their lines, and the curve of the identified modes.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -341,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn residues_that_are_turned_a_little_leave_the_curve_between_the_peaks_right() {
+    fn small_phase_errors_of_residues_keep_the_curve_between_the_peaks() {
         let (set, mut model) = measured(0.0);
         for mode in &mut model.modes {
             for residue in mode.residues.values_mut() {
@@ -378,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_without_residues_leaves_the_curve_away() {
+    fn without_residues_no_curve_is_drawn() {
         let (set, mut model) = measured(0.0);
         model.modes[1].residues.clear();
         let figure = frf_figure(&set, &model, 300).unwrap();

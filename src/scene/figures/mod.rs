@@ -31,7 +31,7 @@ pub use poles::{CmifCurve, StabilizationFigure};
 pub use provenance::{Provenance, SourceFile};
 pub use shapes::{MacFigure, Partner, Reading, ShapeFigure, ShapePoint, ShapeValues};
 
-/// Points of all FRF curves of a report together: with six numbers each, about 2 MB.
+/// Maximum number of points of all FRF curves of a report: with six numbers each, about 2 MB.
 const MAX_CURVE_POINTS: usize = 36_000;
 
 /// All that a report shows beside its tables.

@@ -1,5 +1,5 @@
-//! The answer in short: how many modes met, how far apart they are, which were missed, and where
-//! the model leans.
+//! Summary of a comparison: number of paired modes, frequency differences, unmatched modes, and
+//! common bias of the model.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::correlate::{ComparisonTable, ErrorReference, Row, Status, TestCell, T
 
 use super::rounded;
 
-/// Fewest pairs whose errors tell which way the model leans.
+/// Minimum number of pairs from which a common bias of the model is estimated.
 const MIN_LEANING_ROWS: usize = 3;
 
 /// What the first screen of a report says.
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_leans_to_one_side_has_a_factor_and_no_other() {
+    fn a_common_frequency_factor_is_given_only_for_a_biased_model() {
         let leaning = overview(
             &table(&[(100.0, 97.0), (200.0, 196.0), (400.0, 396.0)]),
             true,

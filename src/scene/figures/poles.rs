@@ -1,4 +1,4 @@
-//! The stabilisation diagram over the complex mode indicator function.
+//! The stabilization diagram over the complex mode indicator function.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +19,9 @@ const WITH_ORDERS: &str = "lscf";
 const LINES: usize = 1200;
 /// Singular values that are shown.
 const VALUES: usize = 3;
-/// Functions of a set above which the poles are those of the functions that are shown.
+/// Maximum number of FRFs of a set that all give poles; of a larger set those that are shown do.
 const MAX_FUNCTIONS: usize = 64;
-/// Poles at most; the lowest orders are left out first.
+/// Maximum number of poles; the lowest orders are omitted first.
 const MAX_POLES: usize = 4000;
 
 /// Poles of all model orders.

@@ -1,4 +1,4 @@
-//! What a result was made from: files with their fingerprints, options as stated, seeds.
+//! Provenance of a result: files with their fingerprints, options as stated, seeds.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::super::plan::{Scene, TestSource};
 use super::super::recording::load_synth;
 use super::super::result::SceneResult;
 
-/// A text of more bytes is named and not shown.
+/// Maximum length of a text that is shown; of a longer one only the name is given.
 const MAX_TEXT_BYTES: usize = 60_000;
 
 /// Where a result comes from.

@@ -1,5 +1,5 @@
-//! Mode shapes on the points of a test, each with the theory's that it was paired with, and the MAC
-//! of all of them.
+//! Mode shapes on the points of a test, each with the paired shape of the model, and the MAC of all
+//! of them.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -15,11 +15,11 @@ use super::super::result::TestResult;
 use super::bodies::TheoryMotion;
 use super::{rounded, to_decimals};
 
-/// Modes of the theory that are shown at the sensors.
+/// Maximum number of modes of the model that are shown at the sensors.
 const MAX_MODEL_MODES: usize = 60;
-/// Numbers of shapes at most.
+/// Maximum number of shape values.
 const MAX_NUMBERS: usize = 60_000;
-/// Points of a mesh that is drawn at most.
+/// Maximum number of points of a mesh that is drawn.
 const MAX_POINTS: usize = 3000;
 
 /// MAC of every test mode (row) with every theory mode (column).

@@ -42,7 +42,7 @@ const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
 const BALLS: &str = "ball_count";
 /// Number of pin balls Z4.
 const PIN_BALLS: usize = 6;
-/// A share of the kinetic energy below which a group of coordinates counts as still: far above
+/// Share of the kinetic energy below which a group of coordinates counts as stationary: far above
 /// rounding.
 const MIN_MOVING_ENERGY_SHARE: f64 = 1e-12;
 /// A share above which one body has the motion for itself.

@@ -1,4 +1,5 @@
-//! The parameters of the cycloid ball transmission, in four sets, with where each value comes from.
+//! The parameters of the cycloid ball transmission, in four sets, each with the source of its
+//! value.
 //!
 //! Printed: section 2.1 and table 1 of the paper. Inferred: what reproduces its table 2. Assumed:
 //! what nothing fixes.

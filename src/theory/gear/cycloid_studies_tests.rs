@@ -182,7 +182,7 @@ fn roots_over_the_stiffnesses_are_the_reference() {
 }
 
 #[test]
-fn the_quantities_tell_rises_falls_and_the_jump() {
+fn the_quantities_state_rises_falls_and_the_jump() {
     let model = CycloidBall::new("B").expect("a set of the paper");
     let values = nominal_values(model.parameters());
     let all = model.quantities(&values).expect("values of the model");

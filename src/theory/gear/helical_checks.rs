@@ -1,5 +1,5 @@
-//! What the computation of the helical planetary gear's motion says of itself: how its energy
-//! drifts where none is lost, and how far two integrators are apart that share nothing.
+//! Numerical checks of the motion of the helical planetary gear: energy drift without losses, and
+//! difference between two independent integrators.
 
 use crate::theory::integrate::{ExtrapolatedMidpoint, Integrator, RungeKutta4};
 use crate::theory::{ModelQuantity, TheoryError};

@@ -1,4 +1,4 @@
-//! Up to which stiffness of its bearings a simpler model of the helical planetary gear serves,
+//! The bearing stiffness up to which a simpler model of the helical planetary gear is sufficient,
 //! against the reference.
 
 use rayon::prelude::*;
@@ -36,7 +36,8 @@ fn reaches_a_hundredth([(x0, y0), (x1, y1)]: [(f64, f64); 2]) -> f64 {
 type Row = (f64, [f64; 4]);
 
 fn changes(load_nm: f64, ratio: f64) -> [f64; 4] {
-    // The reference's 100 periods before the 20 recorded ones: the softest bearings are hardly damped.
+    // The reference's 100 periods before the 20 recorded ones: the softest bearings are hardly
+    // damped.
     let span = ResponseSpan {
         settling_periods: 100,
         told_periods: 20,

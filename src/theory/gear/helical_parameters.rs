@@ -1,4 +1,4 @@
-//! The parameters of the helical planetary gear, with where each value comes from.
+//! The parameters of the helical planetary gear, each with the source of its value.
 //!
 //! Printed: the data of the paper's section 4. Inferred: what follows from them. Assumed: what the
 //! paper leaves open.

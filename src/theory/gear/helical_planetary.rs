@@ -33,7 +33,7 @@ const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
-/// A share of the kinetic energy below which a body counts as still: far above the rounding of
+/// Share of the kinetic energy below which a body counts as stationary: far above the rounding of
 /// repeated roots.
 const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 

@@ -1,5 +1,5 @@
-//! The steady response of the helical planetary gear in four details, and what the paper says of
-//! it.
+//! The steady response of the helical planetary gear in four details, and the results that the
+//! paper states.
 
 use rayon::prelude::*;
 

@@ -281,7 +281,7 @@ fn the_spectrum_of_the_deflection_is_the_reference_and_no_richer_with_a_varying_
 }
 
 #[test]
-fn what_a_varying_angle_and_soft_bearings_change_is_the_reference() {
+fn changes_by_a_varying_angle_and_soft_bearings_are_the_reference() {
     use Detail::{ConstantAngle, ExactAngle, PrintedAngle, Torsional};
     let [soft, stiff] = ["kb-1.5e8", "kb-1e10"].map(response);
     let change = |from,

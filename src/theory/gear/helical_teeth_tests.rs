@@ -225,7 +225,7 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
 }
 
 #[test]
-fn what_is_printed_of_82_teeth_tells_both_angles_at_rest() {
+fn printed_results_of_82_teeth_state_both_angles_at_rest() {
     let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
     let values = nominal_values(model.parameters());
     // The text does not depend on how long the runs are.

@@ -35,7 +35,8 @@ use super::spider_reducer_results::quantities;
 
 /// Number of spider shafts of the machine.
 const SHAFTS: usize = 4;
-/// A share of the kinetic energy below which a group of bodies counts as still: far above rounding.
+/// Share of the kinetic energy below which a group of bodies counts as stationary: far above
+/// rounding.
 const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];

@@ -1,4 +1,4 @@
-//! The parameters of the spider reducer HJW-18B, with where each value comes from.
+//! The parameters of the spider reducer HJW-18B, each with the source of its value.
 //!
 //! Printed: the bearing and mesh stiffnesses, teeth, module and working pressure angle. Inferred:
 //! eccentricity and base radii, from these with a cutter of 20 degrees. Assumed: every mass, moment

@@ -1,5 +1,5 @@
-//! What the spider reducer's paper says in figures, worked out with its model: frequencies over a
-//! crank turn, shares of bearings, and the static balance under load.
+//! Results of the paper on the spider reducer, computed with its model: frequencies over a crank
+//! turn, energy shares of bearings, and the static balance under load.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,5 @@
-//! What the spider reducer gives beside its nominal machine, to the reference's digits: derived
-//! geometry, the calibration, unequal shafts over a crank turn, a free input shaft, and functions
-//! of frequency.
+//! Variants of the nominal spider reducer, to the digits of the reference: derived geometry, the
+//! calibration, unequal shafts over a crank turn, a free input shaft, and FRFs.
 
 use std::f64::consts::TAU;
 

@@ -31,7 +31,7 @@ use ParameterStatus::{Inferred, Printed};
 /// The sets: the machine of table 2, whose carrier has a support, and those with one member fixed.
 pub(super) const SET_NAMES: &[&str] = &["table-2", "carrier-fixed", "ring-fixed", "sun-fixed"];
 
-/// A share of the kinetic energy below which a body counts as still: far above rounding.
+/// Share of the kinetic energy below which a body counts as stationary: far above rounding.
 const MIN_MOVING_ENERGY_SHARE: f64 = 1e-12;
 
 /// The gear with `3 + N` coordinates, or `2 + N` with one member fixed.

@@ -1,5 +1,5 @@
-//! What the torsional planetary gear's paper says in figures, worked out with its matrices and
-//! closed forms.
+//! Results of the paper on the torsional planetary gear, computed with its matrices and closed
+//! forms.
 
 use std::f64::consts::TAU;
 
