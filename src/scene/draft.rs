@@ -19,7 +19,7 @@ use super::typed::SCENE_SCHEMA;
 pub struct DraftFile<'a> {
     /// Its path as the scene is to name it.
     pub path: &'a str,
-    /// What its headers say.
+    /// Contents of its headers.
     pub catalog: &'a Catalog,
     /// The response of what does not name one.
     pub response: Option<&'a Dof>,
@@ -29,7 +29,7 @@ pub struct DraftFile<'a> {
     pub partial: bool,
 }
 
-/// What a person says beside the files.
+/// Statements of the user in addition to the files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DraftPlan<'a> {
     /// Title of the scene.
@@ -62,7 +62,7 @@ pub struct Draft {
     pub open_lines: usize,
 }
 
-/// What a file is to a test.
+/// Role of a file in a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Content {
     /// Recorded hits.
@@ -246,7 +246,7 @@ fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     text
 }
 
-/// What records leave open, by their number within their hit.
+/// Missing statements of records, by their number within their hit.
 fn open_records(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> BTreeMap<usize, String> {
     let mut open = BTreeMap::new();
     for file in files {

@@ -118,7 +118,7 @@ fn role_of(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Points of columns that a person has stated.
+/// Points of columns that the user has stated.
 struct Stated<'a> {
     response: Option<&'a Dof>,
     hit_point: Option<&'a Dof>,

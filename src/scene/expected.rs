@@ -23,7 +23,7 @@ use super::toml_text::{parse, read_text};
 /// The schema text of published results.
 pub const EXPECTED_SCHEMA: &str = "modalign-expected/1";
 
-/// Where published results come from.
+/// Source of published results.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
@@ -42,7 +42,7 @@ pub struct Source {
 /// Published results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// Where they come from.
+    /// Source.
     pub source: Source,
     /// Natural frequencies.
     pub roots: Vec<PublishedRoot>,
@@ -50,14 +50,14 @@ pub struct Expected {
     pub matching: MatchOptions,
     /// Theory and tests compared; `None` where the publication has no such table.
     pub comparison: Option<PublishedComparison>,
-    /// What the text says.
+    /// Statement of the text.
     pub claims: Vec<Claim>,
 }
 
 /// Published results compared with a model and with one another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedResult {
-    /// Where they come from.
+    /// Source.
     pub source: Source,
     /// Natural frequencies against the model's; `None` where none are printed or there is no model.
     pub roots: Option<RootMatch>,

@@ -59,7 +59,7 @@ struct MatricesFile {
     parameters: Vec<ParameterSpec>,
     #[serde(default)]
     damping: DampingTable,
-    /// Read by whoever solves the model at them.
+    /// Read by the stage that solves the model at them.
     #[serde(default, rename = "sensor")]
     _sensors: IgnoredAny,
 }

@@ -1,6 +1,6 @@
 //! Scenes: a test, a model, the options of every stage, and the chain that runs them.
 //!
-//! `typed` is what a person wrote, `plan` what it means, `chain` what is done with it. A scene
+//! `typed` holds the scene as written, `plan` its meaning, `run` the chain that executes it. A scene
 //! computes nothing itself.
 
 mod columns;

@@ -43,9 +43,9 @@ pub struct Theory {
     pub modes: ModalModel,
     /// Parameters with the values used.
     pub parameters: Vec<(ParameterSpec, f64)>,
-    /// What the model takes for granted.
+    /// Assumptions of the model.
     pub assumptions: Vec<Assumption>,
-    /// Where the points are, as far as the file or the sensors say it.
+    /// Positions of the points, as far as the file or the sensors state them.
     pub geometry: Geometry,
     /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the
     /// indices in them count all its modes. None for finished modes.

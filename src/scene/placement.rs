@@ -20,7 +20,7 @@ pub struct PlacementPlan {
     pub candidates: Candidates,
 }
 
-/// What more points make of a test.
+/// Effect of additional points on a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedTest {
     /// Name of the test.

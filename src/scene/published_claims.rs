@@ -156,7 +156,7 @@ fn digits(typed: &ClaimTable, path: &str) -> Result<Digits, SceneError> {
     }
 }
 
-/// What a claim says, once its keys are known to be there.
+/// Statement of a claim whose keys are complete.
 fn statement(typed: &ClaimTable) -> Statement {
     let row = typed.row.clone().unwrap_or_default();
     let value = typed.value.unwrap_or_default();

@@ -410,8 +410,9 @@ fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
         .collect()
 }
 
-/// `Σ |measured − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it smallest
-/// for the weights of its plain value; the deviations are those of real and imaginary part each.
+/// `Σ |measured − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it
+/// smallest for the weights of its plain value; the deviations are those of real and imaginary part
+/// each.
 fn misfit(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
     let square: f64 = measured.iter().map(|value| value.norm_sqr()).sum();
     let granted = floor.max(ROUNDING) * (square / measured.len() as f64).sqrt();

@@ -30,7 +30,7 @@ pub fn read_text(path: &Path) -> Result<String, IoError> {
     })
 }
 
-/// What stands in a drafted file where a person has to state something.
+/// Placeholder in a drafted file where the user has to state a value.
 pub const FILL_IN: &str = "FILL IN";
 
 /// A line of a drafted file that is still to be filled in.
@@ -40,7 +40,7 @@ pub struct OpenLine {
     pub line: usize,
     /// Its key.
     pub key: String,
-    /// What belongs there, as its remark says.
+    /// Expected value, as its remark states.
     pub expected: String,
 }
 

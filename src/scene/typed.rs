@@ -84,7 +84,7 @@ pub struct TestTable {
     pub modes: Option<String>,
     /// How hits are grouped: `records` (default), `files`, or `trigger` for continuous records.
     pub hits: Option<String>,
-    /// How hits are cut from continuous records; found from the records where not stated.
+    /// Trigger that cuts hits from continuous records; estimated from the records where not stated.
     #[serde(default)]
     pub trigger: TriggerTable,
     /// Numbers, from 1, of hits that are used whatever the rules say.
@@ -95,14 +95,14 @@ pub struct TestTable {
     pub reject: BTreeSet<usize>,
     /// Band of identification, `[lo, hi]` in Hz.
     pub band_hz: Option<[f64; 2]>,
-    /// Whether the good part of a partly bad file will do.
+    /// Whether the good part of a partly bad file is used.
     #[serde(default)]
     pub partial: bool,
     /// Samples per second, for tables without a time column.
     pub sampling_rate_hz: Option<f64>,
     /// `comma`, `semicolon`, `tab` or `blank`, for tables; judged by the content when not stated.
     pub delimiter: Option<String>,
-    /// What the dimensions of an array are, slowest first: `hit`, `channel`, `sample`; rows are
+    /// Meaning of the dimensions of an array, slowest first: `hit`, `channel`, `sample`; rows are
     /// samples and columns are channels when not stated.
     pub dimensions: Option<Vec<String>>,
     /// Number of averages of FRFs whose file does not say it.
@@ -113,10 +113,10 @@ pub struct TestTable {
     /// Lines that are passed over before the heading is looked for, for tables.
     #[serde(default)]
     pub skip_lines: usize,
-    /// What the columns or records are, where the file does not say.
+    /// Meaning of the columns or records, where the file does not state it.
     #[serde(default)]
     pub channel: Vec<ChannelTable>,
-    /// What single files are, where they do not say.
+    /// Contents of single files, where the files do not state them.
     #[serde(default)]
     pub file: Vec<FileTable>,
 }
@@ -152,7 +152,7 @@ impl std::fmt::Display for ColumnKey {
     }
 }
 
-/// What one column of a table, or one record of a file, is.
+/// Meaning of one column of a table, or of one record of a file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelTable {
@@ -161,7 +161,7 @@ pub struct ChannelTable {
     /// `time`, `frequency`, `force`, `response`, `real`, `imaginary`, `complex`, `magnitude`,
     /// `phase` or `coherence`.
     pub role: Option<String>,
-    /// Where it measures.
+    /// Degree of freedom that it measures.
     pub dof: Option<Dof>,
     /// Quantity, checked against the unit.
     pub quantity: Option<String>,
@@ -224,7 +224,7 @@ impl SensorTable {
     }
 }
 
-/// Which model, and values of its parameters.
+/// The model, and values of its parameters.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelTable {

@@ -19,7 +19,8 @@ use super::{
 /// Roots nearer to each other than this part of their size are one: far below what separates roots
 /// that differ.
 const REPEATED: f64 = 1e-9;
-/// What the solver rounds, as a part of the highest root: low roots are known no better.
+/// Rounding of the solver as a fraction of the highest root, which limits the accuracy of low
+/// roots.
 const ROUNDING: f64 = 1e-12;
 
 /// Least `|b(q, q)|` over `2 |lambda| |q|^2` of a vector that can be scaled: where two roots meet
@@ -44,7 +45,7 @@ pub struct DampedModes {
 }
 
 impl DampedModes {
-    /// What a sensor with the observation row `b` reads of mode `j`, `b^T phi_j`.
+    /// Reading of mode `j` by a sensor with the observation row `b`, `b^T phi_j`.
     ///
     /// The residue of a pair is the product of its two readings, m/(N s).
     pub fn reading(&self, row: &[f64], j: usize) -> Complex64 {
@@ -252,8 +253,8 @@ fn form(q: &[Complex64], p: &[Complex64], lambda: Complex64, damping: &RealMatri
 /// Vectors of one root with `b(q, q) = 1` and, where it is repeated, `b(q, p) = 0`.
 ///
 /// Gram and Schmidt with respect to a form that is not definite: the vector that goes first is the
-/// one of largest `|b|` among the remaining vectors and their sums and differences in pairs, one of which is
-/// not zero unless the form is.
+/// one of largest `|b|` among the remaining vectors and their sums and differences in pairs, one of
+/// which is not zero unless the form is.
 fn scaled(
     group: &[Root],
     lambda: Complex64,

@@ -66,7 +66,7 @@ pub struct BeamFile {
     pub schema: String,
     /// `beam`.
     pub kind: String,
-    /// What the model calls itself.
+    /// Title of the model.
     pub title: String,
     /// Parameters that values may name.
     #[serde(default, rename = "parameter")]
@@ -80,7 +80,7 @@ pub struct BeamFile {
     /// Springs from beams to ground.
     #[serde(default, rename = "spring")]
     pub springs: Vec<SpringDescription>,
-    /// Where the sensors of a test sit; read by whoever solves the model at them.
+    /// Positions of the sensors of a test; read by the stage that solves the model at them.
     #[serde(default, rename = "sensor")]
     pub sensors: IgnoredAny,
 }
@@ -151,7 +151,7 @@ pub struct BeamDescription {
 }
 
 impl BeamDescription {
-    /// How messages name it.
+    /// Name in messages.
     pub(super) fn label(&self) -> String {
         format!("beam `{}`", self.name)
     }
@@ -175,7 +175,7 @@ pub struct PointMassDescription {
 }
 
 impl PointMassDescription {
-    /// How messages name it.
+    /// Name in messages.
     pub(super) fn label(&self) -> String {
         format!("point mass `{}`", self.name)
     }
@@ -200,7 +200,7 @@ pub struct SpringDescription {
 }
 
 impl SpringDescription {
-    /// How messages name it.
+    /// Name in messages.
     pub(super) fn label(&self) -> String {
         format!("spring `{}`", self.name)
     }

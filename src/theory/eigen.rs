@@ -47,7 +47,7 @@ const ROUNDING_REPORTED: f64 = 1e-6;
 /// Maximum number of further modes that the finding of rounding lists: a line of text.
 const MODES_LISTED: usize = 6;
 
-/// Which modes to keep, and their damping.
+/// Selection of the modes to keep, and their damping.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ModeOptions {
     /// Keep the modes inside this band; `None` keeps all. Rigid-body modes are at 0 Hz.
@@ -71,15 +71,15 @@ pub struct TheoryModes {
     pub omega_rad_s: Vec<f64>,
     /// Number of each among the elastic modes of the model, from 0; `None` for a rigid-body mode.
     pub numbers: Vec<Option<usize>>,
-    /// How many of them are rigid-body modes; these come first.
+    /// Number of rigid-body modes; these come first.
     pub rigid: usize,
     /// The coordinates, in the order of the rows of `vectors`.
     pub coordinates: Vec<Coordinate>,
     /// Share of the kinetic energy of each coordinate (row) in each mode (column); every column
     /// adds up to 1.
     pub kinetic_shares: RealMatrix,
-    /// Where the strain energy is, by the names of the springs, or of the parts of the stiffness
-    /// matrix.
+    /// Distribution of the strain energy by the names of the springs, or of the parts of the
+    /// stiffness matrix.
     pub strain_shares: StrainShares,
     /// Static condensation of the motions without mass, which have no mode; `None` where every
     /// motion carries mass, and of a sparse system.

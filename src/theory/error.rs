@@ -6,7 +6,7 @@ use crate::linalg::LinalgError;
 use super::MassError;
 use super::nearest_name::{expected_bounds, expected_name, expected_nearest};
 
-/// Why a model cannot be built, assembled, observed or solved.
+/// Reason why a model cannot be built, assembled, observed or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TheoryError {
@@ -15,7 +15,7 @@ pub enum TheoryError {
     Schema {
         /// As written.
         got: String,
-        /// What this version reads.
+        /// Schema that this version reads.
         expected: &'static str,
     },
     /// A parameter name that the model does not declare.
@@ -23,7 +23,7 @@ pub enum TheoryError {
     UnknownParameter {
         /// The name as given.
         got: String,
-        /// Who asked for it.
+        /// Part of the model or request that names it.
         used_by: String,
         /// The declared name most like it.
         nearest: Option<String>,
@@ -68,15 +68,15 @@ pub enum TheoryError {
         /// Parameter.
         name: String,
     },
-    /// Two things of one kind with one name.
+    /// Two items of one kind with the same name.
     #[error("got {what} `{name}` twice, expected a distinct name for every {what}")]
     Duplicate {
-        /// What kind of thing.
+        /// Kind of item.
         what: &'static str,
         /// The name.
         name: String,
     },
-    /// A property of a part that cannot be.
+    /// A property outside its admissible range.
     #[error("{part}: got {property} {got}, expected {expected}")]
     PropertyOutOfRange {
         /// Part of the model.
@@ -85,7 +85,7 @@ pub enum TheoryError {
         property: &'static str,
         /// Value.
         got: f64,
-        /// What would have been accepted.
+        /// Accepted values.
         expected: &'static str,
     },
     /// A part that needs one of several properties and has none.
@@ -93,7 +93,7 @@ pub enum TheoryError {
     NoStiffness {
         /// Part of the model.
         part: String,
-        /// What would have been accepted.
+        /// Accepted values.
         expected: &'static str,
     },
     /// A model that is not built in.
@@ -113,7 +113,7 @@ pub enum TheoryError {
         part: String,
         /// The property, with its unit in its name.
         property: &'static str,
-        /// What needs it.
+        /// Freedom that needs it.
         needed_for: &'static str,
     },
     /// A spring to ground without a direction.
@@ -151,7 +151,7 @@ pub enum TheoryError {
     UnknownPoint {
         /// The name as given.
         got: String,
-        /// Who asked for it.
+        /// Part of the model or request that names it.
         used_by: String,
         /// The point most like it.
         nearest: Option<String>,
@@ -161,7 +161,7 @@ pub enum TheoryError {
     UnknownBody {
         /// The name as given.
         got: String,
-        /// Who asked for it.
+        /// Part of the model or request that names it.
         used_by: String,
         /// The body most like it.
         nearest: Option<String>,
@@ -175,7 +175,7 @@ pub enum TheoryError {
         got: String,
         /// The coordinate most like it.
         nearest: Option<String>,
-        /// How many there are.
+        /// Number of coordinates of the model.
         count: usize,
     },
     /// A point or an angle of a body whose coordinate is a radius times an angle, the radius not
@@ -184,14 +184,14 @@ pub enum TheoryError {
         "{used_by}: `{body}` moves by `{coordinate}`, a radius times an angle; expected the coordinate instead of a point"
     )]
     NoRadius {
-        /// Who asked for it.
+        /// Part of the model or request that names it.
         used_by: String,
         /// The body.
         body: String,
         /// Its coordinate.
         coordinate: String,
     },
-    /// A point of a model that knows no places.
+    /// A point of a model without geometry.
     #[error(
         "sensor: got a point of `{body}`, expected the name of a coordinate: matrices do not say where their coordinates are"
     )]
@@ -216,7 +216,7 @@ pub enum TheoryError {
     KeptCoordinates {
         /// As given.
         got: Vec<usize>,
-        /// How many the model has.
+        /// Number of coordinates of the model.
         size: usize,
     },
     /// Readings at which modes are linearly dependent.
@@ -236,7 +236,7 @@ pub enum TheoryError {
     /// A point beyond the ends of a body.
     #[error("{used_by}: got a point {got_m} m along `{body}`, expected 0 to {length_m} m")]
     PointOutside {
-        /// Who asked for it.
+        /// Part of the model or request that names it.
         used_by: String,
         /// The body.
         body: String,
@@ -250,12 +250,12 @@ pub enum TheoryError {
         "{used_by}: got direction {got:?}, expected three finite numbers that are not all zero"
     )]
     ZeroDirection {
-        /// Who gave it.
+        /// Part of the model that states it.
         used_by: String,
         /// As given.
         got: [f64; 3],
     },
-    /// A beam that should deflect along itself.
+    /// A deflection that is not perpendicular to the beam.
     #[error("beam `{beam}`: got a deflection {got_deg:.4} degrees from its axis, expected 90")]
     DeflectionNotAcross {
         /// The beam.
@@ -292,7 +292,7 @@ pub enum TheoryError {
     RowLength {
         /// Response or hit.
         what: &'static str,
-        /// Which one, from 0.
+        /// Index, from 0.
         index: usize,
         /// Entries.
         got: usize,
@@ -393,7 +393,7 @@ pub enum TheoryError {
         lower: f64,
         /// The last value.
         upper: f64,
-        /// How many values.
+        /// Number of values.
         count: usize,
     },
     /// Values of a number of parts that are not whole.
@@ -408,7 +408,7 @@ pub enum TheoryError {
         lower: f64,
         /// The last value.
         upper: f64,
-        /// How many values.
+        /// Number of values.
         count: usize,
     },
     /// A model of which no simpler one is known.

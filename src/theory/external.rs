@@ -55,7 +55,7 @@ pub struct StatedDamping {
 /// Everything that makes a model of given matrices.
 #[derive(Clone, Debug, Default)]
 pub struct ExternalMatrices {
-    /// What the model calls itself.
+    /// Title of the model.
     pub title: String,
     /// Degree of freedom of every row and column; one against its axis is turned round.
     pub dofs: Vec<Dof>,

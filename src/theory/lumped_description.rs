@@ -54,7 +54,7 @@ pub struct LumpedFile {
     pub schema: Option<String>,
     /// `lumped`, where it is stated.
     pub kind: Option<String>,
-    /// What the model calls itself.
+    /// Title of the model.
     #[serde(default = "untitled")]
     pub title: String,
     /// Parameters that values may name.
@@ -69,7 +69,7 @@ pub struct LumpedFile {
     /// The springs.
     #[serde(default, rename = "spring")]
     pub springs: Vec<LinkDescription>,
-    /// Where the sensors of a test sit; read by whoever solves the model at them.
+    /// Positions of the sensors of a test; read by the stage that solves the model at them.
     #[serde(default, rename = "sensor")]
     pub sensors: IgnoredAny,
 }
@@ -97,7 +97,7 @@ pub struct BodyDescription {
 }
 
 impl BodyDescription {
-    /// How messages name it.
+    /// Name in messages.
     pub(super) fn label(&self) -> String {
         format!("body `{}`", self.name)
     }
@@ -194,7 +194,7 @@ pub struct LinkDescription {
 }
 
 impl LinkDescription {
-    /// How messages name it.
+    /// Name in messages.
     pub(super) fn label(&self) -> String {
         format!("spring `{}`", self.name)
     }

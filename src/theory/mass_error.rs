@@ -59,7 +59,7 @@ pub enum MassError {
     Rank {
         /// The coordinates of the block.
         coordinates: Vec<String>,
-        /// How many eigenvalues are 0 to working precision, or negative.
+        /// Number of eigenvalues that are 0 to working precision, or negative.
         deficient: usize,
         /// Largest block whose null space is looked for.
         most: usize,
@@ -72,7 +72,7 @@ pub enum MassError {
     Free {
         /// The coordinates that take part.
         coordinates: Vec<String>,
-        /// How many independent motions.
+        /// Number of independent motions.
         motions: usize,
     },
     /// Massless motions with negative stiffness.
@@ -83,7 +83,7 @@ pub enum MassError {
     Unstable {
         /// The coordinates that take part in the softest of them.
         coordinates: Vec<String>,
-        /// How many independent motions.
+        /// Number of independent motions.
         motions: usize,
     },
     /// Modes whose mass is hidden by rounding.

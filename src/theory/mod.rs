@@ -107,7 +107,7 @@ pub use sensitivity::{
 pub use sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
 pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
 
-/// What kind of motion a coordinate is.
+/// Kind of motion of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// A displacement, m.
@@ -131,7 +131,7 @@ pub struct Coordinate {
     /// Unit vector of the displacement, or of the rotation by the right-hand rule (that of an arc,
     /// too), in the model's frame.
     pub axis: [f64; 3],
-    /// Where on the body it is, m, in the model's frame.
+    /// Position on the body, m, in the model's frame.
     pub at_m: [f64; 3],
 }
 
@@ -192,7 +192,7 @@ pub struct SystemDerivative {
 pub struct Assumption {
     /// The part of the model it is about.
     pub about: String,
-    /// What is taken for granted, as a clause without a full stop.
+    /// The assumption, as a clause without a full stop.
     pub statement: &'static str,
 }
 
@@ -212,7 +212,7 @@ impl Assumption {
 /// Values are always in the order of [`parameters`](TheoreticalModel::parameters). The observation
 /// of a sensor depends on the nominal geometry, and of the values on the numbers of parts alone.
 pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
-    /// What the model calls itself.
+    /// Title of the model.
     fn name(&self) -> &str;
 
     /// The parameters, in the order of their values.
@@ -305,6 +305,6 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// What the model takes for granted.
+    /// Assumptions of the model.
     fn assumptions(&self) -> Vec<Assumption>;
 }

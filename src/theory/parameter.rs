@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::TheoryError;
 use super::nearest_name::nearest_name;
 
-/// Where a parameter's nominal value comes from.
+/// Source of a parameter's nominal value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ParameterStatus {
@@ -36,7 +36,7 @@ pub struct ParameterSpec {
     /// Largest value allowed.
     #[serde(default)]
     pub upper: Option<f64>,
-    /// Where the nominal value comes from.
+    /// Source of the nominal value.
     pub status: ParameterStatus,
     /// A number of parts: whole values alone, no derivative by it. The parameters of a model file
     /// are none.

@@ -4,7 +4,7 @@ use super::description::Value;
 use super::dual::{Dual, Values};
 use super::{ParameterSpec, TheoryError};
 
-/// Which sign a property may have.
+/// Admissible sign of a property.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Sign {
     Positive,

@@ -12,7 +12,7 @@ pub struct ModelQuantity {
     pub value: Option<f64>,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// What it is, with formula or source.
+    /// Description, with formula or source.
     pub meaning: String,
 }
 

@@ -79,7 +79,7 @@ pub fn residues(
         .collect()
 }
 
-/// What a sensor reads of each mode, with its sign.
+/// Component of each mode at a sensor, with its sign.
 fn readings(modes: &TheoryModes, dof: &Dof) -> Result<Vec<f64>, TheoryError> {
     let of_mode = |mode: &crate::modal::Mode| {
         let value = mode.shape.along_positive(dof);

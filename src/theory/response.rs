@@ -13,7 +13,7 @@ pub trait Nonlinear: Send + Sync {
     fn response(&self, values: &[f64], span: ResponseSpan) -> Result<TimeResponse, TheoryError>;
 }
 
-/// How long to compute.
+/// Duration and time step of a computed response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponseSpan {
     /// Periods of the excitation before the recorded ones, for the transient to decay.
@@ -57,7 +57,7 @@ pub struct ResponseSignal {
     pub name: &'static str,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// What it is.
+    /// Description.
     pub meaning: &'static str,
     /// One value per step.
     pub samples: Vec<f64>,

@@ -191,7 +191,7 @@ impl RigidBodies {
         }
     }
 
-    /// Whether there is such a body.
+    /// Checks that the body exists.
     pub fn check_body(&self, used_by: &str, body: &str) -> Result<(), TheoryError> {
         if self.names.iter().any(|name| name == body) {
             return Ok(());
@@ -205,7 +205,7 @@ impl RigidBodies {
     }
 }
 
-/// The unit vector of a direction that somebody gave.
+/// The unit vector of a stated direction.
 pub(super) fn unit_direction(used_by: &str, got: [f64; 3]) -> Result<Vector3, TheoryError> {
     let unit = geometry::unit(got).filter(|unit| unit.iter().all(|c| c.is_finite()));
     unit.ok_or_else(|| TheoryError::ZeroDirection {
@@ -214,7 +214,7 @@ pub(super) fn unit_direction(used_by: &str, got: [f64; 3]) -> Result<Vector3, Th
     })
 }
 
-/// The place of a coordinate in the list.
+/// The index of a coordinate.
 pub(super) fn coordinate_index(
     coordinates: &[Coordinate],
     name: &str,

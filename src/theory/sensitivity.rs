@@ -18,7 +18,7 @@ use super::{
     ModelRoot, ParameterSpec, SystemDerivative, TheoreticalModel, TheoryError, TheoryModes,
 };
 
-/// How one root depends on the parameters.
+/// Sensitivities of one root to the parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootSensitivity {
     /// Angular frequency of the root, rad/s.
@@ -135,7 +135,7 @@ fn of_roots(
     roots.iter().map(of_root).collect()
 }
 
-/// How the modes of one root change with a parameter.
+/// Derivatives of the modes of one root by a parameter.
 #[derive(Clone, Debug)]
 pub struct ModeDerivatives {
     /// `Phi^T (dK/dp - lambda dM/dp) Phi` over the modes asked for, each column with the

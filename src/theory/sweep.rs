@@ -16,7 +16,7 @@ use crate::axis::Band;
 use super::parameter::{check_values, index_of};
 use super::sparse::DEFAULT_MODES;
 use super::sweep_events::events;
-use super::sweep_track::{Follower, Sample, Trail};
+use super::sweep_track::{ModeTrack, ModeTracker, Sample};
 use super::{
     ModeOptions, ModelRoot, ParameterSpec, TheoreticalModel, TheoryError, model_roots, modes,
 };
@@ -24,14 +24,14 @@ use super::{
 /// From this ratio of its ends a range is divided into equal ratios.
 const GEOMETRIC_FROM: f64 = 10.0;
 
-/// The values that a parameter is to take.
+/// Values of a parameter in a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepRange {
     /// The first value.
     pub lower: f64,
     /// The last value.
     pub upper: f64,
-    /// How many values, ends included; at least 2.
+    /// Number of values, ends included; at least 2.
     pub count: usize,
 }
 
@@ -92,27 +92,27 @@ impl SweepRange {
 /// A root through a sweep, with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locus {
-    /// How many modes share it at each value: the same number at all, where they are followed by
-    /// their shapes.
+    /// Number of modes that share it at each value: the same number at all, where they are tracked
+    /// by their shapes.
     pub multiplicity: Vec<usize>,
     /// Angular frequency at each value, rad/s; `None` where the model has fewer roots, over a
     /// number of parts alone.
     pub omega_rad_s: Vec<Option<f64>>,
-    /// What kind of motion it is at the first value, in the words of the model.
+    /// Class of the motion at the first value, in the words of the model.
     pub class: Option<String>,
 }
 
-/// What two loci do to each other.
+/// Interaction of two loci.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// They meet and go on as if they were alone; their shapes stay.
+    /// They meet without interaction and keep their shapes.
     Crossing,
     /// They come near, do not meet, and exchange their shapes.
     Veering,
 }
 
 impl EventKind {
-    /// The word that is printed.
+    /// Printed name.
     pub fn name(self) -> &'static str {
         match self {
             EventKind::Crossing => "crossing",
@@ -124,7 +124,7 @@ impl EventKind {
 /// A crossing or a veering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocusEvent {
-    /// Which of both.
+    /// Crossing or veering.
     pub kind: EventKind,
     /// Indices of the two loci, the one that is lower before the event first.
     pub loci: [usize; 2],
@@ -156,7 +156,7 @@ pub struct Sweep {
     pub events: Vec<LocusEvent>,
     /// Eigenproblems solved.
     pub solved: usize,
-    /// Whether the loci are followed by their shapes. Not over a number of parts, by which the
+    /// Whether the loci are tracked by their shapes. Not over a number of parts, by which the
     /// coordinates change: there a locus is the root of one number, counted from the lowest, and no
     /// event is reported.
     pub followed: bool,
@@ -201,26 +201,26 @@ pub fn sweep(
     }
     let grid = range.values();
     let lowest = band.and_then(|band| Band::new(0.0, band.hi_hz).ok());
-    let follower = Follower::new(model, values, j, lowest);
-    let trail = whole_trail(&follower, &grid, lowest)?;
-    let families = trail.families();
+    let tracker = ModeTracker::new(model, values, j, lowest);
+    let track = track_lowest_modes(&tracker, &grid, lowest)?;
+    let families = track.families();
     Ok(Sweep {
-        events: events(&follower, &trail, &families)?,
-        loci: loci(model, &trail, &families, &grid),
+        events: events(&tracker, &track, &families)?,
+        loci: loci(model, &track, &families, &grid),
         parameter: parameter.clone(),
         values: grid,
-        solved: follower.solved(),
+        solved: tracker.solved(),
         followed: true,
     })
 }
 
 /// The modes that lie in the band at the first value, or the lowest, with so many above them that
 /// none comes in unseen.
-fn whole_trail(
-    follower: &Follower<'_>,
+fn track_lowest_modes(
+    tracker: &ModeTracker<'_>,
     grid: &[f64],
     lowest: Option<Band>,
-) -> Result<Trail, TheoryError> {
+) -> Result<ModeTrack, TheoryError> {
     let unseen = |sample: &Sample| {
         let stranger = sample.strangers_rad_s.first();
         stranger.is_some_and(|&omega| match lowest {
@@ -233,11 +233,11 @@ fn whole_trail(
         ..ModeOptions::default()
     };
     loop {
-        let trail = follower.trail(grid, &options)?;
-        if !trail.samples.iter().any(unseen) {
-            return Ok(trail);
+        let track = tracker.track(grid, &options)?;
+        if !track.samples.iter().any(unseen) {
+            return Ok(track);
         }
-        let count = trail.samples[0].omega_rad_s.len();
+        let count = track.samples[0].omega_rad_s.len();
         options = ModeOptions {
             count: Some(count + count / 2 + 1),
             ..ModeOptions::default()
@@ -287,11 +287,11 @@ fn numbered(
 
 fn loci(
     model: &dyn TheoreticalModel,
-    trail: &Trail,
+    track: &ModeTrack,
     families: &[Vec<usize>],
     grid: &[f64],
 ) -> Vec<Locus> {
-    let samples = grid.iter().filter_map(|value| trail.at(*value));
+    let samples = grid.iter().filter_map(|value| track.at(*value));
     let samples: Vec<_> = samples.collect();
     let locus = |family: &Vec<usize>| Locus {
         multiplicity: vec![family.len(); samples.len()],

@@ -6,7 +6,7 @@ use crate::linalg::RealMatrix;
 
 use super::TheoryError;
 use super::sweep::{EventKind, LocusEvent};
-use super::sweep_track::{Follower, Sample, Trail, pairs, zero_between};
+use super::sweep_track::{ModeTrack, ModeTracker, Sample, pairs, zero_between};
 
 /// The least veering index: more than half of how a shape changes comes from the other one of the
 /// pair.
@@ -17,44 +17,41 @@ const PARTED: f64 = std::f64::consts::SQRT_2;
 
 /// Crossings and veerings of families of modes, in the order of their places.
 pub(super) fn events(
-    follower: &Follower<'_>,
-    trail: &Trail,
+    tracker: &ModeTracker<'_>,
+    track: &ModeTrack,
     families: &[Vec<usize>],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
-    let couplings = trail
-        .samples
-        .iter()
-        .map(|sample| follower.couplings(sample));
+    let couplings = track.samples.iter().map(|sample| tracker.couplings(sample));
     let couplings: Vec<RealMatrix> = couplings.collect::<Result<_, _>>()?;
     let mut found = Vec::new();
     for (a, b) in pairs(families.len()) {
-        found.extend(crossings(follower, trail, families, [a, b])?);
-        found.extend(veerings(follower, (trail, &couplings), families, [a, b])?);
+        found.extend(crossings(tracker, track, families, [a, b])?);
+        found.extend(veerings(tracker, (track, &couplings), families, [a, b])?);
     }
     found.sort_by(|x, y| x.place.total_cmp(&y.place).then(x.loci.cmp(&y.loci)));
     Ok(found)
 }
 
 fn crossings(
-    follower: &Follower<'_>,
-    trail: &Trail,
+    tracker: &ModeTracker<'_>,
+    track: &ModeTrack,
     families: &[Vec<usize>],
     [a, b]: [usize; 2],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
     let firsts = [families[a][0], families[b][0]];
     let mut found = Vec::new();
-    for meeting in &trail.meetings {
+    for meeting in &track.meetings {
         let loci = match meeting.modes {
             modes if modes == firsts => [a, b],
             [y, x] if [x, y] == firsts => [b, a],
             _ => continue,
         };
         // Near the crossing, where the two shapes are still distinct.
-        let from = before(trail, meeting.between[0]);
-        let Some(sample) = follower.follow(from, meeting.place)? else {
+        let from = before(track, meeting.between[0]);
+        let Some(sample) = tracker.track_to(from, meeting.place)? else {
             continue;
         };
-        let pair = Pair::new(follower, from, families, loci)?;
+        let pair = Pair::new(tracker, from, families, loci)?;
         let hz = 0.5
             * loci
                 .map(|locus| sample.omega_rad_s[families[locus][0]])
@@ -75,51 +72,51 @@ fn crossings(
 }
 
 /// The last sample at or before a value.
-fn before(trail: &Trail, value: f64) -> &Sample {
-    let after = trail
+fn before(track: &ModeTrack, value: f64) -> &Sample {
+    let after = track
         .samples
         .partition_point(|sample| sample.value <= value);
-    &trail.samples[after.saturating_sub(1)]
+    &track.samples[after.saturating_sub(1)]
 }
 
 fn veerings(
-    follower: &Follower<'_>,
-    (trail, couplings): (&Trail, &[RealMatrix]),
+    tracker: &ModeTracker<'_>,
+    (track, couplings): (&ModeTrack, &[RealMatrix]),
     families: &[Vec<usize>],
     [a, b]: [usize; 2],
 ) -> Result<Vec<LocusEvent>, TheoryError> {
     let firsts = [families[a][0], families[b][0]];
     let mut found = Vec::new();
-    let pairs = trail.samples.iter().zip(couplings);
+    let pairs = track.samples.iter().zip(couplings);
     let rates: Vec<Option<f64>> = pairs
         .map(|(sample, couplings)| approach(sample, couplings, firsts))
         .collect();
-    for (i, ends) in trail.samples.windows(2).enumerate() {
+    for (i, ends) in track.samples.windows(2).enumerate() {
         let (Some(from), Some(to)) = (rates[i], rates[i + 1]) else {
             continue;
         };
-        let met = trail.meetings.iter().any(|meeting| {
+        let met = track.meetings.iter().any(|meeting| {
             let both = meeting.modes.iter().all(|mode| firsts.contains(mode));
             both && meeting.between[0] < ends[1].value && meeting.between[1] > ends[0].value
         });
-        if met || from >= 0.0 || to <= 0.0 || !parted(trail, i, firsts) {
+        if met || from >= 0.0 || to <= 0.0 || !parted(track, i, firsts) {
             continue;
         }
         let brackets = [(ends[0].value, from), (ends[1].value, to)];
         let place = zero_between(brackets, |value| {
-            let Some(sample) = follower.follow(&ends[0], value)? else {
+            let Some(sample) = tracker.track_to(&ends[0], value)? else {
                 return Ok(None);
             };
-            let couplings = follower.couplings(&sample)?;
+            let couplings = tracker.couplings(&sample)?;
             Ok::<_, TheoryError>(approach(&sample, &couplings, firsts))
         })?;
         let (Ok(place) | Err(place)) = place;
-        let Some(sample) = follower.follow(&ends[0], place)? else {
+        let Some(sample) = tracker.track_to(&ends[0], place)? else {
             continue;
         };
         let low_first = sample.distance(firsts[0], firsts[1]) > 0.0;
         let loci = if low_first { [a, b] } else { [b, a] };
-        let pair = Pair::new(follower, &sample, families, loci)?;
+        let pair = Pair::new(tracker, &sample, families, loci)?;
         if pair.index() >= VEERING_INDEX {
             found.push(pair.veering(loci, place));
         }
@@ -138,10 +135,10 @@ fn approach(sample: &Sample, couplings: &RealMatrix, [a, b]: [usize; 2]) -> Opti
 
 /// Whether two modes, coming from the least distance between samples `i` and `i + 1`, part on both
 /// sides.
-fn parted(trail: &Trail, i: usize, [a, b]: [usize; 2]) -> bool {
+fn parted(track: &ModeTrack, i: usize, [a, b]: [usize; 2]) -> bool {
     let gap =
         |sample: &Sample| (sample.omega_rad_s[b].powi(2) - sample.omega_rad_s[a].powi(2)).abs();
-    let least = gap(&trail.samples[i]).min(gap(&trail.samples[i + 1]));
+    let least = gap(&track.samples[i]).min(gap(&track.samples[i + 1]));
     let reaches = |side: &mut dyn Iterator<Item = &Sample>| {
         let mut last = least;
         for distance in side.map(gap) {
@@ -155,7 +152,7 @@ fn parted(trail: &Trail, i: usize, [a, b]: [usize; 2]) -> bool {
         }
         false
     };
-    reaches(&mut trail.samples[..=i].iter().rev()) && reaches(&mut trail.samples[i + 1..].iter())
+    reaches(&mut track.samples[..=i].iter().rev()) && reaches(&mut track.samples[i + 1..].iter())
 }
 
 /// Two families of modes at one value.
@@ -164,18 +161,18 @@ struct Pair {
     slopes: [f64; 2],
     /// Squared coupling of a mode of the first with all of the second.
     coupling2: f64,
-    /// How much of the change of a shape of one comes from the other.
+    /// Fraction of the change of a shape of one that comes from the other.
     dependence: [f64; 2],
 }
 
 impl Pair {
     fn new(
-        follower: &Follower<'_>,
+        tracker: &ModeTracker<'_>,
         sample: &Sample,
         families: &[Vec<usize>],
         loci: [usize; 2],
     ) -> Result<Self, TheoryError> {
-        let couplings = follower.couplings(sample)?;
+        let couplings = tracker.couplings(sample)?;
         let firsts = loci.map(|locus| families[locus][0]);
         let lambda = |mode: usize| sample.omega_rad_s[mode].powi(2);
         let dependence = |from: usize, other: usize| {

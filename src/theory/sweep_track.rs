@@ -31,7 +31,7 @@ pub(super) struct Sample {
     pub omega_rad_s: Vec<f64>,
     /// One column per mode, of unit modal mass.
     pub vectors: RealMatrix,
-    /// Which root of this value a mode belongs to.
+    /// Index of the root of each mode at this value.
     pub root: Vec<usize>,
     /// Frequencies of modes that were computed and are not followed, ascending.
     pub strangers_rad_s: Vec<f64>,
@@ -79,18 +79,18 @@ pub(super) struct Meeting {
     pub modes: [usize; 2],
     /// Last values on both sides at which they are apart.
     pub between: [f64; 2],
-    /// Where they meet.
+    /// Parameter value at which they meet.
     pub place: f64,
 }
 
 /// The samples of a sweep, ascending, and where modes change their order.
 #[derive(Clone, Debug)]
-pub(super) struct Trail {
+pub(super) struct ModeTrack {
     pub samples: Vec<Sample>,
     pub meetings: Vec<Meeting>,
 }
 
-impl Trail {
+impl ModeTrack {
     /// The sample at exactly this value.
     pub fn at(&self, value: f64) -> Option<&Sample> {
         let place = self
@@ -118,7 +118,7 @@ impl Trail {
 }
 
 /// Solves a model at values of one parameter and follows its modes.
-pub(super) struct Follower<'a> {
+pub(super) struct ModeTracker<'a> {
     model: &'a dyn TheoreticalModel,
     values: &'a [f64],
     j: usize,
@@ -126,7 +126,7 @@ pub(super) struct Follower<'a> {
     solved: Cell<usize>,
 }
 
-impl<'a> Follower<'a> {
+impl<'a> ModeTracker<'a> {
     /// Of a sparse model all modes up to the end of the band are seen at every value, followed or
     /// not.
     pub fn new(
@@ -145,7 +145,7 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// How many eigenproblems were solved.
+    /// Number of eigenproblems solved.
     pub fn solved(&self) -> usize {
         self.solved.get()
     }
@@ -211,7 +211,7 @@ impl<'a> Follower<'a> {
 
     /// The modes at a value in the order of a sample nearby; `None` where their shapes do not tell
     /// it.
-    pub fn follow(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
+    pub fn track_to(&self, from: &Sample, value: f64) -> Result<Option<Sample>, TheoryError> {
         let system = System::of(self.model, &self.values_at(value))?;
         let found = self.solve(&system, value, &self.near(from))?;
         let seen = system.mass(&from.vectors);
@@ -267,20 +267,20 @@ impl<'a> Follower<'a> {
 
     /// The modes through all values of a grid; of a sparse model those that the options ask for at
     /// the first value.
-    pub fn trail(&self, grid: &[f64], options: &ModeOptions) -> Result<Trail, TheoryError> {
+    pub fn track(&self, grid: &[f64], options: &ModeOptions) -> Result<ModeTrack, TheoryError> {
         let system = System::of(self.model, &self.values_at(grid[0]))?;
         let first = self.solve(&system, grid[0], options)?;
-        let mut trail = Trail {
+        let mut track = ModeTrack {
             samples: vec![first],
             meetings: Vec::new(),
         };
         let mut targets: Vec<f64> = grid[1..].iter().rev().copied().collect();
         while let Some(&target) = targets.last() {
-            let from = &trail.samples[trail.samples.len() - 1];
-            match self.step(&trail, from, target)? {
+            let from = &track.samples[track.samples.len() - 1];
+            match self.step(&track, from, target)? {
                 Step::Taken(sample, meetings) => {
-                    trail.samples.push(*sample);
-                    trail.meetings.extend(meetings);
+                    track.samples.push(*sample);
+                    track.meetings.extend(meetings);
                     targets.pop();
                 }
                 Step::Divided(value) => {
@@ -297,18 +297,18 @@ impl<'a> Follower<'a> {
                 }
             }
         }
-        Ok(trail)
+        Ok(track)
     }
 
-    fn step(&self, trail: &Trail, from: &Sample, target: f64) -> Result<Step, TheoryError> {
+    fn step(&self, track: &ModeTrack, from: &Sample, target: f64) -> Result<Step, TheoryError> {
         let middle = 0.5 * (from.value + target);
-        let Some(to) = self.follow(from, target)? else {
+        let Some(to) = self.track_to(from, target)? else {
             return Ok(Step::Divided(middle));
         };
         let mut meetings: Vec<Meeting> = Vec::new();
         let mut seen: Vec<[usize; 4]> = Vec::new();
         for (a, b) in pairs(to.root.len()) {
-            let Some(before) = trail.samples.iter().rev().find(|s| s.root[a] != s.root[b]) else {
+            let Some(before) = track.samples.iter().rev().find(|s| s.root[a] != s.root[b]) else {
                 continue;
             };
             if before.distance(a, b) * to.distance(a, b) >= 0.0 {
@@ -357,16 +357,16 @@ impl<'a> Follower<'a> {
     ) -> Result<Result<f64, f64>, TheoryError> {
         let ends = [before, after].map(|sample| (sample.value, sample.quotient_distance(a, b)));
         zero_between(ends, |value| {
-            let sample = self.follow(before, value)?;
+            let sample = self.track_to(before, value)?;
             Ok(sample.map(|sample| sample.quotient_distance(a, b)))
         })
     }
 }
 
-/// What came of a step.
+/// Outcome of a step.
 enum Step {
     Taken(Box<Sample>, Vec<Meeting>),
-    /// This value is needed first.
+    /// The step was too long: this value between has to be solved first.
     Divided(f64),
 }
 

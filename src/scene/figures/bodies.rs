@@ -33,7 +33,7 @@ pub struct TheoryMotion {
 pub struct BodyNode {
     /// Name of the body.
     pub body: String,
-    /// Where it is, m.
+    /// Position, m.
     pub at_m: [f64; 3],
     /// Radius of gyration `√(J/m)`, m; `None` where it has no mass or no rotation, and for nodes of
     /// a beam.

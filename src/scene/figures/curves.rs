@@ -23,7 +23,7 @@ const MIN_MAGNITUDE_RATIO: f64 = 1e-9;
 const ARC_STEPS: usize = 31;
 /// Angle from the resonance up to which they go, rad.
 const WIDEST: f64 = 0.9 * std::f64::consts::PI;
-/// How far beside the band curves go on, as a share of its width.
+/// Margin of curves beyond the band, as a fraction of its width.
 const BESIDE: f64 = 0.15;
 
 /// Functions of a test with the curves of its modes.

@@ -1,7 +1,7 @@
 //! What the figures of a report show, computed once: curves thinned to what a screen can show,
 //! fits, poles, shapes.
 //!
-//! Whoever draws it ([`crate::report`]) computes nothing. Everything here is plain numbers that a
+//! The report ([`crate::report`]) draws it and computes nothing. Everything here is plain numbers that a
 //! JSON file holds, rounded to what a figure shows; results proper are in the other files of a run.
 
 mod bodies;
@@ -37,7 +37,7 @@ const MAX_CURVE_POINTS: usize = 36_000;
 /// All that a report shows beside its tables.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Figures {
-    /// How far apart test and theory are; `None` without a comparison.
+    /// Deviations between test and model; `None` without a comparison.
     pub overview: Option<Overview>,
     /// Of every test.
     pub tests: Vec<TestFigures>,
@@ -86,7 +86,7 @@ pub struct ModeMark {
     pub mpc: Option<f64>,
 }
 
-/// Where the energy of a root of the model is.
+/// Energy distribution of a root of the model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBar {
     /// Frequency, Hz.

@@ -10,10 +10,10 @@ use super::rounded;
 /// Minimum number of pairs from which a common bias of the model is estimated.
 const MIN_LEANING_ROWS: usize = 3;
 
-/// What the first screen of a report says.
+/// Contents of the first screen of a report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Overview {
-    /// How each test fared.
+    /// Result of each test.
     pub tests: Vec<TestSummary>,
     /// Whether errors are a part of the theory's frequency (else of the test's).
     pub of_theory: bool,
@@ -41,7 +41,7 @@ pub struct OverviewRow {
     pub cells: Vec<OverviewCell>,
 }
 
-/// What a test has of a root.
+/// Test mode of a root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OverviewCell {
     /// Name of the test.
@@ -54,7 +54,7 @@ pub struct OverviewCell {
     pub error_std_percent: Option<f64>,
     /// MAC.
     pub mac: Option<f64>,
-    /// What became of it.
+    /// Verdict.
     pub status: Status,
     /// Why.
     pub reasons: Vec<String>,

@@ -29,7 +29,7 @@ const MAX_POLES: usize = 4000;
 pub struct StabilizationFigure {
     /// Method that gave the poles.
     pub method: String,
-    /// Whether it is the method that the test's modes come from.
+    /// Whether the modes of the test come from this method.
     pub own_method: bool,
     /// Highest model order, where the scene states it.
     pub max_order: Option<usize>,

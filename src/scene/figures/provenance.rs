@@ -15,7 +15,7 @@ use super::super::result::SceneResult;
 /// Maximum length of a text that is shown; of a longer one only the name is given.
 const MAX_TEXT_BYTES: usize = 60_000;
 
-/// Where a result comes from.
+/// Provenance of a result.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// Program and version.
@@ -43,7 +43,7 @@ pub struct SourceFile {
     pub text: Option<String>,
 }
 
-/// What a scene was made from.
+/// Inputs of a scene.
 pub(super) fn provenance(scene: &Scene, result: &SceneResult) -> Result<Provenance, SceneError> {
     let mut stated = vec![source_file(Path::new(&scene.path))?];
     let mut model = None;

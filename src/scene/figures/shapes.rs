@@ -52,13 +52,13 @@ pub struct ShapeFigure {
     pub not_drawn: usize,
     /// Lines between points.
     pub lines: Vec<[usize; 2]>,
-    /// What is read at the points.
+    /// Readings at the points.
     pub readings: Vec<Reading>,
     /// Shapes of the test.
     pub test: Vec<ShapeValues>,
     /// Shapes of the theory at the same readings.
     pub theory: Vec<ShapeValues>,
-    /// What each mode of the test was paired with; `None` for one without a partner.
+    /// Paired model mode of each test mode; `None` for an unmatched one.
     pub partners: Vec<Option<Partner>>,
 }
 
@@ -67,7 +67,7 @@ pub struct ShapeFigure {
 pub struct ShapePoint {
     /// Its name.
     pub name: String,
-    /// Where it is, m.
+    /// Position, m.
     pub at_m: [f64; 3],
     /// The body that it is on.
     pub body: Option<String>,
@@ -107,7 +107,7 @@ pub struct Partner {
     pub error_percent: f64,
 }
 
-/// What a figure of shapes is made from.
+/// Inputs of a figure of shapes.
 pub(super) struct Shown<'a> {
     pub test: &'a TestResult,
     pub theory: &'a Theory,
@@ -224,7 +224,7 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
     })
 }
 
-/// Where a reading is and along what.
+/// Position and direction of a reading.
 struct Placed {
     at_m: [f64; 3],
     direction: [f64; 3],
@@ -376,7 +376,8 @@ fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
     };
     let along = at(far) - at(0);
     let length = along.norm();
-    let beside = |i: usize| (at(i) - at(0)).cross(&along).norm() / length.max(f64::MIN_POSITIVE);
+    let offset_ratio =
+        |i: usize| (at(i) - at(0)).cross(&along).norm() / length.max(f64::MIN_POSITIVE);
     if length <= 0.0 || (0..points.len()).any(|i| beside(i) > 1e-6 * length) {
         return Vec::new();
     }

@@ -54,7 +54,7 @@ const INERTIAS: [(&str, f64, &str); 9] = [
     ("j_5", 10.8e-6, "kg m2"),
 ];
 
-/// What the sets differ in.
+/// Values in which the sets differ.
 struct Differences {
     planet_mass_kg: (f64, ParameterStatus),
     trochoid_ratio: (f64, ParameterStatus),

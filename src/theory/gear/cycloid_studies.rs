@@ -24,7 +24,7 @@ const RATIOS: [f64; 5] = [0.6, 0.8, 1.0, 1.1, 1.15];
 const RADII: [f64; 8] = [0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75];
 /// Stiffnesses between input and planet disc, N/m.
 const STIFFNESSES: [f64; 7] = [1e7, 2e7, 3e7, 4e7, 5e7, 7e7, 9e7];
-/// Where the paper has the mode jump, N/m.
+/// Stiffness at which the mode jumps in the paper, N/m.
 const PRINTED_JUMP: f64 = 3e7;
 /// More balls than the machine has.
 const MORE_BALLS: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 4.0];

@@ -2,7 +2,7 @@
 //! that is asked for, and how stiff they are over the mesh period. The formulas stand in
 //! `helical_motion`.
 
-/// How much of the motion a model has.
+/// Detail of the motion that a model includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Detail {
     /// Rotations alone, as with rigid bearings (equation 28).
