@@ -473,8 +473,13 @@ pub(super) fn named_model(
     };
     if table.name.is_some() && !is_built_in(&named) {
         let got = format!("{:?}", named.display());
-        let known: Vec<&str> = BUILT_IN.iter().map(|model| model.name).collect();
-        return Err(value_error(path, "[model] name", &got, &known.join(", ")));
+        let built_in_names: Vec<&str> = BUILT_IN.iter().map(|model| model.name).collect();
+        return Err(value_error(
+            path,
+            "[model] name",
+            &got,
+            &built_in_names.join(", "),
+        ));
     }
     Ok(named)
 }

@@ -183,10 +183,10 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
 /// The tests that `[update]` names; all of them where it names none and no published frequencies
 /// count.
 fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
-    let known: Vec<&str> = scene.tests.iter().map(|test| test.name.as_str()).collect();
+    let test_names: Vec<&str> = scene.tests.iter().map(|test| test.name.as_str()).collect();
     for name in stated.tests.iter().flatten() {
-        if !known.contains(&name.as_str()) {
-            let expected = format!("one of the tests {}", known.join(", "));
+        if !test_names.contains(&name.as_str()) {
+            let expected = format!("one of the tests {}", test_names.join(", "));
             let got = format!("{name:?}");
             return Err(value_error(&scene.path, "[update] tests", &got, &expected));
         }

@@ -91,9 +91,9 @@ fn shares<T>(
     let mut names: Vec<String> = Vec::new();
     let mut rows = Vec::with_capacity(all.len());
     for item in all {
-        let known = names.iter().position(|known| known == name(item));
-        rows.push(known.unwrap_or(names.len()));
-        if known.is_none() {
+        let index = names.iter().position(|listed| listed == name(item));
+        rows.push(index.unwrap_or(names.len()));
+        if index.is_none() {
             names.push(name(item).to_owned());
         }
     }
@@ -148,13 +148,15 @@ fn mean_shares(shares: &RealMatrix, modes: &[usize]) -> Vec<f64> {
 
 fn by_body(modes: &TheoryModes, shares: &[f64]) -> Vec<(String, f64)> {
     let mut bodies: Vec<(String, f64)> = Vec::new();
-    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut index_of_body: BTreeMap<&str, usize> = BTreeMap::new();
     for (coordinate, share) in modes.coordinates.iter().zip(shares) {
-        let place = *places.entry(&coordinate.body).or_insert(bodies.len());
-        if place == bodies.len() {
+        let body_index = *index_of_body
+            .entry(&coordinate.body)
+            .or_insert(bodies.len());
+        if body_index == bodies.len() {
             bodies.push((coordinate.body.clone(), 0.0));
         }
-        bodies[place].1 += share;
+        bodies[body_index].1 += share;
     }
     bodies
 }

@@ -283,7 +283,7 @@ impl TheoreticalModel for ExternalModel {
                 return Err(TheoryError::NoPositions { body: body.clone() });
             }
         };
-        let place = self
+        let index = self
             .places
             .get(name)
             .ok_or_else(|| TheoryError::UnknownCoordinate {
@@ -292,7 +292,7 @@ impl TheoreticalModel for ExternalModel {
                 count: self.places.len(),
             })?;
         let mut row = vec![0.0; self.coordinates.len()];
-        row[*place] = 1.0;
+        row[*index] = 1.0;
         Ok(row)
     }
 

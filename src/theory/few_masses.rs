@@ -97,15 +97,15 @@ fn all_modes(
 
 /// `K_oa`.
 fn coupling(turned: &SparseMatrix, massive: &[usize], massless: &[usize]) -> RealMatrix {
-    let mut place = vec![None; turned.size()];
+    let mut row_of = vec![None; turned.size()];
     let rows = massless.iter().enumerate();
-    rows.for_each(|(row, &of)| place[of] = Some(row));
+    rows.for_each(|(row, &of)| row_of[of] = Some(row));
     let mut column = vec![None; turned.size()];
     let columns = massive.iter().enumerate();
     columns.for_each(|(number, &of)| column[of] = Some(number));
     let mut coupling = real_matrix(massless.len(), massive.len(), |_, _| 0.0);
     for (i, j, value) in turned.entries() {
-        if let (Some(row), Some(number)) = (place[i], column[j]) {
+        if let (Some(row), Some(number)) = (row_of[i], column[j]) {
             coupling[(row, number)] = value;
         }
     }

@@ -128,9 +128,9 @@ fn veerings(
 /// `None` for modes of one root and for roots at 0, which stay there.
 fn approach(sample: &Sample, couplings: &RealMatrix, [a, b]: [usize; 2]) -> Option<f64> {
     let [x, y] = [a, b].map(|mode| sample.omega_rad_s[mode]);
-    let apart = sample.root[a] != sample.root[b];
+    let distinct = sample.root[a] != sample.root[b];
     let rate = couplings[(b, b)] / (2.0 * y) - couplings[(a, a)] / (2.0 * x);
-    (apart && x > 0.0 && y > 0.0).then(|| rate * sample.distance(a, b).signum())
+    (distinct && x > 0.0 && y > 0.0).then(|| rate * sample.distance(a, b).signum())
 }
 
 /// Whether two modes, coming from the least distance between samples `i` and `i + 1`, part on both

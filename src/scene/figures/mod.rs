@@ -1,8 +1,8 @@
-//! What the figures of a report show, computed once: curves thinned to what a screen can show,
+//! Data of the figures of a report, computed once: curves thinned to the resolution of a screen,
 //! fits, poles, shapes.
 //!
-//! The report ([`crate::report`]) draws it and computes nothing. Everything here is plain numbers that a
-//! JSON file holds, rounded to what a figure shows; results proper are in the other files of a run.
+//! The report ([`crate::report`]) draws them and computes nothing. All data are plain numbers in a
+//! JSON file, rounded to the resolution of a figure; the results are in the other files of a run.
 
 mod bodies;
 mod circles;

@@ -376,9 +376,9 @@ fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
     };
     let along = at(far) - at(0);
     let length = along.norm();
-    let offset_ratio =
+    let distance_from_line =
         |i: usize| (at(i) - at(0)).cross(&along).norm() / length.max(f64::MIN_POSITIVE);
-    if length <= 0.0 || (0..points.len()).any(|i| beside(i) > 1e-6 * length) {
+    if length <= 0.0 || (0..points.len()).any(|i| distance_from_line(i) > 1e-6 * length) {
         return Vec::new();
     }
     let mut order: Vec<usize> = (0..points.len()).collect();
