@@ -1,4 +1,4 @@
-//! Numbers of findings as text.
+//! Numbers of findings are written with as many digits as a reader needs.
 
 /// Four significant digits; whole numbers as they are, round ones with a power of ten where that is
 /// much shorter.
@@ -19,7 +19,7 @@ pub(super) fn short(value: f64) -> String {
     }
 }
 
-/// A value and its deviation, both down to the second digit of the deviation.
+/// A value and its standard deviation, both to the second digit of the standard deviation.
 pub(super) fn with_spread(value: f64, spread: f64) -> String {
     if !(1e-9..10.0).contains(&spread) {
         return format!("{} ± {}", short(value), short(spread));

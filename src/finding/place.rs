@@ -1,4 +1,4 @@
-//! Where a finding is.
+//! The location of a finding: a file position, a hit, a function, a mode or a parameter.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dof::Dof;
 
-/// Where a finding belongs.
+/// Location of a finding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
@@ -43,7 +43,7 @@ pub enum Place {
     Mode(f64),
     /// A model or option parameter, by name.
     Parameter(String),
-    /// A number beside the roots of a model, by its name.
+    /// A derived quantity of a model, by its name.
     Quantity(String),
 }
 

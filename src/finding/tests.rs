@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn numbers_of_a_sentence_are_short() {
+fn numbers_in_a_sentence_have_at_most_four_digits() {
     for (value, expected) in [
         (7e10, "7e10"),
         (2e6, "2e6"),
@@ -23,7 +23,7 @@ fn the_sentence_has_place_value_and_limit() {
         .limit(5.0);
     let text = finding.to_string();
     assert!(
-        text.starts_with("mode at 123.46 Hz: the half-power band holds too few"),
+        text.starts_with("mode at 123.46 Hz: The half-power band holds too few"),
         "{text}"
     );
     assert!(text.ends_with("(2.500, limit 5)"), "{text}");
