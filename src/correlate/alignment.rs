@@ -72,7 +72,7 @@ impl Similarity {
     }
 }
 
-/// A fitted frame with what speaks for it.
+/// A fitted frame with its residual distances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Alignment {
     /// `s` of `x' = s R x + t`.
@@ -230,7 +230,7 @@ pub fn align_known(
         return Ok(fitted);
     }
     let least = fit_of_line(pairs, 1.0).map(|fit| Alignment::new(fit, pairs, true));
-    let least = least.and_then(|own| own.within(tolerance_m).ok());
+    let least = least.and_then(|fit| fit.within(tolerance_m).ok());
     Ok(Alignment {
         as_good: 1,
         ..least.unwrap_or(fitted)
@@ -255,16 +255,16 @@ fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64)
 /// both in every order and direction; at the scale as it is, and at that of both extents).
 ///
 /// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that
-/// lie far apart, and of the best frames up to 24 go on with all points. A fit counts when every
-/// point has a partner of its own. The least root mean square distance wins; of fits that are as
-/// good the one that turns least, and their number is told. A start from which no fit reaches the
-/// right partners finds none: points that cover another part than the theory's may need a list of
-/// partners.
+/// lie far apart, and of the best frames up to 24 go on with all points. A fit counts when it
+/// maps the points one-to-one to partners. The smallest root mean square distance wins. Of equally
+/// good fits the one with the smallest rotation wins, and the result has their number. A start from
+/// which no fit reaches the right partners finds none: points that cover another part than the
+/// theory's may need a list of partners.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than
-/// points; [`CorrelateError::NoOwnPartners`] where no fit counts; [`CorrelateError::NotAligned`]
-/// where none is within the tolerance.
+/// points; [`CorrelateError::NoDistinctPartners`] where no fit counts;
+/// [`CorrelateError::NotAligned`] where none is within the tolerance.
 ///
 /// # Reference
 /// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2).
@@ -282,7 +282,7 @@ pub fn align_nearest(
     }
     let fits = best_fits(test, theory);
     let Some(best) = fits.first() else {
-        return Err(CorrelateError::NoOwnPartners {
+        return Err(CorrelateError::NoDistinctPartners {
             points: test.len(),
             partners: theory.len(),
         });
@@ -306,7 +306,7 @@ fn places(points: &[Vector3]) -> Vec<Vector3> {
     new.copied().collect()
 }
 
-/// Fits in which every point has a partner of its own, the one with the least distance first.
+/// Fits that map the points one-to-one to partners, the one with the smallest distance first.
 fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
     let tree = PointTree::new(theory.iter().map(|&p| p.into()).collect());
     let from = |starts: Vec<Similarity>, points: &[Vector3]| {
@@ -346,12 +346,12 @@ fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
     while chosen.len() < count {
         let mut farthest = 0;
         for (i, p) in points.iter().enumerate() {
-            let own = (p - last).norm_squared();
+            let to_last = (p - last).norm_squared();
             // The centre is no point of the set: it only says which one is first.
             apart[i] = if chosen.len() == 1 {
-                own
+                to_last
             } else {
-                apart[i].min(own)
+                apart[i].min(to_last)
             };
             if apart[i] > apart[farthest] {
                 farthest = i;
@@ -464,9 +464,9 @@ fn iterated(
         partners = nearest;
         fit = fit_similarity(&pairs(test, theory, &partners))?;
     }
-    let own: BTreeSet<usize> = partners.iter().copied().collect();
+    let distinct: BTreeSet<usize> = partners.iter().copied().collect();
     let pairs = pairs(test, theory, &partners);
-    (own.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
+    (distinct.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
 }
 
 fn pairs(test: &[Vector3], theory: &[Vector3], partners: &[usize]) -> Vec<(Vector3, Vector3)> {

@@ -95,10 +95,19 @@ fn points_in_millimetres_turned_and_shifted_find_their_partners() {
     };
     let mut test: Vec<Vector3> = theory.iter().enumerate().map(back).collect();
     test.reverse();
-    let own = align_nearest(&test, &theory, 0.005).unwrap();
-    assert!(same(&own.similarity(), &truth, 0.02), "{own:?} {truth:?}");
-    assert!(own.largest_m < 0.003 && own.rms_m > 0.0005, "{own:?}");
-    assert_eq!((own.points, own.known, own.as_good), (10, false, 0));
+    let alignment = align_nearest(&test, &theory, 0.005).unwrap();
+    assert!(
+        same(&alignment.similarity(), &truth, 0.02),
+        "{alignment:?} {truth:?}"
+    );
+    assert!(
+        alignment.largest_m < 0.003 && alignment.rms_m > 0.0005,
+        "{alignment:?}"
+    );
+    assert_eq!(
+        (alignment.points, alignment.known, alignment.as_good),
+        (10, false, 0)
+    );
     let error = align_nearest(&test, &theory, 1e-4).unwrap_err();
     assert!(
         matches!(error, CorrelateError::NotAligned { .. }),
@@ -112,9 +121,9 @@ fn points_at_one_place_count_once() {
     // Two nodes for the two directions of one place, the second as a unit conversion rounds it.
     let mut test = theory.clone();
     test.push(theory[3] + Vector3::x() * 1e-15);
-    let own = align_nearest(&test, &theory, 1e-6).unwrap();
-    assert_eq!((own.points, own.as_good), (10, 0));
-    assert!(own.largest_m < 1e-12, "{own:?}");
+    let alignment = align_nearest(&test, &theory, 1e-6).unwrap();
+    assert_eq!((alignment.points, alignment.as_good), (10, 0));
+    assert!(alignment.largest_m < 1e-12, "{alignment:?}");
     let same = vec![Vector3::x(); 5];
     let error = align_nearest(&same, &theory, 1e-6).unwrap_err();
     let (got, expected) = (1, 3);
@@ -122,7 +131,7 @@ fn points_at_one_place_count_once() {
 }
 
 #[test]
-fn points_that_share_partners_from_every_start_are_told_so() {
+fn points_that_share_partners_from_every_start_are_an_error() {
     // Four points in two pairs close together, a theory of four far apart: at no scale do the pairs
     // part.
     let at = |x: f64, y: f64| Vector3::new(x, y, 0.0);
@@ -130,7 +139,10 @@ fn points_that_share_partners_from_every_start_are_told_so() {
     let theory = [at(0.0, 0.0), at(3.0, 0.0), at(0.0, 3.5), at(40.0, 0.0)];
     let error = align_nearest(&test, &theory, 0.1).unwrap_err();
     let (points, partners) = (4, 4);
-    assert_eq!(error, CorrelateError::NoOwnPartners { points, partners });
+    assert_eq!(
+        error,
+        CorrelateError::NoDistinctPartners { points, partners }
+    );
 }
 
 /// A plate of 24 by 16 points with a rib of 10 along one edge, 394 points.
@@ -155,11 +167,14 @@ fn more_points_than_a_sample_are_all_fitted_for_any_number_of_threads() {
         let pool = pool.build().unwrap();
         pool.install(|| align_nearest(&test, &theory, 0.01).unwrap())
     };
-    let own = in_pool(1);
-    assert!(same(&own.similarity(), &truth, 1e-9), "{own:?} {truth:?}");
-    assert_eq!((own.points, own.as_good), (394, 0));
-    assert!(own.largest_m < 1e-12, "{own:?}");
-    assert_eq!(in_pool(3), own);
+    let alignment = in_pool(1);
+    assert!(
+        same(&alignment.similarity(), &truth, 1e-9),
+        "{alignment:?} {truth:?}"
+    );
+    assert_eq!((alignment.points, alignment.as_good), (394, 0));
+    assert!(alignment.largest_m < 1e-12, "{alignment:?}");
+    assert_eq!(in_pool(3), alignment);
 }
 
 #[test]
@@ -168,12 +183,12 @@ fn a_rectangle_fits_in_four_ways_and_turns_least() {
     let theory: Vec<Vector3> = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
         .map(|(x, y)| corner(x, y))
         .to_vec();
-    let own = align_nearest(&theory, &theory, 0.01).unwrap();
+    let alignment = align_nearest(&theory, &theory, 0.01).unwrap();
     assert!(
-        same(&own.similarity(), &Similarity::identity(), 1e-9),
-        "{own:?}"
+        same(&alignment.similarity(), &Similarity::identity(), 1e-9),
+        "{alignment:?}"
     );
-    assert_eq!(own.as_good, 3);
+    assert_eq!(alignment.as_good, 3);
 }
 
 #[test]
@@ -209,15 +224,15 @@ fn partners_on_a_line_within_the_tolerance_tell_no_turn_about_it() {
     let pairs: Vec<_> = test.iter().copied().zip(theory).collect();
     let free = fit_similarity(&pairs).unwrap();
     assert!(free.angle() > 1.5, "{free:?}");
-    let own = align_known(&pairs, 0.01).unwrap();
-    assert_eq!(own.as_good, 1);
-    assert!(own.similarity().angle() < 0.01, "{own:?}");
-    assert!(own.largest_m < 0.01);
+    let loose = align_known(&pairs, 0.01).unwrap();
+    assert_eq!(loose.as_good, 1);
+    assert!(loose.similarity().angle() < 0.01, "{loose:?}");
+    assert!(loose.largest_m < 0.01);
     // To a tenth of a millimetre they tell it.
     let exact: Vec<_> = beam(0.003).into_iter().map(|x| (x, round * x)).collect();
-    let own = align_known(&exact, 1e-4).unwrap();
-    assert_eq!(own.as_good, 0);
-    assert!((own.similarity().rotation - round).norm() < 1e-9);
+    let alignment = align_known(&exact, 1e-4).unwrap();
+    assert_eq!(alignment.as_good, 0);
+    assert!((alignment.similarity().rotation - round).norm() < 1e-9);
 }
 
 #[test]
@@ -225,9 +240,9 @@ fn a_turn_about_a_line_that_no_longer_fits_is_not_taken() {
     // Off the line by less than the tolerance, but turned the other way by more.
     let round = turn([1.0, 0.0, 0.0], 3.0);
     let pairs: Vec<_> = beam(0.003).into_iter().map(|x| (x, round * x)).collect();
-    let own = align_known(&pairs, 0.004).unwrap();
-    assert_eq!(own.as_good, 1);
-    assert!((own.similarity().rotation - round).norm() < 1e-9);
+    let alignment = align_known(&pairs, 0.004).unwrap();
+    assert_eq!(alignment.as_good, 1);
+    assert!((alignment.similarity().rotation - round).norm() < 1e-9);
 }
 
 #[test]

@@ -11,7 +11,8 @@ use super::global_stiffness_factor::{Unlike, common_factor};
 use super::modal_contribution::{Share, shares};
 use super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::pairing::{
-    Basis, LEAST_DIRECTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot, Verdict,
+    Basis, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot,
+    Verdict,
 };
 use super::{CorrelateError, PairOptions, assign};
 
@@ -19,10 +20,10 @@ use super::{CorrelateError, PairOptions, assign};
 /// its gates is never dearer.
 const ALONE: f64 = 1.0;
 
-/// Least share of a test shape, over `min_mac`, that makes a root a partner at all.
-const LEAST_SHARE: f64 = 0.6;
+/// Minimum contribution of a root to a test shape, over `min_mac`, for a candidate partner.
+const MIN_CONTRIBUTION_OVER_MIN_MAC: f64 = 0.6;
 
-/// Part of a shape that no two roots can hold.
+/// Fraction of a shape that two roots cannot both contribute.
 const HALF: f64 = 0.5;
 
 /// Weight of the frequency beside the shape.
@@ -82,9 +83,9 @@ impl CandidateTable {
             .map(|r| {
                 let near = |i: &usize| off(*i, r) <= options.max_frequency_error;
                 let near: Vec<usize> = modes.iter().copied().filter(near).collect();
-                let own = shares((theory, shapes), &near, (r, &roots));
-                let own = near.into_iter().zip(own);
-                own.filter_map(|(i, share)| Some((i, share?))).collect()
+                let shares_of_near = shares((theory, shapes), &near, (r, &roots));
+                let found = near.into_iter().zip(shares_of_near);
+                found.filter_map(|(i, share)| Some((i, share?))).collect()
             })
             .collect();
         let candidate = |i: usize, r: usize| {
@@ -156,7 +157,7 @@ impl CandidateTable {
                 angles_deg: (!angles.is_empty()).then_some(angles),
                 least_direction: shapes
                     .least_direction(&modes, &root.modes)?
-                    .filter(|share| *share < LEAST_DIRECTION),
+                    .filter(|share| *share < MIN_DIRECTION_CONTRIBUTION),
             });
         }
         Ok(pairs)
@@ -181,7 +182,7 @@ impl CandidateTable {
                 (Some(level), Some(mac)) if mac < level.mac => Verdict::Uncorrelated {
                     mac,
                     level,
-                    reversed: chosen.mac.filter(|own| *own >= level.mac),
+                    reversed: chosen.mac.filter(|mac| *mac >= level.mac),
                 },
                 (Some(_), Some(mac))
                     if choice.reversed
@@ -207,9 +208,9 @@ impl CandidateTable {
             return Some(mac? >= level.mac);
         }
         let gate = choice.options.max_frequency_error;
-        let comparable = |(root, own): (&Root, &Candidate)| {
+        let comparable = |(root, candidate): (&Root, &Candidate)| {
             let places = || choice.shapes.places(&[self.modes[i]], &root.modes);
-            own.off <= gate && places().len() >= MIN_DOFS_OF_SHAPE
+            candidate.off <= gate && places().len() >= MIN_DOFS_OF_SHAPE
         };
         let mut candidates = self.roots.iter().zip(&self.candidates[i]);
         candidates.any(comparable).then_some(false)
@@ -218,9 +219,9 @@ impl CandidateTable {
     /// Whether most of the other rows reach their levels.
     fn others_correlate(i: usize, choice: &Choice<'_>) -> bool {
         let rows = choice.correlated.iter().enumerate();
-        let others = rows.filter_map(|(row, own)| own.filter(|_| row != i));
-        let (reached, all) = others.fold((0, 0), |(reached, all), own| {
-            (reached + usize::from(own), all + 1)
+        let others = rows.filter_map(|(row, significant)| significant.filter(|_| row != i));
+        let (reached, all) = others.fold((0, 0), |(reached, all), significant| {
+            (reached + usize::from(significant), all + 1)
         });
         2 * reached > all
     }
@@ -230,7 +231,7 @@ impl CandidateTable {
         let root = &self.roots[r].modes;
         let [test, root] = choice.shapes.common(&[self.modes[i]], root);
         let row = &self.candidates[i];
-        let within = |off: f64| row.iter().filter(|own| own.off <= off).count();
+        let within = |off: f64| row.iter().filter(|candidate| candidate.off <= off).count();
         (test[0].len() >= MIN_DOFS_OF_SHAPE).then(|| {
             ChanceLevel::new(&Setting {
                 test: &test[0],
@@ -270,7 +271,7 @@ impl CandidateTable {
             return Verdict::Paired;
         };
         let claim = self.others(i, r, root_of).filter_map(|(other, rival)| {
-            let share = other.share.filter(|own| own.part >= HALF)?;
+            let share = other.share.filter(|share| share.part >= HALF)?;
             Some((share.part, rival))
         });
         match claim.max_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -347,8 +348,8 @@ impl CandidateTable {
         for (i, &mode) in self.modes.iter().enumerate() {
             let place = Place::Mode(test.modes[mode].frequency_hz);
             let warn = |code| Finding::new(Severity::Warning, code, place);
-            if let Some(own) = partners().find(|own| own.test == mode) {
-                let finding = doubt(&own.verdict, options);
+            if let Some(partner) = partners().find(|partner| partner.test == mode) {
+                let finding = doubt(&partner.verdict, options);
                 let finding =
                     finding.map(|(code, value, limit)| warn(code).value(value, "").limit(limit));
                 findings.extend(finding);
@@ -374,15 +375,15 @@ impl CandidateTable {
         let hz = |&i: &usize| test.modes[i].frequency_hz;
         let test_hz: Vec<f64> = self.modes.iter().map(hz).collect();
         let roots = self.roots.iter().map(|root| (root.hz, root.modes.len()));
-        let of_row = |row: &Vec<Candidate>| row.iter().map(|own| own.mac).collect();
+        let of_row = |row: &Vec<Candidate>| row.iter().map(|candidate| candidate.mac).collect();
         let mac: Vec<Vec<Option<f64>>> = self.candidates.iter().map(of_row).collect();
-        let own = Unlike {
+        let unlike = Unlike {
             test_hz: &test_hz,
             roots: &roots.collect::<Vec<_>>(),
             mac: &mac,
             gate: options.max_frequency_error,
         };
-        common_factor(&own, root_of.iter().flatten().count())
+        common_factor(&unlike, root_of.iter().flatten().count())
     }
 }
 
@@ -416,15 +417,15 @@ fn candidate(
     options: &PairOptions,
 ) -> Candidate {
     let u = off / options.max_frequency_error;
-    let (near, least) = (u <= 1.0, LEAST_SHARE * options.min_mac);
+    let (near, least) = (u <= 1.0, MIN_CONTRIBUTION_OVER_MIN_MAC * options.min_mac);
     let (mac, share) = match likeness {
         Likeness::Of(mac, share) => (mac, share),
         _ => (None, None),
     };
-    let alike =
-        share.is_some_and(|own| own.part >= least) || mac.is_some_and(|mac| mac >= options.min_mac);
-    let of_share = |own: Share| {
-        let v = ((1.0 - own.part) / (1.0 - least)).min(1.0);
+    let alike = share.is_some_and(|share| share.part >= least)
+        || mac.is_some_and(|mac| mac >= options.min_mac);
+    let of_share = |share: Share| {
+        let v = ((1.0 - share.part) / (1.0 - least)).min(1.0);
         alike.then_some(OF_FREQUENCY * u + (1.0 - OF_FREQUENCY) * v)
     };
     let cost = match likeness {

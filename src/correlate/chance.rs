@@ -139,7 +139,7 @@ pub(super) fn effective_part(shapes: &[Vec<Option<Complex64>>]) -> f64 {
     let effective = if modes < 2.0 {
         3.0 / diagonal - 2.0
     } else {
-        let products = sum.iter().map(|own| own * own).sum::<f64>() - diagonal;
+        let products = sum.iter().map(|value| value * value).sum::<f64>() - diagonal;
         modes * (modes - 1.0) / products.max(0.0)
     };
     (effective / count.max(1) as f64).min(1.0)
@@ -150,8 +150,8 @@ mod tests {
     use super::*;
 
     fn level(shape: &[Complex64], multiplicity: usize, (roots, rank): (usize, usize)) -> f64 {
-        let unit = |own: usize| {
-            let value = |d: usize| f64::from(u8::from(d == own)).into();
+        let unit = |at: usize| {
+            let value = |d: usize| f64::from(u8::from(d == at)).into();
             (0..shape.len()).map(value).collect::<Vec<Complex64>>()
         };
         let root: Vec<_> = (0..multiplicity).map(unit).collect();

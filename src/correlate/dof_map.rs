@@ -119,7 +119,7 @@ impl DofMap {
         self.pairs.iter().zip(weights).map(value).collect()
     }
 
-    /// The theory shape in its own directions; `None` where it has no value.
+    /// The theory shape in the directions of the theory; `None` where it has no value.
     pub(super) fn theory_values(
         &self,
         shape: &ModeShape,

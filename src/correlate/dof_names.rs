@@ -111,12 +111,12 @@ impl DofNames {
         }
         let mut names = Self::default();
         let mut largest = 0.0_f64;
-        for own in dofs(test.0) {
-            let Some(at) = test_nodes.get(own.point()) else {
+        for dof in dofs(test.0) {
+            let Some(at) = test_nodes.get(dof.point()) else {
                 continue;
             };
             let at = frame.position(at);
-            let needed = along(frame, own.axis());
+            let needed = along(frame, dof.axis());
             let full = of_point
                 .iter()
                 .filter(|(_, axes)| needed.iter().all(|(axis, _)| axes.contains(axis)));
@@ -130,7 +130,7 @@ impl DofNames {
                 let reading = needed
                     .iter()
                     .filter_map(|&(axis, part)| Some((Dof::new(point, axis, false).ok()?, part)));
-                names.pairs.insert(own.positive(), reading.collect());
+                names.pairs.insert(dof.positive(), reading.collect());
             }
         }
         let finding = Finding::new(Severity::Info, Code::DofsByNode, Place::Whole)
@@ -241,9 +241,9 @@ mod tests {
         let renamed = names.rename(&model(&[("101:+X", 2.0), ("102:-X", 3.0)]));
         let expected = [("1:+Z".to_owned(), -2.0), ("2:-Z".to_owned(), -3.0)];
         assert_eq!(values(&renamed), expected);
-        let own = names.in_theory(&"1:+Z".parse().expect("a degree of freedom"));
+        let readings = names.in_theory(&"1:+Z".parse().expect("a degree of freedom"));
         assert_eq!(
-            own,
+            readings,
             Some(&vec![(
                 "101:+X".parse().expect("a degree of freedom"),
                 -1.0
@@ -307,10 +307,10 @@ mod tests {
             nodes,
             ..Geometry::default()
         };
-        let own = of(vec![at("1", [2.0, 0.0, 0.0]), at("2", [500.0, 0.0, 0.0])]);
+        let nodes = of(vec![at("1", [2.0, 0.0, 0.0]), at("2", [500.0, 0.0, 0.0])]);
         let place = [2e-3 * cos, 0.5, -2e-3 * sin];
         let other = of(vec![at("7", place), at("8", [0.5 * cos, 0.5, -0.5 * sin])]);
-        let (names, _) = DofNames::nearest((&test, &own), (&theory, &other), &frame, 1e-6);
+        let (names, _) = DofNames::nearest((&test, &nodes), (&theory, &other), &frame, 1e-6);
         // Point 8 has no z component and cannot give the reading of 2:+X.
         let found = values(&names.rename(&theory));
         assert_eq!(found.len(), 2);

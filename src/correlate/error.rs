@@ -59,7 +59,7 @@ pub enum CorrelateError {
         number: usize,
     },
     /// Two tests of one name.
-    #[error("got test `{name}` twice, expected every test to have its own name")]
+    #[error("got test `{name}` twice, expected every test to have a unique name")]
     DuplicateTest {
         /// The name.
         name: String,
@@ -81,9 +81,7 @@ pub enum CorrelateError {
         expected_theory: usize,
     },
     /// Fewer points than a frame needs.
-    #[error(
-        "got {got} points at places of their own, expected {expected} or more to fit a frame to them"
-    )]
+    #[error("got {got} distinct points, expected {expected} or more to fit a frame to them")]
     FewPoints {
         /// Points, or partners for them.
         got: usize,
@@ -104,14 +102,14 @@ pub enum CorrelateError {
         /// Stated.
         tolerance_m: f64,
     },
-    /// Points of which several end at one partner, from every start.
+    /// Every start ends with several points at one partner.
     #[error(
-        "no fit of turn, shift and scale gave each of the test's {points} points a partner of its own among the theory's {partners}; give a list of partners"
+        "no rotation, translation and scale maps the {points} test points one-to-one to the {partners} model points; give a list of partners"
     )]
-    NoOwnPartners {
-        /// Points of the test at places of their own.
+    NoDistinctPartners {
+        /// Distinct points of the test.
         points: usize,
-        /// Those of the theory.
+        /// Points of the model.
         partners: usize,
     },
     /// A sensor at which a mass matrix cannot be reduced by statics.

@@ -110,10 +110,10 @@ mod tests {
             modes: None,
         };
         let names = ["a:+X", "b:+X", "c:+X"].map(dof);
-        let own = expanded(&test, &map, &reduced, &names).unwrap();
-        assert_eq!(own.modes.len(), 1);
-        assert_eq!(own.modes[0].damping_ratio, Some(0.01));
-        let values: Vec<f64> = own.modes[0].shape.iter().map(|(_, v)| v.im).collect();
+        let model = expanded(&test, &map, &reduced, &names).unwrap();
+        assert_eq!(model.modes.len(), 1);
+        assert_eq!(model.modes[0].damping_ratio, Some(0.01));
+        let values: Vec<f64> = model.modes[0].shape.iter().map(|(_, v)| v.im).collect();
         assert_eq!(values, [-2.0, 0.5, 3.0]);
         let error = expanded(&test, &map, &reduced, &names[..2]).unwrap_err();
         assert_eq!(

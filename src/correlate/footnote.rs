@@ -106,7 +106,7 @@ impl fmt::Display for Footnote {
             ),
             Footnote::Synthetic(test) => write!(
                 f,
-                "{test}: a synthetic recording, computed from a stated truth; nobody measured it."
+                "{test}: a synthetic recording, computed from a stated truth, not measured."
             ),
             Footnote::ObservabilityNotJudged => {
                 f.write_str("Whether a missed mode could have been observed was not judged where its reason says so; its verdict says no more than that it is missed.")
@@ -132,7 +132,9 @@ fn range([low, high]: [String; 2]) -> String {
 /// The note on the chance levels of a test; `None` where all pairs rest on frequency alone.
 fn chance_levels(test: &PairedTest<'_>) -> Option<Footnote> {
     let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
-    let levels: Vec<ChanceLevel> = partners.filter_map(|own| own.chance_level).collect();
+    let levels: Vec<ChanceLevel> = partners
+        .filter_map(|partner| partner.chance_level)
+        .collect();
     let counts = |of: fn(&ChanceLevel) -> usize| {
         let all = || levels.iter().map(of);
         Some([all().min()?, all().max()?])
@@ -143,10 +145,10 @@ fn chance_levels(test: &PairedTest<'_>) -> Option<Footnote> {
     };
     Some(Footnote::ChanceLevel {
         test: test.name.to_owned(),
-        mac: values(|own| own.mac)?,
-        dofs: counts(|own| own.dofs)?,
-        roots: counts(|own| own.roots)?,
-        significance: values(|own| own.significance)?,
+        mac: values(|level| level.mac)?,
+        dofs: counts(|level| level.dofs)?,
+        roots: counts(|level| level.roots)?,
+        significance: values(|level| level.significance)?,
     })
 }
 
@@ -171,18 +173,20 @@ pub(super) fn footnotes(
         notes.push(Footnote::RepeatedRoots);
     }
     let first = tests.first().map(|test| test.pairing);
-    notes.extend(first.filter(|own| own.rigid_theory > 0).map(|own| {
-        Footnote::RigidBodyModesLeftOut {
-            count: own.rigid_theory,
-            highest_hz: own.highest_rigid_hz,
-        }
-    }));
+    notes.extend(
+        first
+            .filter(|pairing| pairing.rigid_theory > 0)
+            .map(|pairing| Footnote::RigidBodyModesLeftOut {
+                count: pairing.rigid_theory,
+                highest_hz: pairing.highest_rigid_hz,
+            }),
+    );
     for test in tests {
         let partners = test.pairing.pairs.iter().flat_map(|pair| &pair.partners);
         notes.extend(chance_levels(test));
         if partners
             .into_iter()
-            .any(|own| own.basis == Basis::Frequency)
+            .any(|partner| partner.basis == Basis::Frequency)
         {
             notes.push(Footnote::FrequencyAlone(test.name.to_owned()));
         }
@@ -195,8 +199,8 @@ pub(super) fn footnotes(
         notes.push(Footnote::ObservabilityNotJudged);
     }
     for test in tests {
-        let own = cells().filter(|cell| cell.test == test.name);
-        let ratio = own.filter_map(borrowed_damping).next();
+        let column = cells().filter(|cell| cell.test == test.name);
+        let ratio = column.filter_map(borrowed_damping).next();
         notes.extend(ratio.map(|ratio| Footnote::DampingOfTest {
             test: test.name.to_owned(),
             ratio,

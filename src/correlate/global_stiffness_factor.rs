@@ -2,14 +2,14 @@
 
 use crate::finding::{Code, Finding, Place, Severity};
 
-/// Least MAC of a test mode with the root that is its partner whatever their frequencies.
+/// Minimum MAC of a test mode with a root that is its partner at any frequency.
 const CLEAR_MAC: f64 = 0.8;
-/// By how much that exceeds the MAC with any other root.
+/// Minimum difference of that MAC to the MAC with any other root.
 const CLEAR_OF_OTHERS: f64 = 0.3;
-/// Fewest modes that show a factor: any two have one.
-const FEWEST: usize = 3;
-/// Part of all test modes that the factor has to pair.
-const MOST: f64 = 0.6;
+/// Minimum number of test modes that show a common factor: any two modes do.
+const MIN_TEST_MODES: usize = 3;
+/// Minimum fraction of all test modes that the factor has to pair.
+const MIN_FRACTION_OF_TEST_MODES: f64 = 0.6;
 
 /// Test modes against roots of the theory.
 pub(super) struct Unlike<'a> {
@@ -30,17 +30,17 @@ pub(super) struct Unlike<'a> {
 /// lie within the gate about their median, and the mean itself is beyond it, all stiffnesses times
 /// `exp(2 mean ln r)` would bring them together. The spread is the standard deviation of that
 /// factor from mode to mode.
-pub(super) fn common_factor(own: &Unlike<'_>, paired: usize) -> Option<Finding> {
-    let count = own.test_hz.len();
+pub(super) fn common_factor(modes: &Unlike<'_>, paired: usize) -> Option<Finding> {
+    let count = modes.test_hz.len();
     if 2 * paired > count {
         return None;
     }
-    let mut ratios = clear_ratios(own);
+    let mut ratios = clear_ratios(modes);
     ratios.sort_by(f64::total_cmp);
     let median = *ratios.get(ratios.len() / 2)?;
-    ratios.retain(|ratio| ((ratio - median).exp() - 1.0).abs() <= own.gate);
+    ratios.retain(|ratio| ((ratio - median).exp() - 1.0).abs() <= modes.gate);
     let kept = ratios.len() as f64;
-    if ratios.len() < FEWEST || kept < MOST * count as f64 {
+    if ratios.len() < MIN_TEST_MODES || kept < MIN_FRACTION_OF_TEST_MODES * count as f64 {
         return None;
     }
     let mean = ratios.iter().sum::<f64>() / kept;
@@ -48,17 +48,17 @@ pub(super) fn common_factor(own: &Unlike<'_>, paired: usize) -> Option<Finding> 
     let std = (squares / (kept - 1.0)).sqrt();
     let factor = (2.0 * mean).exp();
     let finding = Finding::new(Severity::Warning, Code::CommonFactor, Place::Whole);
-    let beyond = (mean.exp() - 1.0).abs() > own.gate;
+    let beyond = (mean.exp() - 1.0).abs() > modes.gate;
     beyond.then(|| finding.value(factor, "").limit(2.0 * std * factor))
 }
 
 /// `ln(test / theory)` of the frequencies of all test modes that are like one root alone.
-fn clear_ratios(own: &Unlike<'_>) -> Vec<f64> {
-    let chosen: Vec<Option<usize>> = own.mac.iter().map(|row| clear_root(row)).collect();
-    let rows = chosen.iter().zip(own.test_hz);
+fn clear_ratios(unlike: &Unlike<'_>) -> Vec<f64> {
+    let chosen: Vec<Option<usize>> = unlike.mac.iter().map(|row| clear_root(row)).collect();
+    let rows = chosen.iter().zip(unlike.test_hz);
     let ratio = |(root, hz): (&Option<usize>, &f64)| {
         let root = (*root)?;
-        let (root_hz, modes) = own.roots[root];
+        let (root_hz, modes) = unlike.roots[root];
         let claims = chosen.iter().filter(|other| **other == Some(root)).count();
         (claims <= modes).then(|| (hz / root_hz).ln())
     };
@@ -94,58 +94,58 @@ mod tests {
         )
     }
 
-    fn told(test: &ModalModel, theory: &ModalModel) -> Option<Finding> {
+    fn reported_factor(test: &ModalModel, theory: &ModalModel) -> Option<Finding> {
         let findings = paired(test, theory).findings;
         findings
             .into_iter()
-            .find(|own| own.code == Code::CommonFactor)
+            .find(|finding| finding.code == Code::CommonFactor)
     }
 
     #[test]
-    fn a_model_that_is_much_too_soft_has_its_factor_told() {
+    fn stiffness_factor_of_a_much_too_soft_model_is_reported() {
         let (test, theory) = (modes(1.0, [0.0; 5]), modes(0.36, [0.0; 5]));
         assert!(paired(&test, &theory).pairs.is_empty());
-        let own = told(&test, &theory).expect("the factor is told");
+        let exact = reported_factor(&test, &theory).expect("a factor is reported");
         assert!(
-            (own.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 1e-12
-                && own.limit.expect("the finding has a limit") < 1e-9
+            (exact.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 1e-12
+                && exact.limit.expect("the finding has a limit") < 1e-9
         );
         // Frequencies that scatter by 1 % make 2 % of the factor from mode to mode.
         let deviations = [0.01, -0.01, 0.01, -0.01, 0.0];
-        let own = told(&modes(1.0, deviations), &theory).unwrap();
+        let finding = reported_factor(&modes(1.0, deviations), &theory).unwrap();
         assert!(
-            (own.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 0.01,
-            "{own}"
+            (finding.value.expect("the finding has a value") * 0.36 - 1.0).abs() < 0.01,
+            "{finding}"
         );
-        let spread = own.limit.expect("the finding has a limit")
-            / own.value.expect("the finding has a value");
+        let spread = finding.limit.expect("the finding has a limit")
+            / finding.value.expect("the finding has a value");
         assert!((spread - 0.02).abs() < 1e-4, "{spread}");
-        assert!(own.to_string().contains("(2.778 ± 0.056)"), "{own}");
+        assert!(finding.to_string().contains("(2.778 ± 0.056)"), "{finding}");
     }
 
     #[test]
-    fn what_pairs_as_it_is_and_what_no_factor_pairs_has_none() {
+    fn no_factor_is_reported_for_paired_modes_or_without_a_common_ratio() {
         let theory = modes(0.36, [0.0; 5]);
-        assert_eq!(told(&modes(0.34, [0.0; 5]), &theory), None);
-        // Each mode is off by a factor of its own.
+        assert_eq!(reported_factor(&modes(0.34, [0.0; 5]), &theory), None);
+        // The factors of the modes differ.
         assert_eq!(
-            told(&modes(1.0, [0.0, 0.9, -0.6, 2.0, -0.3]), &theory),
+            reported_factor(&modes(1.0, [0.0, 0.9, -0.6, 2.0, -0.3]), &theory),
             None
         );
         // Two of five modes have a partner by shape.
         let mut other = modes(1.0, [0.0; 5]);
-        for own in &mut other.modes[2..] {
-            own.shape = mode(1.0, &[1.0, 0.2, -0.7, 0.4, 0.9, -0.3]).shape;
+        for changed in &mut other.modes[2..] {
+            changed.shape = mode(1.0, &[1.0, 0.2, -0.7, 0.4, 0.9, -0.3]).shape;
         }
-        assert_eq!(told(&other, &theory), None);
-        // Without shapes nothing tells which modes belong together.
+        assert_eq!(reported_factor(&other, &theory), None);
+        // Without shapes the modes cannot be assigned.
         let bare = |stiffness: f64| {
-            let mut own = modes(stiffness, [0.0; 5]);
-            own.modes
+            let mut set = modes(stiffness, [0.0; 5]);
+            set.modes
                 .iter_mut()
-                .for_each(|own| own.shape = mode(1.0, &[]).shape);
-            own
+                .for_each(|set| set.shape = mode(1.0, &[]).shape);
+            set
         };
-        assert_eq!(told(&bare(1.0), &bare(0.36)), None);
+        assert_eq!(reported_factor(&bare(1.0), &bare(0.36)), None);
     }
 }

@@ -2,14 +2,14 @@
 //! together.
 //!
 //! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look
-//! alike, so that the MAC with each mode by itself counts what they have in common several times.
+//! alike, so that the MAC with each single mode counts their common part several times.
 //! If the test mode is root r, its shape is `ψ = Σ q_j φ_j`, and by perturbation of first order q_j
 //! is no more than in proportion to `1/|f_j/f_r − f_r/f_j|` beside q_r: an error that all roots
-//! share mixes nothing. `|q_r|²/Σ|q_j|²` is then what is root r's own. With shapes of unit modal
-//! mass that is the part of the modal mass, the mass-weighted MAC of the whole machine: where the
-//! sensors stand does not change it, and a root that hardly moves them needs so much of itself to
-//! look like the test shape that one beside it, which moves them, takes the shape. Where masses are
-//! not known, shapes have unit length at the sensors.
+//! share mixes nothing. `|q_r|²/Σ|q_j|²` is then the contribution of root r. With shapes of unit
+//! modal mass that is the part of the modal mass, the mass-weighted MAC of the whole machine: where
+//! the sensors stand does not change it, and a root that hardly moves them needs so much of itself
+//! to look like the test shape that one beside it, which moves them, takes the shape. Where masses
+//! are not known, shapes have unit length at the sensors.
 
 use num_complex::Complex64;
 
@@ -25,9 +25,9 @@ use super::pairing::Shapes;
 /// Deviation of a measured value from any sum of the theory's modes, over the root mean square of
 /// the shape.
 const DEVIATION: f64 = 0.15;
-/// `|f_j/f_r − f_r/f_j|` from which on root r holds less and less of another.
+/// Minimum `|f_j/f_r − f_r/f_j|` at which the allowed contribution of root j to root r decreases.
 const NEAR: f64 = 0.1;
-/// The same beyond which nothing is held: what is left of a shape there is a hundredth.
+/// Minimum `|f_j/f_r − f_r/f_j|` at which the contribution is neglected: it is a hundredth there.
 const FAR: f64 = 1.0;
 
 /// The part of a test shape that a root holds.
@@ -48,8 +48,8 @@ pub(super) struct Share {
 /// all; 0 of a root that leaves the sensors still.
 ///
 /// Its deviation is that of first order, `2 √(γᴴ C γ)` with `γ_j = (δ_j − s) q_j/|q|²`, δ_j = 1 for
-/// the root's own modes and 0 for others, and C the covariance of q, the inverse of half the second
-/// derivative of that sum: few sensors, or shapes that look alike there, make it large.
+/// the modes of the root and 0 for others, and C the covariance of q, the inverse of half the
+/// second derivative of that sum: few sensors, or shapes that look alike there, make it large.
 ///
 /// # Reference
 /// O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion process, IMAC 7
@@ -64,13 +64,13 @@ pub(super) fn shares(
         let ratio = theory.modes[*j].frequency_hz / roots[r].hz;
         (ratio - ratio.recip()).abs()
     };
-    // The root's own modes first.
+    // The modes of the root come first.
     let others = roots.iter().enumerate().filter(|(other, _)| *other != r);
     let others = others.flat_map(|(_, root)| root.modes.iter().copied());
-    let own = roots[r].modes.iter().copied();
-    let near: Vec<usize> = own.chain(others.filter(|j| apart(j) < FAR)).collect();
+    let of_r = roots[r].modes.iter().copied();
+    let near: Vec<usize> = of_r.chain(others.filter(|j| apart(j) < FAR)).collect();
     let reach: Vec<f64> = near.iter().map(|j| (NEAR / apart(j)).min(1.0)).collect();
-    let own = roots[r].modes.len();
+    let of_root = roots[r].modes.len();
     // Modes that are read at the same places share their equations.
     let mut prepared: Vec<(Vec<usize>, Option<Explanation>)> = Vec::new();
     let share = |&mode: &usize| {
@@ -79,16 +79,16 @@ pub(super) fn shares(
         if shape.len() < 2 || squared(&shape) <= 0.0 {
             return None;
         }
-        let known = prepared.iter().position(|(own, _)| *own == places);
+        let known = prepared.iter().position(|(entry, _)| *entry == places);
         let known = known.unwrap_or_else(|| {
             let mut columns: Vec<Vec<Complex64>> = near
                 .iter()
                 .map(|&j| at(&shapes.theory[j], &places))
                 .collect();
-            let moves = squared(&columns[..own].concat()) > 0.0;
+            let moves = squared(&columns[..of_root].concat()) > 0.0;
             let explanation = moves.then(|| {
-                scale(theory, (&near, own), &mut columns);
-                Explanation::new(columns, own, &reach)
+                scale(theory, (&near, of_root), &mut columns);
+                Explanation::new(columns, of_root, &reach)
             });
             prepared.push((places, explanation));
             prepared.len() - 1
@@ -108,18 +108,18 @@ fn at(values: &[Option<Complex64>], places: &[usize]) -> Vec<Complex64> {
     places.iter().filter_map(|&d| values[d]).collect()
 }
 
-/// Shapes of unit modal mass, over the length of the first `own` of them, where all masses are
+/// Shapes of unit modal mass, over the length of the first `first` of them, where all masses are
 /// known; else of unit length each.
-fn scale(theory: &ModalModel, (modes, own): (&[usize], usize), columns: &mut [Vec<Complex64>]) {
+fn scale(theory: &ModalModel, (modes, first): (&[usize], usize), columns: &mut [Vec<Complex64>]) {
     let mass = |j: &usize| modal_mass_kg(&theory.modes[*j]);
     let Some(masses) = modes.iter().map(mass).collect::<Option<Vec<f64>>>() else {
-        columns.iter_mut().for_each(|own| to_unit_length(own));
+        columns.iter_mut().for_each(|column| to_unit_length(column));
         return;
     };
     for (column, mass) in columns.iter_mut().zip(masses) {
         column.iter_mut().for_each(|value| *value /= mass.sqrt());
     }
-    let length = (squared(&columns[..own].concat()) / own as f64).sqrt();
+    let length = (squared(&columns[..first].concat()) / first as f64).sqrt();
     let values = columns.iter_mut().flatten();
     values.for_each(|value| *value /= length);
 }
@@ -135,11 +135,11 @@ fn to_unit_length(column: &mut [Complex64]) {
     }
 }
 
-/// The equations that explain shapes of unit length by columns, of which the first are a root's
-/// own.
+/// The equations that explain shapes of unit length by columns, of which the first belong to
+/// the root.
 struct Explanation {
     columns: Vec<Vec<Complex64>>,
-    own: usize,
+    of_root: usize,
     /// Triangle of the stacked equations: with as many points as modes or more its product is the
     /// inverse of the covariance of q; with fewer, the covariance of the shape.
     lower: ComplexMatrix,
@@ -155,7 +155,7 @@ enum Unknowns {
 }
 
 impl Explanation {
-    fn new(columns: Vec<Vec<Complex64>>, own: usize, reach: &[f64]) -> Self {
+    fn new(columns: Vec<Vec<Complex64>>, of_root: usize, reach: &[f64]) -> Self {
         let points = columns[0].len();
         let deviation = DEVIATION / (points as f64).sqrt();
         let (lower, unknowns) = if points < columns.len() {
@@ -165,7 +165,7 @@ impl Explanation {
         };
         Self {
             columns,
-            own,
+            of_root,
             lower,
             unknowns,
         }
@@ -181,13 +181,13 @@ impl Explanation {
             return None;
         }
         let part = if whole > 0.0 {
-            squared(&coordinates[..self.own]) / whole
+            squared(&coordinates[..self.of_root]) / whole
         } else {
             0.0
         };
         let gradient = coordinates.iter().enumerate().map(|(j, q)| {
-            let own = if j < self.own { 1.0 } else { 0.0 };
-            q * (own - part) / whole.max(f64::MIN_POSITIVE)
+            let indicator = if j < self.of_root { 1.0 } else { 0.0 };
+            q * (indicator - part) / whole.max(f64::MIN_POSITIVE)
         });
         let std = 2.0 * self.deviation_along(&gradient.collect::<Vec<_>>());
         let held = held(&shape, &self.columns, &coordinates);
@@ -225,7 +225,9 @@ impl Explanation {
         };
         // C = G² − G²Φᴴ(ΦG²Φᴴ + d²)⁻¹ΦG².
         let allowed = gradient.iter().zip(reach);
-        let allowed: f64 = allowed.map(|(own, reach)| (own * reach).norm_sqr()).sum();
+        let allowed: f64 = allowed
+            .map(|(coordinate, reach)| (coordinate * reach).norm_sqr())
+            .sum();
         (allowed - solved(&(weighted * &along))).max(0.0).sqrt()
     }
 }
@@ -238,7 +240,7 @@ fn of_many_points(
     let (points, modes) = (columns[0].len(), columns.len());
     let matrix = complex_matrix(points + modes, modes, |k, c| match k.checked_sub(points) {
         None => columns[c][k] / deviation,
-        Some(own) if own == c => reach[c].recip().into(),
+        Some(pinned) if pinned == c => reach[c].recip().into(),
         Some(_) => Complex64::ZERO,
     });
     let qr = ThinQr::or_not_a_number(&matrix);
@@ -257,7 +259,7 @@ fn of_few_points(
     let (points, modes) = (columns[0].len(), columns.len());
     let stacked = complex_matrix(modes + points, points, |k, p| match k.checked_sub(modes) {
         None => columns[k][p].conj() * reach[k],
-        Some(own) if own == p => deviation.into(),
+        Some(pinned) if pinned == p => deviation.into(),
         Some(_) => Complex64::ZERO,
     });
     let lower = complex_matrix(points, points, {
@@ -294,7 +296,7 @@ mod tests {
         let map = DofMap::of_models(&test, theory);
         let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
         let roots = elastic_roots(theory);
-        let of = |r| shares((theory, &shapes), &[0], (r, &roots))[0].map(|own| own.part);
+        let of = |r| shares((theory, &shapes), &[0], (r, &roots))[0].map(|share| share.part);
         (0..roots.len()).map(of).collect()
     }
 
@@ -313,17 +315,22 @@ mod tests {
     }
 
     #[test]
-    fn near_roots_of_one_shape_have_half_of_it_and_far_ones_their_own() {
+    fn near_roots_of_one_shape_contribute_half_each_and_far_ones_all() {
         let twins = model(vec![mode(100.0, &shape(1)), mode(102.0, &shape(1))]);
         let found = shares_of(&shape(1), &twins);
         assert!(
-            found.iter().all(|own| (own.unwrap() - 0.5).abs() < 0.01),
+            found
+                .iter()
+                .all(|share| (share.unwrap() - 0.5).abs() < 0.01),
             "{found:?}"
         );
         // g = 0.1/0.833 = 0.12 for the other; coordinates of one shape go with g², shares with g⁴.
         let apart = model(vec![mode(100.0, &shape(1)), mode(150.0, &shape(1))]);
         let found = shares_of(&shape(1), &apart);
-        assert!(found.iter().all(|own| own.unwrap() > 0.999), "{found:?}");
+        assert!(
+            found.iter().all(|share| share.unwrap() > 0.999),
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -335,7 +342,7 @@ mod tests {
         let masses = theory.modes.iter_mut();
         masses.for_each(|mode| mode.scaling = Scaling::UnitModalMass);
         let found = shares_of(&shape(1), &theory);
-        // To look like the test shape by itself it would need a thousand times as much as the
+        // To equal the test shape alone it would need a thousand times the amplitude of the
         // other.
         assert!(
             found[0].unwrap() < 1e-4 && found[1].unwrap() > 0.99,
@@ -350,10 +357,10 @@ mod tests {
         let third: Vec<f64> = shape(2).iter().map(|v| v / 3.0).collect();
         let test = sum(0.8, 0.2);
         let mut theory = model(vec![mode(100.0, &shape(1)), mode(104.0, &third)]);
-        for own in &mut theory.modes {
-            own.scaling = Scaling::Unknown;
-            own.modal_mass_kg = Some(4.0);
-            own.shape = own.shape.scaled(2.0.into());
+        for mode in &mut theory.modes {
+            mode.scaling = Scaling::Unknown;
+            mode.modal_mass_kg = Some(4.0);
+            mode.shape = mode.shape.scaled(2.0.into());
         }
         let found = shares_of(&test, &theory);
         assert!((found[0].unwrap() - 0.64).abs() < 0.02, "{found:?}");
@@ -445,14 +452,14 @@ mod tests {
         let test: Vec<Complex64> = (0..6).map(|k| Complex64::cis((k * k) as f64)).collect();
         let reach: Vec<f64> = (1..10).map(|c| 1.0 / f64::from(c)).collect();
         let found = Explanation::new(columns.clone(), 1, &reach).coordinates(&test);
-        // What is left over of the normal equations.
+        // The residual of the normal equations.
         let d = DEVIATION / 6f64.sqrt();
         for (c, column) in columns.iter().enumerate() {
             let fitted = |k: usize| {
                 columns
                     .iter()
                     .zip(&found)
-                    .map(|(own, q)| own[k] * q)
+                    .map(|(column, q)| column[k] * q)
                     .sum::<Complex64>()
             };
             let rest: Complex64 = (0..6)
@@ -467,7 +474,7 @@ mod tests {
     fn a_shape_that_no_root_holds_has_no_share() {
         let theory = model(vec![mode(100.0, &shape(1)), mode(104.0, &shape(2))]);
         let found = shares_of(&shape(4), &theory);
-        assert!(found.iter().all(|own| own.unwrap() < 1e-9), "{found:?}");
+        assert!(found.iter().all(|share| share.unwrap() < 1e-9), "{found:?}");
         assert_eq!(shares_of(&[], &theory), [None, None]);
     }
 }

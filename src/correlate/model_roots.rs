@@ -14,7 +14,7 @@ const SAME_ROOT: f64 = 1e-6;
 const RIGID: f64 = 1e-3;
 
 /// Rigid-body modes of one body: those at 0 and what rounding left of others are no more together.
-const MOST_RIGID: usize = 6;
+const MAX_RIGID_BODY_MODES: usize = 6;
 
 /// No rigid-body mode lies above this, Hz: a test with a hammer measures nothing as low, so that no
 /// mode is lost with it.
@@ -36,10 +36,10 @@ pub(super) struct Root {
 /// of a thousand are what rounding left of 0, if they are at most 0.1 Hz, where a test with a
 /// hammer measures nothing. A stiff mode far above the others says nothing of these.
 pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
-    let mut lowest: Vec<f64> = theory.modes.iter().map(|own| own.frequency_hz).collect();
+    let mut lowest: Vec<f64> = theory.modes.iter().map(|mode| mode.frequency_hz).collect();
     lowest.sort_by(f64::total_cmp);
     // The rise after the sixth is one to the seventh.
-    lowest.truncate(MOST_RIGID + 1);
+    lowest.truncate(MAX_RIGID_BODY_MODES + 1);
     let mut rises = lowest.windows(2).filter(|next| next[0] > 0.0);
     let rise = rises.find(|next| next[0] <= RIGID * next[1]);
     let below = rise.map_or(0.0, |next| next[0]);
@@ -69,11 +69,11 @@ pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
         .map(root)
         .collect();
     roots.sort_by(|a, b| a.hz.total_cmp(&b.hz).then_with(|| a.modes.cmp(&b.modes)));
-    roots.dedup_by(|next, own| {
-        let same = next.hz - own.hz <= SAME_ROOT * own.hz;
+    roots.dedup_by(|next, root| {
+        let same = next.hz - root.hz <= SAME_ROOT * root.hz;
         if same {
-            own.modes.append(&mut next.modes);
-            own.modes.sort_unstable();
+            root.modes.append(&mut next.modes);
+            root.modes.sort_unstable();
         }
         same
     });

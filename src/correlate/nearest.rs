@@ -52,7 +52,7 @@ impl PointTree {
         best.index
     }
 
-    /// Adds the box of a range and those of its halves; the index of its own.
+    /// Adds the box of a range and those of its halves; returns the index of the box.
     fn divide(&mut self, range: Range<usize>) -> usize {
         let mut lowest = [f64::INFINITY; 3];
         let mut highest = [f64::NEG_INFINITY; 3];
@@ -62,7 +62,7 @@ impl PointTree {
                 highest[axis] = highest[axis].max(value);
             }
         }
-        let own = self.boxes.len();
+        let index = self.boxes.len();
         self.boxes.push(PointBox {
             range: range.clone(),
             lowest,
@@ -75,9 +75,9 @@ impl PointTree {
             let middle = self.halve(&range, longest.unwrap_or(0));
             let first = self.divide(range.start..middle);
             let second = self.divide(middle..range.end);
-            self.boxes[own].halves = Some([first, second]);
+            self.boxes[index].halves = Some([first, second]);
         }
-        own
+        index
     }
 
     /// Orders a range so that the points before its middle are not above those after it along an
@@ -94,9 +94,9 @@ impl PointTree {
     }
 
     fn search(&self, number: usize, at: [f64; 3], best: &mut Found) {
-        let own = &self.boxes[number];
-        let Some([first, second]) = own.halves else {
-            for &index in &self.order[own.range.clone()] {
+        let here = &self.boxes[number];
+        let Some([first, second]) = here.halves else {
+            for &index in &self.order[here.range.clone()] {
                 let squared = squared_distance(self.points[index], at);
                 if squared < best.squared || (squared <= best.squared && index < best.index) {
                     *best = Found { squared, index };
@@ -150,7 +150,7 @@ mod tests {
             at in (-12..24i32, -12..24i32, -12..24i32),
         ) {
             let point = |(x, y, z): (i32, i32, i32), step: f64| [x, y, z].map(|n| f64::from(n) * step);
-            let points: Vec<[f64; 3]> = lattice.into_iter().map(|own| point(own, 1.0)).collect();
+            let points: Vec<[f64; 3]> = lattice.into_iter().map(|at| point(at, 1.0)).collect();
             let at = point(at, 0.5);
             let all = 0..points.len();
             let apart = |i: &usize| squared_distance(points[*i], at);

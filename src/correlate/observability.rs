@@ -18,15 +18,15 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::model_roots::{Root, elastic_roots};
 
-/// Strength at a pair below which a root stands still, relative to the product of the largest
-/// values that any mode has at its response and at its reference.
+/// Maximum strength of a root at a pair that counts as a node, over the product of the largest
+/// values of any mode at its response and at its reference.
 ///
 /// An eigenvector is known to about 1e-14 of its largest component, five decades below. At equal
 /// damping the peaks of two accelerances are as far apart as their strengths, here 180 dB, while a
 /// converter of 24 bits spans 144 dB.
-pub(super) const STILL: f64 = 1e-9;
+pub(super) const NODE_FRACTION_OF_LARGEST: f64 = 1e-9;
 
-/// Height of a peak over the noise from which on it can be seen, dB.
+/// Minimum height of a detectable peak over the noise, dB.
 pub const PEAK_OVER_NOISE_DB: f64 = 10.0;
 
 /// Largest standard deviation of a natural frequency, as a part of the spacing to the nearest root.
@@ -72,7 +72,7 @@ pub struct AgainstNoise {
     pub complete: bool,
 }
 
-/// Why a root was not held against noise.
+/// Reason why a root was not compared with the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotJudged {
     /// The theory has no modal mass.
@@ -196,8 +196,9 @@ impl<'a> Sight<'a> {
             .flat_map(|(response, reference)| [response, reference])
             .map(|dof| (dof, largest(dof)))
             .collect();
-        let limit =
-            |(response, reference): &(Dof, Dof)| STILL * scales[response] * scales[reference];
+        let limit = |(response, reference): &(Dof, Dof)| {
+            NODE_FRACTION_OF_LARGEST * scales[response] * scales[reference]
+        };
         Self {
             still: pairs.iter().map(limit).collect(),
             test_damping: median(test.modes.iter().filter_map(positive_damping).collect()),
@@ -238,13 +239,13 @@ impl<'a> Sight<'a> {
         })
     }
 
-    /// The theory's own damping ratio where it has one, else the test's.
+    /// The damping ratio of the theory where it states one, else that of the test.
     pub fn damping(&self, root: &Root) -> Option<RootDamping> {
-        let own = root.modes.iter();
-        let own: Option<Vec<f64>> = own
+        let modes = root.modes.iter();
+        let ratios: Option<Vec<f64>> = modes
             .map(|&j| positive_damping(&self.theory.modes[j]))
             .collect();
-        let mean = own.map(|own| own.iter().sum::<f64>() / own.len() as f64);
+        let mean = ratios.map(|ratios| ratios.iter().sum::<f64>() / ratios.len() as f64);
         let ratio = mean.or(self.test_damping)?;
         Some(RootDamping {
             ratio,
@@ -375,8 +376,8 @@ fn pairs(test: &ModalModel, frfs: &[FrfSet]) -> Vec<(Dof, Dof)> {
 }
 
 /// `|sum phi_response phi_reference / m|` over some modes, 1/kg for translations; `None` where one
-/// has no value. A modal mass that is not known counts as 1: strengths are then only fit to be told
-/// from nothing.
+/// has no value. An unknown modal mass counts as 1: such a strength
+/// shows only whether a root responds at all.
 fn strength(
     theory: &ModalModel,
     modes: &[usize],
@@ -394,9 +395,9 @@ fn strength(
 /// What a sensor (or hit) of the test has of a theory shape: met by point and axis, turned by both
 /// signs, repeated measurements like the first.
 fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
-    let same = |own: &Dof| own.point() == dof.point() && own.axis() == dof.axis();
-    let found = shape.iter().find(|(own, _)| same(own));
-    found.map(|(own, value)| value * own.sign() * dof.sign())
+    let same = |candidate: &Dof| candidate.point() == dof.point() && candidate.axis() == dof.axis();
+    let found = shape.iter().find(|(candidate, _)| same(candidate));
+    found.map(|(candidate, value)| value * candidate.sign() * dof.sign())
 }
 
 /// The most that any mode has at a point over the square root of its modal mass, 1/√kg for a

@@ -27,7 +27,7 @@ pub(super) fn of_theory(frequency_hz: f64, shape: &[f64]) -> Mode {
 
 fn pairs(text: &[(&str, &str)]) -> Vec<(Dof, Dof)> {
     let dof = |text: &str| text.parse().unwrap();
-    text.iter().map(|own| (dof(own.0), dof(own.1))).collect()
+    text.iter().map(|pair| (dof(pair.0), dof(pair.1))).collect()
 }
 
 /// FRFs on lines of `step_hz` up to 1000 Hz with one variance everywhere.
@@ -458,9 +458,10 @@ fn the_median_damping_of_the_test_stands_in_and_is_said() {
     assert!(table.footnotes.contains(&note), "{:?}", table.footnotes);
     assert!(note.to_string().contains("2.500 %"));
     assert!(!table.footnotes.contains(&Footnote::ObservabilityNotJudged));
-    let own = compared(&three(), &test, &sets);
+    let table = compared(&three(), &test, &sets);
     assert!(
-        !own.footnotes
+        !table
+            .footnotes
             .iter()
             .any(|note| matches!(note, Footnote::DampingOfTest { .. }))
     );

@@ -27,7 +27,7 @@ impl ErrorReference {
     /// The reference of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         let all = [ErrorReference::Theory, ErrorReference::Test];
-        all.into_iter().find(|own| own.name() == name)
+        all.into_iter().find(|option| option.name() == name)
     }
 
     /// The signed frequency error as a fraction.

@@ -17,11 +17,11 @@ use super::reversed_sensors::{ReversedSensor, detect, reversed_findings, signs};
 use super::subspace::{principal_angles_deg, subspace_mac};
 use super::{CorrelateError, DofMap, PairOptions};
 
-/// Least singular value of the unit shapes of a root whose directions the sensors tell apart.
-const TOLD_APART: f64 = 0.1;
+/// Minimum singular value of the unit shapes of a root whose directions the sensors separate.
+const MIN_SINGULAR_VALUE: f64 = 0.1;
 
-/// Fewest common degrees of freedom on which a MAC says anything.
-pub(super) const FEWEST_DOFS: usize = 2;
+/// Minimum number of common degrees of freedom of a meaningful MAC.
+pub(super) const MIN_SHAPE_DOFS: usize = 2;
 
 /// Who else fits as well.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +58,8 @@ pub enum Verdict {
     Ambiguous {
         /// The cheapest rival.
         rival: Rival,
-        /// Its cost minus the pair's; negative when the rival is better by itself and the whole
-        /// decided against it.
+        /// Its cost minus the pair's; negative when the rival alone is better and the
+        /// assignment of all modes decided against it.
         cost_difference: f64,
     },
     /// Another root would hold half of the test shape or more, or the root as much of another test
@@ -147,7 +147,7 @@ pub struct UnpairedRoot {
 pub struct Pairing {
     /// The common degrees of freedom.
     pub map: DofMap,
-    /// MAC of every test mode (row) with every theory mode (column) by itself; `None` where one has
+    /// MAC of every test mode (row) with every theory mode (column) alone; `None` where one has
     /// no shape there or fewer than two degrees of freedom are common.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Roots with partners, in ascending theory frequency.
@@ -173,7 +173,7 @@ pub struct Pairing {
 ///
 /// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference
 /// of errors is, and the share `a` of a test shape that a root holds when all roots explain it
-/// together (their own module has the formula), a pair is allowed when `u <= 1` and `a >= 0.6
+/// together (formula in `modal_contribution`), a pair is allowed when `u <= 1` and `a >= 0.6
 /// min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 -
 /// a)/(1 - 0.6 min_mac)` up to 1: what the frequency says of mixed shapes is in `a` already. With
 /// fewer than three degrees of freedom in common it costs `u`: a MAC over one component is 1 for
@@ -224,8 +224,8 @@ pub fn pair(
         options,
     );
     let root_of = table.assign();
-    // Without any shape of the theory there is nothing to be tied; that modes are paired by
-    // frequency alone is told by their rows.
+    // Without any shape of the theory no DOFs are matched; the rows state that modes are paired by
+    // frequency alone.
     let has_shapes = theory.modes.iter().any(|mode| !mode.shape.is_empty());
     let mut findings = Vec::new();
     if has_shapes {
@@ -250,15 +250,16 @@ pub fn pair(
     })
 }
 
-/// Shapes of partners of a repeated root that are alike hold less of one of its directions.
-pub(super) const LEAST_DIRECTION: f64 = 0.25;
+/// Minimum contribution of the partners of a repeated root to each of its directions; similar
+/// shapes have less.
+pub(super) const MIN_DIRECTION_CONTRIBUTION: f64 = 0.25;
 
 /// The finding of partners of a repeated root whose shapes are alike, at the highest of them.
 fn alike(pair: &Pair, test: &ModalModel) -> Option<Finding> {
     let share = pair.least_direction?;
     let place = Place::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
     let finding = Finding::new(Severity::Warning, Code::AlikePartners, place);
-    Some(finding.value(share, "").limit(LEAST_DIRECTION))
+    Some(finding.value(share, "").limit(MIN_DIRECTION_CONTRIBUTION))
 }
 
 /// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
@@ -288,8 +289,8 @@ impl Shapes {
 
     /// The same with the test's values times these signs.
     pub fn reversed(&self, signs: &[f64]) -> Self {
-        let signed = |own: &Vec<Option<Complex64>>| {
-            let values = own.iter().zip(signs);
+        let signed = |shape: &Vec<Option<Complex64>>| {
+            let values = shape.iter().zip(signs);
             values
                 .map(|(value, sign)| value.map(|v| v * *sign))
                 .collect()
@@ -334,7 +335,7 @@ impl Shapes {
     /// the MAC there (`None` for a zero vector).
     pub fn compare(&self, test: usize, theory: &[usize]) -> (bool, Option<f64>) {
         let [vector, span] = self.common(&[test], theory);
-        let comparable = vector[0].len() >= FEWEST_DOFS;
+        let comparable = vector[0].len() >= MIN_SHAPE_DOFS;
         let mac = comparable.then(|| subspace_mac(&vector[0], &span));
         (comparable, mac.flatten())
     }
@@ -344,16 +345,16 @@ impl Shapes {
     pub fn angles_deg(&self, test: &[usize], theory: &[usize]) -> Result<Vec<f64>, CorrelateError> {
         let [test, theory] = self.common(test, theory);
         match test[0].len() {
-            0..FEWEST_DOFS => Ok(Vec::new()),
+            0..MIN_SHAPE_DOFS => Ok(Vec::new()),
             _ => principal_angles_deg(&test, &theory),
         }
     }
 
     /// Share of the least direction of a root that test modes hold together, `cos²` of the largest
     /// principal angle: 0 where they have fewer directions than modes. `None` for one mode, where
-    /// these degrees of freedom do not tell the directions of the root (its unit shapes have a
-    /// singular value below [`TOLD_APART`] there), or where there are no more of them than the root
-    /// has modes.
+    /// these degrees of freedom do not separate the directions of the root (its unit shapes have a
+    /// singular value below [`MIN_SINGULAR_VALUE`]), or where they are no more than the modes of
+    /// the root.
     ///
     /// # Errors
     /// [`CorrelateError::Linalg`].
@@ -365,8 +366,8 @@ impl Shapes {
         if test.len() < 2 {
             return Ok(None);
         }
-        let [own, root] = self.common(test, theory);
-        let dofs = own[0].len();
+        let [modes, root] = self.common(test, theory);
+        let dofs = modes[0].len();
         if dofs <= theory.len() {
             return Ok(None);
         }
@@ -374,11 +375,14 @@ impl Shapes {
         let unit = complex_matrix(dofs, theory.len(), |dof, mode| {
             root[mode][dof] / norm(&root[mode]).max(f64::MIN_POSITIVE)
         });
-        let told = singular_values(&unit)?;
-        if told.last().is_none_or(|least| *least < TOLD_APART) {
+        let values = singular_values(&unit)?;
+        if values
+            .last()
+            .is_none_or(|least| *least < MIN_SINGULAR_VALUE)
+        {
             return Ok(None);
         }
-        let angles = principal_angles_deg(&own, &root)?;
+        let angles = principal_angles_deg(&modes, &root)?;
         let largest = angles.last().filter(|_| angles.len() == test.len());
         Ok(Some(
             largest.map_or(0.0, |angle| angle.to_radians().cos().powi(2)),
@@ -395,7 +399,7 @@ impl Shapes {
     pub fn count_of_all(&self) -> Option<usize> {
         let mut all = self.test.iter().chain(&self.theory);
         let count = self.test.first().and(self.theory.first())?.len();
-        all.all(|own| own.iter().all(Option::is_some))
+        all.all(|shape| shape.iter().all(Option::is_some))
             .then_some(count)
     }
 
@@ -417,9 +421,9 @@ impl Shapes {
 /// Shapes as columns, where none misses a value and there are enough for a MAC.
 fn whole(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
     let points = shapes.first()?.len();
-    let full = |own: &Vec<Option<Complex64>>| own.iter().all(Option::is_some);
+    let full = |shape: &Vec<Option<Complex64>>| shape.iter().all(Option::is_some);
     let value = |p: usize, c: usize| shapes[c][p].unwrap_or_default();
-    (points >= FEWEST_DOFS && shapes.iter().all(full))
+    (points >= MIN_SHAPE_DOFS && shapes.iter().all(full))
         .then(|| complex_matrix(points, shapes.len(), value))
 }
 

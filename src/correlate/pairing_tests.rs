@@ -167,16 +167,16 @@ fn gates_forbid_by_the_theory_whatever_the_error_is_a_part_of() {
         assert_eq!([79.9, 120.1].map(|hz| of(reference, hz).len()), [0, 0]);
     }
     let partner = |reference| of(reference, 119.9)[0].partners[0].clone();
-    let (own, other) = (
+    let (one, other) = (
         partner(ErrorReference::Theory),
         partner(ErrorReference::Test),
     );
-    assert!((own.frequency_error - 0.199).abs() < 1e-14, "{own:?}");
+    assert!((one.frequency_error - 0.199).abs() < 1e-14, "{one:?}");
     assert!(
         (other.frequency_error + 19.9 / 119.9).abs() < 1e-14,
         "{other:?}"
     );
-    assert_eq!(own.cost.to_bits(), other.cost.to_bits());
+    assert_eq!(one.cost.to_bits(), other.cost.to_bits());
 }
 
 #[test]

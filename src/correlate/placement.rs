@@ -75,7 +75,7 @@ pub struct PlannedRoot {
 pub struct RankedHit {
     /// Where.
     pub dof: Dof,
-    /// Modes of the band that it shows by itself.
+    /// Modes of the band that this point alone shows.
     pub shown: usize,
     /// Mean over the roots of its driving-point residue `φ²/(2 ω m)`, as a part of the largest such
     /// mean.
@@ -85,8 +85,8 @@ pub struct RankedHit {
     pub independence: Option<f64>,
 }
 
-/// Points that a test should have beside its own, so that all roots of a band are seen that any of
-/// the candidates can show.
+/// Points that a test should have in addition to its points, so that all roots of a band are seen
+/// that any of the candidates can show.
 ///
 /// A pair of a new hit is one with every sensor, a pair of a new sensor one with every hit: points
 /// that were hit before are hit again. The noise at a new pair is that of the test's functions at
@@ -114,8 +114,8 @@ pub fn placement(
         .filter(|r| band.is_none_or(|band| band.contains(sight.roots()[*r].hz)))
         .map(|r| Target::new((&sight, r), (theory, frfs), &all))
         .collect::<Result<Vec<_>, _>>()?;
-    let own = Added::default();
-    let mut added = own.clone();
+    let nothing = Added::default();
+    let mut added = nothing.clone();
     let mut steps = Vec::new();
     while let Some((points, shown)) = next(&targets, &all, &added) {
         added.add(&points);
@@ -134,7 +134,7 @@ pub fn placement(
         PlannedRoot {
             modes: target.root.modes.clone(),
             hz: target.root.hz,
-            seen: target.seen(&all, &own),
+            seen: target.seen(&all, &nothing),
             planned,
             peak_over_noise_db: target.peak_db(&all, &everything, planned),
             still: [still(&target.by_hit), still(&target.by_response)],
@@ -167,7 +167,9 @@ fn next(targets: &[Target<'_>], all: &AllPoints, added: &Added) -> Option<(NewPo
         .chain(all.new_sensors.iter().map(sensor))
         .collect();
     best(targets, (all, added), single).or_else(|| {
-        let both = targets.iter().filter_map(|own| own.best_pair(all, added));
+        let both = targets
+            .iter()
+            .filter_map(|target| target.best_pair(all, added));
         best(targets, (all, added), both.collect())
     })
 }
@@ -178,7 +180,10 @@ fn best(
     (all, added): (&AllPoints, &Added),
     steps: Vec<NewPoints>,
 ) -> Option<(NewPoints, Shown)> {
-    let before: Vec<usize> = targets.iter().map(|own| own.seen(all, added)).collect();
+    let before: Vec<usize> = targets
+        .iter()
+        .map(|target| target.seen(all, added))
+        .collect();
     let judged = |step: &NewPoints| {
         let mut with = added.clone();
         with.add(step);
@@ -197,10 +202,13 @@ fn best(
         (gain, weakest, (*step, shown))
     };
     let judged: Vec<_> = steps.par_iter().map(judged).collect();
-    let best = judged.into_iter().filter(|own| own.0 > 0).reduce(|a, b| {
-        let order = (a.0.cmp(&b.0)).then(a.1.total_cmp(&b.1));
-        if order.is_lt() { b } else { a }
-    });
+    let best = judged
+        .into_iter()
+        .filter(|judgement| judgement.0 > 0)
+        .reduce(|a, b| {
+            let order = (a.0.cmp(&b.0)).then(a.1.total_cmp(&b.1));
+            if order.is_lt() { b } else { a }
+        });
     best.map(|(_, _, found)| found)
 }
 
@@ -220,7 +228,10 @@ fn ranking(targets: &[Target<'_>], all: &AllPoints) -> Vec<RankedHit> {
         .enumerate()
         .map(|(number, &at)| RankedHit {
             dof: all.hits[at].clone(),
-            shown: targets.iter().map(|own| own.seen_alone(all, at)).sum(),
+            shown: targets
+                .iter()
+                .map(|target| target.seen_alone(all, at))
+                .sum(),
             driving_point_residue: match largest > 0.0 {
                 true => residue(at) / largest,
                 false => 0.0,

@@ -12,7 +12,8 @@ use crate::modal::ModalModel;
 
 use super::model_roots::Root;
 use super::observability::{
-    LARGEST_STD_OF_SPACING, NotJudged, PEAK_OVER_NOISE_DB, Peak, STILL, Sight, over_root_mass,
+    LARGEST_STD_OF_SPACING, NODE_FRACTION_OF_LARGEST, NotJudged, PEAK_OVER_NOISE_DB, Peak, Sight,
+    over_root_mass,
 };
 use super::placement::Candidates;
 
@@ -41,18 +42,19 @@ impl AllPoints {
     pub fn new(frfs: &[FrfSet], candidates: &Candidates) -> Self {
         let functions = || frfs.iter().flat_map(FrfSet::functions);
         let pairs: BTreeSet<(Dof, Dof)> = functions()
-            .map(|own| (own.response.positive(), own.reference.positive()))
+            .map(|pair| (pair.response.positive(), pair.reference.positive()))
             .collect();
-        let both = |own: BTreeSet<Dof>, candidates: &[Dof]| {
-            let own: Vec<Dof> = own.into_iter().collect();
+        let both = |measured: BTreeSet<Dof>, candidates: &[Dof]| {
+            let measured: Vec<Dof> = measured.into_iter().collect();
             let new: BTreeSet<Dof> = candidates.iter().map(Dof::positive).collect();
-            let new = new.into_iter().filter(|dof| !own.contains(dof));
-            let all: Vec<Dof> = own.iter().cloned().chain(new).collect();
-            ((own.len()..all.len()).collect::<Vec<usize>>(), all)
+            let new = new.into_iter().filter(|dof| !measured.contains(dof));
+            let all: Vec<Dof> = measured.iter().cloned().chain(new).collect();
+            ((measured.len()..all.len()).collect::<Vec<usize>>(), all)
         };
-        let own = |of: fn(&(Dof, Dof)) -> &Dof| pairs.iter().map(|pair| of(pair).clone()).collect();
-        let (new_sensors, responses) = both(own(|pair| &pair.0), &candidates.sensors);
-        let (new_hits, hits) = both(own(|pair| &pair.1), &candidates.hits);
+        let names =
+            |of: fn(&(Dof, Dof)) -> &Dof| pairs.iter().map(|pair| of(pair).clone()).collect();
+        let (new_sensors, responses) = both(names(|pair| &pair.0), &candidates.sensors);
+        let (new_hits, hits) = both(names(|pair| &pair.1), &candidates.hits);
         let row = |response: &Dof| {
             let measured = |hit: &Dof| pairs.contains(&(response.clone(), hit.clone()));
             hits.iter().map(measured).collect()
@@ -70,8 +72,8 @@ impl AllPoints {
         }
     }
 
-    /// How many responses and hits are the test's own; they come first.
-    fn own(&self) -> [usize; 2] {
+    /// Numbers of responses and hits of the test; they come first.
+    fn counts_of_test(&self) -> [usize; 2] {
         [
             self.responses.len() - self.new_sensors.len(),
             self.hits.len() - self.new_hits.len(),
@@ -102,8 +104,8 @@ pub(super) struct Target<'a> {
     /// Shape values, times what a unit of strength rises over the noise of that response.
     pub by_response: Vec<Row>,
     pub by_hit: Vec<Row>,
-    /// Sum of powers over noise that tells the root from the next.
-    told_apart: f64,
+    /// Sum of powers over noise that separates the root from the next.
+    power_to_separate: f64,
     /// Strength over noise below which there is but rounding.
     rounding: f64,
 }
@@ -123,7 +125,7 @@ impl<'a> Target<'a> {
             let row = root.modes.iter().map(value);
             let row: Row = row.collect::<Result<_, _>>()?;
             // What rounding leaves of a point that stands still is nothing.
-            let limit = STILL * sight.largest(dof);
+            let limit = NODE_FRACTION_OF_LARGEST * sight.largest(dof);
             Ok(row.map(|mut row| {
                 if squared(&row).sqrt() <= limit {
                     row.fill(Complex64::ZERO);
@@ -134,8 +136,9 @@ impl<'a> Target<'a> {
         let by_hit = all.hits.iter().map(row).collect::<Result<Vec<Row>, _>>()?;
         let scaled = |dof: &Dof| {
             let height = heights.at(dof).sqrt();
-            let times = |own: Vec<Complex64>| own.iter().map(|value| value * height).collect();
-            row(dof).map(|own| own.map(times))
+            let times =
+                |values: Vec<Complex64>| values.iter().map(|value| value * height).collect();
+            row(dof).map(|values| values.map(times))
         };
         let by_response = all.responses.iter().map(scaled);
         let by_response = by_response.collect::<Result<Vec<Row>, _>>()?;
@@ -148,8 +151,8 @@ impl<'a> Target<'a> {
                 .fold(0.0, f64::max)
         };
         Ok(Self {
-            told_apart: unit / (TAU * LARGEST_STD_OF_SPACING * spacing).powi(2),
-            rounding: STILL * (largest(&by_hit) * largest(&by_response)).sqrt(),
+            power_to_separate: unit / (TAU * LARGEST_STD_OF_SPACING * spacing).powi(2),
+            rounding: NODE_FRACTION_OF_LARGEST * (largest(&by_hit) * largest(&by_response)).sqrt(),
             root,
             by_response,
             by_hit,
@@ -193,8 +196,9 @@ impl<'a> Target<'a> {
 
     /// The pairs of a test with what was added.
     fn with(&self, all: &AllPoints, added: &Added) -> Looks {
-        let [responses, hits] = all.own();
-        let both = |own: usize, new: &[usize]| (0..own).chain(new.iter().copied()).collect();
+        let [responses, hits] = all.counts_of_test();
+        let both =
+            |measured: usize, new: &[usize]| (0..measured).chain(new.iter().copied()).collect();
         let points = (both(responses, &added.sensors), both(hits, &added.hits));
         self.looks(points, |r, h| {
             r >= responses || h >= hits || all.measured[r][h]
@@ -209,7 +213,7 @@ impl<'a> Target<'a> {
                 .eliminate()
                 .filter(|(_, pivot)| *pivot > self.rounding)?;
             let needed = 10f64.powf(PEAK_OVER_NOISE_DB / 10.0);
-            let ratio = (pivot * pivot / needed).min(all / self.told_apart);
+            let ratio = (pivot * pivot / needed).min(all / self.power_to_separate);
             (ratio >= 1.0).then_some(ratio)
         });
         ratios.collect()
@@ -223,9 +227,9 @@ impl<'a> Target<'a> {
         self.ratios(all, added).len()
     }
 
-    /// Modes that a hit shows by itself, with the test's sensors.
+    /// Modes that a single hit shows, with the test's sensors.
     pub fn seen_alone(&self, all: &AllPoints, hit: usize) -> usize {
-        let [responses, _] = all.own();
+        let [responses, _] = all.counts_of_test();
         let looks = self.looks(((0..responses).collect(), vec![hit]), |_, _| true);
         self.reached(looks).len()
     }
@@ -240,16 +244,16 @@ impl<'a> Target<'a> {
             (0..all.responses.len()).collect(),
             (0..all.hits.len()).collect(),
         );
-        let own = self.with(all, added);
-        let mut looks = self.looks(every, |r, h| own.counts(r, h));
+        let counted = self.with(all, added);
+        let mut looks = self.looks(every, |r, h| counted.counts(r, h));
         for _ in 0..seen {
             looks.eliminate()?;
         }
         looks.count_all();
         let ((response, hit), pivot) = looks.eliminate()?;
-        let [responses, hits] = all.own();
-        let new = |at: usize, own: usize, added: &[usize]| {
-            (at >= own && !added.contains(&at)).then_some(at)
+        let [responses, hits] = all.counts_of_test();
+        let new = |at: usize, measured: usize, added: &[usize]| {
+            (at >= measured && !added.contains(&at)).then_some(at)
         };
         (pivot > self.rounding).then(|| NewPoints {
             hit: new(hit, hits, &added.hits),
@@ -278,8 +282,8 @@ struct Looks {
 
 impl Looks {
     fn counts(&self, response: usize, hit: usize) -> bool {
-        let row = self.responses.iter().position(|own| *own == response);
-        let column = self.hits.iter().position(|own| *own == hit);
+        let row = self.responses.iter().position(|dof| *dof == response);
+        let column = self.hits.iter().position(|dof| *dof == hit);
         row.zip(column).is_some_and(|(i, j)| self.counted[i][j])
     }
 
@@ -314,7 +318,7 @@ impl Looks {
             let factor = row[j] / pivot_row[j];
             row.iter_mut()
                 .zip(&pivot_row)
-                .for_each(|(value, own)| *value -= factor * own);
+                .for_each(|(value, other)| *value -= factor * other);
         }
         Some(((self.responses[i], self.hits[j]), largest))
     }
@@ -351,8 +355,8 @@ impl Heights {
     }
 
     fn at(&self, response: &Dof) -> f64 {
-        let own = self.of_response.get(response).cloned();
-        own.and_then(middle).unwrap_or(self.of_all)
+        let spectrum = self.of_response.get(response).cloned();
+        spectrum.and_then(middle).unwrap_or(self.of_all)
     }
 }
 

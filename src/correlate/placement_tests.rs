@@ -15,7 +15,7 @@ use super::*;
 
 fn dofs(text: &[&str]) -> Vec<Dof> {
     text.iter()
-        .map(|own| own.parse().expect("a name of a degree of freedom"))
+        .map(|name| name.parse().expect("a name of a degree of freedom"))
         .collect()
 }
 
@@ -63,7 +63,7 @@ fn a_hit_beside_the_node_shows_what_one_on_it_does_not() {
     let seen: Vec<_> = plan
         .roots
         .iter()
-        .map(|own| (own.seen, own.planned))
+        .map(|target| (target.seen, target.planned))
         .collect();
     assert_eq!(seen, [(1, 1), (0, 1), (1, 1)]);
     // Strength 1 at the driving point, 1 % damping.
@@ -80,7 +80,7 @@ fn a_hit_beside_the_node_shows_what_one_on_it_does_not() {
     let ranked: Vec<_> = plan
         .ranking
         .iter()
-        .map(|own| (own.dof.to_string(), own.shown))
+        .map(|point| (point.dof.to_string(), point.shown))
         .collect();
     let expected =
         [("1:+Z", 3), ("3:+Z", 3), ("2:+Z", 2)].map(|(dof, shown)| (dof.to_owned(), shown));
@@ -128,7 +128,7 @@ fn what_no_point_can_see_is_said_with_its_reason() {
     let roots: Vec<_> = plan
         .roots
         .iter()
-        .map(|own| (own.planned, own.still))
+        .map(|target| (target.planned, target.still))
         .collect();
     assert_eq!(roots[0], (1, [false, false]));
     assert_eq!(roots[1], (0, [true, true]));
@@ -143,7 +143,7 @@ fn what_no_point_can_see_is_said_with_its_reason() {
 }
 
 #[test]
-fn pairs_that_nobody_measured_are_not_seen() {
+fn unmeasured_pairs_are_not_detected() {
     // Root 2 moves at 1 and at 3, but 1 was only hit for the sensor at 2, and 3 only carried one
     // for the hit at 2.
     let theory = model(vec![
@@ -158,7 +158,7 @@ fn pairs_that_nobody_measured_are_not_seen() {
 }
 
 #[test]
-fn each_response_is_held_against_its_noise_in_its_own_kind() {
+fn each_response_is_compared_with_the_noise_of_its_quantity() {
     let theory = model(vec![of_theory(200.0, &[1.0, 1.0])]);
     let db = |kind: FrfKind, variance: f64| {
         let frfs = [
@@ -198,15 +198,15 @@ fn independence_is_the_part_of_a_row_that_no_other_point_has() {
         of_theory(200.0, &[1.0, 1.0, 1.0]),
     ]);
     let plan = placed(&theory, &[("1:+Z", "1:+Z")], &["1:+Z", "2:+Z", "3:+Z"]);
-    for own in &plan.ranking {
-        let expected = if own.dof.to_string() == "3:+Z" {
+    for point in &plan.ranking {
+        let expected = if point.dof.to_string() == "3:+Z" {
             1.0
         } else {
             0.5
         };
         assert!(
-            (own.independence.expect("roots are in the band") - expected).abs() < 1e-12,
-            "{own:?}"
+            (point.independence.expect("roots are in the band") - expected).abs() < 1e-12,
+            "{point:?}"
         );
     }
 }

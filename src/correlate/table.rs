@@ -111,8 +111,8 @@ pub struct TestCell {
 }
 
 impl TestCell {
-    /// Whether the status was judged: a missed root that nothing excuses may be one of which nobody
-    /// knows what could be seen.
+    /// Whether the status was judged: an unmatched root without a reason may also be one of unknown
+    /// observability.
     pub fn judged(&self) -> bool {
         let known = self.observability.as_ref();
         self.status != Status::MissedUnexpected
@@ -128,7 +128,7 @@ pub enum Status {
     Paired,
     /// Paired, with another partner as good.
     Ambiguous,
-    /// Not found, and it could not have been told from a paired root, with which it shares one
+    /// Not found, and it is not separable from a paired root, with which it shares one
     /// peak.
     MissedExpected,
     /// Not found, though inside the band and nothing known excuses it.

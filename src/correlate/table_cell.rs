@@ -78,13 +78,16 @@ impl<'a> TestSight<'a> {
         let (found, expected) = (indices.len(), root.modes.len());
         let part = (found < expected)
             .then(|| format!("{found} of the {expected} modes of a repeated root"));
-        let by_frequency = |own: &Partner| own.basis == Basis::Frequency;
+        let by_frequency = |partner: &Partner| partner.basis == Basis::Frequency;
         let basis = match pair.partners.iter().any(by_frequency) {
             true => Basis::Frequency,
             false => Basis::Shape,
         };
         let blind = pair.partners.iter().all(|partner| partner.mac.is_none());
-        let levels = pair.partners.iter().filter_map(|own| own.chance_level);
+        let levels = pair
+            .partners
+            .iter()
+            .filter_map(|partner| partner.chance_level);
         let reasons = [
             doubt,
             alike,
@@ -164,7 +167,7 @@ impl<'a> TestSight<'a> {
         };
         let who = self.name_of(rival)?;
         Some(if *cost_difference < 0.0 {
-            format!("{who} would fit better by itself (cost {cost_difference:+.3})")
+            format!("{who} alone would fit better (cost {cost_difference:+.3})")
         } else {
             format!("{who} fits as well (cost {cost_difference:+.3})")
         })
@@ -241,8 +244,8 @@ impl<'a> TestSight<'a> {
     }
 }
 
-fn uncorrelated(own: &Partner) -> bool {
-    matches!(own.verdict, Verdict::Uncorrelated { .. })
+fn uncorrelated(partner: &Partner) -> bool {
+    matches!(partner.verdict, Verdict::Uncorrelated { .. })
 }
 
 /// Addition to the reason of a pair: its MAC with the reversed sensors turned.
@@ -316,8 +319,8 @@ impl PairedTest<'_> {
             frequencies.into_iter().any(near)
         };
         let doubtful = |finding: &&Finding| DOUBTFUL.contains(&finding.code);
-        let own = self.model.findings.iter().filter(doubtful);
-        let all: BTreeSet<String> = own
+        let findings = self.model.findings.iter().filter(doubtful);
+        let all: BTreeSet<String> = findings
             .filter(|finding| at_one(&finding.place))
             .map(|finding| format!("the test mode is marked {}", finding.code.name()))
             .collect();
@@ -327,8 +330,8 @@ impl PairedTest<'_> {
     /// The test mode nearest in frequency, where it was refused for its shape.
     fn refused(&self, root: &Root, options: &PairOptions) -> Option<String> {
         let mut unpaired = self.pairing.unpaired_theory.iter();
-        let own = unpaired.find(|other| other.theory == root.modes)?;
-        let miss = own.near_miss.as_ref()?;
+        let row = unpaired.find(|other| other.theory == root.modes)?;
+        let miss = row.near_miss.as_ref()?;
         let hz = self.model.modes[miss.test].frequency_hz;
         let (number, mac, gate) = (miss.test + 1, miss.mac, options.min_mac);
         Some(format!(

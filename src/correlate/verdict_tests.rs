@@ -10,7 +10,7 @@ use super::pairing_tests::{blend, mode, model, paired, repeated, shape};
 use super::*;
 
 #[test]
-fn the_mac_of_whole_sets_is_that_of_each_pair_by_itself() {
+fn the_mac_of_whole_sets_equals_that_of_each_pair() {
     let theory = model((0..5).map(|n| mode(10.0 + n as f64, &shape(n))).collect());
     let sum = |n: usize| -> Vec<f64> {
         let both = shape(n).into_iter().zip(shape(n + 1));
@@ -74,7 +74,9 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
         "{verdict:?}"
     );
     // The value compared with the limit.
-    let disagreement = findings.iter().find(|own| own.code == Code::MixedShape);
+    let disagreement = findings
+        .iter()
+        .find(|finding| finding.code == Code::MixedShape);
     let disagreement = disagreement.expect("a finding");
     assert!(
         (disagreement.value.expect("a finding with a value") - 0.49).abs() < 0.01,
@@ -92,14 +94,14 @@ fn mac_below_the_chance_level_is_ambiguous_with_mac_level_and_dofs() {
             if (mac - 0.64).abs() < 1e-12 && (level.mac - 0.789).abs() < 1e-3 && (level.dofs, level.roots, level.rank) == (6, 2, 1)),
         "{verdict:?}"
     );
-    let told = findings
+    let found_finding = findings
         .iter()
-        .find(|own| own.code == Code::BelowChanceLevel);
-    let told = told.expect("a finding");
+        .find(|finding| finding.code == Code::BelowChanceLevel);
+    let found_finding = found_finding.expect("a finding");
     assert!(
-        (told.value.expect("a finding with a value") - 0.64).abs() < 1e-12
-            && told.value < told.limit,
-        "{told}"
+        (found_finding.value.expect("a finding with a value") - 0.64).abs() < 1e-12
+            && found_finding.value < found_finding.limit,
+        "{found_finding}"
     );
 }
 
@@ -153,8 +155,16 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
     // 15 % apart neither mixes into the other, so that each holds all of the shape; their costs
     // differ by more than the margin.
     let (verdict, findings) = verdict_of([1.0, 0.0], [100.0, 115.0], [shape(1), shape(1)]);
-    assert!(findings.iter().any(|own| own.code == Code::ClaimedTwice));
-    assert!(findings.iter().all(|own| own.code != Code::Ambiguous));
+    assert!(
+        findings
+            .iter()
+            .any(|finding| finding.code == Code::ClaimedTwice)
+    );
+    assert!(
+        findings
+            .iter()
+            .all(|finding| finding.code != Code::Ambiguous)
+    );
     assert!(
         matches!(&verdict, Verdict::Claimed { rival: Rival::Theory(modes), share } if modes == &[1] && *share > 0.8),
         "{verdict:?}"
@@ -196,12 +206,12 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
         let test = model(vec![mode(99.0, &turned), mode(101.0, &second)]);
         let pairing = paired(&test, &repeated());
         assert!(of_both(&pairing).least_direction.expect("alike") < 0.3);
-        let told = pairing.findings.iter();
-        let told: Vec<_> = told
-            .filter(|own| own.code == Code::AlikePartners)
-            .map(|own| (own.place.clone(), own.limit))
+        let found_finding = pairing.findings.iter();
+        let found_finding: Vec<_> = found_finding
+            .filter(|finding| finding.code == Code::AlikePartners)
+            .map(|finding| (finding.place.clone(), finding.limit))
             .collect();
-        assert_eq!(told, [(Place::Mode(101.0), Some(0.25))]);
+        assert_eq!(found_finding, [(Place::Mode(101.0), Some(0.25))]);
     }
     // 60 degrees apart are two directions as well as 90 are.
     let other = blend(-0.258_819, 0.965_926);

@@ -1,4 +1,4 @@
-//! A set of modes against itself: whether its shapes can be told apart at its sensors.
+//! AutoMAC compares a set of modes with itself: it shows modes that the sensors cannot separate.
 
 use serde::Serialize;
 
@@ -118,10 +118,10 @@ fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -
 impl AutoMac {
     /// Each duplicate as a finding at its second mode.
     pub fn findings(&self) -> Vec<Finding> {
-        let finding = |own: &Duplicate| {
-            let place = Place::Mode(own.second.hz);
+        let finding = |duplicate: &Duplicate| {
+            let place = Place::Mode(duplicate.second.hz);
             Finding::new(Severity::Warning, Code::DuplicateModes, place)
-                .value(own.mac, "")
+                .value(duplicate.mac, "")
                 .limit(self.limits.min_mac)
         };
         self.duplicates.iter().map(finding).collect()

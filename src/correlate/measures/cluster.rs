@@ -111,8 +111,8 @@ fn within(
 
 /// Test modes paired with any of some theory modes, ascending.
 fn partners(pairing: &Pairing, theory: &[usize]) -> Vec<usize> {
-    let own = |pair: &&Pair| pair.theory.iter().any(|j| theory.contains(j));
-    let found = pairing.pairs.iter().filter(own);
+    let of_cluster = |pair: &&Pair| pair.theory.iter().any(|j| theory.contains(j));
+    let found = pairing.pairs.iter().filter(of_cluster);
     let mut tests: Vec<usize> = found
         .flat_map(|pair| pair.partners.iter().map(|partner| partner.test))
         .collect();

@@ -9,7 +9,7 @@ use super::pair_shapes::PairShapes;
 
 /// Fewest pairs over which a degree of freedom can be judged: over one, COMAC is 1 whatever the
 /// shapes are.
-const FEWEST_PAIRS: usize = 2;
+const MIN_PAIRS_OF_COMAC: usize = 2;
 
 /// Correlation of one degree of freedom `q` over the pairs `r`, whose test shape `φ` and theory
 /// shape `ψ` have unit length over the common degrees of freedom and one phase.
@@ -43,7 +43,7 @@ fn coordinate(q: usize, dof: Dof, pairs: &[PairShapes]) -> CoordinateMac {
     let sum = |of: fn(&(_, _)) -> f64| values.iter().map(of).sum::<f64>();
     let squares = sum(|(test, _): &(num_complex::Complex64, _)| test.norm_sqr())
         * sum(|(_, theory): &(_, num_complex::Complex64)| theory.norm_sqr());
-    let enough = values.len() >= FEWEST_PAIRS;
+    let enough = values.len() >= MIN_PAIRS_OF_COMAC;
     let defined = enough && squares > 0.0;
     let products = sum(|(test, theory)| (test * theory).norm());
     let along = sum(|(test, theory)| (theory.conj() * test).re);

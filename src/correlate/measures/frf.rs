@@ -15,7 +15,7 @@ use super::super::CorrelateError;
 /// Lines of two axes are the same when they lie within this part of the first axis's spacing.
 const SAME_LINE: f64 = 0.05;
 
-/// Number of equal bands over which the criteria at each line are told.
+/// Number of equal bands over which the criteria of the lines are averaged.
 const BANDS: usize = 10;
 
 /// One function that both sets have.
@@ -152,9 +152,12 @@ struct FunctionPair {
 
 fn common_functions(first: &FrfSet, second: &FrfSet) -> Vec<FunctionPair> {
     let key = |set: &FrfSet, i: usize| {
-        let own = &set.functions()[i];
-        let sign = own.response.sign() * own.reference.sign();
-        ((label(&own.response), label(&own.reference)), sign)
+        let function = &set.functions()[i];
+        let sign = function.response.sign() * function.reference.sign();
+        (
+            (label(&function.response), label(&function.reference)),
+            sign,
+        )
     };
     let of_second: BTreeMap<_, _> = (0..second.len())
         .map(|j| {
@@ -164,11 +167,11 @@ fn common_functions(first: &FrfSet, second: &FrfSet) -> Vec<FunctionPair> {
         .collect();
     let mut pairs: Vec<FunctionPair> = Vec::new();
     for i in 0..first.len() {
-        let (name, own) = key(first, i);
+        let (name, sign_of_first) = key(first, i);
         if let Some(&(j, sign)) = of_second.get(&name)
             && pairs.iter().all(|pair| pair.second != j)
         {
-            let sign = own * sign;
+            let sign = sign_of_first * sign;
             let (first, second) = (i, j);
             pairs.push(FunctionPair {
                 first,
@@ -178,8 +181,8 @@ fn common_functions(first: &FrfSet, second: &FrfSet) -> Vec<FunctionPair> {
         }
     }
     let name = |pair: &FunctionPair| {
-        let own = &first.functions()[pair.first];
-        (own.response.clone(), own.reference.clone())
+        let function = &first.functions()[pair.first];
+        (function.response.clone(), function.reference.clone())
     };
     pairs.sort_by_key(name);
     pairs
@@ -222,11 +225,11 @@ impl Both<'_> {
     fn function(&self, pair: &FunctionPair) -> FunctionCorrelation {
         let values = (0..self.lines.len()).map(|k| self.value(pair, k));
         let (cross, a, b) = sums(values);
-        let own = &self.first.functions()[pair.first];
+        let function = &self.first.functions()[pair.first];
         let defined = a > 0.0 && b > 0.0;
         FunctionCorrelation {
-            response: own.response.clone(),
-            reference: own.reference.clone(),
+            response: function.response.clone(),
+            reference: function.reference.clone(),
             frac: defined.then(|| ratio(cross, a, b)),
             level_db: defined.then(|| 10.0 * (b / a).log10()),
         }
@@ -321,9 +324,9 @@ mod tests {
         let first = set(axis(10.0, 1.0, 30), kind, &[("1:+Z", a), ("2:+Z", b)]);
         let other = [("2:-Z", turned), ("1:+Z", larger), ("3:+Z", curve(30, 3.0))];
         let second = set(axis(10.0, 1.0, 30), kind, &other);
-        let own = frf_correlation(&first, &second, None).expect("functions in common");
-        assert_eq!((own.first_alone, own.second_alone), (0, 1));
-        for function in &own.functions {
+        let correlation = frf_correlation(&first, &second, None).expect("functions in common");
+        assert_eq!((correlation.first_alone, correlation.second_alone), (0, 1));
+        for function in &correlation.functions {
             assert!(
                 (function.frac.expect("a FRAC of functions that are not 0") - 1.0).abs() < 1e-12
             );
@@ -336,13 +339,20 @@ mod tests {
                     < 1e-12
             );
         }
-        for line in &own.lines {
+        for line in &correlation.lines {
             assert!((line.shape.expect("a value at lines that are not 0") - 1.0).abs() < 1e-12);
             assert!((line.amplitude.expect("a value at lines that are not 0") - 0.6).abs() < 1e-12);
         }
-        assert_eq!(own.bands.iter().map(|band| band.lines).sum::<usize>(), 30);
+        assert_eq!(
+            correlation
+                .bands
+                .iter()
+                .map(|band| band.lines)
+                .sum::<usize>(),
+            30
+        );
         assert!(
-            (own.bands[0]
+            (correlation.bands[0]
                 .least_amplitude
                 .expect("a value at lines that are not 0")
                 - 0.6)
@@ -365,19 +375,19 @@ mod tests {
             ("1:+Z", vec![c(1.0, 0.0), c(1.0, 0.0)]),
             ("2:+Z", vec![c(0.0, 0.0); 2]),
         ]);
-        let own = frf_correlation(&first, &second, None).expect("functions in common");
+        let correlation = frf_correlation(&first, &second, None).expect("functions in common");
         // |1 - i|² / (2 · 2).
         assert!(
-            (own.functions[0]
+            (correlation.functions[0]
                 .frac
                 .expect("a FRAC of functions that are not 0")
                 - 0.5)
                 .abs()
                 < 1e-15
         );
-        assert_eq!(own.functions[1].frac, None);
+        assert_eq!(correlation.functions[1].frac, None);
         // Vectors (1, 1) and (1, 0); (i, 1) and (1, 0).
-        for line in &own.lines {
+        for line in &correlation.lines {
             assert!((line.shape.expect("a value at lines that are not 0") - 0.5).abs() < 1e-15);
             assert!(
                 (line.amplitude.expect("a value at lines that are not 0") - 2.0 / 3.0).abs()
@@ -398,10 +408,10 @@ mod tests {
         // Every second line, from 6 Hz on.
         let thinned = (2..20).step_by(2).map(|k| whole.values(0)[k]).collect();
         let second = set(axis(6.0, 1.0, 9), FrfKind::Receptance, &[("1:+Z", thinned)]);
-        let own = frf_correlation(&first, &second, None).expect("functions in common");
-        assert_eq!((own.lines.len(), own.unit), (9, "(m/s2)/N"));
+        let correlation = frf_correlation(&first, &second, None).expect("functions in common");
+        assert_eq!((correlation.lines.len(), correlation.unit), (9, "(m/s2)/N"));
         assert!(
-            (own.functions[0]
+            (correlation.functions[0]
                 .frac
                 .expect("a FRAC of functions that are not 0")
                 - 1.0)
@@ -409,15 +419,16 @@ mod tests {
                 < 1e-12
         );
         assert!(
-            own.functions[0]
+            correlation.functions[0]
                 .level_db
                 .expect("a level of functions that are not 0")
                 .abs()
                 < 1e-9
         );
         let narrow = Band::new(7.0, 9.0).expect("a band");
-        let own = frf_correlation(&first, &second, Some(narrow)).expect("functions in common");
-        assert_eq!(own.lines.len(), 3);
+        let narrow_band =
+            frf_correlation(&first, &second, Some(narrow)).expect("functions in common");
+        assert_eq!(narrow_band.lines.len(), 3);
         let apart = set(
             axis(6.2, 1.0, 9),
             FrfKind::Receptance,
@@ -454,15 +465,15 @@ mod tests {
                 set(axis(0.0, 1.0, 12), FrfKind::Receptance, &functions)
             };
             let (one, two) = (of(&a, 1.0), of(&b, size));
-            let own = frf_correlation(&one, &two, None).expect("functions in common");
+            let correlation = frf_correlation(&one, &two, None).expect("functions in common");
             let other = frf_correlation(&two, &one, None).expect("functions in common");
-            for (own, other) in own.functions.iter().zip(&other.functions) {
-                let frac = own.frac.expect("a FRAC of functions that are not 0");
+            for (function, other) in correlation.functions.iter().zip(&other.functions) {
+                let frac = function.frac.expect("a FRAC of functions that are not 0");
                 prop_assert!((0.0..=1.0).contains(&frac));
                 prop_assert!((frac - other.frac.expect("a FRAC of functions that are not 0")).abs() < 1e-12);
             }
-            for (own, other) in own.lines.iter().zip(&other.lines) {
-                let (shape, amplitude) = (own.shape.expect("a value at lines that are not 0"), own.amplitude.expect("a value at lines that are not 0"));
+            for (line, other) in correlation.lines.iter().zip(&other.lines) {
+                let (shape, amplitude) = (line.shape.expect("a value at lines that are not 0"), line.amplitude.expect("a value at lines that are not 0"));
                 prop_assert!((0.0..=1.0).contains(&shape) && (0.0..=1.0).contains(&amplitude));
                 prop_assert!((amplitude - other.amplitude.expect("a value at lines that are not 0")).abs() < 1e-12);
                 // Means of numbers: geometric below arithmetic.

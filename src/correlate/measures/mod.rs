@@ -82,9 +82,9 @@ impl ModeName {
     pub(super) fn all(model: &ModalModel) -> Vec<Self> {
         let modes = (1..).zip(&model.modes);
         modes
-            .map(|(mode, own)| Self {
+            .map(|(mode, source)| Self {
                 mode,
-                hz: own.frequency_hz,
+                hz: source.frequency_hz,
             })
             .collect()
     }
@@ -164,9 +164,9 @@ pub struct ScaleFactor {
 /// What the pairs of one test and one theory say beside their MAC.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measures {
-    /// MAC of every test mode (row) with every theory mode (column), each by itself.
+    /// MAC of every test mode (row) with every theory mode (column), each pair separately.
     pub mac: MacMatrix,
-    /// MAC of the theory with itself at the test's sensors: modes that these cannot tell apart.
+    /// MAC of the theory with itself at the test's sensors: modes that these cannot separate.
     pub theory_auto_mac: MacMatrix,
     /// All pairs of modes with frequencies and MAC.
     pub frequency_mac: Vec<FrequencyMac>,

@@ -43,7 +43,7 @@ impl Reduction {
     /// The reduction of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         let all = [Reduction::Guyan, Reduction::Serep];
-        all.into_iter().find(|own| own.name() == name)
+        all.into_iter().find(|reduction| reduction.name() == name)
     }
 }
 
@@ -93,20 +93,20 @@ pub fn reduced_mass(
     let expansion = match reduction {
         Reduction::Guyan => {
             let kept = read_coordinates(sensors)?;
-            let at: Vec<usize> = kept.iter().map(|own| own.0).collect();
+            let at: Vec<usize> = kept.iter().map(|entry| entry.0).collect();
             let static_expansion = guyan(matrices, &at).map_err(reason)?.expansion;
             real_matrix(static_expansion.nrows(), kept.len(), |i, a| {
                 static_expansion[(i, a)] / kept[a].1
             })
         }
         Reduction::Serep => {
-            let rows: Vec<Vec<f64>> = sensors.iter().map(|own| own.row.clone()).collect();
+            let rows: Vec<Vec<f64>> = sensors.iter().map(|sensor| sensor.row.clone()).collect();
             serep_expansion(modes, &rows).map_err(reason)?
         }
     };
     Ok(ReducedMass {
         reduction,
-        dofs: sensors.iter().map(|own| own.dof.clone()).collect(),
+        dofs: sensors.iter().map(|sensor| sensor.dof.clone()).collect(),
         mass: expansion.transpose() * (&matrices.mass * &expansion),
         expansion,
         modes: (reduction == Reduction::Serep).then_some(modes.ncols()),
@@ -117,9 +117,13 @@ pub fn reduced_mass(
 fn read_coordinates(sensors: &[SensorRow]) -> Result<Vec<(usize, f64)>, CorrelateError> {
     let mut kept: Vec<(usize, f64)> = Vec::new();
     for sensor in sensors {
-        let mut read = sensor.row.iter().enumerate().filter(|own| *own.1 != 0.0);
+        let mut read = sensor
+            .row
+            .iter()
+            .enumerate()
+            .filter(|entry| *entry.1 != 0.0);
         match (read.next(), read.next()) {
-            (Some((at, factor)), None) if kept.iter().all(|own| own.0 != at) => {
+            (Some((at, factor)), None) if kept.iter().all(|entry| entry.0 != at) => {
                 kept.push((at, *factor));
             }
             _ => {
@@ -163,7 +167,7 @@ impl Orthogonality {
     pub fn findings(&self) -> Vec<Finding> {
         let parts = self.test.iter().zip(&self.outside);
         let large =
-            parts.filter_map(|(name, part)| Some((name, part.filter(|own| *own > OUTSIDE)?)));
+            parts.filter_map(|(name, part)| Some((name, part.filter(|part| *part > OUTSIDE)?)));
         let finding = |(name, part): (&ModeName, f64)| {
             Finding::new(
                 Severity::Warning,
@@ -213,8 +217,9 @@ pub fn orthogonality(
     };
     let pairs: Vec<_> = reduced.dofs.iter().map(pair).collect::<Result<_, _>>()?;
     let test_value = |shape: &ModeShape| -> Option<Vec<Complex64>> {
-        let own = pairs.iter();
-        own.map(|pair| shape.get(&pair.test).map(|v| v * pair.sign))
+        let values = pairs.iter();
+        values
+            .map(|pair| shape.get(&pair.test).map(|v| v * pair.sign))
             .collect()
     };
     let theory_value =
@@ -226,9 +231,9 @@ pub fn orthogonality(
     columns.sort_unstable();
     let of_test = Scaled::all((test, &rows), &reduced.mass, test_value);
     let of_theory = Scaled::all((theory, &columns), &reduced.mass, theory_value);
-    let kept: Vec<Vec<Complex64>> = of_theory.iter().map(|own| own.shape.clone()).collect();
-    let outside = |own: &Scaled| {
-        let inside = subspace_mac(&own.shape, &kept)?;
+    let kept: Vec<Vec<Complex64>> = of_theory.iter().map(|mode| mode.shape.clone()).collect();
+    let outside = |mode: &Scaled| {
+        let inside = subspace_mac(&mode.shape, &kept)?;
         (reduced.reduction == Reduction::Serep).then_some(1.0 - inside)
     };
     Ok(Orthogonality {
@@ -238,8 +243,8 @@ pub fn orthogonality(
         self_test: Scaled::products(&of_test, &of_test),
         self_theory: Scaled::products(&of_theory, &of_theory),
         cross: Scaled::products(&of_test, &of_theory),
-        test: of_test.iter().map(|own| own.name).collect(),
-        theory: of_theory.iter().map(|own| own.name).collect(),
+        test: of_test.iter().map(|mode| mode.name).collect(),
+        theory: of_theory.iter().map(|mode| mode.name).collect(),
         dofs: pairs.len(),
     })
 }
@@ -268,7 +273,7 @@ impl Scaled {
             .iter()
             .map(|(_, shape)| shape.iter().copied().map(Some));
         let cleared = without_rounding(options.map(Iterator::collect).collect());
-        let shapes = cleared.into_iter().map(|own| own.into_iter().flatten());
+        let shapes = cleared.into_iter().map(|row| row.into_iter().flatten());
         let scaled = |(name, shape): (ModeName, Vec<Complex64>)| {
             let momentum: Vec<Complex64> = (0..shape.len())
                 .map(|i| (0..shape.len()).map(|j| shape[j] * mass[(i, j)]).sum())

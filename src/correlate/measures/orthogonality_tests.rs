@@ -50,28 +50,32 @@ fn sensors(n: usize, at: &[(usize, f64)]) -> Vec<SensorRow> {
 fn readings(matrices: &SystemMatrices, sensors: &[SensorRow]) -> (ModalModel, RealMatrix) {
     let solved = modes_of_matrices(matrices, &ModeOptions::default()).unwrap();
     let mode = |j: usize| {
-        let value = |own: &SensorRow| {
-            let terms = own.row.iter().enumerate();
+        let value = |sensor: &SensorRow| {
+            let terms = sensor.row.iter().enumerate();
             let reading: f64 = terms.map(|(i, b)| b * solved.vectors[(i, j)]).sum();
-            (own.dof.clone(), Complex64::from(reading))
+            (sensor.dof.clone(), Complex64::from(reading))
         };
         let shape = ModeShape::new(sensors.iter().map(value));
         let hz = solved.omega_rad_s[j] / std::f64::consts::TAU;
         Mode::new(hz, None, shape, Scaling::UnitModalMass)
     };
     let modes = (0..solved.omega_rad_s.len()).map(mode).collect();
-    let own = ModalModel {
+    let model = ModalModel {
         modes,
         ..ModalModel::default()
     };
-    (own, solved.vectors)
+    (model, solved.vectors)
 }
 
 fn first(vectors: &RealMatrix, count: usize) -> RealMatrix {
     real_matrix(vectors.nrows(), count, |i, j| vectors[(i, j)])
 }
 
-fn own(test: &ModalModel, theory: &ModalModel, reduced: &ReducedMass) -> Orthogonality {
+fn orthogonality_of(
+    test: &ModalModel,
+    theory: &ModalModel,
+    reduced: &ReducedMass,
+) -> Orthogonality {
     let map = DofMap::of_models(test, theory);
     let names = orthogonality_dofs(test, theory, &map);
     assert_eq!(names, reduced.dofs);
@@ -95,7 +99,7 @@ fn with_all_coordinates_modes_are_orthogonal_and_a_mixture_has_its_cosine() {
     let mixed =
         mixed.map(|((dof, a), (_, b))| (dof.clone(), 0.8 * a + Complex64::new(0.0, 0.6) * b));
     test.modes[0].shape = ModeShape::new(mixed.collect::<Vec<_>>()).scaled(3.0.into());
-    let found = own(&test, &theory, &reduced);
+    let found = orthogonality_of(&test, &theory, &reduced);
     let near = |got: Option<f64>, expected: f64| {
         assert!(
             (got.unwrap() - expected).abs() < 1e-12,
@@ -118,10 +122,10 @@ fn serep_keeps_its_modes_orthogonal_at_few_sensors_and_guyan_nearly() {
     let (theory, vectors) = readings(&matrices, &sensors);
     let kept = first(&vectors, 3);
     let serep = reduced_mass(&matrices, &sensors, Reduction::Serep, &kept).unwrap();
-    let found = own(&theory, &theory, &serep);
+    let found = orthogonality_of(&theory, &theory, &serep);
     assert_eq!(found.reduction_modes, Some(3));
     let guyan = reduced_mass(&matrices, &sensors, Reduction::Guyan, &kept).unwrap();
-    let near = own(&theory, &theory, &guyan);
+    let near = orthogonality_of(&theory, &theory, &guyan);
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         let expected = f64::from(u8::from(i == j));
         let (exact, bounded) = (found.cross[i][j].unwrap(), near.cross[i][j].unwrap());
@@ -150,7 +154,7 @@ fn serep_sees_what_is_wrong_with_a_shape_as_guyan_does_and_tells_what_it_cannot_
         test.modes[n].shape = sum((0.85, shape(n)), (0.53, shape(2)));
     }
     let map = DofMap::of_models(&test, &theory);
-    let names: Vec<Dof> = sensors.iter().map(|own| own.dof.clone()).collect();
+    let names: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.clone()).collect();
     let of = |reduction: Reduction, kept: &[usize]| {
         let modes = real_matrix(4, kept.len(), |i, j| vectors[(i, kept[j])]);
         let reduced = reduced_mass(&matrices, &sensors, reduction, &modes).unwrap();
@@ -161,10 +165,10 @@ fn serep_sees_what_is_wrong_with_a_shape_as_guyan_does_and_tells_what_it_cannot_
     let (serep, guyan) = (of(Reduction::Serep, &kept), of(Reduction::Guyan, &kept));
     // With all coordinates measured both are exact; modes of unit modal mass.
     let squared = 0.85f64 * 0.85 + 0.53 * 0.53;
-    for own in [&serep, &guyan] {
-        assert!((own.cross[0][0].unwrap() - 0.85 / squared.sqrt()).abs() < 1e-9);
-        assert!((own.cross[0][1].unwrap()).abs() < 1e-9);
-        assert!((own.self_test[0][1].unwrap() - 0.53 * 0.53 / squared).abs() < 1e-9);
+    for result in [&serep, &guyan] {
+        assert!((result.cross[0][0].unwrap() - 0.85 / squared.sqrt()).abs() < 1e-9);
+        assert!((result.cross[0][1].unwrap()).abs() < 1e-9);
+        assert!((result.self_test[0][1].unwrap() - 0.53 * 0.53 / squared).abs() < 1e-9);
     }
     assert!(serep.outside.iter().all(|part| part.unwrap() < 1e-9));
     assert!(serep.findings().is_empty());
@@ -201,7 +205,7 @@ fn a_sensor_of_two_coordinates_is_for_serep() {
 }
 
 #[test]
-fn modes_at_0_hz_and_columns_that_nobody_asked_for_are_left_out() {
+fn rigid_body_modes_and_unrequested_columns_are_left_out() {
     let matrices = chain(3);
     let rows = sensors(3, &[(0, 1.0), (1, 1.0), (2, 1.0)]);
     let (theory, vectors) = readings(&matrices, &rows);
@@ -210,7 +214,8 @@ fn modes_at_0_hz_and_columns_that_nobody_asked_for_are_left_out() {
     test.modes[0].frequency_hz = 0.0;
     let map = DofMap::of_models(&test, &theory);
     let found = orthogonality((&test, &theory), &map, &reduced, &[2, 1]).unwrap();
-    let numbers = |own: &[ModeName]| -> Vec<usize> { own.iter().map(|own| own.mode).collect() };
+    let numbers =
+        |names: &[ModeName]| -> Vec<usize> { names.iter().map(|name| name.mode).collect() };
     assert_eq!(
         (numbers(&found.test), numbers(&found.theory)),
         (vec![2, 3], vec![2, 3])

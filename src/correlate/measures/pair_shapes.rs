@@ -21,8 +21,8 @@ impl PairShapes {
     /// Of every partner that has a MAC.
     pub fn of_pairing(shapes: &Shapes, pairing: &Pairing) -> Vec<Self> {
         let partners = pairing.pairs.iter().flat_map(|pair| {
-            let with_shape = pair.partners.iter().filter(|own| own.mac.is_some());
-            with_shape.map(|own| (own.test, pair.theory.as_slice()))
+            let with_shape = pair.partners.iter().filter(|partner| partner.mac.is_some());
+            with_shape.map(|partner| (partner.test, pair.theory.as_slice()))
         });
         partners
             .filter_map(|(test, theory)| Self::new(shapes, test, theory))
@@ -31,9 +31,9 @@ impl PairShapes {
 
     fn new(shapes: &Shapes, test: usize, theory: &[usize]) -> Option<Self> {
         let [vector, span] = shapes.common(&[test], theory);
-        let own = unit(&vector[0])?;
-        let partner = unit(&projection(&own, &span))?;
-        let mut both = own.into_iter().zip(partner);
+        let shape = unit(&vector[0])?;
+        let partner = unit(&projection(&shape, &span))?;
+        let mut both = shape.into_iter().zip(partner);
         let present = |d: usize| {
             let theory_too = theory.iter().all(|&j| shapes.theory[j][d].is_some());
             shapes.test[test][d].is_some() && theory_too

@@ -8,9 +8,9 @@ use crate::modal::ModalModel;
 use super::super::model_roots::elastic_modes;
 use super::super::pairing::without_rounding;
 
-/// Least part outside the modes kept before, as a part of the largest reading of a kept mode. At
-/// 1/100 an error of 1 % at the sensors becomes as large as the shape.
-const TOLD_APART: f64 = 0.01;
+/// Minimum length of a shape outside the modes kept before, over the largest reading of a kept
+/// mode. At 1/100 an error of 1 % at the sensors becomes as large as the shape.
+const MIN_INDEPENDENT_LENGTH_FRACTION: f64 = 0.01;
 
 /// Indices of the modes that a SEREP reduction to these sensors keeps, ascending: those that are
 /// `paired`, and of the other modes above 0 Hz the lowest, as many as there are sensors.
@@ -50,7 +50,7 @@ pub fn serep_modes(theory: &ModalModel, dofs: &[Dof], paired: &[usize]) -> Vec<u
         }
         let rest = outside(&reading, &basis);
         let (whole, left) = (length(&reading), length(&rest));
-        if !known && left < TOLD_APART * largest.max(whole) {
+        if !known && left < MIN_INDEPENDENT_LENGTH_FRACTION * largest.max(whole) {
             continue;
         }
         if !known {

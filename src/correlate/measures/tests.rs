@@ -28,17 +28,17 @@ fn near(got: Option<f64>, expected: f64) {
 fn every_mode_meets_every_mode_with_both_frequencies() {
     let test = model(&[(11.0, &[1.0, 1.0, 0.0]), (20.0, &[0.0, 1.0, 1.0])]);
     let theory = model(&[(0.0, &[1.0, 1.0, 1.0]), (10.0, &[1.0, 0.0, 0.0])]);
-    let own = paired(&test, &theory);
-    near(own.mac.mac[0][0], 2.0 / 3.0);
-    near(own.mac.mac[0][1], 0.5);
-    near(own.mac.mac[1][1], 0.0);
-    assert_eq!(own.mac.dofs, DofRange { fewest: 3, most: 3 });
-    assert_eq!(own.frequency_mac.len(), 4);
-    near(own.theory_auto_mac.mac[0][1], 1.0 / 3.0);
-    let point = own.frequency_mac[1];
+    let measures = paired(&test, &theory);
+    near(measures.mac.mac[0][0], 2.0 / 3.0);
+    near(measures.mac.mac[0][1], 0.5);
+    near(measures.mac.mac[1][1], 0.0);
+    assert_eq!(measures.mac.dofs, DofRange { fewest: 3, most: 3 });
+    assert_eq!(measures.frequency_mac.len(), 4);
+    near(measures.theory_auto_mac.mac[0][1], 1.0 / 3.0);
+    let point = measures.frequency_mac[1];
     assert_eq!((point.test.mode, point.theory.mode), (1, 2));
     near(point.error_percent, 10.0);
-    assert_eq!(own.frequency_mac[0].error_percent, None);
+    assert_eq!(measures.frequency_mac[0].error_percent, None);
 }
 
 #[test]
@@ -48,12 +48,12 @@ fn a_degree_of_freedom_that_one_mode_misses_is_not_counted_for_it() {
     let kept = test.modes[0].shape.iter().take(2);
     let kept: Vec<_> = kept.map(|(dof, v)| (dof.clone(), v)).collect();
     test.modes[0].shape = crate::modal::ModeShape::new(kept);
-    let own = paired(&test, &theory);
-    near(own.mac.mac[0][0], 1.0);
-    assert_eq!(own.mac.dofs, DofRange { fewest: 2, most: 3 });
-    let pairs: Vec<usize> = own.coordinates.iter().map(|c| c.pairs).collect();
+    let measures = paired(&test, &theory);
+    near(measures.mac.mac[0][0], 1.0);
+    assert_eq!(measures.mac.dofs, DofRange { fewest: 2, most: 3 });
+    let pairs: Vec<usize> = measures.coordinates.iter().map(|c| c.pairs).collect();
     assert_eq!(pairs, [2, 2, 1]);
-    assert_eq!(own.coordinates[2].comac, None);
+    assert_eq!(measures.coordinates[2].comac, None);
 }
 
 #[test]
@@ -61,8 +61,8 @@ fn the_scale_factor_leads_from_theory_to_test() {
     let s = Complex64::from_polar(2.0, 30f64.to_radians());
     let shape: Vec<Complex64> = [1.0, -2.0, 0.5].map(Complex64::from).to_vec();
     let test = complex_model(&[(10.0, shape.iter().map(|v| v * s).collect())]);
-    let own = paired(&test, &complex_model(&[(10.0, shape)]));
-    let factor = own.scale_factors[0];
+    let measures = paired(&test, &complex_model(&[(10.0, shape)]));
+    let factor = measures.scale_factors[0];
     near(Some(factor.magnitude), 2.0);
     near(Some(factor.phase_deg), 30.0);
     assert_eq!(factor.dofs, 3);
@@ -73,10 +73,10 @@ fn coordinate_mac_of_two_pairs_is_that_computed_by_hand() {
     // Unit shapes: test (0.6, 0.8) and (0.8, -0.6), theory (1, 1)/√2 and (1, -1)/√2.
     let test = model(&[(10.0, &[3.0, 4.0]), (20.0, &[4.0, -3.0])]);
     let theory = model(&[(10.0, &[1.0, 1.0]), (20.0, &[2.0, -2.0])]);
-    let own = paired(&test, &theory).coordinates;
+    let coordinates = paired(&test, &theory).coordinates;
     let h = 0.5f64.sqrt();
     // Both columns: Σ|φψ| = 1.4 h, Σφ² = 1, Σψ² = 1.
-    for coordinate in &own {
+    for coordinate in &coordinates {
         near(coordinate.comac, 0.98);
         near(coordinate.direction, 1.4 * h);
         near(
@@ -100,18 +100,21 @@ fn a_reversed_sensor_is_seen_by_the_measures_that_see_signs() {
         let turned = turned.map(|(n, (dof, v))| (dof.clone(), if n == 3 { -v } else { v }));
         mode.shape = crate::modal::ModeShape::new(turned.collect::<Vec<_>>());
     }
-    let own = paired(&test, &theory).coordinates;
-    near(own[2].comac, 1.0);
-    near(own[2].direction, -1.0);
-    near(own[0].direction, 1.0);
-    assert!(own[2].enhanced.unwrap() > 5.0 * own[0].enhanced.unwrap());
+    let coordinates = paired(&test, &theory).coordinates;
+    near(coordinates[2].comac, 1.0);
+    near(coordinates[2].direction, -1.0);
+    near(coordinates[0].direction, 1.0);
+    assert!(coordinates[2].enhanced.unwrap() > 5.0 * coordinates[0].enhanced.unwrap());
 }
 
 #[test]
 fn one_pair_says_nothing_of_a_degree_of_freedom() {
     let one = model(&[(10.0, &[1.0, 2.0])]);
-    let own = &paired(&one, &one).coordinates[0];
-    assert_eq!((own.comac, own.enhanced, own.pairs), (None, None, 1));
+    let coordinate = &paired(&one, &one).coordinates[0];
+    assert_eq!(
+        (coordinate.comac, coordinate.enhanced, coordinate.pairs),
+        (None, None, 1)
+    );
 }
 
 #[test]
@@ -127,15 +130,15 @@ fn close_modes_in_any_mixture_are_one_subspace() {
         (101.0, &[-sin, cos, 0.0, 0.0]),
         (150.0, &[0.0, 0.0, 1.0, 0.0]),
     ]);
-    let own = paired(&test, &theory);
-    assert_eq!(own.clusters.len(), 1);
-    let cluster = &own.clusters[0];
-    let numbers: Vec<usize> = cluster.test.iter().map(|own| own.mode).collect();
+    let measures = paired(&test, &theory);
+    assert_eq!(measures.clusters.len(), 1);
+    let cluster = &measures.clusters[0];
+    let numbers: Vec<usize> = cluster.test.iter().map(|name| name.mode).collect();
     assert_eq!((numbers, cluster.dofs), (vec![1, 2], 4));
     // An angle of rounding has a sine of about 1e-8.
     assert!((cluster.space_mac.unwrap() - 1.0).abs() < 1e-7);
     near(cluster.mean_mac, 1.0);
-    near(own.mac.mac[0][0], cos * cos);
+    near(measures.mac.mac[0][0], cos * cos);
 }
 
 #[test]
@@ -171,8 +174,11 @@ fn a_chain_of_close_modes_ends_where_it_grows_wide() {
         .collect();
     let mut set = model(&modes);
     let sizes = |test: &ModalModel, set: &ModalModel| -> Vec<usize> {
-        let own = paired(test, set).clusters;
-        own.iter().map(|cluster| cluster.theory.len()).collect()
+        let clusters = paired(test, set).clusters;
+        clusters
+            .iter()
+            .map(|cluster| cluster.theory.len())
+            .collect()
     };
     // 1.015^3 is within 5 %, 1.015^4 is not.
     assert_eq!(sizes(&set, &set), [4, 4, 2]);
@@ -201,9 +207,9 @@ fn over_all_planes_of_coordinates_the_mean_is_that_at_random() {
     for (a, b) in (0..5).flat_map(|a| (a + 1..5).map(move |b| (a, b))) {
         let test = plane(a, b);
         let pairing = pair(&test, &theory, &options).unwrap();
-        let own = measures(&test, &theory, &pairing, &options).unwrap();
-        near(own.clusters[0].random_mac, 2.0 / 5.0);
-        means.push(own.clusters[0].mean_mac.unwrap());
+        let found = measures(&test, &theory, &pairing, &options).unwrap();
+        near(found.clusters[0].random_mac, 2.0 / 5.0);
+        means.push(found.clusters[0].mean_mac.unwrap());
     }
     let mean = means.iter().sum::<f64>() / means.len() as f64;
     near(Some(mean), 2.0 / 5.0);
@@ -219,27 +225,27 @@ fn modes_of_one_shape_near_in_frequency_are_duplicates() {
     ]);
     let limits = DuplicateLimits::default();
     let options = PairOptions::default();
-    let own = auto_mac(&set, limits, &options).unwrap();
-    let found = own.duplicates.iter();
+    let narrow = auto_mac(&set, limits, &options).unwrap();
+    let found = narrow.duplicates.iter();
     let found: Vec<_> = found.map(|d| (d.first.mode, d.second.mode)).collect();
     assert_eq!(found, [(1, 2)]);
     let mac = (1.0 + 4.0 + 9.3f64).powi(2) / (14.0 * (5.0 + 9.61));
-    near(Some(own.duplicates[0].mac), mac);
-    near(own.matrix.mac[2][2], 1.0);
-    assert_eq!(own.findings()[0].value, Some(own.duplicates[0].mac));
+    near(Some(narrow.duplicates[0].mac), mac);
+    near(narrow.matrix.mac[2][2], 1.0);
+    assert_eq!(narrow.findings()[0].value, Some(narrow.duplicates[0].mac));
     let wide = DuplicateLimits {
         max_frequency_difference: 0.3,
         ..limits
     };
-    let own = auto_mac(&set, wide, &options).unwrap();
-    let found = own.duplicates.iter();
+    let broad = auto_mac(&set, wide, &options).unwrap();
+    let found = broad.duplicates.iter();
     let found: Vec<_> = found.map(|d| (d.first.mode, d.second.mode)).collect();
     assert_eq!((found.len(), found[0]), (3, (1, 3)));
     // The modes of a repeated root are no duplicates, whatever their basis.
     set.modes[0].group = Some(1);
     set.modes[1].group = Some(1);
-    let own = auto_mac(&set, limits, &options).unwrap();
-    assert!(own.duplicates.is_empty());
+    let result = auto_mac(&set, limits, &options).unwrap();
+    assert!(result.duplicates.is_empty());
 }
 
 /// Six modes of five degrees of freedom from a list of numbers.
@@ -264,13 +270,13 @@ proptest! {
             let pairing = pair(test, &theory, &options).unwrap();
             measures(test, &theory, &pairing, &options).unwrap()
         };
-        let own = of(&test);
+        let one_set = of(&test);
         let mut turned = test.clone();
         for (mode, (size, angle)) in turned.modes.iter_mut().zip(&scales) {
             mode.shape = mode.shape.scaled(Complex64::from_polar(*size, *angle));
         }
         let other = of(&turned);
-        for (one, two) in own.coordinates.iter().zip(&other.coordinates) {
+        for (one, two) in one_set.coordinates.iter().zip(&other.coordinates) {
             let values = [(one.comac, two.comac), (one.enhanced, two.enhanced)];
             for (one, two) in values.into_iter().filter_map(|(a, b)| Some((a?, b?))) {
                 prop_assert!((0.0..=1.0).contains(&one));
@@ -278,7 +284,7 @@ proptest! {
             }
             prop_assert!(one.direction.is_none_or(|d| d * d <= one.comac.unwrap() + 1e-12));
         }
-        for (row, other) in own.mac.mac.iter().zip(&other.mac.mac) {
+        for (row, other) in one_set.mac.mac.iter().zip(&other.mac.mac) {
             for (one, two) in row.iter().zip(other) {
                 prop_assert!((one.unwrap() - two.unwrap()).abs() < 1e-12);
             }

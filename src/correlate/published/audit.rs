@@ -38,7 +38,7 @@ pub enum Relation {
 /// A claim about a number that a model's theory gives beside its roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityClaim {
-    /// Name of the model; `None` for the one that the publication is held against.
+    /// Name of the model; `None` for the one that the publication is compared with.
     pub model: Option<String>,
     /// Name of the quantity.
     pub quantity: String,
@@ -49,13 +49,13 @@ pub struct QuantityClaim {
 /// The quantities of one model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelQuantities {
-    /// Name, as claims have it; `None` for the model that the publication is held against.
+    /// Name, as claims have it; `None` for the model that the publication is compared with.
     pub model: Option<String>,
     /// Its quantities.
     pub quantities: Vec<ModelQuantity>,
 }
 
-/// What claims are held against besides the published tables.
+/// Values, besides the published tables, that claims are compared with.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Grounds<'a> {
     /// The published roots and those of a model.
@@ -153,7 +153,7 @@ pub enum Statement {
     },
     /// A number that a model's theory gives.
     Quantity(QuantityClaim),
-    /// Nothing here can be held against it; the remark says why.
+    /// No computed value can be compared with it; the remark gives the reason.
     NotCheckable,
 }
 
@@ -209,25 +209,28 @@ pub fn audit(table: &PublishedComparison, grounds: &Grounds<'_>, claims: &[Claim
 }
 
 fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Verdict {
-    let told = match &claim.statement {
-        Statement::Quantity(own) => grounds.quantity(own),
+    let computed = match &claim.statement {
+        Statement::Quantity(quantity) => grounds.quantity(quantity),
         _ => None,
     };
     let (printed, recomputed) = match &claim.statement {
-        Statement::Quantity(own) => {
-            let found = told.and_then(|quantity| quantity.value);
-            (own.relation.stated(), found.map(value_alone))
+        Statement::Quantity(stated) => {
+            let found = computed.and_then(|quantity| quantity.value);
+            (stated.relation.stated(), found.map(value_alone))
         }
         other => printed_and_recomputed(other, table, grounds.roots),
     };
     let (unit, relation) = match &claim.statement {
         Statement::LargestError(error) | Statement::ErrorAt(error) => (error.unit.symbol(), ""),
         Statement::Frequency { .. } => ("Hz", ""),
-        Statement::Quantity(own) => (told.map_or("", |told| told.unit), own.relation.sign()),
+        Statement::Quantity(quantity) => (
+            computed.map_or("", |computed| computed.unit),
+            quantity.relation.sign(),
+        ),
         _ => ("", ""),
     };
     let agree = |found: &Stated| match &claim.statement {
-        Statement::Quantity(own) => own.relation.holds(found.value?, claim.digits),
+        Statement::Quantity(quantity) => quantity.relation.holds(found.value?, claim.digits),
         _ => Some(agree(&printed, found, claim.digits)),
     };
     Verdict {
@@ -273,8 +276,8 @@ impl Relation {
 impl<'a> Grounds<'a> {
     fn quantity(&self, claim: &QuantityClaim) -> Option<&'a ModelQuantity> {
         let mut models = self.quantities.iter();
-        let own = models.find(|own| own.model == claim.model)?;
-        own.quantities.iter().find(|q| q.name == claim.quantity)
+        let found = models.find(|model| model.model == claim.model)?;
+        found.quantities.iter().find(|q| q.name == claim.quantity)
     }
 }
 
@@ -288,8 +291,8 @@ fn printed_and_recomputed(
         Statement::LargestError(error) => (at(error.value, &error.row), largest(table, error)),
         Statement::ErrorAt(error) => (at(error.value, &error.row), error_at(table, error)),
         Statement::Missed { test, rows } => {
-            let found = table.tests.iter().find(|own| own.test == *test);
-            let missed = found.map(|own| rows_alone(own.missed.clone()));
+            let found = table.tests.iter().find(|column| column.test == *test);
+            let missed = found.map(|column| rows_alone(column.missed.clone()));
             (rows_alone(rows.clone()), missed)
         }
         Statement::SingleRoots { side, value } => {
@@ -317,9 +320,9 @@ fn printed_and_recomputed(
 /// Values round to each other and every printed row is among those found; without values the rows
 /// are the same.
 fn agree(printed: &Stated, found: &Stated, digits: Digits) -> bool {
-    if let (Some(value), Some(own)) = (printed.value, found.value) {
+    if let (Some(value), Some(value_found)) = (printed.value, found.value) {
         let there = printed.rows.iter().all(|row| found.rows.contains(row));
-        return there && digits.round_to(own, value);
+        return there && digits.round_to(value_found, value);
     }
     let all_in = |a: &Stated, b: &Stated| a.rows.iter().all(|row| b.rows.contains(row));
     all_in(printed, found) && all_in(found, printed)
@@ -344,10 +347,13 @@ fn rows_alone(rows: Vec<String>) -> Stated {
 }
 
 fn largest(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
-    let own = table.tests.iter().find(|own| own.test == claim.test)?;
+    let column = table
+        .tests
+        .iter()
+        .find(|column| column.test == claim.test)?;
     let largest = match claim.unit {
-        ErrorUnit::Hz => own.largest_hz.clone(),
-        ErrorUnit::Percent => own.largest_percent.clone(),
+        ErrorUnit::Hz => column.largest_hz.clone(),
+        ErrorUnit::Percent => column.largest_percent.clone(),
     }?;
     Some(Stated {
         value: Some(largest.value),
@@ -356,8 +362,11 @@ fn largest(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
 }
 
 fn error_at(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
-    let column = table.tests.iter().position(|own| own.test == claim.test)?;
-    let row = table.rows.iter().find(|own| own.label == claim.row)?;
+    let column = table
+        .tests
+        .iter()
+        .position(|column| column.test == claim.test)?;
+    let row = table.rows.iter().find(|row| row.label == claim.row)?;
     let cell = row.tests[column]?;
     let error = match claim.unit {
         ErrorUnit::Hz => cell.error_hz,

@@ -177,10 +177,10 @@ fn roots_are_counted_in_the_print_and_in_the_model() {
 }
 
 #[test]
-fn the_theory_column_is_confirmed_where_it_rounds_and_told_where_not() {
+fn the_theory_column_is_confirmed_or_refuted_by_rounding() {
     // 100.4 rounds to 100, 200.6 does not round to 200; f3 names no root.
     let verdicts = judge(Statement::TheoryColumn, 0);
-    let told: Vec<_> = verdicts
+    let confirmed: Vec<_> = verdicts
         .iter()
         .map(|v| {
             (
@@ -194,7 +194,7 @@ fn the_theory_column_is_confirmed_where_it_rounds_and_told_where_not() {
         .collect();
     let label = |name: &str| vec![name.to_owned()];
     assert_eq!(
-        told,
+        confirmed,
         [(Some(true), label("f1")), (Some(false), label("f2"))]
     );
     let recomputed = verdicts[1]
@@ -252,7 +252,7 @@ fn errors_relative_to_the_test_have_its_sign_and_denominator() {
 }
 
 #[test]
-fn a_frequency_is_held_against_the_models_root_that_matches_it() {
+fn a_frequency_is_compared_with_the_matching_root_of_the_model() {
     let claim = |row: &str, hz: f64| Statement::Frequency {
         row: row.to_owned(),
         hz,
@@ -271,7 +271,7 @@ fn a_frequency_is_held_against_the_models_root_that_matches_it() {
 }
 
 #[test]
-fn quantities_are_found_by_model_and_name_and_held_against_value_or_bound() {
+fn quantities_are_found_by_model_and_name_and_compared_with_value_or_bound() {
     let quantity = |value| ModelQuantity::new("place", value, "N/m", "where it is");
     let of = |model: Option<&str>, value| ModelQuantities {
         model: model.map(str::to_owned),

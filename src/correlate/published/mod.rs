@@ -1,8 +1,9 @@
-//! Published results held against a model and against themselves.
+//! An audit compares published results with a model and with each other.
 //!
 //! [`match_roots`] says which printed root is which root of the model; [`recompute`] works out the
 //! errors of a printed comparison; [`audit`] recomputes what a text claims of both. Nothing here
-//! reads a file, and nothing is taken from a text that its own tables do not bear out.
+//! reads a file, and nothing is taken from a text that the tables of the publication do not
+//! confirm.
 
 mod audit;
 mod digits;

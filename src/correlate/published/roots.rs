@@ -150,8 +150,9 @@ fn partners(
 ) -> Vec<Option<usize>> {
     let gate = options.max_frequency_error.ln_1p();
     let costs_of = |root: &PublishedRoot| {
-        let cost = |own: &ModelRoot| Some(distance(own.omega_rad_s, root.omega_rad_s)? / gate);
-        let allowed = |own: &ModelRoot| cost(own).filter(|cost| *cost <= 1.0);
+        let cost =
+            |candidate: &ModelRoot| Some(distance(candidate.omega_rad_s, root.omega_rad_s)? / gate);
+        let allowed = |candidate: &ModelRoot| cost(candidate).filter(|cost| *cost <= 1.0);
         model.iter().map(allowed).collect::<Vec<_>>()
     };
     let costs: Vec<_> = published.iter().map(costs_of).collect();
@@ -182,11 +183,13 @@ fn distance(a: f64, b: f64) -> Option<f64> {
 }
 
 fn row(model: Option<&ModelRoot>, published: Option<&PublishedRoot>) -> RootRow {
-    let error = |own: f64, printed: f64| (printed > 0.0).then(|| 100.0 * (own - printed) / printed);
+    let error = |computed: f64, printed: f64| {
+        (printed > 0.0).then(|| 100.0 * (computed - printed) / printed)
+    };
     RootRow {
         error_percent: model
             .zip(published)
-            .and_then(|(own, root)| error(own.omega_rad_s, root.omega_rad_s)),
+            .and_then(|(computed, root)| error(computed.omega_rad_s, root.omega_rad_s)),
         model: model.cloned(),
         published: published.cloned(),
     }

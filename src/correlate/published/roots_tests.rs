@@ -42,8 +42,8 @@ fn pairs(result: &RootMatch) -> Vec<(f64, f64)> {
 }
 
 fn matched(model_roots: &[f64], printed: &[f64]) -> Vec<(f64, f64)> {
-    let (own, printed) = (model(&singles(model_roots)), published(&singles(printed)));
-    pairs(&match_roots(&own, &printed, &MatchOptions::default()))
+    let (computed, printed) = (model(&singles(model_roots)), published(&singles(printed)));
+    pairs(&match_roots(&computed, &printed, &MatchOptions::default()))
 }
 
 #[test]
@@ -90,9 +90,9 @@ fn roots_that_are_all_a_little_low_are_paired_in_order() {
 
 #[test]
 fn zero_goes_with_zero_alone_and_has_no_error() {
-    let own = model(&[(0.0, 2), (50.0, 1)]);
+    let computed = model(&[(0.0, 2), (50.0, 1)]);
     let printed = published(&[(0.0, 2), (0.001, 1)]);
-    let result = match_roots(&own, &printed, &MatchOptions::default());
+    let result = match_roots(&computed, &printed, &MatchOptions::default());
     assert_eq!(pairs(&result), [(0.0, 0.0), (-1.0, 0.001), (50.0, -1.0)]);
     assert_eq!(result.rows[0].error_percent, None);
     assert_eq!((result.simple, result.elastic), (None, None));
@@ -100,13 +100,13 @@ fn zero_goes_with_zero_alone_and_has_no_error() {
 
 #[test]
 fn roots_further_apart_than_the_gate_stay_alone() {
-    let (own, printed) = (model(&[(106.0, 1)]), published(&[(100.0, 1)]));
+    let (computed, printed) = (model(&[(106.0, 1)]), published(&[(100.0, 1)]));
     for (gate, rows) in [(0.05, 2), (0.059, 2), (0.061, 1)] {
         let options = MatchOptions {
             max_frequency_error: gate,
         };
         assert_eq!(
-            match_roots(&own, &printed, &options).rows.len(),
+            match_roots(&computed, &printed, &options).rows.len(),
             rows,
             "{gate}"
         );
@@ -114,10 +114,10 @@ fn roots_further_apart_than_the_gate_stay_alone() {
 }
 
 #[test]
-fn multiplicities_that_differ_are_told_and_are_no_single_roots() {
-    let own = model(&[(100.0, 3), (202.0, 1), (297.0, 2)]);
+fn different_multiplicities_are_reported_and_are_no_single_roots() {
+    let computed = model(&[(100.0, 3), (202.0, 1), (297.0, 2)]);
     let printed = published(&[(100.0, 2), (200.0, 1), (300.0, 1)]);
-    let result = match_roots(&own, &printed, &MatchOptions::default());
+    let result = match_roots(&computed, &printed, &MatchOptions::default());
     let same: Vec<_> = result.rows.iter().map(RootRow::same_multiplicity).collect();
     assert_eq!(same, [Some(false), Some(true), Some(false)]);
     let simple = result.simple.unwrap();
@@ -128,9 +128,9 @@ fn multiplicities_that_differ_are_told_and_are_no_single_roots() {
 
 #[test]
 fn errors_are_relative_to_the_print_and_the_largest_keeps_its_sign() {
-    let own = model(&singles(&[103.0, 196.0]));
+    let computed = model(&singles(&[103.0, 196.0]));
     let result = match_roots(
-        &own,
+        &computed,
         &published(&singles(&[100.0, 200.0])),
         &MatchOptions::default(),
     );
@@ -140,7 +140,7 @@ fn errors_are_relative_to_the_print_and_the_largest_keeps_its_sign() {
     assert!((summary.largest_percent - 3.0).abs() < 1e-12);
     assert_eq!(summary.largest_at, "w1");
     let low = match_roots(
-        &own,
+        &computed,
         &published(&singles(&[102.0, 200.0])),
         &MatchOptions::default(),
     );
@@ -163,11 +163,11 @@ fn no_roots_on_either_side_is_an_answer() {
 proptest! {
     #[test]
     fn every_root_of_both_sides_is_in_one_row_and_rows_ascend_on_both(
-        own in proptest::collection::vec(0.0..300.0f64, 0..9),
+        computed in proptest::collection::vec(0.0..300.0f64, 0..9),
         printed in proptest::collection::vec(0.0..300.0f64, 0..9),
     ) {
-        let result = match_roots(&model(&singles(&own)), &published(&singles(&printed)), &MatchOptions::default());
-        prop_assert_eq!(result.model().count(), own.len());
+        let result = match_roots(&model(&singles(&computed)), &published(&singles(&printed)), &MatchOptions::default());
+        prop_assert_eq!(result.model().count(), computed.len());
         prop_assert_eq!(result.published().count(), printed.len());
         let both: Vec<_> = result.rows.iter().filter(|row| row.model.is_some() && row.published.is_some()).collect();
         let omega = |row: &&RootRow| row.model.as_ref().unwrap().omega_rad_s;

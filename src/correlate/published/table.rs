@@ -99,7 +99,7 @@ pub struct Largest {
 }
 
 /// Works out the errors of a printed comparison; `roots` are the published ones, by whose label a
-/// row names its own.
+/// row names one.
 ///
 /// By the theory `(test − theory)/theory`, by the test `(theory − test)/test`, in percent; in Hz
 /// the numerator alone.
@@ -124,7 +124,7 @@ fn recomputed_row(
     row: &PublishedRow,
     roots: &[&PublishedRoot],
 ) -> RecomputedRow {
-    let own = roots
+    let matched = roots
         .iter()
         .find(|root| row.root.as_ref() == Some(&root.label));
     let cell = |test: &String| {
@@ -134,7 +134,7 @@ fn recomputed_row(
     RecomputedRow {
         label: row.label.clone(),
         theory_hz: row.theory_hz,
-        root_hz: own.map(|root| frequency_hz(root.omega_rad_s)),
+        root_hz: matched.map(|root| frequency_hz(root.omega_rad_s)),
         tests: table.tests.iter().map(cell).collect(),
     }
 }
@@ -176,8 +176,8 @@ fn test_errors(test: &str, column: usize, rows: &[RecomputedRow]) -> TestErrors 
 /// The largest value with every row that has it, to the rounding of the arithmetic.
 fn largest(values: &[(&str, f64)]) -> Option<Largest> {
     let value = values.iter().map(|(_, value)| *value).reduce(f64::max)?;
-    let same = |own: f64| value - own <= 8.0 * f64::EPSILON * value;
-    let rows = values.iter().filter(|(_, own)| same(*own));
+    let same = |other: f64| value - other <= 8.0 * f64::EPSILON * value;
+    let rows = values.iter().filter(|(_, other)| same(*other));
     Some(Largest {
         value,
         rows: rows.map(|(label, _)| (*label).to_owned()).collect(),

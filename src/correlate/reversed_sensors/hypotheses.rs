@@ -15,7 +15,7 @@ pub(super) struct Hypothesis {
     pub members: Vec<usize>,
 }
 
-/// Groups by direction, by component and by file, then every sensor by itself.
+/// Groups by direction, by component and by file, then every single sensor.
 ///
 /// Of a class of more than half of the sensors all others are the group: reversing these is the
 /// same. Each set of sensors is there once, under its first name.
@@ -35,11 +35,12 @@ pub(super) fn hypotheses(test: &ModalModel, map: &DofMap) -> Vec<Hypothesis> {
     all.extend(groups("component", &classes(components), map.len()));
     all.extend(groups("file", &classes(files), map.len()));
     let mut kept: Vec<Hypothesis> = Vec::new();
-    for own in all {
-        let other = complement(&own.members, map.len());
-        let known = |known: &Hypothesis| known.members == own.members || known.members == other;
-        if own.members.len() > 1 && !kept.iter().any(known) {
-            kept.push(own);
+    for hypothesis in all {
+        let other = complement(&hypothesis.members, map.len());
+        let known =
+            |known: &Hypothesis| known.members == hypothesis.members || known.members == other;
+        if hypothesis.members.len() > 1 && !kept.iter().any(known) {
+            kept.push(hypothesis);
         }
     }
     kept.extend((0..map.len()).map(|d| Hypothesis {
@@ -68,7 +69,7 @@ fn groups(kind: &str, classes: &BTreeMap<String, Vec<usize>>, count: usize) -> V
         }
         let others: Vec<&str> = classes
             .keys()
-            .filter(|own| *own != name)
+            .filter(|label| *label != name)
             .map(String::as_str)
             .collect();
         let plural = if others.len() > 1 { "s" } else { "" };

@@ -24,7 +24,7 @@ use hypotheses::{Hypothesis, hypotheses};
 use overlaps::{Choice, Overlaps, Signed, View};
 
 /// Minimum MAC, with the sensors reversed, of a pair that is used to search. Larger: of many
-/// reversed sensors none is found, because each by itself leaves the MAC low
+/// reversed sensors none is found, because reversing one alone leaves the MAC low
 /// (`one_reversed_sensor_of_many_is_found_and_so_are_more`). Smaller: more pairs of different
 /// modes; the final test does not depend on it.
 const MIN_MAC_OF_SEARCH: f64 = 0.2;
@@ -150,13 +150,15 @@ pub(super) fn detect(
     } else {
         search.found(&significant)
     };
-    let sensors = found.iter().flat_map(|own| search.sensors_of(own, map));
+    let sensors = found
+        .iter()
+        .flat_map(|reversal| search.sensors_of(reversal, map));
     sensors.collect()
 }
 
 /// Signs of the degrees of freedom of a map with some sensors reversed.
 pub(super) fn signs(map: &DofMap, reversed: &[ReversedSensor]) -> Vec<f64> {
-    let count = |dof: &Dof| reversed.iter().filter(|own| own.dof == *dof).count();
+    let count = |dof: &Dof| reversed.iter().filter(|sensor| sensor.dof == *dof).count();
     let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
     map.pairs.iter().map(|pair| sign(&pair.test)).collect()
 }
@@ -187,7 +189,7 @@ impl Search {
             signed = self
                 .overlaps
                 .signed(self.changed(&signed.signs, hypothesis));
-            left.retain(|own| *own != hypothesis);
+            left.retain(|remaining| *remaining != hypothesis);
             found.push(Found {
                 hypothesis,
                 mac_before: mean(&choice),
@@ -208,8 +210,8 @@ impl Search {
     ) -> Option<(usize, Choice, f64)> {
         let anew = self.sensors <= MAX_SENSORS_CHOSEN_ANEW;
         let reversed = signed.signs.iter().filter(|sign| **sign < 0.0).count();
-        let tried = among.iter().filter_map(|&own| {
-            let Hypothesis { group, members } = &self.hypotheses[own];
+        let tried = among.iter().filter_map(|&number| {
+            let Hypothesis { group, members } = &self.hypotheses[number];
             let most = if group.is_some() {
                 self.sensors
             } else {
@@ -226,8 +228,8 @@ impl Search {
             if choice.cost >= before.cost {
                 return None;
             }
-            let direction = self.direction((signed, before), own, &choice)?;
-            Some((own, choice, direction))
+            let direction = self.direction((signed, before), number, &choice)?;
+            Some((number, choice, direction))
         });
         tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)))
     }
@@ -243,17 +245,19 @@ impl Search {
         let views = self
             .overlaps
             .views(choice, &self.changed(&signed.signs, hypothesis));
-        let views = views.into_iter().filter(|own| own.mac >= MIN_MAC_OF_SEARCH);
-        let parts: Vec<Part> = views.map(|own| Part::new(&own, members)).collect();
+        let views = views
+            .into_iter()
+            .filter(|view| view.mac >= MIN_MAC_OF_SEARCH);
+        let parts: Vec<Part> = views.map(|view| Part::new(&view, members)).collect();
         let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
         let direction =
-            -sum(|own| own.along) / (sum(|own| own.test) * sum(|own| own.theory)).sqrt();
-        let of_reversed = sum(|own| 4.0 * own.share * (own.mac.sqrt() - own.share));
+            -sum(|part| part.along) / (sum(|part| part.test) * sum(|part| part.theory)).sqrt();
+        let of_reversed = sum(|part| 4.0 * part.share * (part.mac.sqrt() - part.share));
         let passes = parts.len() >= MIN_PAIRS
             && direction <= MAX_DIRECTION
             && choice.mac - before.mac >= MIN_PART_OF_GAIN * of_reversed
-            && sum(|own| own.relative) >= MIN_SHARE * parts.len() as f64
-            && sum(|own| own.relative_others) >= MIN_SHARE * parts.len() as f64;
+            && sum(|part| part.relative) >= MIN_SHARE * parts.len() as f64
+            && sum(|part| part.relative_others) >= MIN_SHARE * parts.len() as f64;
         passes.then_some(direction)
     }
 
@@ -261,9 +265,9 @@ impl Search {
     fn significant(&self, suspects: &[Found]) -> Vec<usize> {
         let mut signs = vec![1.0; self.sensors];
         let mut suspected = vec![false; self.sensors];
-        for own in suspects {
-            signs = self.changed(&signs, own.hypothesis);
-            for &d in &self.hypotheses[own.hypothesis].members {
+        for suspect in suspects {
+            signs = self.changed(&signs, suspect.hypothesis);
+            for &d in &self.hypotheses[suspect.hypothesis].members {
                 suspected[d] = true;
             }
         }
@@ -271,15 +275,15 @@ impl Search {
             .overlaps
             .choose(&self.overlaps.signed(signs.clone()), &[]);
         let views = self.overlaps.views(&choice, &signs).into_iter();
-        let views: Vec<View> = views.filter(|own| own.mac >= own.level).collect();
+        let views: Vec<View> = views.filter(|view| view.mac >= view.level).collect();
         let poor: Vec<Poorness> = views
             .iter()
-            .map(|own| Poorness::new(own, &suspected))
+            .map(|view| Poorness::new(view, &suspected))
             .collect();
         let expected_false = |hypothesis: usize| {
             let members = &self.hypotheses[hypothesis].members;
-            let parts = views.iter().zip(&poor).filter_map(|(own, poor)| {
-                let part = Part::new(own, members);
+            let parts = views.iter().zip(&poor).filter_map(|(view, poor)| {
+                let part = Part::new(view, members);
                 part.agrees()
                     .then(|| poor.probability(&part, members.len()))
             });
@@ -287,8 +291,9 @@ impl Search {
             let shown = parts.len() >= MIN_PAIRS;
             shown.then(|| self.hypotheses.len() as f64 * parts.iter().product::<f64>())
         };
-        let own = suspects.iter().map(|own| own.hypothesis);
-        own.filter(|own| expected_false(*own).is_some_and(|n| n < MAX_EXPECTED_FALSE))
+        let numbers = suspects.iter().map(|suspect| suspect.hypothesis);
+        numbers
+            .filter(|number| expected_false(*number).is_some_and(|n| n < MAX_EXPECTED_FALSE))
             .collect()
     }
 
@@ -362,7 +367,7 @@ impl Part {
     }
 }
 
-/// How poorly a pair agrees at the sensors that nobody suspects.
+/// Disagreement of a pair at the sensors that are not suspected.
 struct Poorness {
     /// Part of the sensors that disagree, one more of each counted: none of a few is not never.
     disagreeing: f64,
@@ -407,27 +412,30 @@ pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Findin
         Severity::Warning
     };
     let groups = sensors.chunk_by(ReversedSensor::is_grouped_with);
-    let finding = |own: &ReversedSensor| {
-        let gain = own.mac_after - own.mac_before;
-        let (code, place) = match &own.group {
+    let finding = |sensor: &ReversedSensor| {
+        let gain = sensor.mac_after - sensor.mac_before;
+        let (code, place) = match &sensor.group {
             Some(group) => (Code::ReversedGroup, Place::Sensors(group.clone())),
             None => (
                 Code::ReversedSensor,
                 Place::Function {
-                    response: Some(own.dof.clone()),
+                    response: Some(sensor.dof.clone()),
                     reference: None,
                 },
             ),
         };
         Finding::new(severity, code, place).value(gain, "")
     };
-    groups.filter_map(|own| own.first()).map(finding).collect()
+    groups
+        .filter_map(|group| group.first())
+        .map(finding)
+        .collect()
 }
 
 /// A model with the values of some degrees of freedom times -1, in shapes and in the residues of
 /// responses there; twice named is not reversed.
 pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
-    let count = |dof: &Dof| dofs.iter().filter(|own| *own == dof).count();
+    let count = |dof: &Dof| dofs.iter().filter(|other| *other == dof).count();
     let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
     let mut turned = model.clone();
     for mode in &mut turned.modes {

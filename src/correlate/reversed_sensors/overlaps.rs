@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::super::chance::{ChanceLevel, Setting, effective_part};
 use super::super::model_roots::{Root, elastic_modes, elastic_roots};
-use super::super::pairing::{FEWEST_DOFS, Shapes};
+use super::super::pairing::{MIN_SHAPE_DOFS, Shapes};
 use super::super::subspace::orthonormal;
 use super::super::{PairOptions, assign};
 use crate::modal::ModalModel;
@@ -74,9 +74,9 @@ impl Overlaps {
             let near = roots.iter().enumerate();
             let near: Vec<(usize, &Root)> =
                 near.filter(|(_, root)| offset(hz, root) <= 1.0).collect();
-            let rank = |own: f64| {
+            let rank = |limit: f64| {
                 near.iter()
-                    .filter(|(_, root)| offset(hz, root) <= own)
+                    .filter(|(_, root)| offset(hz, root) <= limit)
                     .count()
             };
             let of = |(r, root): &(usize, &Root)| {
@@ -183,7 +183,7 @@ impl Near {
         let [test, modes] = shapes.common(&[i], root);
         let length = test[0].iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         let basis = orthonormal(&modes);
-        if places.len() < FEWEST_DOFS || length <= 0.0 || basis.is_empty() {
+        if places.len() < MIN_SHAPE_DOFS || length <= 0.0 || basis.is_empty() {
             return None;
         }
         let level = ChanceLevel::new(&Setting {
@@ -205,7 +205,7 @@ impl Near {
             root: 0,
             offset: 0.0,
             test: spread(&test[0], length.recip()),
-            basis: basis.iter().map(|own| spread(own, 1.0)).collect(),
+            basis: basis.iter().map(|column| spread(column, 1.0)).collect(),
             dofs: places.len(),
             level: level.mac,
         })

@@ -22,9 +22,9 @@ fn beam(count: usize) -> ModalModel {
 }
 
 fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
-    let own = reversed_sensors(test, theory, &PairOptions::default())
+    let found = reversed_sensors(test, theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
-    let mut dofs: Vec<Dof> = own.into_iter().map(|own| own.dof).collect();
+    let mut dofs: Vec<Dof> = found.into_iter().map(|found| found.dof).collect();
     dofs.sort();
     dofs
 }
@@ -33,17 +33,17 @@ fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
 fn turning_raises_the_mac_to_that_of_the_shapes() {
     let theory = beam(10);
     let test = turned(&theory, &[dof(4)]);
-    let own = reversed_sensors(&test, &theory, &PairOptions::default())
+    let found = reversed_sensors(&test, &theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
-    assert_eq!(own.len(), 1);
-    assert!((own[0].mac_after - 1.0).abs() < 1e-12 && own[0].mac_before < 0.75);
-    assert!((own[0].direction + 1.0).abs() < 1e-12);
+    assert_eq!(found.len(), 1);
+    assert!((found[0].mac_after - 1.0).abs() < 1e-12 && found[0].mac_before < 0.75);
+    assert!((found[0].direction + 1.0).abs() < 1e-12);
     assert_eq!(turned(&test, &[dof(4)]), theory);
     assert_eq!(
-        reversed_findings(&own, false)[0].severity,
+        reversed_findings(&found, false)[0].severity,
         Severity::Warning
     );
-    assert_eq!(reversed_findings(&own, true)[0].severity, Severity::Info);
+    assert_eq!(reversed_findings(&found, true)[0].severity, Severity::Info);
 }
 
 proptest! {
@@ -62,8 +62,8 @@ proptest! {
             let noisy = noisy.map(|(q, (dof, v))| (dof.clone(), v + noise[40 * n + q]));
             mode.shape = ModeShape::new(noisy.collect::<Vec<_>>());
         }
-        let own = found(&test, &theory);
-        prop_assert!(own.iter().all(|dof| reversed.contains(dof)), "{own:?} {reversed:?}");
+        let reported = found(&test, &theory);
+        prop_assert!(reported.iter().all(|dof| reversed.contains(dof)), "{reported:?} {reversed:?}");
         // A sensor with a share w of the squared length costs about 4 w of the MAC.
         let share = |dof: &Dof| {
             let of = |mode: &crate::modal::Mode| {
@@ -73,7 +73,7 @@ proptest! {
             theory.modes.iter().map(of).sum::<f64>() / 4.0
         };
         for dof in reversed.iter().filter(|dof| share(dof) > 0.01) {
-            prop_assert!(own.contains(dof), "{dof} {own:?}");
+            prop_assert!(reported.contains(dof), "{dof} {reported:?}");
         }
     }
 }
@@ -102,11 +102,11 @@ fn one_reversed_sensor_of_many_is_found_and_so_are_more() {
     let theory = beam(300);
     // Turning one of 300 gains about 4/300 at most, which is less than two pairs alone would need.
     let one = turned(&theory, &[dof(75)]);
-    let own = reversed_sensors(&one, &theory, &PairOptions::default())
+    let one_reversed = reversed_sensors(&one, &theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
-    assert_eq!(own.len(), 1);
-    assert_eq!(own[0].dof, dof(75));
-    assert!(own[0].mac_after - own[0].mac_before < 0.02);
+    assert_eq!(one_reversed.len(), 1);
+    assert_eq!(one_reversed[0].dof, dof(75));
+    assert!(one_reversed[0].mac_after - one_reversed[0].mac_before < 0.02);
     let many: Vec<Dof> = (2..29).map(|n| dof(10 * n)).collect();
     let mut expected = many.clone();
     expected.sort();
@@ -124,7 +124,7 @@ fn noise_at_sensors_that_hardly_move_reverses_none() {
         0.035 * (x * x * 0.618_034).sin()
     };
     let mut test = theory.clone();
-    for (n, (own, other)) in test.modes.iter_mut().zip(&mut theory.modes).enumerate() {
+    for (n, (measured, other)) in test.modes.iter_mut().zip(&mut theory.modes).enumerate() {
         let both = |seed: usize, shape: &ModeShape| {
             let values = shape.iter().enumerate().map(|(q, (dof, v))| {
                 let kept = if still(q) { Complex64::ZERO } else { v };
@@ -132,7 +132,7 @@ fn noise_at_sensors_that_hardly_move_reverses_none() {
             });
             ModeShape::new(values.collect::<Vec<_>>())
         };
-        (own.shape, other.shape) = (both(0, &own.shape), both(50, &other.shape));
+        (measured.shape, other.shape) = (both(0, &measured.shape), both(50, &other.shape));
     }
     let pairing = pair(&test, &theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
@@ -142,7 +142,7 @@ fn noise_at_sensors_that_hardly_move_reverses_none() {
 
 #[test]
 fn sensors_that_disagree_by_chance_in_three_poor_pairs_are_left() {
-    // Every fifth sensor disagrees in each mode, drawn for each by itself: 300/125 in all three.
+    // Every fifth sensor disagrees in each mode, drawn separately for each: 300/125 in all three.
     let mut theory = beam(300);
     theory.modes.truncate(3);
     let mut test = theory.clone();
@@ -205,7 +205,7 @@ fn bent(theory: &ModalModel) -> ModalModel {
 fn named_groups(test: &ModalModel) -> Vec<(String, usize)> {
     let map = DofMap::of_models(test, test);
     let groups = hypotheses(test, &map).into_iter();
-    let named = groups.filter_map(|own| Some((own.group?, own.members.len())));
+    let named = groups.filter_map(|group| Some((group.group?, group.members.len())));
     named.collect()
 }
 
@@ -214,15 +214,16 @@ fn at(dofs: &[&str]) -> ModalModel {
         .iter()
         .map(|dof| (dof.parse().unwrap(), Complex64::ONE));
     let shape = ModeShape::new(values.collect::<Vec<(Dof, Complex64)>>());
-    let mut own = model(&[(10.0, &[1.0])]);
-    own.modes[0].shape = shape;
-    own
+    let mut set = model(&[(10.0, &[1.0])]);
+    set.modes[0].shape = shape;
+    set
 }
 
 #[test]
 fn a_group_of_more_than_half_of_the_sensors_is_named_by_the_others() {
-    let named = |own: &[(&str, usize)]| -> Vec<(String, usize)> {
-        own.iter()
+    let named = |groups: &[(&str, usize)]| -> Vec<(String, usize)> {
+        groups
+            .iter()
             .map(|(name, n)| ((*name).to_owned(), *n))
             .collect()
     };
@@ -258,14 +259,15 @@ fn sensors_of_one_file_are_named_together() {
         dofs: dofs.to_vec(),
     };
     test.inputs = vec![file("a.uff", &dofs[..5]), file("b.uff", &dofs[5..])];
-    let own = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
+    let found = reversed_sensors(&test, &theory, &PairOptions::default()).unwrap();
     assert!(
-        own.iter()
-            .all(|own| own.group.as_deref() == Some("file a.uff")),
-        "{own:?}"
+        found
+            .iter()
+            .all(|sensor| sensor.group.as_deref() == Some("file a.uff")),
+        "{found:?}"
     );
-    assert_eq!(own.len(), 5);
-    let findings = reversed_findings(&own, false);
+    assert_eq!(found.len(), 5);
+    let findings = reversed_findings(&found, false);
     assert_eq!(findings.len(), 1);
     assert_eq!(
         (findings[0].code, &findings[0].place),
@@ -324,15 +326,18 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
         }
         let findings = pairing.findings.iter();
         let below: Vec<_> = findings
-            .filter(|own| own.code == Code::RestsOnReversal)
+            .filter(|finding| finding.code == Code::RestsOnReversal)
             .collect();
         assert_eq!(below.len(), if status == Status::Ambiguous { 4 } else { 0 });
-        assert!(below.iter().all(|own| own.value < own.limit), "{below:?}");
+        assert!(
+            below.iter().all(|finding| finding.value < finding.limit),
+            "{below:?}"
+        );
         // With the signs corrected all are paired.
         let corrected = turned(&test, &reversed);
         let pairing = pair(&corrected, &theory, &options).expect("shapes at 40 sensors");
         let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
-        assert!(partners.all(|own| own.verdict == Verdict::Paired));
+        assert!(partners.all(|partner| partner.verdict == Verdict::Paired));
     }
 }
 
@@ -351,7 +356,7 @@ fn with_last_sensor(shares: [f64; 3], factors: [f64; 3]) -> ModalModel {
     };
     let shapes: Vec<Vec<f64>> = (0..3).map(shape).collect();
     let modes = [10.0, 40.0, 90.0].into_iter().zip(&shapes);
-    let modes: Vec<(f64, &[f64])> = modes.map(|(hz, own)| (hz, own.as_slice())).collect();
+    let modes: Vec<(f64, &[f64])> = modes.map(|(hz, shape)| (hz, shape.as_slice())).collect();
     model(&modes)
 }
 
@@ -400,10 +405,10 @@ fn two_poor_pairs_of_six_sensors_name_none() {
         (alternating, [0.5, 0.5, -0.5, -0.5, 0.0]),
     ];
     let of = |angle: f64, last: f64| {
-        let shapes = pairs.map(|(own, other)| -> Vec<f64> {
+        let shapes = pairs.map(|(first, other)| -> Vec<f64> {
             let length = (1.0 - share).sqrt();
             let value = |(a, b): (f64, f64)| length * (angle.cos() * a + angle.sin() * b);
-            let others = own.into_iter().zip(other).map(value);
+            let others = first.into_iter().zip(other).map(value);
             others.chain([last * share.sqrt()]).collect()
         });
         model(&[(10.0, &shapes[0]), (40.0, &shapes[1])])
