@@ -44,9 +44,9 @@ pub(super) fn bounded_least_squares(
             } else {
                 continue;
             };
-            let own = (bound - x[j]) / (goal - x[j]);
-            if own < part {
-                part = own;
+            let ratio = (bound - x[j]) / (goal - x[j]);
+            if ratio < part {
+                part = ratio;
                 met = Some((j, bound, side));
             }
         }

@@ -21,11 +21,11 @@ fn printed() -> ModalModel {
     let mut modes: Vec<Mode> = PRINTED.iter().map(|&omega| mode(omega)).collect();
     // The two repeated roots, so that the list states which of its roots are single.
     for (group, omega, count) in [(1, 33679.0, 4), (2, 49176.0, 8)] {
-        let own = Mode {
+        let mode = Mode {
             group: Some(group),
             ..mode(omega)
         };
-        modes.extend(std::iter::repeat_n(own, count));
+        modes.extend(std::iter::repeat_n(mode, count));
     }
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     ModalModel {
@@ -40,7 +40,7 @@ fn rms_of_single_roots(fit: &Fit) -> f64 {
         let omega = hz * std::f64::consts::TAU;
         [33679.0, 49176.0]
             .iter()
-            .any(|own| (omega - own).abs() < 1.0)
+            .any(|root| (omega - root).abs() < 1.0)
     };
     let rows = fit.rows.iter().filter(|row| !repeated(row.test_hz));
     let squares: Vec<f64> = rows.map(|row| row.error_percent.unwrap().powi(2)).collect();
@@ -68,7 +68,7 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     let model = built_in("cycloid-ball/A").unwrap();
     let values = nominal_values(model.parameters());
     let test = printed();
-    let own = [MeasuredModes::new("table 2", &test)];
+    let measured = [MeasuredModes::new("table 2", &test)];
     // Those that follow from two printed frequencies, two angles that change none, and the number
     // of balls.
     let skipped = [
@@ -82,7 +82,7 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     let names = model.parameters().iter().map(|p| p.name.as_str());
     let names: Vec<&str> = names.filter(|name| !skipped.contains(name)).collect();
     let chosen = free(&names);
-    let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options());
+    let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &measured, &[], options());
     let problem = new.unwrap();
     assert_eq!((problem.targets.len(), problem.left_out.len()), (15, 0));
     let found = single_changes(&problem, &GEOMETRY.map(str::to_owned)).unwrap();
@@ -98,7 +98,9 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
         best.values[0]
     );
     assert!(best.fit.largest_percent.unwrap() < 1.2);
-    let next = found[1..].iter().filter_map(|own| own.fit.largest_percent);
+    let next = found[1..]
+        .iter()
+        .filter_map(|change| change.fit.largest_percent);
     assert!(next.fold(f64::INFINITY, f64::min) > 5.5);
     assert!(found[1].bic > 10.0 * best.bic);
 }
@@ -108,17 +110,17 @@ fn with_one_bearing_stiffness_free_as_well_the_geometry_ends_at_set_d() {
     let model = built_in("cycloid-ball/B").unwrap();
     let values = nominal_values(model.parameters());
     let test = printed();
-    let own = [MeasuredModes::new("table 2", &test)];
+    let measured = [MeasuredModes::new("table 2", &test)];
     let names = [&GEOMETRY[..], &["k_03y"]].concat();
     let chosen = free(&names);
-    let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options());
+    let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &measured, &[], options());
     let found = update(&new.unwrap()).unwrap();
     let rms = rms_of_single_roots(&found.after);
     assert!((rms - 0.164).abs() < 0.001, "{rms}");
     let k_03y = found
         .parameters
         .iter()
-        .find(|own| own.name == "k_03y")
+        .find(|parameter| parameter.name == "k_03y")
         .unwrap();
     assert!(
         (k_03y.updated / 6.239e7 - 1.0).abs() < 1e-3,

@@ -40,15 +40,15 @@ pub(super) struct DynamicTarget {
 }
 
 impl DynamicTarget {
-    /// Of a target whose shapes the modes `own` of the model are nearest to; `None` where these say
-    /// nothing of its length.
+    /// Of a target whose shapes the modes `nearest` of the model are nearest to; `None` where these
+    /// say nothing of its length.
     pub fn new(
         (hz, relative_std): (f64, f64),
         shapes: &TargetShapes,
         modes: &TheoryModes,
-        own: &[usize],
+        nearest: &[usize],
     ) -> Option<Self> {
-        let projection = Projection::of_modes(shapes, modes, own);
+        let projection = Projection::of_modes(shapes, modes, nearest);
         let length = |v: &Vec<f64>| {
             let c = projection.coefficients(v);
             dot(&c, &c)
@@ -100,8 +100,8 @@ impl DynamicTarget {
         condensation: Option<&Condensation>,
     ) -> Result<Vec<f64>, UpdateError> {
         let mut equations = self.equations(shapes, matrices);
-        if let Some(own) = condensation {
-            equations = equations * own.expansion(&matrices.stiffness)?;
+        if let Some(reduction) = condensation {
+            equations = equations * reduction.expansion(&matrices.stiffness)?;
         }
         let columns = projection(&equations);
         let vectors = shapes.vectors.iter();
@@ -122,10 +122,10 @@ impl DynamicTarget {
         by: &[SystemDerivative],
     ) -> Result<Vec<Vec<f64>>, UpdateError> {
         let whole = self.equations(shapes, matrices);
-        let expansion = condensation.map(|own| own.expansion(&matrices.stiffness));
+        let expansion = condensation.map(|reduction| reduction.expansion(&matrices.stiffness));
         let expansion = expansion.transpose()?;
         let columns = match &expansion {
-            Some(own) => projection(&(&whole * own)),
+            Some(basis) => projection(&(&whole * basis)),
             None => projection(&whole),
         };
         let of = |by: &SystemDerivative| {
@@ -137,12 +137,12 @@ impl DynamicTarget {
                     0.0
                 }
             });
-            if let Some((own, t)) = condensation.zip(expansion.as_ref()) {
-                change = change * t - &whole * own.relax(&(&by.stiffness * t))?;
+            if let Some((reduction, t)) = condensation.zip(expansion.as_ref()) {
+                change = change * t - &whole * reduction.relax(&(&by.stiffness * t))?;
             }
             let vectors = shapes.vectors.iter();
-            let own = vectors.flat_map(|v| columns.derivative(&self.measured(v), &change));
-            Ok(own.collect())
+            let slopes = vectors.flat_map(|v| columns.derivative(&self.measured(v), &change));
+            Ok(slopes.collect())
         };
         by.iter().map(of).collect()
     }

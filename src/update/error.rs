@@ -28,7 +28,7 @@ pub enum UpdateError {
         /// Those of the model.
         known: Vec<String>,
     },
-    /// A parameter whose prior cannot be told from its value and bounds.
+    /// A parameter whose prior does not follow from its value and bounds.
     #[error(
         "update parameter {name:?}: no default prior for a value of {initial} without two bounds; expected a stated one"
     )]

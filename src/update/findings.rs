@@ -21,10 +21,10 @@ impl UpdateResult {
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Place::Mode(row.test_hz))));
         findings.extend(self.changed_pairings());
-        findings.extend(self.reversed.iter().map(|own| {
-            let dofs: Vec<String> = own.dofs.iter().map(Dof::to_string).collect();
+        findings.extend(self.reversed.iter().map(|reversed| {
+            let dofs: Vec<String> = reversed.dofs.iter().map(Dof::to_string).collect();
             let finding = warn(Code::ReversedLeftOut, Place::Whole).value(dofs.len() as f64, "");
-            finding.detail(format!("{}: {}", own.test, dofs.join(", ")))
+            finding.detail(format!("{}: {}", reversed.test, dofs.join(", ")))
         }));
         if !self.stop_reason.converged() {
             let finding = warn(Code::NotConverged, Place::Whole);
@@ -47,17 +47,21 @@ impl UpdateResult {
     }
 }
 
-fn of_parameter(own: &UpdatedParameter) -> Option<Finding> {
-    let place = Place::Parameter(own.name.clone());
-    match own.verdict {
+fn of_parameter(parameter: &UpdatedParameter) -> Option<Finding> {
+    let place = Place::Parameter(parameter.name.clone());
+    match parameter.verdict {
         Verdict::Identified => None,
         Verdict::NotSupported => {
             let finding = warn(Code::ParameterNotSupported, place);
-            Some(finding.value(own.posterior_over_prior, "").limit(KNOWN))
+            Some(
+                finding
+                    .value(parameter.posterior_over_prior, "")
+                    .limit(KNOWN),
+            )
         }
         Verdict::AtBound => {
             let finding = warn(Code::ParameterAtBound, place);
-            Some(finding.value(own.updated, &own.unit))
+            Some(finding.value(parameter.updated, &parameter.unit))
         }
     }
 }

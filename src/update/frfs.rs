@@ -83,7 +83,11 @@ impl FrfTarget {
         choice: &Choice,
         is_reversed: impl Fn(&Function) -> bool,
     ) -> Result<Option<Self>, UpdateError> {
-        let place = |dof: &Dof| sensors.iter().position(|(own, _)| *own == dof.positive());
+        let place = |dof: &Dof| {
+            sensors
+                .iter()
+                .position(|(sensor, _)| *sensor == dof.positive())
+        };
         let lines = chosen_lines(set, choice);
         let at_sensors = |i: usize| {
             let function = &set.functions()[i];
@@ -111,7 +115,7 @@ impl FrfTarget {
         };
         let functions = (0..set.len()).filter_map(at_sensors).map(target);
         let mut functions: Vec<Measured> = functions.collect::<Result<_, UpdateError>>()?;
-        functions.retain(|own| own.std.iter().any(Option::is_some));
+        functions.retain(|function| function.std.iter().any(Option::is_some));
         let n = sensors.first().map_or(0, |(_, row)| row.len());
         let s = |&k: &usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
         Ok((!functions.is_empty()).then(|| Self {
@@ -147,7 +151,7 @@ impl FrfTarget {
 
     /// Number of lines that count, of all functions.
     pub fn line_count(&self) -> usize {
-        let stds = self.functions.iter().flat_map(|own| &own.std);
+        let stds = self.functions.iter().flat_map(|function| &function.std);
         stds.flatten().count()
     }
 
@@ -156,9 +160,9 @@ impl FrfTarget {
         let of_line = |line: usize| {
             let x = self.motions(line, matrices);
             let mut all = Vec::new();
-            for (own, std) in self.at(line) {
-                let h = self.reading(own, line, &x);
-                all.extend(self.parts(h, own.values[line], std));
+            for (function, std) in self.at(line) {
+                let h = self.reading(function, line, &x);
+                all.extend(self.parts(h, function.values[line], std));
             }
             all
         };
@@ -169,7 +173,12 @@ impl FrfTarget {
     pub fn derivatives(&self, matrices: &SystemMatrices, by: &[SystemDerivative]) -> Vec<Vec<f64>> {
         let of_line = |line: usize| self.derivatives_at(line, matrices, by);
         let lines = self.each(of_line);
-        let column = |j: usize| lines.iter().flat_map(|own| own[j].clone()).collect();
+        let column = |j: usize| {
+            lines
+                .iter()
+                .flat_map(|by_parameter| by_parameter[j].clone())
+                .collect()
+        };
         (0..by.len()).map(column).collect()
     }
 
@@ -187,12 +196,12 @@ impl FrfTarget {
                 complex_matrix(n, n, |i, j| by.stiffness[(i, j)] + s * s * by.mass[(i, j)]);
             let loads = &change * &x;
             let mut all = Vec::new();
-            for (own, std) in self.at(line) {
-                let (response, hit) = own.places;
+            for (function, std) in self.at(line) {
+                let (response, hit) = function.places;
                 debug_assert!(response < m && hit < m);
                 let product: Complex64 = (0..n).map(|i| x[(i, response)] * loads[(i, hit)]).sum();
-                let slope = -own.sign * s.powi(own.order) * product;
-                all.extend(self.slopes(slope, self.reading(own, line, &x), std));
+                let slope = -function.sign * s.powi(function.order) * product;
+                all.extend(self.slopes(slope, self.reading(function, line, &x), std));
             }
             all
         };
@@ -214,16 +223,16 @@ impl FrfTarget {
     }
 
     /// The model's function at a line.
-    fn reading(&self, own: &Measured, line: usize, x: &ComplexMatrix) -> Complex64 {
-        let (response, hit) = own.places;
+    fn reading(&self, function: &Measured, line: usize, x: &ComplexMatrix) -> Complex64 {
+        let (response, hit) = function.places;
         let parts = (0..x.nrows()).map(|i| self.rows[(response, i)] * x[(i, hit)]);
-        own.sign * self.lines[line].powi(own.order) * parts.sum::<Complex64>()
+        function.sign * self.lines[line].powi(function.order) * parts.sum::<Complex64>()
     }
 
     /// The functions that count at a line.
     fn at(&self, line: usize) -> impl Iterator<Item = (&Measured, f64)> {
-        let own = self.functions.iter();
-        own.filter_map(move |own| Some((own, own.std[line]?)))
+        let functions = self.functions.iter();
+        functions.filter_map(move |function| Some((function, function.std[line]?)))
     }
 
     fn parts(&self, h: Complex64, measured: Complex64, std: f64) -> Vec<f64> {

@@ -36,13 +36,13 @@ fn functions(model: &LumpedModel, values: &[f64], kind: FrfKind, noise: f64) -> 
     };
     let mut set = FrfSet::new(axis);
     set.added_damping_rad_s = RATE;
-    for own in residues(&theory, &ratios, &pairs).unwrap() {
+    for residues in residues(&theory, &ratios, &pairs).unwrap() {
         let value = |k: usize| {
             let s = Complex64::new(RATE, axis.rad_s(k));
             let part = |(pole, a): &(Pole, Complex64)| {
                 a / (s - pole.lambda) + a.conj() / (s - pole.lambda.conj())
             };
-            own.elastic.iter().map(part).sum::<Complex64>() * s.powi(kind.derivative_order())
+            residues.elastic.iter().map(part).sum::<Complex64>() * s.powi(kind.derivative_order())
         };
         let values: Vec<Complex64> = (0..axis.len).map(value).collect();
         let power = values.iter().map(Complex64::norm_sqr).sum::<f64>() / axis.len as f64;
@@ -52,8 +52,8 @@ fn functions(model: &LumpedModel, values: &[f64], kind: FrfKind, noise: f64) -> 
             variance: Some(vec![noise * noise * power; axis.len]),
         };
         let function = Function {
-            response: own.response,
-            reference: own.hit,
+            response: residues.response,
+            reference: residues.hit,
             kind,
             averages: None,
             estimator: None,
@@ -95,14 +95,14 @@ fn a_spring_and_its_mass_have_the_function_of_the_textbook() {
     let set = functions(&model, &[121.0], FrfKind::Mobility, 1e-3);
     let test = poor_modes(&model, &[121.0]);
     let sets = [set.clone()];
-    let own = [MeasuredModes {
+    let sets = [MeasuredModes {
         frfs: &sets,
         ..MeasuredModes::new("t", &test)
     }];
     let sensors = sensors(&model, &[100.0]);
     let kind = options(Residuals::FrfComplex);
     let problem =
-        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &sensors, kind).unwrap();
+        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &sets, &sensors, kind).unwrap();
     let at = problem.start(&[0.0]).unwrap();
     let problem = problem.with_frfs(&at).unwrap();
     let at = problem.start(&[0.0]).unwrap();
@@ -132,7 +132,7 @@ fn derivatives_of_functions_are_those_of_differences() {
     for residuals in KINDS {
         for kind in [FrfKind::Receptance, FrfKind::Accelerance] {
             let sets = [functions(&model, &TRUTH, kind, 1e-3)];
-            let own = [MeasuredModes {
+            let measured = [MeasuredModes {
                 frfs: &sets,
                 ..MeasuredModes::new("t", &test)
             }];
@@ -142,7 +142,7 @@ fn derivatives_of_functions_are_those_of_differences() {
                 ..options(residuals)
             };
             let problem =
-                UpdateProblem::new(&model, &START, &chosen, &own, &sensors, kind).unwrap();
+                UpdateProblem::new(&model, &START, &chosen, &measured, &sensors, kind).unwrap();
             let at = problem.start(&[0.0; 3]).unwrap();
             let problem = problem.with_frfs(&at).unwrap();
             let worst = against_differences(&problem, &[0.1, -0.2, 0.3]);
@@ -161,12 +161,13 @@ fn functions_at_no_sensor_are_counted() {
     sensors.remove(1);
     let chosen = free(&["k1", "k2", "k3"]);
     let sets = [functions(&model, &TRUTH, FrfKind::Receptance, 1e-3)];
-    let own = [MeasuredModes {
+    let measured = [MeasuredModes {
         frfs: &sets,
         ..MeasuredModes::new("t", &test)
     }];
     let options = options(Residuals::FrfComplex);
-    let problem = UpdateProblem::new(&model, &START, &chosen, &own, &sensors, options).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &START, &chosen, &measured, &sensors, options).unwrap();
     let result = update(&problem).unwrap();
     // Every second line of 0.3 to 6.5 Hz.
     let expected = FrfCount {
@@ -207,17 +208,17 @@ fn functions_at_reversed_sensors_are_left_out_where_their_sign_counts() {
     let roving_sensor = functions(&model, &start, FrfKind::Receptance, 1e-3);
     for set in [exchanged(&roving_sensor), roving_sensor] {
         let sets = [set];
-        let own = [MeasuredModes {
+        let measured = [MeasuredModes {
             frfs: &sets,
             ..MeasuredModes::new("t", &test)
         }];
         for (residuals, compared) in KINDS.into_iter().zip([8, 10]) {
             let chosen = free(&["k4"]);
             let options = options(residuals);
-            let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options);
+            let new = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options);
             let problem = new.unwrap();
             assert_eq!(problem.reversed[0].dofs, reversed);
-            let functions = problem.frfs.iter().map(|own| own.function_count());
+            let functions = problem.frfs.iter().map(|set| set.function_count());
             assert_eq!(functions.sum::<usize>(), compared, "{residuals:?}");
         }
     }
@@ -230,13 +231,13 @@ fn functions_know_stiffnesses_better_than_the_modes_they_start_from() {
     let sensors = sensors(&model, &START);
     let chosen = free(&["k1", "k2", "k3"]);
     let sets = [functions(&model, &TRUTH, FrfKind::Accelerance, 1e-4)];
-    let own = [MeasuredModes {
+    let measured = [MeasuredModes {
         frfs: &sets,
         ..MeasuredModes::new("t", &test)
     }];
     let error = |residuals: Residuals| {
         let options = options(residuals);
-        let problem = UpdateProblem::new(&model, &START, &chosen, &own, &sensors, options);
+        let problem = UpdateProblem::new(&model, &START, &chosen, &measured, &sensors, options);
         let result = update(&problem.unwrap()).unwrap();
         assert!(result.stop_reason.converged());
         let pairs = result.values.iter().zip(TRUTH);
@@ -260,13 +261,13 @@ fn functions_that_cannot_be_compared_say_why() {
     let sensors = sensors(&model, &START);
     let chosen = free(&["k1"]);
     let problem = |test: &ModalModel, sets: &[FrfSet]| {
-        let own = [MeasuredModes {
+        let measured = [MeasuredModes {
             frfs: sets,
             ..MeasuredModes::new("t", test)
         }];
         let options = options(Residuals::FrfComplex);
-        let own = UpdateProblem::new(&model, &START, &chosen, &own, &sensors, options)?;
-        update(&own)
+        let problem = UpdateProblem::new(&model, &START, &chosen, &measured, &sensors, options)?;
+        update(&problem)
     };
     assert_eq!(problem(&test, &[]).unwrap_err(), UpdateError::NoFrfs);
     let sets = [functions(&model, &TRUTH, FrfKind::Receptance, 1e-3)];

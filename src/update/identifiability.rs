@@ -17,7 +17,7 @@ use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 
 use super::{FreeParameter, UpdateError};
 
-/// What is known to at most this part of its prior deviation counts as known from the data.
+/// Maximum posterior over prior deviation of a quantity that the data determine.
 pub const KNOWN: f64 = 0.5;
 /// Parts of a combination below this are left out of its words.
 const SMALL_PART: f64 = 0.1;
@@ -155,7 +155,7 @@ fn words(parts: &[(String, f64)], ratio: f64, known: bool) -> String {
         "not known from the data"
     };
     let subject = match parts {
-        [(name, _)] => format!("{name} by itself"),
+        [(name, _)] => format!("{name} alone"),
         [(a, first), (b, second)] if (first.abs() - second.abs()).abs() < SMALL_PART => {
             if second * first > 0.0 {
                 format!("{a} and {b} in the same direction ({})", sum.join(" "))

@@ -37,7 +37,7 @@ pub(super) struct PairedModes {
 impl PairedModes {
     /// Those of the targets of one test.
     pub fn new(test: usize, model: &ModalModel, targets: &[Target]) -> Self {
-        let mut own = Self {
+        let mut found = Self {
             modes: ModalModel {
                 modes: Vec::new(),
                 ..model.clone()
@@ -46,11 +46,11 @@ impl PairedModes {
         };
         for (t, target) in targets.iter().enumerate().filter(|(_, t)| t.test == test) {
             for &i in &target.modes {
-                own.modes.modes.push(model.modes[i].clone());
-                own.target.push(t);
+                found.modes.modes.push(model.modes[i].clone());
+                found.target.push(t);
             }
         }
-        own
+        found
     }
 
     /// Links to a model: by [`pair`] where there are shapes, else by frequency.
@@ -105,12 +105,12 @@ impl PairedModes {
     /// Without shapes: the assignment with the smallest sum of `ln^2(f_model/f_test)` inside the
     /// gate, a root of stated multiplicity to roots of that multiplicity alone.
     fn by_frequency(&self, theory: &ModalModel, targets: &[Target], gate: f64) -> Vec<Link> {
-        let mut own = self.target.clone();
-        own.dedup();
+        let mut measured = self.target.clone();
+        measured.dedup();
         let rigid_hz = highest_rigid_hz(theory);
         let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > rigid_hz;
         let roots: Vec<Vec<usize>> = theory.roots().into_iter().filter(elastic).collect();
-        let states_groups = own.iter().any(|&t| targets[t].modes.len() > 1);
+        let states_groups = measured.iter().any(|&t| targets[t].modes.len() > 1);
         // A root takes as many measured ones as it has modes where the list does not say which
         // belong together.
         let places = |r: usize| if states_groups { 1 } else { roots[r].len() };
@@ -124,13 +124,13 @@ impl PairedModes {
             Some(distance * distance).filter(|cost| fits && *cost <= 1.0)
         };
         let row = |&t: &usize| columns.iter().map(|&r| cost(t, &roots[r])).collect();
-        let costs: Vec<Vec<Option<f64>>> = own.iter().map(row).collect();
+        let costs: Vec<Vec<Option<f64>>> = measured.iter().map(row).collect();
         let chosen: Vec<Option<usize>> = assign(&costs, 1.0)
             .into_iter()
             .map(|column| column.map(|c| columns[c]))
             .collect();
         let link = |(r, modes): (usize, &Vec<usize>)| {
-            let pairs = own.iter().zip(&chosen);
+            let pairs = measured.iter().zip(&chosen);
             let here = pairs.filter(|(_, root)| **root == Some(r));
             Link {
                 targets: here.map(|(&t, _)| t).collect(),
@@ -142,8 +142,8 @@ impl PairedModes {
     }
 }
 
-/// The same links with all modes of every repeated root of which they hold some: part of one has no
-/// shapes and no derivatives of its own. Links of one test that meet in a root become one.
+/// The same links with all modes of every repeated root of which they hold some: part of one has
+/// neither shapes nor derivatives. Links of one test that meet in a root become one.
 pub(super) fn with_whole_roots(
     links: Vec<Link>,
     targets: &[Target],
@@ -153,8 +153,8 @@ pub(super) fn with_whole_roots(
     let test = |link: &Link| link.targets.first().map(|&t| targets[t].test);
     let mut whole: Vec<Link> = Vec::with_capacity(links.len());
     for mut link in links {
-        let own: Vec<u64> = link.modes.iter().map(|&k| bits(k)).collect();
-        let all = (0..modes.omega_rad_s.len()).filter(|&k| own.contains(&bits(k)));
+        let members: Vec<u64> = link.modes.iter().map(|&k| bits(k)).collect();
+        let all = (0..modes.omega_rad_s.len()).filter(|&k| members.contains(&bits(k)));
         link.modes = all.collect();
         let meets = |other: &Link, link: &Link| {
             test(other) == test(link) && other.modes.iter().any(|k| link.modes.contains(k))
@@ -185,7 +185,7 @@ pub(super) fn without_unseen(
         let shapes = link.targets.iter();
         let shapes: Vec<_> = shapes.filter_map(|&t| targets[t].shapes.as_ref()).collect();
         let squared = |k: usize| -> f64 {
-            let of = |own: &&TargetShapes| (&own.rows * modes.vectors.col(k)).squared_norm_l2();
+            let of = |rows: &&TargetShapes| (&rows.rows * modes.vectors.col(k)).squared_norm_l2();
             shapes.iter().map(of).sum()
         };
         let most = link.modes.iter().map(|&k| squared(k)).fold(0.0, f64::max);
@@ -208,19 +208,19 @@ pub(super) fn follow(
     let mut followed: Vec<(usize, &[usize])> = Vec::new();
     for link in links {
         for &mode in &link.modes {
-            if !followed.iter().any(|(own, _)| *own == mode) {
+            if !followed.iter().any(|(known, _)| *known == mode) {
                 followed.push((mode, &link.modes));
             }
         }
     }
     let moved = mass * &after.vectors;
     let n = moved.nrows();
-    let product = |own: usize, k: usize| -> f64 {
-        let parts = (0..n).map(|i| before.vectors[(i, own)] * moved[(i, k)]);
+    let product = |i0: usize, k: usize| -> f64 {
+        let parts = (0..n).map(|i| before.vectors[(i, i0)] * moved[(i, k)]);
         parts.sum()
     };
     let share = |cluster: &[usize], k: usize| -> f64 {
-        cluster.iter().map(|&own| product(own, k).powi(2)).sum()
+        cluster.iter().map(|&i0| product(i0, k).powi(2)).sum()
     };
     let count = after.omega_rad_s.len();
     let shares: Vec<Vec<f64>> = followed
@@ -234,7 +234,7 @@ pub(super) fn follow(
         .collect();
     let chosen = assign(&costs, 1.0);
     let new = |mode: usize| {
-        let place = followed.iter().position(|(own, _)| *own == mode);
+        let place = followed.iter().position(|(known, _)| *known == mode);
         place.and_then(|place| chosen[place]).unwrap_or(mode)
     };
     let link = |link: &Link| {

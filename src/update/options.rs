@@ -6,7 +6,7 @@ use crate::correlate::PairOptions;
 
 use super::UpdateError;
 
-/// What of a test is held against the model.
+/// Measured quantity that is compared with the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Residuals {
@@ -41,7 +41,7 @@ impl Residuals {
 
     /// The kind of a name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|own| own.name() == name)
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Whether FRFs are compared.
@@ -53,7 +53,7 @@ impl Residuals {
 /// Options of updating.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpdateOptions {
-    /// What is held against the model.
+    /// Measured quantity that is compared with the model.
     pub residuals: Residuals,
     /// Deviation of every frequency that the model itself is granted beside the test's, a fraction:
     /// what no value of its parameters mends. 0 trusts the model as far as the test.

@@ -7,7 +7,7 @@ use super::{UpdateError, UpdateOptions};
 /// A change of a value by this part of it is what a linear model is trusted with at first.
 const FIRST_CHANGE: f64 = 0.3;
 
-/// What is known of a parameter beside the test, around the value at which it starts.
+/// Prior distribution of a parameter, around its initial value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
     /// `ln p` is normal with this deviation: the parameter stays above 0.
@@ -176,11 +176,11 @@ pub(super) fn free_parameters(
 ) -> Result<Vec<FreeParameter>, UpdateError> {
     let mut free: Vec<FreeParameter> = Vec::with_capacity(choices.len());
     for choice in choices {
-        let own = FreeParameter::new(model, values, choice, options)?;
-        if free.iter().any(|other| other.index == own.index) {
-            return Err(unknown(model.parameters(), &own.name, "named twice"));
+        let parameter = FreeParameter::new(model, values, choice, options)?;
+        if free.iter().any(|other| other.index == parameter.index) {
+            return Err(unknown(model.parameters(), &parameter.name, "named twice"));
         }
-        free.push(own);
+        free.push(parameter);
     }
     if free.is_empty() {
         return Err(UpdateError::NothingFree);

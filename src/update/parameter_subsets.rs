@@ -50,7 +50,7 @@ impl Change {
     }
 }
 
-/// A measured root that was left out and foretold.
+/// A measured root that was left out and predicted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foretold {
     /// Label of the target.
@@ -92,7 +92,7 @@ pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explana
     let best: Vec<usize> = single
         .iter()
         .take(PAIRED_PARAMETERS)
-        .map(|(own, _)| own[0])
+        .map(|(parameters, _)| parameters[0])
         .collect();
     let pairs = best
         .iter()
@@ -100,9 +100,9 @@ pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explana
         .flat_map(|(i, &a)| best[i + 1..].iter().map(move |&b| vec![a, b]));
     let pairs = trials.ranked(pairs.collect())?;
     let (chosen, proposed) = trials.proposed(&none, &single, &pairs)?;
-    let changes = |own: Vec<(Vec<usize>, Change)>| own.into_iter().map(|(_, c)| c).collect();
+    let changes = |trials: Vec<(Vec<usize>, Change)>| trials.into_iter().map(|(_, c)| c).collect();
     Ok(Explanation {
-        foretold: trials.foretold(&chosen)?,
+        foretold: trials.predict_left_out(&chosen)?,
         none,
         single: changes(single),
         pairs: changes(pairs),
@@ -145,11 +145,18 @@ impl<'b> Trials<'b> {
         let error = |name: &String, reason| UpdateError::Parameter {
             name: name.clone(),
             reason,
-            known: problem.free.iter().map(|own| own.name.clone()).collect(),
+            known: problem
+                .free
+                .iter()
+                .map(|parameter| parameter.name.clone())
+                .collect(),
         };
         let mut places = Vec::with_capacity(always.len());
         for name in always {
-            let found = problem.free.iter().position(|own| own.name == *name);
+            let found = problem
+                .free
+                .iter()
+                .position(|parameter| parameter.name == *name);
             let place = found.ok_or_else(|| error(name, "it is not among the free parameters"))?;
             if places.contains(&place) {
                 return Err(error(name, "named twice as always free"));
@@ -167,8 +174,8 @@ impl<'b> Trials<'b> {
 
     /// The places of a set of candidates, those that are always free with them.
     fn places(&self, chosen: &[usize]) -> Vec<usize> {
-        let own = chosen.iter().map(|&c| self.candidates[c]);
-        self.always.iter().copied().chain(own).collect()
+        let added = chosen.iter().map(|&c| self.candidates[c]);
+        self.always.iter().copied().chain(added).collect()
     }
 
     fn change(&self, chosen: &[usize]) -> Result<Change, UpdateError> {
@@ -183,8 +190,11 @@ impl<'b> Trials<'b> {
             .iter()
             .map(|&c| &self.problem.free[self.candidates[c]]);
         Ok(Change {
-            parameters: named.clone().map(|own| own.name.clone()).collect(),
-            values: named.map(|own| at.values[own.index]).collect(),
+            parameters: named
+                .clone()
+                .map(|parameter| parameter.name.clone())
+                .collect(),
+            values: named.map(|parameter| at.values[parameter.index]).collect(),
             model_values: at.values.clone(),
             free: part.free.len(),
             bic: fit.chi_square + part.free.len() as f64 * (fit.data_count as f64).ln(),
@@ -234,8 +244,8 @@ impl<'b> Trials<'b> {
         Ok(chosen.expect("the empty set was tried").clone())
     }
 
-    /// Every target left out in turn, and foretold by the set from all others.
-    fn foretold(&self, chosen: &[usize]) -> Result<Vec<Foretold>, UpdateError> {
+    /// Every target left out in turn, and predicted by the set from all others.
+    fn predict_left_out(&self, chosen: &[usize]) -> Result<Vec<Foretold>, UpdateError> {
         let part = self.problem.with_free(&self.places(chosen));
         let count = part.targets.len();
         if part.free.is_empty() || count < 2 {

@@ -8,14 +8,15 @@ fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out()
     let start = [100.0, 200.0, 300.0, 150.0];
     let model = chain(&start);
     let test = measured(&model, &[100.0, 200.0, 420.0, 150.0], 1e-3, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let sensors = sensors(&model, &start);
     let options = UpdateOptions {
         starts: 3,
         ..UpdateOptions::default()
     };
     let chosen = free(&["k1", "k2", "k3", "k4"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options).unwrap();
     let found = explain(&problem, &[]).unwrap();
     assert_eq!(found.single.len(), 4);
     assert_eq!(found.pairs.len(), 6);
@@ -44,7 +45,7 @@ fn a_change_far_outside_the_prior_is_found_as_large_as_it_is() {
     let (start, truth) = ([100.0, 200.0], [100.0, 260.0]);
     let model = chain(&start);
     let test = measured(&model, &truth, 1e-2, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.0,
         prior_std: 0.02,
@@ -52,7 +53,7 @@ fn a_change_far_outside_the_prior_is_found_as_large_as_it_is() {
         ..UpdateOptions::default()
     };
     let chosen = free(&["k1", "k2"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &[], options).unwrap();
+    let problem = UpdateProblem::new(&model, &start, &chosen, &measured, &[], options).unwrap();
     let pulled = update(&problem).unwrap();
     assert!(pulled.parameters[1].updated < 250.0);
     let found = single_changes(&problem, &[]).unwrap();

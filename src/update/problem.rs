@@ -75,8 +75,8 @@ impl<'a> UpdateProblem<'a> {
         check_values(model.name(), model.parameters(), values)?;
         let free = free_parameters(model, values, choices, &options)?;
         let mut targets = Vec::new();
-        for (test, own) in measured.iter().enumerate() {
-            targets.extend(targets_of(test, own, options.frequency_floor)?);
+        for (test, set) in measured.iter().enumerate() {
+            targets.extend(targets_of(test, set, options.frequency_floor)?);
         }
         let mut problem = Self {
             model,
@@ -111,8 +111,8 @@ impl<'a> UpdateProblem<'a> {
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         let links = self.links(&self.initial, &self.options.pair)?;
         let place = (self.model, self.initial.as_slice());
-        let rows = measured.iter().zip(&self.reversed).map(|(own, reversed)| {
-            let test = (own.modes, reversed.dofs.as_slice());
+        let rows = measured.iter().zip(&self.reversed).map(|(set, reversed)| {
+            let test = (set.modes, reversed.dofs.as_slice());
             let rows = |floor| ShapeRows::new(place, self.sensors, test, &self.options, floor);
             self.options.shape_floor.map(rows).transpose()
         });
@@ -122,26 +122,26 @@ impl<'a> UpdateProblem<'a> {
             let floor = self.options.frequency_floor;
             let target = &mut self.targets[t];
             target.weigh(floor, 1 + others.len())?;
-            let Some(own) = &rows[target.test] else {
+            let Some(pairing_rows) = &rows[target.test] else {
                 continue;
             };
             let reads = |test: usize, dof: &Dof| rows[test].as_ref().is_some_and(|r| r.reads(dof));
             let tests = |dof: &Dof| 1 + others.iter().filter(|&&test| reads(test, dof)).count();
             let model = measured[target.test].modes;
             let modes: Vec<&Mode> = target.modes.iter().map(|&i| &model.modes[i]).collect();
-            let shapes = own.of(&modes, tests);
+            let shapes = pairing_rows.of(&modes, tests);
             (target.shapes, target.shape_weights) = shapes.unzip();
         }
         Ok(())
     }
 
     /// Sensors of each test with the opposite sign of the model at the start, where values of
-    /// sensors take part. A sensor that is reversed twice, by itself and with its group, is not.
+    /// sensors take part. A sensor that is reversed twice, alone and with its group, is not.
     fn reversed_sensors(
         &self,
         measured: &[MeasuredModes<'_>],
     ) -> Result<Vec<ReversedSensors>, UpdateError> {
-        let names = measured.iter().map(|own| own.name.to_owned());
+        let names = measured.iter().map(|set| set.name.to_owned());
         let takes_part =
             self.options.shape_floor.is_some() || self.options.residuals == Residuals::FrfComplex;
         if !takes_part {
@@ -152,8 +152,8 @@ impl<'a> UpdateProblem<'a> {
             return Ok(names.map(none).collect());
         }
         let theory = self.theory(&self.initial)?.model;
-        let of_test = |(test, own): (String, &PairedModes)| {
-            let found = reversed_sensors(&own.modes, &theory, &self.options.pair)?;
+        let of_test = |(test, paired): (String, &PairedModes)| {
+            let found = reversed_sensors(&paired.modes, &theory, &self.options.pair)?;
             let dofs = named_odd_times(found.into_iter().map(|sensor| sensor.dof));
             Ok(ReversedSensors { test, dofs })
         };
@@ -162,7 +162,7 @@ impl<'a> UpdateProblem<'a> {
 
     /// Leaves out what has no partner at the start.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
-        self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
+        self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
         let links = self.links(&self.initial, &self.options.pair)?;
         let linked = |t: usize| links.iter().any(|link| link.targets.contains(&t));
         let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
@@ -179,13 +179,13 @@ impl<'a> UpdateProblem<'a> {
                 self.left_out.push((target.label, target.hz));
             }
         }
-        self.tests = self.paired_modes(measured.iter().map(|own| own.modes));
+        self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
         Ok(())
     }
 
     fn paired_modes<'b>(&self, models: impl Iterator<Item = &'b ModalModel>) -> Vec<PairedModes> {
-        let own = |(test, model)| PairedModes::new(test, model, &self.targets);
-        models.enumerate().map(own).collect()
+        let of_test = |(test, model)| PairedModes::new(test, model, &self.targets);
+        models.enumerate().map(of_test).collect()
     }
 
     /// The same problem with some of its free parameters, by their place.
@@ -206,20 +206,20 @@ impl<'a> UpdateProblem<'a> {
 
     /// The same problem with shapes of another weight.
     pub(super) fn with_shape_weight(&self, weight: f64) -> Self {
-        let mut own = self.clone();
-        for target in &mut own.targets {
+        let mut weighted = self.clone();
+        for target in &mut weighted.targets {
             if let Some(shapes) = &mut target.shapes {
                 *shapes = shapes.scaled(weight);
             }
         }
-        own
+        weighted
     }
 
     /// The same problem without one of its targets.
     pub fn without_target(&self, gone: usize) -> Self {
-        let mut own = self.clone();
-        own.targets.remove(gone);
-        for test in &mut own.tests {
+        let mut reduced = self.clone();
+        reduced.targets.remove(gone);
+        for test in &mut reduced.tests {
             let kept: Vec<usize> = (0..test.target.len())
                 .filter(|&i| test.target[i] != gone)
                 .collect();
@@ -228,7 +228,7 @@ impl<'a> UpdateProblem<'a> {
             let renumbered = |t: usize| if t > gone { t - 1 } else { t };
             test.target = kept.iter().map(|&i| renumbered(test.target[i])).collect();
         }
-        own
+        reduced
     }
 
     /// All parameters with the free ones at `z`.
@@ -312,7 +312,7 @@ impl<'a> UpdateProblem<'a> {
     pub fn follow(&self, z: &[f64], from: &Evaluation) -> Result<Option<Evaluation>, UpdateError> {
         let followed = |modes: &_| follow(&from.links, &from.modes, &from.matrices.mass, modes);
         match self.evaluate(z, followed) {
-            Ok(own) => Ok(Some(own)),
+            Ok(found) => Ok(Some(found)),
             Err(UpdateError::Theory(
                 TheoryError::OutOfBounds { .. }
                 | TheoryError::PropertyOutOfRange { .. }
@@ -364,8 +364,8 @@ impl<'a> UpdateProblem<'a> {
     /// The residuals of all links, in their order.
     pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<LinkResidual<'b>> {
         let links = at.links.iter();
-        let own = links.map(|link| LinkResidual::new(link, &self.targets, &at.modes));
-        own.collect()
+        let residuals = links.map(|link| LinkResidual::new(link, &self.targets, &at.modes));
+        residuals.collect()
     }
 
     /// Derivatives of the modes of every link by each free parameter, and the parameter's `dp/dz`.
@@ -374,7 +374,7 @@ impl<'a> UpdateProblem<'a> {
         at: &Evaluation,
         residuals: &[LinkResidual<'_>],
     ) -> Result<Vec<(Vec<ModeDerivatives>, f64)>, UpdateError> {
-        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::own).collect();
+        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::modes_of_link).collect();
         let of = |parameter: &FreeParameter| {
             let by = self.model.derivative(&at.values, parameter.index)?;
             let slope = parameter.slope(at.values[parameter.index]);
@@ -385,7 +385,7 @@ impl<'a> UpdateProblem<'a> {
         for (place, residual) in residuals.iter().enumerate() {
             let mut of_link: Vec<(&mut ModeDerivatives, f64)> = all
                 .iter_mut()
-                .map(|(own, slope)| (&mut own[place], *slope))
+                .map(|(column, slope)| (&mut column[place], *slope))
                 .collect();
             residual.split(&mut of_link)?;
         }
@@ -409,10 +409,10 @@ impl<'a> UpdateProblem<'a> {
 fn others_of(target: usize, links: &[Link], targets: &[Target]) -> Vec<usize> {
     let test = |link: &Link| targets[link.targets[0]].test;
     let of_target = links.iter().find(|link| link.targets.contains(&target));
-    let Some(own) = of_target else {
+    let Some(followed) = of_target else {
         return Vec::new();
     };
-    let meets = |link: &&Link| link.modes.iter().any(|mode| own.modes.contains(mode));
+    let meets = |link: &&Link| link.modes.iter().any(|mode| followed.modes.contains(mode));
     let mut others: Vec<usize> = links.iter().filter(meets).map(test).collect();
     others.retain(|&other| other != targets[target].test);
     others.sort_unstable();
@@ -436,7 +436,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sensor_that_is_reversed_by_itself_and_with_its_group_is_not() {
+    fn a_sensor_reversed_alone_and_with_its_group_keeps_its_sign() {
         let dofs = |names: &[&str]| -> Vec<Dof> {
             names.iter().map(|name| name.parse().unwrap()).collect()
         };

@@ -21,12 +21,13 @@ fn options() -> UpdateOptions {
 fn residuals_of_one_spring_are_those_of_the_square_root_of_its_stiffness() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[121.0], 0.003, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
     };
-    let problem = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &measured, &[], options).unwrap();
     // Deviation of 0.3 % and floor of 0.4 %: 0.5 %; the model is at 10/11 of the test.
     let at = problem.start(&[0.0]).unwrap();
     assert!((at.residual[0] + (1.0 / 11.0) / 0.005).abs() < 1e-9);
@@ -46,9 +47,9 @@ fn a_shape_residual_squared_is_one_minus_mac_over_its_variance() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &[140.0, 150.0, 330.0], 0.001, true);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
-    let new = |options| UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+    let new = |options| UpdateProblem::new(&model, &values, &chosen, &measured, &sensors, options);
     let with = new(options()).unwrap();
     let without = new(UpdateOptions {
         shape_floor: None,
@@ -90,9 +91,16 @@ fn derivatives_are_those_of_differences_with_shapes_of_every_machine() {
         };
         let test = measured(model.as_ref(), &values, 0.001, true);
         let sensors = sensors(model.as_ref(), &values);
-        let own = [MeasuredModes::new("t", &test)];
+        let measured = [MeasuredModes::new("t", &test)];
         let chosen = free(&chosen);
-        let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &sensors, options());
+        let new = UpdateProblem::new(
+            model.as_ref(),
+            &values,
+            &chosen,
+            &measured,
+            &sensors,
+            options(),
+        );
         let z = vec![0.1; chosen.len()];
         let worst = against_differences(&new.unwrap(), &z);
         // A step of 1e-4 leaves rounding of about 1e-12/1e-4 of residuals of some hundred.
@@ -116,8 +124,15 @@ fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
     };
     let chosen = free(&["m_p"]);
     let chi_square = |test: &ModalModel| {
-        let own = [MeasuredModes::new("t", test)];
-        let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &own, &[], options.clone());
+        let measured = [MeasuredModes::new("t", test)];
+        let new = UpdateProblem::new(
+            model.as_ref(),
+            &values,
+            &chosen,
+            &measured,
+            &[],
+            options.clone(),
+        );
         let problem = new.unwrap();
         let at = problem.start(&[0.0]).unwrap();
         let sizes: Vec<usize> = at.links.iter().map(|link| link.targets.len()).collect();
@@ -151,16 +166,23 @@ fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
     let mut far = test.modes[0].clone();
     far.frequency_hz *= 3.0;
     test.modes.push(far);
-    let own = [MeasuredModes::new("t", &test)];
-    let problem =
-        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options()).unwrap();
+    let with_shapes = [MeasuredModes::new("t", &test)];
+    let problem = UpdateProblem::new(
+        &model,
+        &[100.0],
+        &free(&["k1"]),
+        &with_shapes,
+        &[],
+        options(),
+    )
+    .unwrap();
     assert_eq!((problem.targets.len(), problem.left_out.len()), (1, 1));
     let alone = ModalModel {
         modes: vec![test.modes[1].clone()],
         ..ModalModel::default()
     };
-    let own = [MeasuredModes::new("t", &alone)];
-    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options());
+    let measured = [MeasuredModes::new("t", &alone)];
+    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &measured, &[], options());
     assert!(matches!(
         error,
         Err(UpdateError::NothingPaired { modes: 1 })
@@ -173,13 +195,13 @@ fn a_measured_mode_that_loses_its_partner_costs_more_than_any_partner_leaves() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &values, 0.003, true);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
     };
     let chosen = free(&["k1", "k2", "k3"]);
-    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+    let new = UpdateProblem::new(&model, &values, &chosen, &measured, &sensors, options);
     let problem = new.unwrap();
     let at = problem.start(&[0.0; 3]).unwrap();
     let with_all = problem.data_count(&at);
@@ -207,9 +229,9 @@ fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
     let model = chain(&values);
     let sensors = sensors(&model, &values);
     let test = measured(&model, &values, 0.001, true);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
-    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
+    let new = UpdateProblem::new(&model, &values, &chosen, &measured, &sensors, options());
     let problem = new.unwrap();
     let paired = |stiffer: f64| {
         let z = stiffer.ln() / 0.3;
@@ -225,9 +247,9 @@ fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
 fn parameters_that_cannot_be_meant_are_named() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[100.0], 0.001, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let sets = [MeasuredModes::new("t", &test)];
     let new = |choices: &[ParameterChoice], options| {
-        UpdateProblem::new(&model, &[100.0], choices, &own, &[], options).unwrap_err()
+        UpdateProblem::new(&model, &[100.0], choices, &sets, &[], options).unwrap_err()
     };
     assert!(matches!(new(&[], options()), UpdateError::NothingFree));
     assert!(matches!(
@@ -239,22 +261,22 @@ fn parameters_that_cannot_be_meant_are_named() {
         UpdateError::Parameter { .. }
     ));
     let choice = |change: fn(&mut ParameterChoice)| {
-        let mut own = free(&["k1"]);
-        change(&mut own[0]);
-        own
+        let mut choices = free(&["k1"]);
+        change(&mut choices[0]);
+        choices
     };
-    let above = choice(|own| own.lower = Some(101.0));
+    let above = choice(|parameter| parameter.lower = Some(101.0));
     assert!(matches!(new(&above, options()), UpdateError::Bounds { .. }));
-    let flat = choice(|own| own.prior = Some(Prior::Normal { std: 0.0 }));
+    let flat = choice(|parameter| parameter.prior = Some(Prior::Normal { std: 0.0 }));
     assert!(matches!(
         new(&flat, options()),
         UpdateError::PriorDeviation { .. }
     ));
     // A stated deviation keeps the kind of the default.
-    let narrow = choice(|own| own.prior_std = Some(0.1));
-    let problem = UpdateProblem::new(&model, &[100.0], &narrow, &own, &[], options()).unwrap();
+    let narrow = choice(|parameter| parameter.prior_std = Some(0.1));
+    let problem = UpdateProblem::new(&model, &[100.0], &narrow, &sets, &[], options()).unwrap();
     assert_eq!(problem.free[0].prior, Prior::LogNormal { std: 0.1 });
-    let flat = choice(|own| own.prior_std = Some(-0.1));
+    let flat = choice(|parameter| parameter.prior_std = Some(-0.1));
     assert!(matches!(
         new(&flat, options()),
         UpdateError::PriorDeviation { .. }
@@ -272,12 +294,12 @@ fn parameters_that_cannot_be_meant_are_named() {
     ));
     let mut silent = test.clone();
     silent.modes[0].frequency_std_hz = None;
-    let own = [MeasuredModes::new("t", &silent)];
+    let measured = [MeasuredModes::new("t", &silent)];
     let exact = UpdateOptions {
         frequency_floor: 0.0,
         ..options()
     };
-    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], exact);
+    let error = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &measured, &[], exact);
     assert!(matches!(error, Err(UpdateError::NoUncertainty { .. })));
 }
 
@@ -326,18 +348,19 @@ fn of_a_sparse_model_all_roots_that_the_test_can_have_are_seen() {
         frequency_std_hz: Some(0.001 * hz),
         ..Mode::new(hz, None, ModeShape::default(), Scaling::Unknown)
     };
-    // The 12th, the 45th and the 80th root, 0.2 % off: thirty are solved where no band is told.
+    // The 12th, the 45th and the 80th root, 0.2 % off: thirty are solved where no band is stated.
     let test = ModalModel {
         modes: [120.24, 450.9, 801.6].map(mode).to_vec(),
         ..ModalModel::default()
     };
-    let own = [MeasuredModes::new("t", &test)];
-    let problem = UpdateProblem::new(&model, &[1.0], &free(&["k"]), &own, &[], options()).unwrap();
+    let measured = [MeasuredModes::new("t", &test)];
+    let problem =
+        UpdateProblem::new(&model, &[1.0], &free(&["k"]), &measured, &[], options()).unwrap();
     assert_eq!(problem.left_out, []);
     let labels: Vec<&str> = problem
         .targets
         .iter()
-        .map(|own| own.label.as_str())
+        .map(|target| target.label.as_str())
         .collect();
     assert_eq!(labels, ["t f1", "t f2", "t f3"]);
     let links = problem.links(&[1.0], &problem.options.pair).unwrap();

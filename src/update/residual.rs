@@ -7,7 +7,7 @@
 //! of all modes of the root.
 //!
 //! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at
-//! the sensors, both divided by the deviations: what is left of a shape when the scale is free.
+//! the sensors, both divided by the deviations: the residual of a shape with free scale.
 //! With equal deviations `sigma` of all `d` components, whose root mean square is 1, its square is
 //! `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
 //!
@@ -24,47 +24,47 @@ use super::{Link, Target, UpdateError};
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// A vector of which less than this part is independent of those before adds no direction.
 const DEPENDENT: f64 = 1e-8;
-/// Measured shapes tell the branches of a root apart when the smallest singular value of their
-/// coefficients is not below this part of the largest.
-const TOLD_APART: f64 = 0.2;
+/// Minimum ratio of the smallest to the largest singular value of the coefficients of measured
+/// shapes that separate the branches of a root.
+const MIN_SINGULAR_VALUE_RATIO: f64 = 0.2;
 
 /// One link with what it needs.
 pub(super) struct LinkResidual<'a> {
     targets: Vec<&'a Target>,
     modes: &'a TheoryModes,
     /// Ascending in frequency.
-    own: Vec<usize>,
+    members: Vec<usize>,
     /// The model's shapes at the sensors of each target that has shapes.
     projections: Vec<Option<Projection>>,
 }
 
 impl<'a> LinkResidual<'a> {
     pub fn new(link: &Link, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
-        let mut own = link.modes.clone();
-        own.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
+        let mut members = link.modes.clone();
+        members.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
         let targets: Vec<&Target> = link.targets.iter().map(|&t| &targets[t]).collect();
         let projection = |target: &&Target| {
             let shapes = target.shapes.as_ref()?;
-            Some(Projection::of_modes(shapes, modes, &own))
+            Some(Projection::of_modes(shapes, modes, &members))
         };
         Self {
             projections: targets.iter().map(projection).collect(),
             targets,
             modes,
-            own,
+            members,
         }
     }
 
     /// The modes that it needs derivatives of, in its order.
-    pub fn own(&self) -> &[usize] {
-        &self.own
+    pub fn modes_of_link(&self) -> &[usize] {
+        &self.members
     }
 
-    /// For every target the modes, by their place in `own`, whose mean frequency it measures.
+    /// For every target the modes, by their index in `members`, whose mean frequency it measures.
     fn branches(&self) -> Vec<std::ops::Range<usize>> {
         let measured: usize = self.targets.iter().map(|t| t.modes.len()).sum();
-        let whole = 0..self.own.len();
-        if measured != self.own.len() {
+        let whole = 0..self.members.len();
+        if measured != self.members.len() {
             return self.targets.iter().map(|_| whole.clone()).collect();
         }
         let mut start = 0;
@@ -77,7 +77,9 @@ impl<'a> LinkResidual<'a> {
     }
 
     fn model_hz(&self, branch: &std::ops::Range<usize>) -> f64 {
-        let omega = branch.clone().map(|k| self.modes.omega_rad_s[self.own[k]]);
+        let omega = branch
+            .clone()
+            .map(|k| self.modes.omega_rad_s[self.members[k]]);
         omega.sum::<f64>() / branch.len() as f64 / std::f64::consts::TAU
     }
 
@@ -92,7 +94,7 @@ impl<'a> LinkResidual<'a> {
         let k = e.len();
         let mean = e.iter().sum::<f64>() / (k as f64).sqrt();
         let measured: usize = self.targets.iter().map(|t| t.modes.len()).sum();
-        if measured != self.own.len() {
+        if measured != self.members.len() {
             return vec![mean];
         }
         let split = |j: usize| {
@@ -135,7 +137,7 @@ impl<'a> LinkResidual<'a> {
 
     /// Derivatives of [`frequencies_hz`](Self::frequencies_hz), Hz per unit of the parameter.
     pub fn frequency_derivatives_hz(&self, by: &ModeDerivatives) -> Vec<f64> {
-        let slope = |k: usize| 0.5 * by.projected[(k, k)] / self.modes.omega_rad_s[self.own[k]];
+        let slope = |k: usize| 0.5 * by.projected[(k, k)] / self.modes.omega_rad_s[self.members[k]];
         let mean = |branch: &std::ops::Range<usize>| {
             let sum: f64 = branch.clone().map(slope).sum();
             sum / branch.len() as f64 / std::f64::consts::TAU
@@ -147,22 +149,23 @@ impl<'a> LinkResidual<'a> {
     /// basis, so that the diagonals of `projected` are those of its branches: those whose shapes
     /// the targets measured, in their order, where the shapes tell; else, ascending, as a mixture
     /// of all parameters grows. Where the parameters split the root into the same shapes, these are
-    /// the branches of each parameter by itself, too.
+    /// the branches of each single parameter, too.
     pub fn split(&self, by: &mut [(&mut ModeDerivatives, f64)]) -> Result<(), UpdateError> {
-        let m = self.own.len();
-        let bits = |k: usize| self.modes.omega_rad_s[self.own[k]].to_bits();
+        let m = self.members.len();
+        let bits = |k: usize| self.modes.omega_rad_s[self.members[k]].to_bits();
         if m < 2 || (1..m).any(|k| bits(k) != bits(0)) {
             return Ok(());
         }
         if let Some(basis) = self.measured_basis()? {
-            for (own, _) in by {
-                own.projected = basis.transpose() * &own.projected * &basis;
+            for (pencil, _) in by {
+                pencil.projected = basis.transpose() * &pencil.projected * &basis;
             }
             return Ok(());
         }
         let mut mixture = real_matrix(m, m, |_, _| 0.0);
-        for (number, (own, weight)) in by.iter().enumerate() {
-            let p = |r: usize, c: usize| weight * (own.projected[(r, c)] + own.projected[(c, r)]);
+        for (number, (pencil, weight)) in by.iter().enumerate() {
+            let p =
+                |r: usize, c: usize| weight * (pencil.projected[(r, c)] + pencil.projected[(c, r)]);
             let entries = (0..m * m).map(|i| p(i / m, i % m).powi(2));
             let size = entries.sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
             // Parts without a ratio among whole numbers: no two sums of parameters weigh the same.
@@ -170,22 +173,22 @@ impl<'a> LinkResidual<'a> {
             mixture += real_matrix(m, m, |r, c| part * p(r, c) / size);
         }
         let basis = crate::linalg::symmetric_eigen(&mixture)?.vectors;
-        for (own, _) in by {
-            own.projected = basis.transpose() * &own.projected * &basis;
+        for (pencil, _) in by {
+            pencil.projected = basis.transpose() * &pencil.projected * &basis;
         }
         Ok(())
     }
 
     /// The orthonormal basis of a root next to the measured shapes, one column for each of them: `C
     /// (C^T C)^(-1/2)` with the shapes' coefficients `C` over the modes. `None` unless as many were
-    /// measured as there are modes, and told apart.
+    /// measured as there are modes, and the shapes separate them.
     fn measured_basis(&self) -> Result<Option<RealMatrix>, UpdateError> {
-        let m = self.own.len();
+        let m = self.members.len();
         let of_shapes = |(shapes, projection): (&TargetShapes, &Projection)| {
             let vectors = shapes.vectors.iter();
-            let own = vectors
+            let residuals = vectors
                 .map(|v| (projection.columns.len() == m).then(|| projection.coefficients(v)));
-            own.collect::<Vec<_>>()
+            residuals.collect::<Vec<_>>()
         };
         let columns: Option<Vec<Vec<f64>>> = self.shapes().flat_map(of_shapes).collect();
         let Some(columns) = columns.filter(|columns| columns.len() == m) else {
@@ -198,7 +201,7 @@ impl<'a> LinkResidual<'a> {
         let columns: Vec<Vec<f64>> = columns.iter().map(unit).collect();
         let c = real_matrix(m, m, |i, j| columns[j][i]);
         let (values, v) = right_singular_vectors(&c)?;
-        if values[m - 1] < TOLD_APART * values[0] {
+        if values[m - 1] < MIN_SINGULAR_VALUE_RATIO * values[0] {
             return Ok(None);
         }
         let half = real_matrix(m, m, |i, j| {
@@ -209,7 +212,7 @@ impl<'a> LinkResidual<'a> {
 
     fn shapes(&self) -> impl Iterator<Item = (&TargetShapes, &Projection)> {
         let pairs = self.targets.iter().zip(&self.projections);
-        pairs.filter_map(|(target, own)| target.shapes.as_ref().zip(own.as_ref()))
+        pairs.filter_map(|(target, projection)| target.shapes.as_ref().zip(projection.as_ref()))
     }
 
     /// How many residuals say something: a shape has lost one for every direction of the model that
@@ -217,7 +220,7 @@ impl<'a> LinkResidual<'a> {
     pub fn informative(&self) -> usize {
         let e = vec![0.0; self.targets.len()];
         let vectors = self.shapes().flat_map(|(shapes, _)| &shapes.vectors);
-        let shapes = vectors.map(|v| v.len().saturating_sub(self.own.len()));
+        let shapes = vectors.map(|v| v.len().saturating_sub(self.members.len()));
         self.contrasts(&e).len() + shapes.sum::<usize>()
     }
 
@@ -232,7 +235,7 @@ impl<'a> LinkResidual<'a> {
     }
 }
 
-/// The model's shapes `Phi = Q R` at the sensors; columns without a direction of their own are left
+/// The model's shapes `Phi = Q R` at the sensors; linearly dependent columns are left
 /// out.
 pub(super) struct Projection {
     q: Vec<Vec<f64>>,
@@ -244,7 +247,7 @@ pub(super) struct Projection {
 
 impl Projection {
     /// Of the shapes of modes of the model at the sensors of a target.
-    pub fn of_modes(shapes: &TargetShapes, modes: &TheoryModes, own: &[usize]) -> Self {
+    pub fn of_modes(shapes: &TargetShapes, modes: &TheoryModes, nearest: &[usize]) -> Self {
         let (d, n) = (shapes.rows.nrows(), shapes.rows.ncols());
         let column = |&mode: &usize| {
             let reading = |row: usize| -> f64 {
@@ -253,7 +256,7 @@ impl Projection {
             };
             (0..d).map(reading).collect()
         };
-        Self::of_columns(own.iter().map(column))
+        Self::of_columns(nearest.iter().map(column))
     }
 
     /// Of any columns.

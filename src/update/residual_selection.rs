@@ -29,13 +29,13 @@ impl UpdateProblem<'_> {
         links: &[Link],
     ) -> Result<Vec<f64>, UpdateError> {
         if self.compares_frfs {
-            let values = self.frfs.iter().flat_map(|own| own.values(matrices));
+            let values = self.frfs.iter().flat_map(|set| set.values(matrices));
             return Ok(values.collect());
         }
         if self.options.residuals == Residuals::ModalDynamic {
             let condensation = modes.condensation.as_deref();
             let of_target =
-                |(shapes, own): DynamicPair<'_>| own.values(shapes, matrices, condensation);
+                |(shapes, dynamic): DynamicPair<'_>| dynamic.values(shapes, matrices, condensation);
             let parts: Vec<Vec<f64>> = self.dynamic().map(of_target).collect::<Result<_, _>>()?;
             return Ok(parts.concat());
         }
@@ -56,14 +56,14 @@ impl UpdateProblem<'_> {
             let parts = self.frfs.iter();
             joined(
                 parts
-                    .map(|own| own.derivatives(&at.matrices, &by))
+                    .map(|set| set.derivatives(&at.matrices, &by))
                     .collect(),
             )
         } else if self.options.residuals == Residuals::ModalDynamic {
             let by = self.system_derivatives(at)?;
             let condensation = at.modes.condensation.as_deref();
-            let of_target = |(shapes, own): DynamicPair<'_>| {
-                own.derivatives(shapes, &at.matrices, condensation, &by)
+            let of_target = |(shapes, dynamic): DynamicPair<'_>| {
+                dynamic.derivatives(shapes, &at.matrices, condensation, &by)
             };
             let parts = self.dynamic().map(of_target);
             joined(parts.collect::<Result<_, UpdateError>>()?)
@@ -72,7 +72,9 @@ impl UpdateProblem<'_> {
             let by = self.derivatives(at, &residuals)?;
             let column = |(by, _): &(Vec<crate::theory::ModeDerivatives>, f64)| {
                 let pairs = residuals.iter().zip(by);
-                pairs.flat_map(|(own, by)| own.derivatives(by)).collect()
+                pairs
+                    .flat_map(|(residual, by)| residual.derivatives(by))
+                    .collect()
             };
             by.iter().map(column).collect()
         };
@@ -84,14 +86,14 @@ impl UpdateProblem<'_> {
         let data = at.data_rows;
         let n = self.free.len();
         let mut jacobian = real_matrix(data + n, n, |_, _| 0.0);
-        for (j, (own, column)) in self.free.iter().zip(columns).enumerate() {
-            let value = at.values[own.index];
-            let slope = own.slope(value);
+        for (j, (parameter, column)) in self.free.iter().zip(columns).enumerate() {
+            let value = at.values[parameter.index];
+            let slope = parameter.slope(value);
             for (row, by) in column.iter().enumerate() {
                 jacobian[(row, j)] = by * slope;
             }
             if (0..data).any(|row| !jacobian[(row, j)].is_finite()) {
-                let name = own.name.clone();
+                let name = parameter.name.clone();
                 return Err(UpdateError::Derivative { name, value });
             }
             jacobian[(data + j, j)] = self.prior_weight;
@@ -101,8 +103,8 @@ impl UpdateProblem<'_> {
 
     fn system_derivatives(&self, at: &Evaluation) -> Result<Vec<SystemDerivative>, UpdateError> {
         let by = self.free.iter();
-        let own = by.map(|own| Ok(self.model.derivative(&at.values, own.index)?));
-        own.collect()
+        let slopes = by.map(|parameter| Ok(self.model.derivative(&at.values, parameter.index)?));
+        slopes.collect()
     }
 
     /// Number of residuals of data that say something.
@@ -112,7 +114,7 @@ impl UpdateProblem<'_> {
         }
         if self.options.residuals == Residuals::ModalDynamic {
             // The motion of all coordinates is free, and takes as many residuals as the force has:
-            // what is left is the shape where the root's modes do not reach, and its one frequency.
+            // the shape outside the root's modes and its one frequency remain.
             return self.targets.iter().map(Target::informative).sum();
         }
         let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
@@ -131,8 +133,8 @@ impl UpdateProblem<'_> {
     }
 
     fn dynamic(&self) -> impl Iterator<Item = DynamicPair<'_>> {
-        let own = self.targets.iter();
-        own.filter_map(|own| own.shapes.as_ref().zip(own.dynamic.as_ref()))
+        let targets = self.targets.iter();
+        targets.filter_map(|target| target.shapes.as_ref().zip(target.dynamic.as_ref()))
     }
 
     /// Modal dynamic residuals of the targets, weighed at these links.
@@ -172,10 +174,10 @@ impl UpdateProblem<'_> {
         let rows = self.sensors.iter().map(row);
         let sensors: Vec<(Dof, Vec<f64>)> = rows.collect::<Result<_, UpdateError>>()?;
         let mut all = Vec::new();
-        for (test, own) in measured.iter().enumerate() {
-            let choice = choice(&self.options, own);
-            let is_reversed = self.at_reversed_sensor(test, own.frfs);
-            for set in own.frfs {
+        for (test, test_data) in measured.iter().enumerate() {
+            let choice = choice(&self.options, test_data);
+            let is_reversed = self.at_reversed_sensor(test, test_data.frfs);
+            for set in test_data.frfs {
                 self.frfs_given += set.len();
                 all.extend(FrfTarget::new(test, set, &sensors, &choice, &is_reversed)?);
             }
@@ -195,17 +197,17 @@ impl UpdateProblem<'_> {
         sets: &[FrfSet],
     ) -> impl Fn(&Function) -> bool + use<> {
         let functions = || sets.iter().flat_map(FrfSet::functions);
-        let responses: BTreeSet<&Dof> = functions().map(|own| &own.response).collect();
-        let references: BTreeSet<&Dof> = functions().map(|own| &own.reference).collect();
+        let responses: BTreeSet<&Dof> = functions().map(|function| &function.response).collect();
+        let references: BTreeSet<&Dof> = functions().map(|function| &function.reference).collect();
         let hits_rove = responses.len() < references.len();
         let counts = self.options.residuals == Residuals::FrfComplex;
         let reversed = self.reversed[test].dofs.iter().map(Dof::positive);
         let reversed: Vec<Dof> = reversed.filter(|_| counts).collect();
-        move |own: &Function| {
+        move |function: &Function| {
             let sensor = if hits_rove {
-                &own.reference
+                &function.reference
             } else {
-                &own.response
+                &function.response
             };
             reversed.contains(&sensor.positive())
         }
@@ -217,9 +219,9 @@ impl UpdateProblem<'_> {
     /// [`UpdateError::NoDamping`].
     pub(super) fn with_frfs(&self, at: &Evaluation) -> Result<Self, UpdateError> {
         let mut frfs = self.frfs.as_ref().clone();
-        for own in &mut frfs {
-            let ratios = self.damping_ratios(own.test, at)?;
-            own.damp(&at.matrices.mass, &at.modes, &ratios);
+        for set in &mut frfs {
+            let ratios = self.damping_ratios(set.test, at)?;
+            set.damp(&at.matrices.mass, &at.modes, &ratios);
         }
         Ok(Self {
             frfs: Arc::new(frfs),
@@ -243,8 +245,8 @@ impl UpdateProblem<'_> {
         let all = mean(&mut at.links.iter().flat_map(|link| &link.targets));
         let all = all.ok_or(UpdateError::NoDamping { test })?;
         let of_mode = |r: usize| {
-            let own = at.links.iter().filter(|link| link.modes.contains(&r));
-            mean(&mut own.flat_map(|link| &link.targets)).unwrap_or(all)
+            let links = at.links.iter().filter(|link| link.modes.contains(&r));
+            mean(&mut links.flat_map(|link| &link.targets)).unwrap_or(all)
         };
         Ok((0..at.modes.omega_rad_s.len()).map(of_mode).collect())
     }
@@ -259,9 +261,9 @@ fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {
     (0..count).map(column).collect()
 }
 
-fn choice(options: &UpdateOptions, own: &MeasuredModes<'_>) -> Choice {
+fn choice(options: &UpdateOptions, set: &MeasuredModes<'_>) -> Choice {
     Choice {
-        band: own.modes.band,
+        band: set.modes.band,
         most_lines: options.frf_lines,
         floor: options.frf_floor,
         logarithms: options.residuals == Residuals::FrfLogMagnitude,

@@ -34,7 +34,7 @@ pub struct UpdatedParameter {
     pub updated: f64,
     /// Its posterior deviation, with all free parameters uncertain. It takes the model for right
     /// but for the floors: where it does not fit, the root of [`UpdateResult::reduced_chi_square`]
-    /// times it is nearer to what is known.
+    /// times it is the better estimate.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -170,7 +170,7 @@ impl UpdateResult {
     /// `nu = N - sum s^2/(1 + s^2)`: residuals of data less the combinations of parameters that
     /// they determine, at least 1.
     pub fn degrees_of_freedom(&self) -> f64 {
-        let share = |own: &Combination| 1.0 - own.posterior_over_prior.powi(2);
+        let share = |combination: &Combination| 1.0 - combination.posterior_over_prior.powi(2);
         let determined: f64 = self.combinations.iter().map(share).sum();
         (self.after.data_count as f64 - determined).max(1.0)
     }
@@ -273,7 +273,7 @@ fn from_best(
         after: fit(problem, &at, Some(&known))?,
         left_out: problem.left_out.clone(),
         reversed: (problem.reversed.iter())
-            .filter(|own| !own.dofs.is_empty())
+            .filter(|reversed| !reversed.dofs.is_empty())
             .cloned()
             .collect(),
         frfs: problem.frf_count(),
@@ -296,15 +296,19 @@ fn settle(
 ) -> Result<Ended, UpdateError> {
     let part = problem.with_free(kept);
     let z: Vec<f64> = kept.iter().map(|&j| best.at.z[j]).collect();
-    let own = solve(&part, &z)?;
+    let solution = solve(&part, &z)?;
     let mut whole = vec![0.0; problem.free.len()];
-    for (&j, &z) in kept.iter().zip(&own.at.z) {
+    for (&j, &z) in kept.iter().zip(&solution.at.z) {
         whole[j] = z;
     }
-    let at = problem.at_links(&whole, own.at.links)?;
+    let at = problem.at_links(&whole, solution.at.links)?;
     let mut history = best.history;
-    for mut step in own.history {
-        let mut values: Vec<f64> = problem.free.iter().map(|own| own.initial).collect();
+    for mut step in solution.history {
+        let mut values: Vec<f64> = problem
+            .free
+            .iter()
+            .map(|parameter| parameter.initial)
+            .collect();
         for (&j, value) in kept.iter().zip(&step.values) {
             values[j] = *value;
         }
@@ -312,13 +316,15 @@ fn settle(
         history.push(step);
     }
     let mut changes = best.pairing_changes;
-    changes.extend(own.pairing_changes);
-    Ok((at, history, changes, own.stop_reason))
+    changes.extend(solution.pairing_changes);
+    Ok((at, history, changes, solution.stop_reason))
 }
 
 fn data_jacobian(solution: &Solution) -> RealMatrix {
-    let own = &solution.jacobian;
-    real_matrix(solution.at.data_rows, own.ncols(), |i, j| own[(i, j)])
+    let jacobian = &solution.jacobian;
+    real_matrix(solution.at.data_rows, jacobian.ncols(), |i, j| {
+        jacobian[(i, j)]
+    })
 }
 
 /// An end belongs to the best optimum when no parameter is further off than a tenth of its
@@ -331,7 +337,7 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
     };
     let values = |z: &[f64]| -> Vec<f64> {
         let free = problem.free.iter().zip(z);
-        free.map(|(own, z)| own.value(*z)).collect()
+        free.map(|(parameter, z)| parameter.value(*z)).collect()
     };
     let mut ends: Vec<(f64, &Vec<f64>)> = found
         .objectives
@@ -345,8 +351,8 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut others: Vec<(&Vec<f64>, OtherOptimum)> = Vec::new();
     for (objective, z) in ends {
-        match others.iter_mut().find(|(own, _)| near(own, z)) {
-            Some((_, own)) => own.count += 1,
+        match others.iter_mut().find(|(known, _)| near(known, z)) {
+            Some((_, optimum)) => optimum.count += 1,
             None => {
                 let values = values(z);
                 others.push((
@@ -365,7 +371,7 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
         reached,
         failed: found.ends.len() - count,
         seed: problem.options.seed,
-        others: others.into_iter().map(|(_, own)| own).collect(),
+        others: others.into_iter().map(|(_, optimum)| optimum).collect(),
     })
 }
 
@@ -376,7 +382,7 @@ fn parameters(
     kept: &[usize],
 ) -> Vec<UpdatedParameter> {
     let finite = |value: f64| value.is_finite().then_some(value);
-    let own = problem.free.iter().enumerate().map(|(j, parameter)| {
+    let parameters = problem.free.iter().enumerate().map(|(j, parameter)| {
         let z = at.z[j];
         let (lower, upper) = parameter.bounds();
         let at_bound = z - lower < AT_BOUND || upper - z < AT_BOUND;
@@ -399,10 +405,10 @@ fn parameters(
             held,
         }
     });
-    own.collect()
+    parameters.collect()
 }
 
-/// The model at a point against the targets; with what is known of the parameters also its own
+/// The model at a point against the targets; with the covariance of the parameters also its
 /// deviation.
 pub(super) fn fit(
     problem: &UpdateProblem<'_>,
@@ -453,8 +459,8 @@ fn frequency_stds(
     let residuals = problem.residuals(at);
     let by = problem.derivatives(at, &residuals)?;
     for (j, (by, slope)) in by.iter().enumerate() {
-        for ((link, residual), own) in at.links.iter().zip(&residuals).zip(by) {
-            let hz = residual.frequency_derivatives_hz(own);
+        for ((link, residual), derivatives) in at.links.iter().zip(&residuals).zip(by) {
+            let hz = residual.frequency_derivatives_hz(derivatives);
             for (&target, hz) in link.targets.iter().zip(hz) {
                 slopes[target].get_or_insert_with(|| vec![0.0; n])[j] = hz * slope;
             }

@@ -21,12 +21,13 @@ fn options() -> UpdateOptions {
 fn the_posterior_deviation_of_one_spring_is_that_of_its_frequency_twice() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[121.0], 0.003, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         frequency_floor: 0.004,
         ..options()
     };
-    let problem = UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &own, &[], options).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &measured, &[], options).unwrap();
     let found = update(&problem).unwrap();
     let k = &found.parameters[0];
     assert_eq!((k.verdict, k.held), (Verdict::Identified, false));
@@ -50,10 +51,11 @@ fn a_parameter_that_no_residual_depends_on_is_named_and_stays_where_it_was() {
     let model = chain(&start);
     let mut test = measured(&model, &[130.0, 100.0, 1e9], 1e-3, false);
     test.modes.truncate(2);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k3", "k2"]);
     let sensors = sensors(&model, &start);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options()).unwrap();
     let found = update(&problem).unwrap();
     let verdicts: Vec<Verdict> = found.parameters.iter().map(|p| p.verdict).collect();
     use Verdict::{Identified, NotSupported};
@@ -72,10 +74,11 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
     let model = chain(&start);
     let mut test = measured(&model, &[120.0, 120.0], 1e-3, false);
     test.modes.truncate(1);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let sensors = sensors(&model, &start);
     let chosen = free(&["k1", "k2"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options()).unwrap();
     let found = update(&problem).unwrap();
     let [known, unknown] = &found.combinations[..] else {
         panic!("two combinations: {:?}", found.combinations)
@@ -87,8 +90,8 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
         "{}",
         unknown.text
     );
-    // k2 hardly moves the first mode, but both are seen; only k1, which does most of it, is told
-    // from the prior.
+    // k2 hardly moves the first mode, but both are seen; only k1, which has the larger effect, is
+    // determined beyond the prior.
     assert!(
         found
             .parameters
@@ -113,13 +116,13 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
     let sensors = sensors(&model, &start);
     let result = |truth: &[f64]| {
         let test = measured(&model, truth, 1e-3, false);
-        let own = [MeasuredModes::new("t", &test)];
+        let measured = [MeasuredModes::new("t", &test)];
         let chosen = free(&["k1"]);
-        let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options());
+        let new = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options());
         update(&new.unwrap()).unwrap()
     };
-    let told = |own: &UpdateResult| {
-        let findings = own.findings();
+    let misfit_finding = |result: &UpdateResult| {
+        let findings = result.findings();
         let found = findings.iter().find(|f| f.code == Code::MisfitRemains);
         found.map(|f| (f.severity, f.value))
     };
@@ -129,9 +132,12 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
     assert!((wrong.degrees_of_freedom() - 2.0).abs() < 1e-3);
     let expected = wrong.after.chi_square / wrong.degrees_of_freedom();
     assert!(expected > 10.0, "{expected}");
-    assert_eq!(told(&wrong), Some((Severity::Warning, Some(expected))));
+    assert_eq!(
+        misfit_finding(&wrong),
+        Some((Severity::Warning, Some(expected)))
+    );
     let right = result(&[130.0, 100.0, 100.0]);
-    assert!(right.fits() && told(&right).is_none());
+    assert!(right.fits() && misfit_finding(&right).is_none());
 }
 
 #[test]
@@ -141,10 +147,11 @@ fn where_nothing_is_seen_there_is_no_history_of_a_discarded_optimum() {
     let model = chain(&start);
     let mut test = measured(&model, &[130.0, 1e9], 1e-3, false);
     test.modes.truncate(1);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let sensors = sensors(&model, &start);
     let chosen = free(&["k2"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options()).unwrap();
+    let problem =
+        UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options()).unwrap();
     let found = update(&problem).unwrap();
     assert!(found.parameters[0].held);
     assert_eq!(found.stop_reason, StopReason::NothingSeen);
@@ -163,7 +170,7 @@ fn labels_are_the_numbers_that_were_given_and_errors_have_the_stated_reference()
     let values = [100.0, 200.0];
     let model = chain(&values);
     let test = measured(&model, &[121.0, 242.0], 1e-3, false);
-    let own = [MeasuredModes {
+    let measured = [MeasuredModes {
         numbers: &[4, 7],
         ..MeasuredModes::new("t", &test)
     }];
@@ -175,7 +182,7 @@ fn labels_are_the_numbers_that_were_given_and_errors_have_the_stated_reference()
         let mut options = options();
         options.pair.error_reference = reference;
         let chosen = free(&["k1", "k2"]);
-        let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options);
+        let new = UpdateProblem::new(&model, &values, &chosen, &measured, &sensors, options);
         let rows = update(&new.unwrap()).unwrap().before.rows;
         let labels: Vec<&str> = rows.iter().map(|row| row.label.as_str()).collect();
         assert_eq!(labels, ["t f4", "t f7"]);
@@ -194,12 +201,12 @@ fn a_measured_mode_without_a_partner_is_named_in_the_findings() {
     let values = [100.0, 200.0];
     let sensors = sensors(&model, &values);
     let test = measured(&model, &[104.0, 200.0], 1e-3, true);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1"]);
-    let new = UpdateProblem::new(&model, &values, &chosen, &own, &sensors, options());
+    let new = UpdateProblem::new(&model, &values, &chosen, &measured, &sensors, options());
     let mut found = update(&new.unwrap()).unwrap();
-    let lost = |own: &UpdateResult| {
-        let findings = own.findings().into_iter();
+    let lost = |result: &UpdateResult| {
+        let findings = result.findings().into_iter();
         let places = findings.filter(|f| f.code == Code::PartnerLost);
         places.map(|f| f.place).collect::<Vec<_>>()
     };
@@ -220,9 +227,9 @@ fn values_of_reversed_sensors_take_no_part() {
     let updated = |dofs: &[&str]| {
         let dofs: Vec<Dof> = dofs.iter().map(|dof| dof.parse().unwrap()).collect();
         let test = turned(&measured(&model, &truth, 1e-2, true), &dofs);
-        let own = [MeasuredModes::new("t", &test)];
+        let measured = [MeasuredModes::new("t", &test)];
         let chosen = free(&["k4", "k8"]);
-        let new = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options());
+        let new = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options());
         update(&new.unwrap()).unwrap()
     };
     let as_measured = updated(&[]);
@@ -230,7 +237,10 @@ fn values_of_reversed_sensors_take_no_part() {
     assert!(!as_measured.findings().iter().any(is_left_out));
     let reversed = updated(&["m3:+X", "m6:+X"]);
     let findings = reversed.findings();
-    let left_out = findings.iter().find(|own| is_left_out(own)).unwrap();
+    let left_out = findings
+        .iter()
+        .find(|finding| is_left_out(finding))
+        .unwrap();
     assert_eq!(left_out.value, Some(2.0));
     assert_eq!(left_out.detail.as_deref(), Some("t: m3:+X, m6:+X"));
     assert!(reversed.after.data_count < as_measured.after.data_count);
@@ -247,9 +257,9 @@ fn covariance_of_a_known_sensitivity_is_its_closed_form() {
     let model = chain(&[100.0, 200.0]);
     let values = [100.0, 200.0];
     let test = measured(&model, &values, 1e-3, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2"]);
-    let new = UpdateProblem::new(&model, &values, &chosen, &own, &[], options());
+    let new = UpdateProblem::new(&model, &values, &chosen, &measured, &[], options());
     let free = new.unwrap().free;
     // J = (3, 4): the direction (0.6, 0.8) has s = 5, the other one none.
     let jacobian = real_matrix(1, 2, |_, j| if j == 0 { 3.0 } else { 4.0 });

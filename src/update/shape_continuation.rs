@@ -1,5 +1,5 @@
-//! Other ways from a start whose end leaves a misfit: frequencies first, and the pairs of the model
-//! as it stands.
+//! Graduated weights of shapes restart an update that ends with a misfit: frequencies first, then
+//! the pairs of the initial model.
 //!
 //! Shapes make the objective rough: far from the optimum a mode may look like another, and the
 //! iteration ends beside the point or at bounds. Frequencies are smooth. Here shapes begin with
@@ -13,7 +13,7 @@ use super::result::largest_chi_square;
 use super::solve::{Solution, solve_from};
 use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
 
-/// Weights of shapes, one after the other, before their own.
+/// Weights of shapes, one after the other, before the stated weight.
 const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
 /// Steps on the line from the model as it stands to a start.
 const STEPS: usize = 20;
@@ -27,7 +27,7 @@ pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> b
 }
 
 /// From the pairs of the start.
-pub(super) fn with_own_pairs(
+pub(super) fn with_pairs_of_the_start(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,
 ) -> Result<Option<Solution>, UpdateError> {
@@ -60,13 +60,13 @@ fn graduated(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,
 ) -> Result<Option<Solution>, UpdateError> {
-    if problem.targets.iter().all(|own| own.shapes.is_none()) {
+    if problem.targets.iter().all(|target| target.shapes.is_none()) {
         return Ok(None);
     }
     let (mut z, mut links) = (start.z.clone(), start.links.clone());
     for weight in WEIGHTS {
-        let own = problem.with_shape_weight(weight);
-        let end = solve_from(&own, own.at_links(&z, links)?)?;
+        let reweighted = problem.with_shape_weight(weight);
+        let end = solve_from(&reweighted, reweighted.at_links(&z, links)?)?;
         (z, links) = (end.at.z, end.at.links);
     }
     solve_from(problem, problem.at_links(&z, links)?).map(Some)

@@ -19,15 +19,17 @@ use crate::linalg::{RealMatrix, real_matrix, upper_triangle};
 
 use super::bounded::bounded_least_squares;
 use super::history::{Iteration, PairingChange, StopReason};
-use super::shape_continuation::{leaves_a_misfit, with_own_pairs, with_pairs_of_the_model};
+use super::shape_continuation::{
+    leaves_a_misfit, with_pairs_of_the_model, with_pairs_of_the_start,
+};
 use super::{Evaluation, Link, UpdateError, UpdateProblem};
 
 /// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no
 /// parameter by more than a ten-thousandth of its posterior deviation.
-const LEAST_DECREASE: f64 = 1e-8;
+const MIN_RELATIVE_DECREASE: f64 = 1e-8;
 /// A radius below this is as small as rounding of `z` allows.
-const LEAST_RADIUS: f64 = 1e-9;
-/// Share of the foretold decrease below which the box shrinks.
+const MIN_TRUST_RADIUS: f64 = 1e-9;
+/// Share of the predicted decrease below which the box shrinks.
 const POOR: f64 = 0.25;
 /// Share above which it grows.
 const GOOD: f64 = 0.75;
@@ -76,15 +78,15 @@ pub struct MultiStart {
 pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateError> {
     let start = problem.start(z)?;
     let mut best = solve_from(problem, start.clone())?;
-    for way in [with_own_pairs, with_pairs_of_the_model] {
+    for way in [with_pairs_of_the_start, with_pairs_of_the_model] {
         if !leaves_a_misfit(problem, &best.at) {
             break;
         }
-        let own = way(problem, &start)?;
-        let least = LEAST_DECREASE * best.at.objective().max(1.0);
-        let lower = |own: &Solution| own.at.objective() < best.at.objective() - least;
-        if let Some(own) = own.filter(lower) {
-            best = own;
+        let found = way(problem, &start)?;
+        let least = MIN_RELATIVE_DECREASE * best.at.objective().max(1.0);
+        let lower = |solution: &Solution| solution.at.objective() < best.at.objective() - least;
+        if let Some(lower_optimum) = found.filter(lower) {
+            best = lower_optimum;
         }
     }
     Ok(best)
@@ -132,18 +134,18 @@ pub fn solve_from_starts(problem: &UpdateProblem<'_>) -> Result<MultiStart, Upda
     let mut found: Vec<Option<Solution>> = vec![Some(first)];
     for end in ends {
         found.push(match end {
-            Ok(own) => Some(own),
+            Ok(solution) => Some(solution),
             Err(UpdateError::Theory(_) | UpdateError::Derivative { .. }) => None,
             Err(error) => return Err(error),
         });
     }
     let objectives: Vec<Option<f64>> = found
         .iter()
-        .map(|own| own.as_ref().map(|own| own.at.objective()))
+        .map(|end| end.as_ref().map(|solution| solution.at.objective()))
         .collect();
     let all_ends = found
         .iter()
-        .map(|own| own.as_ref().map(|own| own.at.z.clone()));
+        .map(|end| end.as_ref().map(|solution| solution.at.z.clone()));
     let all_ends = all_ends.collect();
     let best = found
         .into_iter()
@@ -219,14 +221,14 @@ impl<'a, 'b> Run<'a, 'b> {
         let mut radius = 1.0;
         while self.history.len() < self.problem.options.max_iterations {
             let (step, after) = self.step(radius)?;
-            let foretold = self.at.objective() - after;
-            if foretold <= LEAST_DECREASE * self.at.objective().max(1.0) {
+            let predicted = self.at.objective() - after;
+            if predicted <= MIN_RELATIVE_DECREASE * self.at.objective().max(1.0) {
                 return Ok(StopReason::NoDecrease);
             }
             let z: Vec<f64> = self.at.z.iter().zip(&step).map(|(z, s)| z + s).collect();
             let next = self.problem.follow(&z, &self.at)?;
             let share = next.as_ref().map_or(f64::NEG_INFINITY, |next| {
-                (self.at.objective() - next.objective()) / foretold
+                (self.at.objective() - next.objective()) / predicted
             });
             if share < POOR {
                 radius *= 0.25;
@@ -241,7 +243,7 @@ impl<'a, 'b> Run<'a, 'b> {
                 self.note_changes(&links, true);
             }
             self.record(radius, taken);
-            if radius < LEAST_RADIUS {
+            if radius < MIN_TRUST_RADIUS {
                 return Ok(StopReason::SmallStep);
             }
         }
@@ -272,8 +274,8 @@ impl<'a, 'b> Run<'a, 'b> {
             let parts = step.iter().enumerate().map(|(k, s)| columns[(i, k)] * s);
             parts.sum::<f64>() - against[i]
         };
-        let foretold = (0..small.nrows()).map(|i| row(i).powi(2)).sum();
-        Ok((step, foretold))
+        let predicted = (0..small.nrows()).map(|i| row(i).powi(2)).sum();
+        Ok((step, predicted))
     }
 
     /// From the result with test and model paired anew there; `None` unless that is another pairing
@@ -288,7 +290,7 @@ impl<'a, 'b> Run<'a, 'b> {
         other.pairing_changes.clone_from(&self.pairing_changes);
         other.note_changes(&self.at.links, false);
         let reason = other.descend()?;
-        let least = LEAST_DECREASE * self.at.objective().max(1.0);
+        let least = MIN_RELATIVE_DECREASE * self.at.objective().max(1.0);
         let lower = other.at.objective() < self.at.objective() - least;
         Ok(lower.then_some((other, reason)))
     }
@@ -296,8 +298,9 @@ impl<'a, 'b> Run<'a, 'b> {
     /// Notes what meets other modes than by the links before.
     fn note_changes(&mut self, before: &[Link], followed: bool) {
         let numbers = |links: &[Link], target: usize| -> Vec<usize> {
-            let own = links.iter().filter(|link| link.targets.contains(&target));
-            own.flat_map(|link| link.modes.iter().map(|mode| mode + 1))
+            let links_of = links.iter().filter(|link| link.targets.contains(&target));
+            links_of
+                .flat_map(|link| link.modes.iter().map(|mode| mode + 1))
                 .collect()
         };
         for (t, target) in self.problem.targets.iter().enumerate() {
@@ -319,7 +322,9 @@ impl<'a, 'b> Run<'a, 'b> {
         self.history.push(Iteration {
             objective: self.at.objective(),
             chi_square: self.at.chi_square(),
-            values: free.map(|own| self.at.values[own.index]).collect(),
+            values: free
+                .map(|parameter| self.at.values[parameter.index])
+                .collect(),
             radius,
             accepted,
         });

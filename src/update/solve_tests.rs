@@ -22,9 +22,9 @@ fn a_chain_gets_its_stiffnesses_back_from_every_start() {
     let model = chain(&start);
     let test = measured(&model, &truth, 1e-4, true);
     let sensors = sensors(&model, &start);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let chosen = free(&["k1", "k2", "k3"]);
-    let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(8))
+    let problem = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, exact(8))
         .expect("parameters of the model");
     let found = solve_from_starts(&problem).expect("every start is in bounds");
     assert!(found.best.stop_reason.converged());
@@ -55,23 +55,26 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
     let sensors = sensors(&model, &start);
     for shapes in [true, false] {
         let test = measured(&model, &[110.0, 110.0], 1e-4, shapes);
-        let own = [MeasuredModes::new("t", &test)];
+        let measured = [MeasuredModes::new("t", &test)];
         let chosen = free(&["kx", "ky"]);
-        let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, exact(1))
+        let problem = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, exact(1))
             .expect("parameters of the model");
         let found = update(&problem).expect("the start is in bounds");
         assert!(found.stop_reason.converged());
-        for own in &found.parameters {
+        for parameter in &found.parameters {
             // Roots nearer than 1e-6 are one, so that their stiffnesses may differ by 2e-6.
-            assert!((own.updated / 110.0 - 1.0).abs() < 3e-6, "{own:?}");
+            assert!(
+                (parameter.updated / 110.0 - 1.0).abs() < 3e-6,
+                "{parameter:?}"
+            );
             // Either frequency is known to sqrt(2) 1e-4, so either stiffness to twice that; the
             // prior is wide.
             let expected = 2.0 * 2.0f64.sqrt() * 1e-4;
             assert!(
-                (own.std / own.updated / expected - 1.0).abs() < 1e-3,
-                "{own:?}"
+                (parameter.std / parameter.updated / expected - 1.0).abs() < 1e-3,
+                "{parameter:?}"
             );
-            assert_eq!(own.verdict, Verdict::Identified);
+            assert_eq!(parameter.verdict, Verdict::Identified);
         }
     }
 }
@@ -80,10 +83,10 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
 fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
     let model = chain(&[100.0]);
     let test = measured(&model, &[139.0], 1e-3, false);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let mut chosen = free(&["k1"]);
     chosen[0].upper = Some(125.0);
-    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &own, &[], exact(1))
+    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &measured, &[], exact(1))
         .expect("parameters of the model");
     let found = solve(&problem, &[0.0]).expect("the start is in bounds");
     assert!(
@@ -95,7 +98,7 @@ fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
 }
 
 #[test]
-fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
+fn crossing_roots_are_tracked_and_the_change_of_order_is_reported() {
     // Planet modes and a rotational mode of the torsional gear with a fixed carrier cross at k_r =
     // 4.308891e7.
     let model = built_in("torsional-planetary/carrier-fixed").expect("a built-in model");
@@ -107,11 +110,18 @@ fn crossing_roots_are_followed_and_the_change_of_order_is_told() {
     let (start, truth) = (at(5.0e7), at(3.7e7));
     let sensors = sensors(model.as_ref(), &start);
     let test = measured(model.as_ref(), &truth, 1e-4, true);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = exact(1);
     let chosen = free(&["k_r"]);
-    let problem = UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &sensors, options)
-        .expect("parameters of the model");
+    let problem = UpdateProblem::new(
+        model.as_ref(),
+        &start,
+        &chosen,
+        &measured,
+        &sensors,
+        options,
+    )
+    .expect("parameters of the model");
     let found = solve(&problem, &[0.0]).expect("the start is in bounds");
     let k_r = found.at.values[problem.free[0].index];
     assert!((k_r / 3.7e7 - 1.0).abs() < 1e-6, "{k_r}");
@@ -140,19 +150,19 @@ fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
         };
         test.modes.extend(std::iter::repeat_n(mode, count));
     }
-    let own = [MeasuredModes::new("table 2", &test)];
+    let measured = [MeasuredModes::new("table 2", &test)];
     let options = UpdateOptions {
         frequency_floor: 1e-6,
         ..exact(10)
     };
     let chosen = free(&["m_c", "m_r", "m_s", "m_p"]);
-    let new = UpdateProblem::new(model.as_ref(), &start, &chosen, &own, &[], options);
+    let new = UpdateProblem::new(model.as_ref(), &start, &chosen, &measured, &[], options);
     let problem = new.expect("parameters of the model");
     let found = solve_from_starts(&problem).expect("every start is in bounds");
     let values: Vec<f64> = problem
         .free
         .iter()
-        .map(|own| found.best.at.values[own.index])
+        .map(|parameter| found.best.at.values[parameter.index])
         .collect();
     // As an independent computation found them to 4 digits; the planets' 5.81 from 2088.00 printed
     // with 6.

@@ -93,8 +93,8 @@ pub enum ShapeWeights {
 impl Target {
     /// With the model's floor counted for `tests` tests that measure its root.
     pub(super) fn weigh(&mut self, floor: f64, tests: usize) -> Result<(), UpdateError> {
-        let own = self.hz_std.unwrap_or(0.0) / self.hz;
-        self.relative_std = own.hypot(floor * (tests as f64).sqrt());
+        let stated = self.hz_std.unwrap_or(0.0) / self.hz;
+        self.relative_std = stated.hypot(floor * (tests as f64).sqrt());
         if self.relative_std.is_finite() && self.relative_std > 0.0 {
             return Ok(());
         }
@@ -102,8 +102,8 @@ impl Target {
         Err(UpdateError::NoUncertainty { label })
     }
 
-    /// How many of its residuals say something where it has as many modes of the model as its own:
-    /// its frequency, and its shapes less their free directions.
+    /// How many of its residuals say something where it has as many modes of the model as measured
+    /// ones: its frequency, and its shapes less their free directions.
     pub(super) fn informative(&self) -> usize {
         let vectors = self.shapes.iter().flat_map(|shapes| &shapes.vectors);
         let of_shape = vectors.map(|v| v.len().saturating_sub(self.modes.len()));
@@ -164,12 +164,16 @@ impl ShapeRows {
     ) -> Result<Self, UpdateError> {
         let shapes = test.modes.iter().map(|mode| &mode.shape);
         let dofs = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof));
-        let own: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.positive()).collect();
-        let map = DofMap::new(dofs, own.iter());
+        let names: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.positive()).collect();
+        let map = DofMap::new(dofs, names.iter());
         let mixed = map.pairs.iter().any(|p| !p.test.axis().is_rotation());
         let length = options.pair.rotation_length_m.filter(|_| mixed);
         let mut pairs = Vec::with_capacity(map.len());
-        for pair in map.pairs.iter().filter(|own| !reversed.contains(&own.test)) {
+        for pair in map
+            .pairs
+            .iter()
+            .filter(|pair| !reversed.contains(&pair.test))
+        {
             let sensor = sensors.iter().find(|s| s.dof.positive() == pair.theory);
             let Some(sensor) = sensor else { continue };
             let turns = pair.test.axis().is_rotation();
@@ -191,7 +195,7 @@ impl ShapeRows {
 
     /// Whether it has a sensor of the model.
     pub fn reads(&self, sensor: &Dof) -> bool {
-        self.pairs.iter().any(|own| own.sensor == *sensor)
+        self.pairs.iter().any(|pair| pair.sensor == *sensor)
     }
 
     /// The shapes of some modes of one root; `None` where fewer than two degrees of freedom are
@@ -203,31 +207,31 @@ impl ShapeRows {
         tests: impl Fn(&Dof) -> usize,
     ) -> Option<(TargetShapes, ShapeWeights)> {
         let all = |dof: &Dof| modes.iter().all(|mode| mode.shape.get(dof).is_some());
-        let kept: Vec<&ShapeRow> = self.pairs.iter().filter(|own| all(&own.test)).collect();
+        let kept: Vec<&ShapeRow> = self.pairs.iter().filter(|pair| all(&pair.test)).collect();
         if kept.len() < 2 {
             return None;
         }
         let values = |mode: &&Mode| -> Vec<Complex64> {
             let value =
-                |own: &&ShapeRow| mode.shape.get(&own.test).unwrap_or_default() * own.factor;
+                |pair: &&ShapeRow| mode.shape.get(&pair.test).unwrap_or_default() * pair.factor;
             kept.iter().map(value).collect()
         };
         let real: Vec<Option<(Vec<f64>, f64)>> =
             modes.iter().map(|mode| real_shape(&values(mode))).collect();
         let real: Vec<(Vec<f64>, f64)> = real.into_iter().collect::<Option<_>>()?;
         let mut weights = ShapeWeights::Test;
-        let mut deviation = |own: &ShapeRow| -> f64 {
+        let mut deviation = |pair: &ShapeRow| -> f64 {
             let mut variance = 0.0;
             for (mode, (_, scale)) in modes.iter().zip(&real) {
-                let stated = stated_std(mode, &own.test).map(|std| std * own.factor * scale);
+                let stated = stated_std(mode, &pair.test).map(|std| std * pair.factor * scale);
                 if stated.is_none() {
                     weights = ShapeWeights::Assumed;
                 }
                 variance += stated.unwrap_or(self.assumed).powi(2) / modes.len() as f64;
             }
-            (variance + tests(&own.sensor) as f64 * self.floor * self.floor).sqrt()
+            (variance + tests(&pair.sensor) as f64 * self.floor * self.floor).sqrt()
         };
-        let std: Vec<f64> = kept.iter().map(|own| deviation(own)).collect();
+        let std: Vec<f64> = kept.iter().map(|pair| deviation(pair)).collect();
         let columns = kept[0].row.len();
         let vectors = real.iter().map(|(values, _)| {
             let whitened = values.iter().zip(&std);
@@ -269,19 +273,19 @@ pub(super) fn targets_of(
     floor: f64,
 ) -> Result<Vec<Target>, UpdateError> {
     let model = measured.modes;
-    let elastic = |own: &Vec<usize>| model.modes[own[0]].frequency_hz > 0.0;
+    let elastic = |modes: &Vec<usize>| model.modes[modes[0]].frequency_hz > 0.0;
     let roots = model.roots().into_iter().filter(elastic);
-    let target = |own: Vec<usize>| {
-        let modes: Vec<&Mode> = own.iter().map(|&i| &model.modes[i]).collect();
+    let target = |group: Vec<usize>| {
+        let modes: Vec<&Mode> = group.iter().map(|&i| &model.modes[i]).collect();
         let hz = modes.iter().map(|m| m.frequency_hz).sum::<f64>() / modes.len() as f64;
         let hz_std = modes
             .iter()
             .filter_map(|m| m.frequency_uncertainty_hz())
             .reduce(f64::max);
         let mut target = Target {
-            label: format!("{} f{}", measured.name, measured.number(own[0])),
+            label: format!("{} f{}", measured.name, measured.number(group[0])),
             test,
-            modes: own,
+            modes: group,
             hz,
             hz_std,
             damping_ratio: mean(modes.iter().filter_map(|m| m.damping_ratio)),

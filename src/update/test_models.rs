@@ -68,7 +68,7 @@ pub fn measured(
     shapes: bool,
 ) -> ModalModel {
     let sensors = sensors(model, values);
-    let own = modes(model, values, &sensors, &ModeOptions::default()).unwrap();
+    let solved = modes(model, values, &sensors, &ModeOptions::default()).unwrap();
     let of = |mode: &Mode| Mode {
         frequency_std_hz: Some(relative_std * mode.frequency_hz),
         ..Mode::new(
@@ -83,7 +83,7 @@ pub fn measured(
         )
     };
     ModalModel {
-        modes: own.model.modes[own.rigid..].iter().map(of).collect(),
+        modes: solved.model.modes[solved.rigid..].iter().map(of).collect(),
         ..ModalModel::default()
     }
 }
@@ -112,7 +112,7 @@ pub fn against_differences(problem: &UpdateProblem<'_>, z: &[f64]) -> f64 {
         };
         let (up, down) = (moved(h), moved(-h));
         let (up2, down2) = (moved(2.0 * h), moved(-2.0 * h));
-        // Differences at h and 2 h, extrapolated: what is left is of order h^4 and rounding.
+        // Differences at h and 2 h, extrapolated: the error is of order h^4 and rounding.
         let slope = |i: usize| (8.0 * (up[i] - down[i]) - (up2[i] - down2[i])) / (12.0 * h);
         let scale = (0..up.len()).map(|i| slope(i).abs()).fold(1.0, f64::max);
         for i in 0..up.len() {

@@ -9,7 +9,8 @@ use super::*;
 fn std_of(tests: usize) -> f64 {
     let model = chain(&[100.0]);
     let test = measured(&model, &[100.0], 3e-3, false);
-    let own: Vec<MeasuredModes<'_>> = (0..tests).map(|_| MeasuredModes::new("t", &test)).collect();
+    let measured: Vec<MeasuredModes<'_>> =
+        (0..tests).map(|_| MeasuredModes::new("t", &test)).collect();
     let options = UpdateOptions {
         frequency_floor: 4e-3,
         prior_std: 100.0,
@@ -18,7 +19,7 @@ fn std_of(tests: usize) -> f64 {
     };
     let mut chosen = free(&["k1"]);
     chosen[0].lower = Some(1.0);
-    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &own, &[], options).unwrap();
+    let problem = UpdateProblem::new(&model, &[100.0], &chosen, &measured, &[], options).unwrap();
     let result = update(&problem).unwrap();
     result.parameters[0].std / result.parameters[0].updated
 }
@@ -53,18 +54,18 @@ fn shapes_weigh_what_the_test_says_and_the_assumption_stands_in_where_it_says_no
         test.modes[mode].shape_std = Some(stds.collect());
     }
     let sensors = sensors(&model, &start);
-    let own = [MeasuredModes::new("t", &test)];
+    let measured = [MeasuredModes::new("t", &test)];
     let options = UpdateOptions {
         shape_floor: Some(1e-9),
         assumed_shape_std: 0.07,
         ..UpdateOptions::default()
     };
     let problem =
-        UpdateProblem::new(&model, &start, &free(&["k1"]), &own, &sensors, options).unwrap();
+        UpdateProblem::new(&model, &start, &free(&["k1"]), &measured, &sensors, options).unwrap();
     let weights: Vec<_> = problem
         .targets
         .iter()
-        .map(|own| own.shape_weights)
+        .map(|target| target.shape_weights)
         .collect();
     let (stated, assumed) = (Some(ShapeWeights::Test), Some(ShapeWeights::Assumed));
     assert_eq!(weights, [stated, assumed, assumed]);
@@ -82,13 +83,13 @@ fn shapes_weigh_what_the_test_says_and_the_assumption_stands_in_where_it_says_no
     let squares: f64 = sizes(1).iter().map(|x| x * x * 0.07 * 0.07).sum();
     assert!((squares - 3.0).abs() < 1e-9, "{squares}");
     let result = update(&problem).unwrap();
-    let told: Vec<_> = result
+    let reported: Vec<_> = result
         .after
         .rows
         .iter()
         .map(|row| row.shape_weights)
         .collect();
-    assert_eq!(told, weights);
+    assert_eq!(reported, weights);
 }
 
 #[test]
@@ -98,7 +99,7 @@ fn a_symmetric_start_splits_to_the_side_that_the_shapes_say() {
     let sensors = sensors(&model, &start);
     for truth in [[110.0, 130.0], [130.0, 110.0]] {
         let test = measured(&model, &truth, 1e-4, true);
-        let own = [MeasuredModes::new("t", &test)];
+        let measured = [MeasuredModes::new("t", &test)];
         let options = UpdateOptions {
             frequency_floor: 1e-4,
             prior_std: 1.0,
@@ -106,10 +107,14 @@ fn a_symmetric_start_splits_to_the_side_that_the_shapes_say() {
             ..UpdateOptions::default()
         };
         let chosen = free(&["kx", "ky"]);
-        let problem = UpdateProblem::new(&model, &start, &chosen, &own, &sensors, options).unwrap();
+        let problem =
+            UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options).unwrap();
         let result = update(&problem).unwrap();
-        for (own, truth) in result.parameters.iter().zip(truth) {
-            assert!((own.updated / truth - 1.0).abs() < 1e-6, "{own:?}");
+        for (parameter, truth) in result.parameters.iter().zip(truth) {
+            assert!(
+                (parameter.updated / truth - 1.0).abs() < 1e-6,
+                "{parameter:?}"
+            );
         }
     }
 }
