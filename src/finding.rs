@@ -1,8 +1,8 @@
 //! A finding reports an observation on data or results that is no error: code, location, value and
 //! limit.
 //!
-//! A finding never stops the processing. Its sentence is composed here, so that all reports have the
-//! same wording.
+//! A finding never stops the processing. Its sentence is composed here, so that all reports have
+//! the same wording.
 
 mod chinese;
 mod numbers;
@@ -439,8 +439,8 @@ pub struct Finding {
     pub limit: Option<f64>,
     /// Unit of value and limit.
     pub unit: Option<String>,
-    /// The parts concerned, with their numbers: got and expected of a damaged part, or the FRFs of a
-    /// mode.
+    /// The parts concerned, with their numbers: got and expected of a damaged part, or the FRFs of
+    /// a mode.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
 }

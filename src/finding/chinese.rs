@@ -331,8 +331,8 @@ fn place(place: &Place) -> String {
 mod tests {
     use super::*;
 
-    /// Whether a text is Chinese: at least a quarter of its letters, as names of options and files are
-    /// Latin.
+    /// Whether a text is Chinese: at least a quarter of its letters, as names of options and files
+    /// are Latin.
     fn is_chinese(text: &str) -> bool {
         let han = text
             .chars()
