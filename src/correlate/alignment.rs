@@ -1,4 +1,5 @@
-//! The frame of a test fitted to that of a theory: rotation, shift and scale between their points.
+//! Alignment fits the frame of a test to that of a theory: rotation, translation and scale between
+//! their points.
 
 use std::collections::BTreeSet;
 

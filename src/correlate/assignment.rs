@@ -1,4 +1,5 @@
-//! The assignment problem with pairs that are not allowed and rows that may stay alone.
+//! The assignment algorithm pairs rows and columns at minimum cost; pairs may be forbidden and rows
+//! may stay unpaired.
 
 /// For every row the column it is given, so that the sum over rows of the cost, or of `alone` for a
 /// row without a column, is smallest; no column twice.

@@ -1,5 +1,5 @@
-//! Every test mode against every root: what each pair would cost, which are chosen, and how sure
-//! that is.
+//! The candidate table holds the cost of every pair of test mode and root, the chosen pairs and
+//! their verdicts.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ const HALF: f64 = 0.5;
 /// Weight of the frequency beside the shape.
 const OF_FREQUENCY: f64 = 0.1;
 
-/// What a test mode and a root are to each other.
+/// A possible pair of test mode and root.
 #[derive(Clone, Copy)]
 struct Candidate {
     frequency_error: f64,
@@ -365,7 +365,7 @@ impl CandidateTable {
         findings
     }
 
-    /// What would pair most modes where few are.
+    /// The stiffness factor that would pair most modes where few are paired.
     fn suggestion(
         &self,
         test: &ModalModel,
@@ -403,7 +403,7 @@ fn doubt(verdict: &Verdict, options: &PairOptions) -> Option<(Code, f64, f64)> {
     }
 }
 
-/// What shapes say of a test mode and a root.
+/// Correlation of a test shape with a root.
 enum Likeness {
     /// MAC and share at the degrees of freedom that both have.
     Of(Option<f64>, Option<Share>),

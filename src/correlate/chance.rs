@@ -1,4 +1,4 @@
-//! Chance level of the MAC: how well independent shapes correlate at these sensors.
+//! The chance level is the MAC that independent shapes reach at these sensors.
 //!
 //! A test shape that is independent of the theory has no direction among `n` degrees of freedom.
 //! Its MAC with the subspace of a root of multiplicity `m` is then distributed as `Beta(β m/2, β (n
@@ -50,7 +50,7 @@ pub struct ChanceLevel {
     pub significance: f64,
 }
 
-/// What the chance level of a pair depends on.
+/// Quantities that determine the chance level of a pair.
 pub(super) struct Setting<'a> {
     /// Test shape at the common degrees of freedom.
     pub test: &'a [Complex64],

@@ -1,4 +1,5 @@
-//! Which degree of freedom of the test is which of the theory: by label, never by index.
+//! The DOF map assigns degrees of freedom of the test to those of the theory by label, never by
+//! index.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -129,7 +130,7 @@ impl DofMap {
         self.pairs.iter().zip(weights).map(value).collect()
     }
 
-    /// What is to be said of the map: degrees of freedom without a partner (each, or their number
+    /// Findings on the map: degrees of freedom without a partner (each, or their number
     /// where they are many) and a common number below the limit. Nothing for a test without shapes.
     pub fn findings(&self, min_dofs: usize) -> Vec<Finding> {
         let alone = &self.test_alone;

@@ -1,5 +1,5 @@
-//! What a test's degrees of freedom are called in the theory, where the names differ: by a list, or
-//! by nearest node.
+//! DOF names translate degrees of freedom of the test into those of the theory, by a list or by
+//! nearest node.
 
 use std::collections::{BTreeMap, BTreeSet};
 

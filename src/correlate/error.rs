@@ -1,4 +1,4 @@
-//! What can be wrong with a request to correlate.
+//! Errors of correlation state what was given, what was expected, and where.
 
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
@@ -15,7 +15,7 @@ pub enum CorrelateError {
         line: usize,
         /// The line as found.
         got: String,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: &'static str,
     },
     /// An option outside its range.
@@ -25,7 +25,7 @@ pub enum CorrelateError {
         name: &'static str,
         /// As given.
         got: f64,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: &'static str,
     },
     /// A mode whose frequency is not one.
@@ -90,7 +90,7 @@ pub enum CorrelateError {
     },
     /// Points that no turn, shift and scale brings to the theory's.
     #[error(
-        "the best fit of turn, shift and scale ({scale:.4}) leaves the test's points {largest_m:.3e} m off at most ({rms_m:.3e} m rms), expected {tolerance_m:.3e} m or less; give a list of partners"
+        "the best rotation, translation and scale ({scale:.4}) leaves the test points {largest_m:.3e} m off at most ({rms_m:.3e} m rms), expected {tolerance_m:.3e} m or less; give a list of partners"
     )]
     NotAligned {
         /// Root mean square distance, m.

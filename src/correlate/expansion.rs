@@ -1,4 +1,4 @@
-//! Shapes measured at a few sensors as motions of all coordinates of a model.
+//! Expansion computes the motion of all coordinates of a model from a shape at a few sensors.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Sentences under the comparison table.
+//! Footnotes explain the comparison table.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use super::{Basis, ChanceLevel, ErrorReference};
 /// A sentence under the table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Footnote {
-    /// What the errors are a part of.
+    /// Reference of the relative errors.
     Error(ErrorReference),
     /// MAC of test shapes as identified.
     ComplexShapesAsTheyAre,
@@ -152,7 +152,7 @@ fn chance_levels(test: &PairedTest<'_>) -> Option<Footnote> {
     })
 }
 
-/// What has to be said under a table of these rows.
+/// Footnotes of a table of these rows.
 pub(super) fn footnotes(
     tests: &[PairedTest<'_>],
     rows: &[Row],

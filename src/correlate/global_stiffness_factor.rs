@@ -1,4 +1,4 @@
-//! One factor on all stiffnesses that would pair what lies too far apart in frequency.
+//! The global stiffness factor would pair modes of similar shape that differ too much in frequency.
 
 use crate::finding::{Code, Finding, Place, Severity};
 

@@ -1,10 +1,10 @@
-//! Correlation: which test mode is which theory mode, and the comparison table.
+//! Correlation pairs test modes with theory modes and writes the comparison table.
 //!
-//! A [`DofMap`] ties the degrees of freedom, [`pair`] the modes,
-//! [`observability`](fn@observability) says what a test could see, [`compare`] makes rows of one
-//! theory and several tests. [`measures`](mod@measures) holds what shapes and FRFs say beside the
-//! pairing. [`published`] holds what a paper printed against a model, and its claims against its
-//! own tables. This module must not compute modes, and must not print or write what it finds.
+//! A [`DofMap`] matches the degrees of freedom, [`pair`] the modes.
+//! [`observability`](fn@observability) assesses which modes a test can detect. [`compare`] makes
+//! the rows of one theory and several tests. [`measures`](mod@measures) holds correlation measures
+//! of shapes and FRFs. [`published`] compares printed results with a model, and the claims of a
+//! paper with its tables. This module must not compute modes, and must not print or write results.
 
 mod alignment;
 mod assignment;

@@ -1,5 +1,5 @@
-//! The part of a test shape that a root of a theory holds, when the roots near it explain the shape
-//! together.
+//! The modal contribution is the fraction of a test shape that a root of the theory explains, when
+//! the roots near it explain the shape together.
 //!
 //! A stiffness that is wrong mixes shapes, and at a few sensors shapes of different modes look
 //! alike, so that the MAC with each single mode counts their common part several times.

@@ -1,4 +1,5 @@
-//! Modes of a theory gathered by root: what one row of a table, and one partner of a test mode, is.
+//! Roots group the modes of a theory that share a natural frequency; each root is one row of a
+//! table and one partner of a test mode.
 
 use crate::modal::ModalModel;
 

@@ -1,4 +1,4 @@
-//! The nearest of many points, by boxes of points halved along their longest side.
+//! A tree of boxes finds the nearest of many points; each box is halved along its longest side.
 
 use std::cmp::Ordering;
 use std::ops::Range;

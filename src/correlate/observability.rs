@@ -1,5 +1,5 @@
-//! Whether a root of the theory could have been seen by a test: with these sensors and hits, over
-//! this noise.
+//! Observability assesses whether a test can detect a root of the theory with its sensors,
+//! excitation points and noise.
 //!
 //! A judgement needs shapes of the theory at the points of the test. What the test does not say
 //! (noise, damping) or the theory does not (modal mass) is left open, and an open question never
@@ -32,7 +32,7 @@ pub const PEAK_OVER_NOISE_DB: f64 = 10.0;
 /// Largest standard deviation of a natural frequency, as a part of the spacing to the nearest root.
 pub const LARGEST_STD_OF_SPACING: f64 = 0.25;
 
-/// What a test could see of one elastic root of the theory.
+/// Observability of one elastic root of the theory by a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observability {
     /// (response, reference) pairs of the test.
@@ -140,7 +140,7 @@ impl Observability {
     }
 }
 
-/// What a test could see of every elastic root, in ascending frequency of the roots; `None` where
+/// Observability of every elastic root, in ascending frequency of the roots; `None` where
 /// nothing is known: the test has no (response, reference) pairs, or the theory no shape at any of
 /// them.
 ///
@@ -392,8 +392,8 @@ fn strength(
     sum.filter(|_| !modes.is_empty()).map(Complex64::norm)
 }
 
-/// What a sensor (or hit) of the test has of a theory shape: met by point and axis, turned by both
-/// signs, repeated measurements like the first.
+/// Component of a theory shape at a sensor (or hit) of the test: matched by point and axis, with
+/// both signs, repeated measurements like the first.
 fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
     let same = |candidate: &Dof| candidate.point() == dof.point() && candidate.axis() == dof.axis();
     let found = shape.iter().find(|(candidate, _)| same(candidate));
@@ -410,7 +410,7 @@ fn largest(theory: &ModalModel, dof: &Dof) -> f64 {
     theory.modes.iter().filter_map(of).fold(0.0, f64::max)
 }
 
-/// What a mode has at a point over the square root of its modal mass, 1/√kg for a translation;
+/// Component of a mode at a point over the square root of its modal mass, 1/√kg for a translation;
 /// `None` without a shape there.
 pub(super) fn over_root_mass(mode: &Mode, dof: &Dof) -> Result<Option<Complex64>, NotJudged> {
     let mass = modal_mass_kg(mode).ok_or(NotJudged::ModalMass)?;

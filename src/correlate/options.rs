@@ -1,10 +1,10 @@
-//! Options of pairing, as a scene's `[pair]` holds them.
+//! Pairing options hold the values of `[pair]` of a scene.
 
 use serde::{Deserialize, Serialize};
 
 use super::CorrelateError;
 
-/// Which frequency a frequency error is a part of.
+/// Reference of the relative frequency error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ErrorReference {
@@ -56,7 +56,7 @@ pub struct PairOptions {
     pub min_dofs: usize,
     /// Length by which rotations (rad) are multiplied where they meet translations in one MAC, m.
     pub rotation_length_m: Option<f64>,
-    /// What a frequency error is a part of.
+    /// Reference of the relative frequency error.
     pub error_reference: ErrorReference,
 }
 

@@ -165,7 +165,7 @@ pub struct Pairing {
     /// Sensors with the opposite sign of the theory. Pairs are chosen with these reversed; MAC is
     /// of the shapes as measured.
     pub reversed: Vec<ReversedSensor>,
-    /// What the shapes and frequencies said on the way.
+    /// Findings on shapes and frequencies.
     pub findings: Vec<Finding>,
 }
 

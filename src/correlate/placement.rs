@@ -1,5 +1,5 @@
-//! Where to hit or put a sensor next: the fewest points that show all roots that any of the given
-//! points can show.
+//! Placement selects the minimum number of excitation and response points that show all roots that
+//! any of the candidates can show.
 //!
 //! A root of m modes with unit modal masses has the strengths `G = Φ_R Φ_Hᵀ` at the responses R and
 //! hits H. As many of its modes are seen as G, eliminated with complete pivoting over the pairs
@@ -52,7 +52,7 @@ pub struct Step {
     pub shown: Vec<(usize, usize)>,
 }
 
-/// What a test and its additions see of one root.
+/// Detectability of one root by a test and its additions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedRoot {
     /// Indices of its modes.
@@ -70,7 +70,7 @@ pub struct PlannedRoot {
     pub still: [bool; 2],
 }
 
-/// What a hit at one point is worth with the sensors there are.
+/// Value of an excitation point with the present sensors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankedHit {
     /// Where.
@@ -91,8 +91,8 @@ pub struct RankedHit {
 /// A pair of a new hit is one with every sensor, a pair of a new sensor one with every hit: points
 /// that were hit before are hit again. The noise at a new pair is that of the test's functions at
 /// the root: the median over those with the same response, or over all, each beside the peak in its
-/// own kind. A mode is seen when its pivot stands 10 dB over the noise, and what all pairs say of
-/// it tells its frequency to a quarter of the distance to the next root, as in
+/// quantity. A mode is seen when its pivot is 10 dB above the noise, and all pairs together
+/// determine its frequency to a quarter of the distance to the next root, as in
 /// [`observability`](fn@super::observability).
 ///
 /// Without a band all elastic roots count.

@@ -1,5 +1,5 @@
-//! What pairs of points see of a root: strengths over the noise, and the independent looks among
-//! them.
+//! Candidate pairs of points have strengths over the noise for each root, and a number of
+//! independent ones.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! A vector, or a subspace, against a subspace: what MAC becomes for a repeated root.
+//! The subspace MAC compares a shape or a subspace with a subspace, as for a repeated root.
 
 use num_complex::Complex64;
 

@@ -1,5 +1,5 @@
-//! The comparison table: one row for each root of the theory, one cell for each test, as
-//! `comparison.json` holds it.
+//! The comparison table has one row for each root of the theory and one cell for each test, as in
+//! `comparison.json`.
 //!
 //! Numbers stay numbers and missing ones stay `None`; how they look is for the report.
 
@@ -33,7 +33,7 @@ pub struct PairedTest<'a> {
 /// One theory against one or more tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonTable {
-    /// What the errors are a part of.
+    /// Reference of the relative errors.
     pub error_reference: ErrorReference,
     /// Rows `f1, f2, ...` of the theory's elastic roots by frequency, then `x1, x2, ...` of test
     /// modes without a partner.
@@ -43,7 +43,7 @@ pub struct ComparisonTable {
     /// Smallest number of degrees of freedom that a test's MAC rests on; 0 when one has no shapes
     /// in common.
     pub dofs_used: usize,
-    /// What has to be said under the table.
+    /// Footnotes of the table.
     pub footnotes: Vec<Footnote>,
 }
 
@@ -102,11 +102,11 @@ pub struct TestCell {
     pub uncorrelated: bool,
     /// Principal angles between the test modes and a repeated root, degrees.
     pub angles_deg: Option<Vec<f64>>,
-    /// What became of it.
+    /// Status of the root in the test.
     pub status: Status,
     /// Why, where the status needs reasons; clauses without a full stop.
     pub reasons: Vec<String>,
-    /// What the test could see of the root; `None` where that is not known, and for an extra mode.
+    /// Observability of the root by the test; `None` where that is unknown, and for an extra mode.
     pub observability: Option<Observability>,
 }
 
@@ -120,7 +120,7 @@ impl TestCell {
     }
 }
 
-/// What became of a theory root in a test, or of a test mode.
+/// Status of a theory root in a test, or of a test mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {

@@ -1,4 +1,5 @@
-//! Cells of the comparison table: what one test has of one root, or what became of it.
+//! A cell of the comparison table holds the test modes paired with a root, or its status and
+//! reasons.
 
 use std::collections::BTreeSet;
 
@@ -205,7 +206,7 @@ impl<'a> TestSight<'a> {
         }
     }
 
-    /// What the missing of a root inside the band means, and why.
+    /// Status of an unmatched root inside the band, with the reasons.
     fn judged(&self, r: usize) -> (Status, String) {
         let Some(known) = &self.observability[r] else {
             let why = "not judged: the test has no pairs of response and hit at which the model has shapes";
@@ -276,7 +277,7 @@ fn below_chance(mac: f64, level: &ChanceLevel) -> String {
     )
 }
 
-/// What a pair rests on, where that is less than its shapes.
+/// Basis of a pair that its shapes do not support.
 fn rests_on(basis: Basis, blind: bool, still: bool) -> Option<String> {
     let stands = "the model leaves these sensors or hits still in this root: the pair";
     match (basis, still) {
@@ -311,7 +312,7 @@ impl PairedTest<'_> {
         })
     }
 
-    /// What the identification says against these modes.
+    /// Findings of the identification on these modes.
     fn warnings(&self, indices: &[usize]) -> Vec<String> {
         let at_one = |place: &Place| {
             let frequencies = indices.iter().map(|&i| self.model.modes[i].frequency_hz);
@@ -339,7 +340,7 @@ impl PairedTest<'_> {
         ))
     }
 
-    /// What the test knows of some of its modes, without a comparison.
+    /// Values of the test for some of its modes, without a comparison.
     pub(super) fn modes_cell(&self, indices: &[usize], status: Status) -> TestCell {
         let modes: Vec<&Mode> = indices.iter().map(|&i| &self.model.modes[i]).collect();
         let collect = |value: fn(&Mode) -> Option<f64>| -> Option<Vec<f64>> {

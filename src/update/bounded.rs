@@ -1,4 +1,4 @@
-//! Linear least squares between bounds.
+//! Bounded least squares minimises a linear residual between bounds.
 
 use crate::linalg::{LinalgError, RealMatrix, least_squares_real, real_matrix};
 

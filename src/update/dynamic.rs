@@ -1,4 +1,4 @@
-//! Modal dynamic residuals: what a measured mode leaves of the equations of motion.
+//! Modal dynamic residuals are the unbalanced forces of a measured mode in the equations of motion.
 //!
 //! A measured shape `psi` at the sensors `B` and its `lambda = (2 pi f)^2` belong to some motion
 //! `u` of all coordinates. The residual is what the best `u` leaves of
@@ -31,7 +31,7 @@ use super::UpdateError;
 use super::residual::{Projection, dot};
 use super::target::TargetShapes;
 
-/// What is fixed of a target.
+/// Constant data of a target.
 #[derive(Clone, Debug)]
 pub(super) struct DynamicTarget {
     lambda: f64,

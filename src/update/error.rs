@@ -1,4 +1,4 @@
-//! What can be wrong with a request to update.
+//! Errors of an update state what was given, what was expected, and for which parameter or mode.
 
 use crate::correlate::CorrelateError;
 use crate::linalg::LinalgError;
@@ -15,7 +15,7 @@ pub enum UpdateError {
         name: &'static str,
         /// As given.
         got: f64,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: &'static str,
     },
     /// A parameter that the model does not have, or that is named twice.
@@ -23,7 +23,7 @@ pub enum UpdateError {
     Parameter {
         /// As given.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: &'static str,
         /// Those of the model.
         known: Vec<String>,

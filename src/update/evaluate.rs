@@ -1,4 +1,4 @@
-//! The model at one set of parameters: its modes, its links to the test, its residuals.
+//! An evaluation holds the model at one set of parameters: modes, links to the test, residuals.
 
 use crate::theory::{SystemMatrices, TheoryModes};
 
@@ -11,7 +11,7 @@ pub struct Evaluation {
     pub z: Vec<f64>,
     /// All parameters of the model.
     pub values: Vec<f64>,
-    /// Which targets meet which modes here.
+    /// Assignment of targets to modes.
     pub links: Vec<Link>,
     /// All modes of the model, without sensors.
     pub modes: TheoryModes,

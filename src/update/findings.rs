@@ -1,4 +1,4 @@
-//! What the result of an update says that is not a failure.
+//! Findings of an update report parameters, misfit and pairing that need attention.
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};

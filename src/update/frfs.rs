@@ -1,4 +1,4 @@
-//! Residuals of FRFs: measured functions against those of the model, line by line.
+//! FRF residuals compare measured FRFs with those of the model, line by line.
 //!
 //! The model's are `H = s^d b_y Z^-1 b_f^T` with `Z = s^2 M + s C + K`, the observation rows of
 //! response and hit, and `s = a + i omega` for an exponential window of rate `a` that the functions
@@ -60,7 +60,7 @@ struct Measured {
     std: Vec<Option<f64>>,
 }
 
-/// What decides on functions and lines.
+/// Selection of functions and lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     pub band: Option<Band>,
@@ -250,7 +250,7 @@ impl FrfTarget {
         vec![slope.re / std, slope.im / std]
     }
 
-    /// What every line gives, in their order, in the caller's pool.
+    /// The result of every line, in their order, in the thread pool of the caller.
     fn each<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         (0..self.lines.len()).into_par_iter().map(of).collect()
     }

@@ -1,4 +1,4 @@
-//! What happened on the way: iterations, changes of pairing, why it ended.
+//! The history of an update records iterations, changes of pairing and the reason to stop.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! What the data can tell of the parameters: singular values of the weighted sensitivity,
-//! combinations, posterior deviations, and a verdict for each parameter.
+//! Identifiability analysis finds the parameter combinations that the data determine: singular
+//! values of the weighted sensitivity, posterior deviations, and a verdict for each parameter.
 //!
 //! With `J` the derivatives of the data's residuals by `z`, in which every prior deviation is 1,
 //! the posterior covariance of `z` is `(J^T J + I)^-1 = V diag(1/(1 + s^2)) V^T` for `J = U diag(s)
@@ -22,7 +22,7 @@ pub const KNOWN: f64 = 0.5;
 /// Parts of a combination below this are left out of its words.
 const SMALL_PART: f64 = 0.1;
 
-/// What the data say of a parameter.
+/// Verdict of the data on a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Its posterior deviation is at most half of the prior one.
@@ -65,7 +65,7 @@ pub struct Combination {
     pub text: String,
 }
 
-/// What the data can tell.
+/// Identifiable combinations and posterior deviations.
 #[derive(Clone, Debug)]
 pub struct Identifiability {
     /// Posterior covariance of `z`.

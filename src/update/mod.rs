@@ -1,5 +1,4 @@
-//! Updating: which parameters of a model would bring it to a test, and which of them the test can
-//! know.
+//! Updating fits parameters of a model to a test and reports which of them the data determine.
 //!
 //! An [`UpdateProblem`] holds the model, its free parameters with their bounds and priors, and what
 //! was measured: natural frequencies and shapes, each with its uncertainty. Every free parameter is

@@ -1,5 +1,5 @@
-//! Which measured modes are which modes of the model: decided at a start, followed by shape from
-//! there.
+//! Mode tracking pairs measured modes with modes of the model at the start and follows them by
+//! shape.
 
 use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
 use crate::linalg::RealMatrix;

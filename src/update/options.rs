@@ -1,4 +1,4 @@
-//! Options of updating.
+//! Update options hold the values of `[update]` of a scene.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use super::UpdateError;
 pub enum Residuals {
     /// Frequencies and shapes of its modes.
     Modes,
-    /// What its modes leave of the equations of motion.
+    /// Unbalanced forces of its modes in the equations of motion.
     ModalDynamic,
     /// Real and imaginary parts of its FRFs, from where the modes end.
     FrfComplex,

@@ -1,4 +1,4 @@
-//! Free parameters: bounds, priors, and the scale on which the solver sees them.
+//! Free parameters have bounds, a prior, and the scale on which the solver works.
 
 use crate::theory::{ParameterSpec, ParameterStatus, TheoreticalModel};
 

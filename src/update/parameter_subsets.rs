@@ -1,5 +1,5 @@
-//! Which single change explains the misfit: parameters freed alone, in pairs and in growing sets,
-//! ranked; and whether the set that is proposed foretells a mode that was left out.
+//! Subset selection ranks parameters that explain the misfit, freed alone, in pairs and in growing
+//! sets, and checks the proposed set by prediction of modes that were left out.
 //!
 //! Every trial solves the problem with some parameters free and all others where they are. It is a
 //! fit to the data alone: what explains a misfit may lie far outside the prior, and BIC asks for
@@ -61,7 +61,7 @@ pub struct Foretold {
     pub after_percent: f64,
 }
 
-/// What explains the misfit.
+/// Changes that explain the misfit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// With the always free parameters alone, or nothing.

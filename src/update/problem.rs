@@ -1,4 +1,5 @@
-//! The problem: model, free parameters, targets; residuals and their derivatives at any point.
+//! An update problem holds model, free parameters and targets; it computes residuals and their
+//! derivatives at any point.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -37,7 +38,7 @@ pub struct UpdateProblem<'a> {
     pub initial: Vec<f64>,
     /// The parameters that may change.
     pub free: Vec<FreeParameter>,
-    /// What was measured, as far as it has a partner in the model at the start.
+    /// Measured modes that have a partner in the model at the start.
     pub targets: Vec<Target>,
     /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
     pub left_out: Vec<(String, f64)>,

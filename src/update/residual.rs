@@ -1,4 +1,4 @@
-//! Residuals of one link and their derivatives, each divided by its deviation.
+//! Link residuals are differences of frequencies and shapes over their standard deviations.
 //!
 //! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where the measured roots of a link are as
 //! many as its modes, they meet in ascending order, and what counts is their mean `sum e/sqrt(k)`

@@ -1,5 +1,5 @@
-//! Which residuals of the data a problem has: those of modes, of the equations of motion, or of
-//! FRFs; and their derivatives.
+//! Residual selection collects the residuals of modes, of the equations of motion or of FRFs, and
+//! their derivatives.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

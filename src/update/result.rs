@@ -1,5 +1,5 @@
-//! The result of updating, and what makes it: starts, what the data can tell, the parameters held
-//! that they cannot.
+//! The result of an update holds the multi-start solution, identifiability, and parameters kept
+//! where the data do not determine them.
 
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
@@ -46,7 +46,7 @@ pub struct UpdatedParameter {
     pub upper: Option<f64>,
     /// Posterior over prior deviation on the scale of the prior.
     pub posterior_over_prior: f64,
-    /// What the data say of it.
+    /// Verdict of the data.
     pub verdict: Verdict,
     /// Whether it was held where it started, because the test does not see it.
     pub held: bool,
@@ -141,7 +141,7 @@ pub struct UpdateResult {
     pub parameters: Vec<UpdatedParameter>,
     /// Correlation of the posterior errors of the free parameters.
     pub correlation: Vec<Vec<f64>>,
-    /// What the data know, best known first.
+    /// Identifiable combinations, the best determined first.
     pub combinations: Vec<Combination>,
     /// All parameters of the model after.
     pub values: Vec<f64>,
@@ -157,7 +157,7 @@ pub struct UpdateResult {
     pub before: Fit,
     /// The model after.
     pub after: Fit,
-    /// What had no partner in the model at the start: label and frequency, Hz.
+    /// Test modes without a partner in the model at the start: label and frequency, Hz.
     pub left_out: Vec<(String, f64)>,
     /// Sensors with the opposite sign of the model as it stood, of each test that has some; their
     /// values took no part.

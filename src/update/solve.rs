@@ -1,4 +1,4 @@
-//! Bounded Gauss-Newton with a trust region, from one start and from several.
+//! A bounded Gauss-Newton method with a trust region solves the update from one or several starts.
 //!
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the
 //! parameters stay between their bounds; the box grows where the model foretells the decrease and

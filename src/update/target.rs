@@ -1,4 +1,4 @@
-//! What was measured, as residuals need it: frequencies and shapes with their uncertainty.
+//! Targets hold measured frequencies and shapes with their standard deviations.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ pub struct Target {
     pub shape_weights: Option<ShapeWeights>,
     /// Shapes, where they take part.
     pub(super) shapes: Option<TargetShapes>,
-    /// What its modal dynamic residuals need, where these are asked for.
+    /// Data of its modal dynamic residuals, where these are requested.
     pub(super) dynamic: Option<DynamicTarget>,
 }
 
@@ -133,7 +133,7 @@ impl TargetShapes {
     }
 }
 
-/// What ties the shapes of a test to a model.
+/// The correspondence of the shapes of a test with a model.
 pub(super) struct ShapeRows {
     pairs: Vec<ShapeRow>,
     floor: f64,

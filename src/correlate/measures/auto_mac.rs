@@ -45,7 +45,7 @@ pub struct Duplicate {
 pub struct AutoMac {
     /// Symmetric, with a diagonal of 1 where a mode has a shape.
     pub matrix: MacMatrix,
-    /// What counts as a duplicate.
+    /// Limits of a duplicate.
     pub limits: DuplicateLimits,
     /// The duplicates, the most alike first.
     pub duplicates: Vec<Duplicate>,

@@ -1,4 +1,4 @@
-//! Close modes as subspaces, whose single shapes may be any mixture.
+//! Clusters compare close modes as subspaces, because their single shapes may be any mixture.
 
 use serde::Serialize;
 

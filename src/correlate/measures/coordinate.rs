@@ -1,4 +1,4 @@
-//! Correlation of one degree of freedom over all pairs: where test and theory disagree.
+//! COMAC correlates one degree of freedom over all pairs, which locates disagreement.
 
 use serde::Serialize;
 

@@ -1,5 +1,5 @@
-//! Two sets of FRFs against each other: each function over frequency, and all functions at each
-//! line.
+//! FRF correlation compares two sets of FRFs: each FRF over frequency (FRAC), and all FRFs at each
+//! frequency line.
 
 use std::collections::BTreeMap;
 

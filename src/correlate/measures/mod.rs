@@ -1,5 +1,5 @@
-//! Measures of correlation beside the pairing: of shapes, of degrees of freedom, of subspaces, with
-//! a mass matrix, of FRFs.
+//! Correlation measures compare shapes, degrees of freedom, subspaces, shapes through a mass
+//! matrix, and FRFs, in addition to the pairing.
 //!
 //! | measure | of what | source |
 //! |---|---|---|
@@ -161,7 +161,7 @@ pub struct ScaleFactor {
     pub dofs: usize,
 }
 
-/// What the pairs of one test and one theory say beside their MAC.
+/// Correlation measures of the pairs of one test and one theory, besides their MAC.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measures {
     /// MAC of every test mode (row) with every theory mode (column), each pair separately.
@@ -170,9 +170,9 @@ pub struct Measures {
     pub theory_auto_mac: MacMatrix,
     /// All pairs of modes with frequencies and MAC.
     pub frequency_mac: Vec<FrequencyMac>,
-    /// Of every pair with a simple root.
+    /// For every pair with a simple root.
     pub scale_factors: Vec<ScaleFactor>,
-    /// Of every degree of freedom that both have.
+    /// For every degree of freedom that both have.
     pub coordinates: Vec<CoordinateMac>,
     /// Close and repeated roots with the modes that met them.
     pub clusters: Vec<ClusterMac>,

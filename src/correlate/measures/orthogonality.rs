@@ -1,4 +1,4 @@
-//! Orthogonality of shapes through a mass matrix that has been reduced to the sensors.
+//! Orthogonality checks compare shapes through a mass matrix reduced to the sensors.
 
 use num_complex::Complex64;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! The shapes of all pairs, brought to one scale and phase, so that they can be looked at point by
+//! Paired shapes are scaled and rotated to a common amplitude and phase, for comparison point by
 //! point.
 
 use num_complex::Complex64;

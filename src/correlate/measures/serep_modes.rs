@@ -1,4 +1,4 @@
-//! Which modes of a theory a SEREP reduction keeps.
+//! A SEREP reduction keeps the modes that this file selects.
 
 use num_complex::Complex64;
 

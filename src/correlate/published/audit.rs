@@ -1,4 +1,4 @@
-//! What a text claims of its tables, recomputed from them.
+//! The audit recomputes the claims of a text from its tables.
 //!
 //! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is
 //! 7.5 %, and no other is larger. They are audited apart, since either can be wrong alone.
@@ -14,15 +14,15 @@ use super::table::{PublishedComparison, RecomputedRow, RecomputedTable, recomput
 pub struct Claim {
     /// The claim in words.
     pub text: String,
-    /// What it says.
+    /// The statement.
     pub statement: Statement,
     /// Digits of the printed value; the value is confirmed when the recomputed one rounds to it.
     pub digits: Digits,
-    /// What there is to say of it besides; `None` for most.
+    /// A remark; `None` for most.
     pub remark: Option<String>,
 }
 
-/// What a claim says of a quantity of a model.
+/// The claimed relation of a quantity of a model to a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relation {
     /// It is this much.
@@ -42,7 +42,7 @@ pub struct QuantityClaim {
     pub model: Option<String>,
     /// Name of the quantity.
     pub quantity: String,
-    /// What is said of it.
+    /// The claimed relation.
     pub relation: Relation,
 }
 
@@ -64,7 +64,7 @@ pub struct Grounds<'a> {
     pub quantities: &'a [ModelQuantities],
 }
 
-/// What an error is measured in.
+/// Unit of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorUnit {
     /// Hz.
@@ -83,7 +83,7 @@ impl ErrorUnit {
     }
 }
 
-/// Whose roots are counted.
+/// The set whose roots are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RootSide {
     /// Those that the publication prints.
@@ -95,7 +95,7 @@ pub enum RootSide {
 /// A magnitude of an error, where it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorClaim {
-    /// What it is measured in.
+    /// Its unit.
     pub unit: ErrorUnit,
     /// Name of the test.
     pub test: String,
@@ -105,7 +105,7 @@ pub struct ErrorClaim {
     pub value: f64,
 }
 
-/// What a claim says.
+/// The statement of a claim.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statement {
     /// The largest error of a test is this much, and is at this row.
@@ -166,7 +166,7 @@ pub struct Stated {
     pub rows: Vec<String>,
 }
 
-/// What became of a claim.
+/// The verdict on a claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// The claim in words.
@@ -177,7 +177,7 @@ pub struct Verdict {
     pub digits: Digits,
     /// `>` or `<` where the printed value is a bound; empty else.
     pub relation: &'static str,
-    /// What there is to say of it besides.
+    /// A remark.
     pub remark: Option<String>,
     /// As printed.
     pub printed: Stated,

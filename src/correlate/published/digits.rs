@@ -1,4 +1,4 @@
-//! How finely a publication prints a number.
+//! The digits of a printed number give its rounding.
 
 /// Digits of a printed number, which say which numbers round to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

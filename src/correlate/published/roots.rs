@@ -1,4 +1,4 @@
-//! Which published root is which root of the model, and how far apart they are.
+//! Root matching assigns published roots to roots of the model and gives their differences.
 
 use std::f64::consts::TAU;
 

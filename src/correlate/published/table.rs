@@ -1,4 +1,5 @@
-//! A published comparison of a theory with tests, and its errors worked out again.
+//! The recomputed table holds a published comparison of theory and tests with its errors computed
+//! anew.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +16,7 @@ pub struct PublishedComparison {
     /// Names of the tests, in the order of the columns.
     #[serde(default)]
     pub tests: Vec<String>,
-    /// What the errors are a part of.
+    /// Reference of the relative errors.
     #[serde(default)]
     pub error_reference: ErrorReference,
     /// Rows, in their order.
@@ -41,7 +42,7 @@ pub struct PublishedRow {
 /// The same table with its errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecomputedTable {
-    /// What the errors are a part of.
+    /// Reference of the relative errors.
     pub error_reference: ErrorReference,
     /// Rows, in their order.
     pub rows: Vec<RecomputedRow>,

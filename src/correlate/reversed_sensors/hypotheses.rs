@@ -1,4 +1,4 @@
-//! Groups of sensors that may be reversed together, and single sensors.
+//! Hypotheses list groups of sensors that may be reversed together, and single sensors.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Sensors and groups of sensors whose sign is opposite to that of the theory.
+//! Sign detection finds sensors and groups of sensors with the opposite sign of the theory.
 //!
 //! Every hypothesis reverses one sensor, or all of one direction, component or file together, and
 //! is evaluated with the pairs that are best under it: the detection does not need pairs that are
