@@ -74,7 +74,7 @@ impl fmt::Display for Footnote {
             }
             Footnote::Error(ErrorReference::Test) => f.write_str("Error = (theory - test)/test."),
             Footnote::ComplexShapesAsTheyAre => {
-                f.write_str("MAC of the test shapes as identified; they were not made real first.")
+                f.write_str("MAC of the complex test shapes as identified.")
             }
             Footnote::RepeatedRoots => f.write_str(
                 "A row of several theory modes is a repeated root; its MAC is that with their subspace.",
@@ -109,11 +109,11 @@ impl fmt::Display for Footnote {
                 "{test}: a synthetic recording, computed from a stated truth, not measured."
             ),
             Footnote::ObservabilityNotJudged => {
-                f.write_str("Whether a missed mode could have been observed was not judged where its reason says so; its verdict says no more than that it is missed.")
+                f.write_str("The observability of an unmatched mode is unknown where its reason says so; its verdict is only that it is unmatched.")
             }
             Footnote::DampingOfTest { test, ratio } => write!(
                 f,
-                "{test}: the model has no damping; what could be observed was judged with the median damping ratio of the test, {:.3} %.",
+                "{test}: the model has no damping; observability was assessed with the median damping ratio of the test, {:.3} %.",
                 100.0 * ratio
             ),
         }

@@ -1,7 +1,7 @@
 //! Pairing of test modes with the roots of a theory.
 //!
 //! All pairs are decided together: an assignment of smallest total cost, in which a mode may stay
-//! alone. Complex test shapes are used as they are; they are not made real first.
+//! alone. Complex test shapes are used without conversion to real ones.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};

@@ -72,7 +72,7 @@ impl<'a> TestSight<'a> {
         let alike = pair.least_direction.map(|share| {
             let percent = 100.0 * share;
             format!(
-                "the test shapes are alike: of one direction of the root they hold {percent:.0} %, so that one mode may be there twice"
+                "the test shapes are similar: they contribute {percent:.0} % of one direction of the root, so that one mode may be there twice"
             )
         });
         let ambiguous = doubt.is_some() || alike.is_some();
@@ -145,7 +145,7 @@ impl<'a> TestSight<'a> {
             }
             Verdict::Mixed { share, std } => {
                 return Some(format!(
-                    "the root holds {:.0} ± {:.0} % of the test shape when all roots explain it together",
+                    "the root contributes {:.0} ± {:.0} % of the test shape when all roots explain it together",
                     100.0 * share,
                     100.0 * std
                 ));
@@ -154,10 +154,10 @@ impl<'a> TestSight<'a> {
                 let (who, percent) = (self.name_of(rival)?, 100.0 * share);
                 return Some(match rival {
                     Rival::Theory(_) => {
-                        format!("{who} could hold {percent:.0} % of the test shape as well")
+                        format!("{who} could contribute {percent:.0} % of the test shape as well")
                     }
                     Rival::Test(_) => {
-                        format!("the root could hold {percent:.0} % of {who} as well")
+                        format!("the root could contribute {percent:.0} % of {who} as well")
                     }
                 });
             }
@@ -249,10 +249,10 @@ fn uncorrelated(partner: &Partner) -> bool {
     matches!(partner.verdict, Verdict::Uncorrelated { .. })
 }
 
-/// Addition to the reason of a pair: its MAC with the reversed sensors turned.
+/// Addition to the reason of a pair: its MAC with the reversed sensors corrected.
 fn with_reversed(mac: Option<f64>) -> String {
     mac.map_or_else(String::new, |mac| {
-        format!("; with the reversed sensors turned it is {mac:.3}")
+        format!("; with the reversed sensors corrected it is {mac:.3}")
     })
 }
 
@@ -279,7 +279,7 @@ fn below_chance(mac: f64, level: &ChanceLevel) -> String {
 
 /// Basis of a pair that its shapes do not support.
 fn rests_on(basis: Basis, blind: bool, still: bool) -> Option<String> {
-    let stands = "the model leaves these sensors or hits still in this root: the pair";
+    let stands = "these sensors or hits are at nodes of this root in the model: the pair";
     match (basis, still) {
         (Basis::Frequency, true) => Some(format!(
             "{stands} rests on frequency alone and contradicts the model"

@@ -150,9 +150,9 @@ fn words(parts: &[(String, f64)], ratio: f64, known: bool) -> String {
     let term = |(name, part): &(String, f64)| format!("{part:+.2} {name}");
     let sum: Vec<String> = parts.iter().map(term).collect();
     let verdict = if known {
-        "known"
+        "determined"
     } else {
-        "not known from the data"
+        "not determined by the data"
     };
     let subject = match parts {
         [(name, _)] => format!("{name} alone"),

@@ -86,7 +86,7 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
     assert!(known.known && known.posterior_over_prior < 0.02 && known.parts.len() == 2);
     assert!(!unknown.known && (unknown.posterior_over_prior - 1.0).abs() < 1e-12);
     assert!(
-        unknown.text.contains("not known from the data"),
+        unknown.text.contains("not determined by the data"),
         "{}",
         unknown.text
     );

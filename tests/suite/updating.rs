@@ -269,7 +269,7 @@ fn an_ill_posed_scene_ends_with_what_the_data_know_in_words() {
         .collect();
     assert_eq!(known, [true, false, false]);
     let words = combinations[2]["text"].as_str().unwrap();
-    assert!(words.contains("not known from the data"), "{words}");
+    assert!(words.contains("not determined by the data"), "{words}");
     for parameter in file["parameters"].as_array().unwrap() {
         assert_ne!(parameter["verdict"], "at bound");
     }

@@ -311,7 +311,7 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
             let level = cell.chance_level.expect("40 sensors").mac;
             assert!(level < measured, "{level}");
             assert_eq!(cell.status, status, "{count}: {:?}", cell.reasons);
-            let rests = "with the reversed sensors turned it is 1.000";
+            let rests = "with the reversed sensors corrected it is 1.000";
             let reasons = cell.reasons.join("; ");
             assert_eq!(
                 reasons.contains(rests),
