@@ -8,10 +8,10 @@ use crate::modal::ModalModel;
 
 use super::chance::{ChanceLevel, MIN_DOFS_OF_SHAPE, Setting, effective_part};
 use super::global_stiffness_factor::{Unlike, common_factor};
-use super::modal_contribution::{Share, shares};
+use super::modal_contribution::{ModalContribution, shares};
 use super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::pairing::{
-    Basis, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, Partner, Rival, Shapes, UnpairedRoot,
+    Basis, Competitor, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, Partner, Shapes, UnpairedRoot,
     Verdict,
 };
 use super::{CorrelateError, PairOptions, assign};
@@ -37,7 +37,7 @@ struct Candidate {
     off: f64,
     mac: Option<f64>,
     /// The part of the test shape that the root holds.
-    share: Option<Share>,
+    share: Option<ModalContribution>,
     /// `None` when a gate forbids the pair.
     cost: Option<f64>,
     /// Inside the frequency gate, with a MAC under its gate and no other claim.
@@ -79,7 +79,7 @@ impl CandidateTable {
             (hz - roots[r].hz).abs() / roots[r].hz
         };
         // By root, each with the shares of the modes near it.
-        let held: Vec<BTreeMap<usize, Share>> = (0..roots.len())
+        let held: Vec<BTreeMap<usize, ModalContribution>> = (0..roots.len())
             .map(|r| {
                 let near = |i: &usize| off(*i, r) <= options.max_frequency_error;
                 let near: Vec<usize> = modes.iter().copied().filter(near).collect();
@@ -275,8 +275,8 @@ impl CandidateTable {
             Some((share.part, rival))
         });
         match claim.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((share, rival)) => Verdict::Claimed { rival, share },
-            None if share.part - share.std < options.min_mac => Verdict::Mixed {
+            Some((share, rival)) => Verdict::ContestedShape { rival, share },
+            None if share.part - share.std < options.min_mac => Verdict::MixedShape {
                 share: share.part,
                 std: share.std,
             },
@@ -285,7 +285,7 @@ impl CandidateTable {
     }
 
     /// The cheapest other partner of either side of the pair of row `i` and root `r`.
-    fn rival(&self, i: usize, r: usize, root_of: &[Option<usize>]) -> Option<(f64, Rival)> {
+    fn rival(&self, i: usize, r: usize, root_of: &[Option<usize>]) -> Option<(f64, Competitor)> {
         let others = self.others(i, r, root_of);
         let allowed = others.filter_map(|(other, rival)| Some((other.cost?, rival)));
         allowed.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -297,15 +297,15 @@ impl CandidateTable {
         i: usize,
         r: usize,
         root_of: &[Option<usize>],
-    ) -> impl Iterator<Item = (Candidate, Rival)> {
+    ) -> impl Iterator<Item = (Candidate, Competitor)> {
         let roots = (0..self.roots.len()).filter(move |&other| other != r);
         let of_test = roots.map(move |other| {
-            let rival = Rival::Theory(self.roots[other].modes.clone());
+            let rival = Competitor::Theory(self.roots[other].modes.clone());
             (self.candidates[i][other], rival)
         });
         let rows = (0..self.modes.len()).filter(move |&other| root_of[other] != Some(r));
         let of_theory = rows.map(move |other| {
-            let rival = Rival::Test(self.modes[other]);
+            let rival = Competitor::Test(self.modes[other]);
             (self.candidates[other][r], rival)
         });
         of_test.chain(of_theory)
@@ -398,15 +398,17 @@ fn doubt(verdict: &Verdict, options: &PairOptions) -> Option<(Code, f64, f64)> {
         Verdict::Ambiguous {
             cost_difference, ..
         } => Some((Code::Ambiguous, *cost_difference, options.ambiguous_margin)),
-        Verdict::Claimed { share, .. } => Some((Code::ClaimedTwice, *share, HALF)),
-        Verdict::Mixed { share, std } => Some((Code::MixedShape, share - std, options.min_mac)),
+        Verdict::ContestedShape { share, .. } => Some((Code::ClaimedTwice, *share, HALF)),
+        Verdict::MixedShape { share, std } => {
+            Some((Code::MixedShape, share - std, options.min_mac))
+        }
     }
 }
 
 /// Correlation of a test shape with a root.
 enum Likeness {
     /// MAC and share at the degrees of freedom that both have.
-    Of(Option<f64>, Option<Share>),
+    Of(Option<f64>, Option<ModalContribution>),
     /// Both have too few.
     Unknown,
 }
@@ -424,7 +426,7 @@ fn candidate(
     };
     let alike = share.is_some_and(|share| share.part >= least)
         || mac.is_some_and(|mac| mac >= options.min_mac);
-    let of_share = |share: Share| {
+    let of_share = |share: ModalContribution| {
         let v = ((1.0 - share.part) / (1.0 - least)).min(1.0);
         alike.then_some(OF_FREQUENCY * u + (1.0 - OF_FREQUENCY) * v)
     };

@@ -58,7 +58,9 @@ pub use observability::{
     RootDamping, observability,
 };
 pub use options::{ErrorReference, PairOptions};
-pub use pairing::{Basis, NearMiss, Pair, Pairing, Partner, Rival, UnpairedRoot, Verdict, pair};
+pub use pairing::{
+    Basis, Competitor, NearMiss, Pair, Pairing, Partner, UnpairedRoot, Verdict, pair,
+};
 pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{

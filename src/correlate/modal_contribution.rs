@@ -32,7 +32,7 @@ const FAR: f64 = 1.0;
 
 /// The part of a test shape that a root holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Share {
+pub(super) struct ModalContribution {
     /// From 0 to 1.
     pub part: f64,
     /// Its standard deviation.
@@ -59,7 +59,7 @@ pub(super) fn shares(
     (theory, shapes): (&ModalModel, &Shapes),
     modes: &[usize],
     (r, roots): (usize, &[Root]),
-) -> Vec<Option<Share>> {
+) -> Vec<Option<ModalContribution>> {
     let apart = |j: &usize| {
         let ratio = theory.modes[*j].frequency_hz / roots[r].hz;
         (ratio - ratio.recip()).abs()
@@ -93,7 +93,7 @@ pub(super) fn shares(
             prepared.push((places, explanation));
             prepared.len() - 1
         });
-        let still = Share {
+        let still = ModalContribution {
             part: 0.0,
             std: 0.0,
         };
@@ -173,7 +173,7 @@ impl Explanation {
 
     /// The share of the root in a shape that is not zero; none where the equations have no accurate
     /// solution.
-    fn share(&self, mut shape: Vec<Complex64>) -> Option<Share> {
+    fn share(&self, mut shape: Vec<Complex64>) -> Option<ModalContribution> {
         to_unit_length(&mut shape);
         let coordinates = self.coordinates(&shape);
         let whole = squared(&coordinates);
@@ -191,7 +191,7 @@ impl Explanation {
         });
         let std = 2.0 * self.deviation_along(&gradient.collect::<Vec<_>>());
         let held = held(&shape, &self.columns, &coordinates);
-        Some(Share {
+        Some(ModalContribution {
             part: part * held,
             std: std * held,
         })

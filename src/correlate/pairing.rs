@@ -25,14 +25,14 @@ pub(super) const MIN_SHAPE_DOFS: usize = 2;
 
 /// Who else fits as well.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Rival {
+pub enum Competitor {
     /// Another root of the theory, by the indices of its modes.
     Theory(Vec<usize>),
     /// Another mode of the test, by its index.
     Test(usize),
 }
 
-/// How sure a pair is.
+/// Verdict on a pair.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// No other partner of either side is as good.
@@ -43,7 +43,7 @@ pub enum Verdict {
         mac: f64,
         /// Level that it does not reach.
         level: ChanceLevel,
-        /// MAC with the reversed sensors turned, where that reaches the level.
+        /// MAC with the reversed sensors corrected, where that reaches the level.
         reversed: Option<f64>,
     },
     /// Sensors are reversed, and the MAC of the shapes as measured is below the gate: only with
@@ -51,28 +51,28 @@ pub enum Verdict {
     RestsOnReversal {
         /// MAC of the shapes as measured.
         mac: f64,
-        /// MAC with the reversed sensors turned.
+        /// MAC with the reversed sensors corrected.
         reversed: Option<f64>,
     },
-    /// A rival costs less than the margin more.
+    /// A competitor costs at most the margin more.
     Ambiguous {
-        /// The cheapest rival.
-        rival: Rival,
-        /// Its cost minus the pair's; negative when the rival alone is better and the
+        /// The competitor of lowest cost.
+        rival: Competitor,
+        /// Its cost minus the pair's; negative when the competitor alone is better and the
         /// assignment of all modes decided against it.
         cost_difference: f64,
     },
-    /// Another root would hold half of the test shape or more, or the root as much of another test
-    /// shape: two cannot.
-    Claimed {
-        /// Who would hold, or be held, most.
-        rival: Rival,
-        /// The part that it would hold, or that would be held of it.
+    /// Another root explains half of the test shape or more, or the root as much of another test
+    /// shape: both cannot be right.
+    ContestedShape {
+        /// The competitor with the largest contribution.
+        rival: Competitor,
+        /// Its contribution, or that of the root to it.
         share: f64,
     },
-    /// The root holds too little of the test shape, or may do so for all that the sensors tell.
-    Mixed {
-        /// The part that the paired root holds.
+    /// The contribution of the root to the test shape, less its standard deviation, is too small.
+    MixedShape {
+        /// Contribution of the paired root.
         share: f64,
         /// Its standard deviation.
         std: f64,

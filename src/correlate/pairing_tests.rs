@@ -203,12 +203,12 @@ fn two_partners_as_good_are_ambiguous_from_either_side() {
     let from_test = paired(&model(one.clone()), &model(twins.clone()));
     let verdict = &from_test.pairs[0].partners[0].verdict;
     assert!(
-        matches!(verdict, Verdict::Ambiguous { rival: Rival::Theory(modes), .. } if modes == &[1])
+        matches!(verdict, Verdict::Ambiguous { rival: Competitor::Theory(modes), .. } if modes == &[1])
     );
     let from_theory = paired(&model(twins), &model(one));
     let verdict = &from_theory.pairs[0].partners[0].verdict;
     assert!(
-        matches!(verdict, Verdict::Ambiguous { rival: Rival::Test(1), cost_difference } if *cost_difference > 0.0)
+        matches!(verdict, Verdict::Ambiguous { rival: Competitor::Test(1), cost_difference } if *cost_difference > 0.0)
     );
     assert!(codes(&from_test).contains(&Code::Ambiguous));
 }

@@ -10,8 +10,8 @@ use super::chance::MIN_DOFS_OF_SHAPE;
 use super::model_roots::Root;
 use super::table::{PairedTest, Status, TestCell};
 use super::{
-    Basis, ChanceLevel, ErrorReference, Observability, Pair, PairOptions, Partner, Rival, Verdict,
-    observability,
+    Basis, ChanceLevel, Competitor, ErrorReference, Observability, Pair, PairOptions, Partner,
+    Verdict, observability,
 };
 
 /// Test modes nearer than this part of their frequency are one root: what comes from one pole is
@@ -143,20 +143,20 @@ impl<'a> TestSight<'a> {
                 let measured = format!("the MAC of {mac:.3} as measured is below the gate, {gate}");
                 return Some(measured + &with_reversed(*reversed));
             }
-            Verdict::Mixed { share, std } => {
+            Verdict::MixedShape { share, std } => {
                 return Some(format!(
                     "the root contributes {:.0} ± {:.0} % of the test shape when all roots explain it together",
                     100.0 * share,
                     100.0 * std
                 ));
             }
-            Verdict::Claimed { rival, share } => {
+            Verdict::ContestedShape { rival, share } => {
                 let (who, percent) = (self.name_of(rival)?, 100.0 * share);
                 return Some(match rival {
-                    Rival::Theory(_) => {
+                    Competitor::Theory(_) => {
                         format!("{who} could contribute {percent:.0} % of the test shape as well")
                     }
-                    Rival::Test(_) => {
+                    Competitor::Test(_) => {
                         format!("the root could contribute {percent:.0} % of {who} as well")
                     }
                 });
@@ -174,13 +174,13 @@ impl<'a> TestSight<'a> {
         })
     }
 
-    fn name_of(&self, rival: &Rival) -> Option<String> {
+    fn name_of(&self, rival: &Competitor) -> Option<String> {
         Some(match rival {
-            Rival::Theory(modes) => {
+            Competitor::Theory(modes) => {
                 let root = self.roots.iter().find(|root| root.modes == *modes)?;
                 format!("the theory's root at {:.2} Hz", root.hz)
             }
-            Rival::Test(i) => {
+            Competitor::Test(i) => {
                 let hz = self.test.model.modes[*i].frequency_hz;
                 format!("test mode {} at {hz:.2} Hz", i + 1)
             }

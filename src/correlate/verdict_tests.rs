@@ -70,7 +70,7 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
     assert_eq!(of(0.64, points()).0, Verdict::Paired);
     let (verdict, findings) = of(0.52, points());
     assert!(
-        matches!(verdict, Verdict::Mixed { share, std } if (share - 0.52).abs() < 0.01 && (std - 0.03).abs() < 0.005),
+        matches!(verdict, Verdict::MixedShape { share, std } if (share - 0.52).abs() < 0.01 && (std - 0.03).abs() < 0.005),
         "{verdict:?}"
     );
     // The value compared with the limit.
@@ -166,7 +166,7 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
             .all(|finding| finding.code != Code::Ambiguous)
     );
     assert!(
-        matches!(&verdict, Verdict::Claimed { rival: Rival::Theory(modes), share } if modes == &[1] && *share > 0.8),
+        matches!(&verdict, Verdict::ContestedShape { rival: Competitor::Theory(modes), share } if modes == &[1] && *share > 0.8),
         "{verdict:?}"
     );
     let theory = model(vec![mode(100.0, &shape(1))]);
@@ -178,8 +178,8 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
     assert!(
         matches!(
             verdict,
-            Verdict::Claimed {
-                rival: Rival::Test(1),
+            Verdict::ContestedShape {
+                rival: Competitor::Test(1),
                 ..
             }
         ),

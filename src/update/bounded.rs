@@ -4,7 +4,7 @@ use crate::linalg::{LinalgError, RealMatrix, least_squares_real, real_matrix};
 
 /// Where an unknown stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum BoundState {
     Free,
     Lower,
     Upper,
@@ -28,19 +28,19 @@ pub(super) fn bounded_least_squares(
 ) -> Result<Vec<f64>, LinalgError> {
     let n = a.ncols();
     let mut x = vec![0.0; n];
-    let mut place = vec![Place::Free; n];
+    let mut place = vec![BoundState::Free; n];
     // Every pass binds or releases one unknown; in exact arithmetic no set of bound ones comes
     // twice.
     for _ in 0..10 * (n + 1) {
-        let free: Vec<usize> = (0..n).filter(|&j| place[j] == Place::Free).collect();
+        let free: Vec<usize> = (0..n).filter(|&j| place[j] == BoundState::Free).collect();
         let goal = unbounded(a, b, &x, &free)?;
         let mut part = 1.0;
         let mut met = None;
         for (&j, &goal) in free.iter().zip(&goal) {
             let (bound, side) = if goal < bounds[j].0 {
-                (bounds[j].0, Place::Lower)
+                (bounds[j].0, BoundState::Lower)
             } else if goal > bounds[j].1 {
-                (bounds[j].1, Place::Upper)
+                (bounds[j].1, BoundState::Upper)
             } else {
                 continue;
             };
@@ -59,7 +59,7 @@ pub(super) fn bounded_least_squares(
             continue;
         }
         match to_release(a, b, &x, &place) {
-            Some(j) => place[j] = Place::Free,
+            Some(j) => place[j] = BoundState::Free,
             None => break,
         }
     }
@@ -87,7 +87,7 @@ fn unbounded(
 }
 
 /// The bounded unknown whose gradient points inside most, as a part of its column's length.
-fn to_release(a: &RealMatrix, b: &[f64], x: &[f64], place: &[Place]) -> Option<usize> {
+fn to_release(a: &RealMatrix, b: &[f64], x: &[f64], place: &[BoundState]) -> Option<usize> {
     /// Gradients below this part of the residual are rounding.
     const ROUNDING: f64 = 1e-10;
     let row = |i: usize| (0..x.len()).map(|j| a[(i, j)] * x[j]).sum::<f64>();
@@ -98,9 +98,9 @@ fn to_release(a: &RealMatrix, b: &[f64], x: &[f64], place: &[Place]) -> Option<u
         let length = (0..a.nrows()).map(|i| a[(i, j)].powi(2)).sum::<f64>();
         let slope = products.sum::<f64>() / length.sqrt().max(f64::MIN_POSITIVE);
         match place[j] {
-            Place::Free => 0.0,
-            Place::Lower => slope,
-            Place::Upper => -slope,
+            BoundState::Free => 0.0,
+            BoundState::Lower => slope,
+            BoundState::Upper => -slope,
         }
     };
     let best = (0..x.len()).map(|j| (inward(j), j));

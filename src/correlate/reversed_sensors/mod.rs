@@ -248,8 +248,10 @@ impl Search {
         let views = views
             .into_iter()
             .filter(|view| view.mac >= MIN_MAC_OF_SEARCH);
-        let parts: Vec<Part> = views.map(|view| Part::new(&view, members)).collect();
-        let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+        let parts: Vec<PartialOverlap> = views
+            .map(|view| PartialOverlap::new(&view, members))
+            .collect();
+        let sum = |of: fn(&PartialOverlap) -> f64| parts.iter().map(of).sum::<f64>();
         let direction =
             -sum(|part| part.along) / (sum(|part| part.test) * sum(|part| part.theory)).sqrt();
         let of_reversed = sum(|part| 4.0 * part.share * (part.mac.sqrt() - part.share));
@@ -283,7 +285,7 @@ impl Search {
         let expected_false = |hypothesis: usize| {
             let members = &self.hypotheses[hypothesis].members;
             let parts = views.iter().zip(&poor).filter_map(|(view, poor)| {
-                let part = Part::new(view, members);
+                let part = PartialOverlap::new(view, members);
                 part.agrees()
                     .then(|| poor.probability(&part, members.len()))
             });
@@ -323,7 +325,7 @@ impl Search {
 
 /// Sums over the sensors of a hypothesis in one pair, of unit test shape `a` and theory shape `b`,
 /// with these sensors reversed.
-struct Part {
+struct PartialOverlap {
     mac: f64,
     /// `Σ Re(b* a)`.
     along: f64,
@@ -341,7 +343,7 @@ struct Part {
     relative_others: f64,
 }
 
-impl Part {
+impl PartialOverlap {
     fn new(view: &View, members: &[usize]) -> Self {
         let sum = |of: &dyn Fn(&(num_complex::Complex64, num_complex::Complex64)) -> f64| {
             members.iter().map(|&d| of(&view.values[d])).sum::<f64>()
@@ -397,7 +399,7 @@ impl Poorness {
     }
 
     /// Bound on the probability that good sensors deviate as much.
-    fn probability(&self, part: &Part, members: usize) -> f64 {
+    fn probability(&self, part: &PartialOverlap, members: usize) -> f64 {
         let chebyshev = members as f64 * self.variance / part.deviation.max(f64::MIN_POSITIVE);
         self.disagreeing.min(chebyshev)
     }
