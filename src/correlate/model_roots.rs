@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_left_of_rigid_body_modes_is_no_root() {
+    fn rigid_body_modes_at_rounding_level_are_no_roots() {
         let free = [1e-4, 2e-4, 3.1e-3, 12.0, 30.0];
         assert_eq!(elastic_hz(&free), [12.0, 30.0]);
         // Some of them at exactly 0, others not.

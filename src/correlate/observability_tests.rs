@@ -419,7 +419,7 @@ fn a_rigid_body_mode_shows_that_the_points_do_not_stand_still_by_themselves() {
 }
 
 #[test]
-fn what_is_not_known_at_every_pair_excuses_nothing() {
+fn a_shape_unknown_at_some_pairs_is_no_reason_for_an_unmatched_mode() {
     let judged = |text: &[(&str, &str)]| {
         let table = compared(&three(), &two_found(), &receptances(text, 1e-30));
         (statuses(&table)[1], reason(&table, 1))

@@ -214,7 +214,7 @@ fn two_partners_as_good_are_ambiguous_from_either_side() {
 }
 
 #[test]
-fn the_margin_decides_what_is_as_good() {
+fn the_margin_decides_which_pairs_are_ambiguous() {
     let theory = model(vec![mode(100.0, &[]), mode(104.0, &[])]);
     let test = model(vec![mode(100.0, &[])]);
     // The rival lies 4 % off, which costs 4/104 / 0.2 = 0.192.
@@ -379,7 +379,7 @@ fn two_common_degrees_of_freedom_pair_by_frequency_and_a_repeated_root_at_one_ha
 }
 
 #[test]
-fn a_frequency_that_is_none_and_a_shape_that_is_none_are_errors() {
+fn non_finite_frequencies_and_shapes_are_errors() {
     let good = model(vec![mode(1.0, &[1.0])]);
     for hz in [-1.0, f64::NAN] {
         let error = pair(
@@ -436,7 +436,7 @@ proptest! {
 }
 
 #[test]
-fn what_rounding_leaves_of_a_still_root_has_no_shape() {
+fn rounding_errors_at_nodes_are_no_shape() {
     // At 1010 Hz a five-fold root that the sensors do not see but for rounding, which spans nearly
     // every shape.
     let tiny = |number: usize| {

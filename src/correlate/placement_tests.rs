@@ -117,7 +117,7 @@ fn a_hit_and_a_sensor_are_added_together_where_neither_helps_alone() {
 }
 
 #[test]
-fn what_no_point_can_see_is_said_with_its_reason() {
+fn a_root_that_no_point_shows_is_reported_with_its_reason() {
     let theory = model(vec![
         of_theory(100.0, &[1.0, 1.0, 0.0]),
         of_theory(200.0, &[0.0, 0.0, 1.0]),

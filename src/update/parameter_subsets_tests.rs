@@ -4,7 +4,7 @@ use super::test_models::{chain, free, measured, sensors};
 use super::*;
 
 #[test]
-fn the_one_spring_that_was_changed_is_proposed_and_foretells_what_was_left_out() {
+fn the_changed_spring_is_proposed_and_predicts_held_out_modes() {
     let start = [100.0, 200.0, 300.0, 150.0];
     let model = chain(&start);
     let test = measured(&model, &[100.0, 200.0, 420.0, 150.0], 1e-3, false);

@@ -160,7 +160,7 @@ fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
 }
 
 #[test]
-fn what_has_no_partner_is_left_out_and_nothing_paired_is_an_error() {
+fn unpaired_modes_are_left_out_and_no_pair_at_all_is_an_error() {
     let model = chain(&[100.0]);
     let mut test = measured(&model, &[100.0], 0.001, false);
     let mut far = test.modes[0].clone();

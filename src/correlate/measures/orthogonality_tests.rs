@@ -143,7 +143,7 @@ fn sum((a, x): (f64, &ModeShape), (b, y): (f64, &ModeShape)) -> ModeShape {
 }
 
 #[test]
-fn serep_sees_what_is_wrong_with_a_shape_as_guyan_does_and_tells_what_it_cannot_see() {
+fn serep_and_guyan_detect_shape_errors_and_serep_reports_the_part_outside() {
     let matrices = chain(4);
     let sensors = sensors(4, &[(0, 1.0), (1, 1.0), (2, 1.0), (3, 1.0)]);
     let (theory, vectors) = readings(&matrices, &sensors);

@@ -338,7 +338,7 @@ fn quantities_are_found_by_model_and_name_and_compared_with_value_or_bound() {
 }
 
 #[test]
-fn what_cannot_be_checked_has_no_verdict() {
+fn a_claim_without_a_computed_value_has_no_verdict() {
     let verdict = &judge(Statement::NotCheckable, 0)[0];
     assert_eq!(
         (verdict.confirmed, verdict.recomputed.clone()),

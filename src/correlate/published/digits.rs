@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_rounds_to_what_is_printed_of_it() {
+    fn a_number_rounds_to_its_printed_digits() {
         let four = Digits::Significant(4);
         assert!(four.round_to(2.512238e9, 2.512e9));
         assert!(four.round_to(3.108191e10, 3.108e10));
