@@ -1,13 +1,14 @@
-//! The Cramér-Rao bound of poles from FRFs in white noise of known variance.
+//! The Cramér-Rao bound limits the variance of poles estimated from FRFs in white noise of known
+//! variance.
 //!
-//! Of the model `H_oi = s^d [Σ_r ψ_or L_ri/(s − λ_r) + conj. + C_oi + D_oi/s²]` at `s = iω` all is
-//! unknown: poles, shapes `ψ`, participation `L` (of one reference: the residues), and a lower and
-//! an upper residual of every function. All columns of the Jacobian matrix are combinations of
-//! `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate partners; one QR
-//! decomposition of these makes of every function as many rows as there are such terms, and those
-//! of the residuals come first, so that leaving their rows out leaves them out of everything else.
-//! Shapes go output by output in the same way, participation at the end, and what is left is the
-//! triangle `R` of the poles: covariance `(RᵀR)⁻¹`.
+//! All parameters of the model `H_oi = s^d [Σ_r ψ_or L_ri/(s − λ_r) + conj. + C_oi + D_oi/s²]` at
+//! `s = iω` are unknown: poles, shapes `ψ`, participation factors `L` (with one reference: the
+//! residues), and a lower and an upper residual of every FRF. All columns of the Jacobian matrix are
+//! combinations of `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate
+//! partners. One QR decomposition of these terms compresses every FRF to one row per term. The rows
+//! of the lower and upper residuals come first; dropping these rows eliminates the residuals. Shapes
+//! are eliminated in the same way output by output, then the participation factors. The remaining
+//! triangle `R` belongs to the poles: their covariance is `(RᵀR)⁻¹`.
 //!
 //! # Reference
 //! Kay (1993), Fundamentals of statistical signal processing: estimation theory, section 3.9
@@ -32,7 +33,7 @@ pub struct NoisyLines<'a> {
     pub variances: &'a [f64],
 }
 
-/// Least standard deviations of what an unbiased estimate says of a pole.
+/// Minimum standard deviations of an unbiased estimate of a pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Of the natural frequency, Hz.
@@ -41,19 +42,20 @@ pub struct Deviation {
     pub damping: f64,
 }
 
-/// Nothing is known of a pole.
-const UNKNOWN: Deviation = Deviation {
+/// Bound of a pole that the data do not determine.
+const UNBOUNDED: Deviation = Deviation {
     frequency_hz: f64::INFINITY,
     damping: f64::INFINITY,
 };
 
-/// The bound of every mode, all of them unknown; infinite where the functions do not tell the pole.
+/// The bound of every mode, all of them estimated together; infinite where the FRFs do not
+/// determine the pole.
 pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
     let Some(first) = modes.first() else {
         return Vec::new();
     };
     let Some(basis) = Basis::new(modes, lines) else {
-        return vec![UNKNOWN; modes.len()];
+        return vec![UNBOUNDED; modes.len()];
     };
     let (n, inputs) = (modes.len(), first.participation.len());
     let globals = 2 * n * inputs;
@@ -62,7 +64,7 @@ pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
         let block = basis.output(modes, lines, output);
         let stacked = |block: ThinQr| stacked(&whole, &lower_block(&block.r, 2 * n, globals));
         let Ok(triangle) = thin_qr(&block).and_then(|block| thin_qr(&stacked(block))) else {
-            return vec![UNKNOWN; modes.len()];
+            return vec![UNBOUNDED; modes.len()];
         };
         whole = triangle.r;
     }
@@ -75,8 +77,8 @@ pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
     };
     let deviation = |(r, mode): (usize, &&TrueMode)| {
         let lambda = mode.pole.lambda;
-        let own = |a: usize, b: usize| covariance(2 * r + a, 2 * r + b, lambda.re);
-        propagated(lambda, [own(0, 0), own(0, 1), own(1, 1)])
+        let element = |a: usize, b: usize| covariance(2 * r + a, 2 * r + b, lambda.re);
+        propagated(lambda, [element(0, 0), element(0, 1), element(1, 1)])
     };
     modes.iter().enumerate().map(deviation).collect()
 }
@@ -98,8 +100,8 @@ fn propagated(lambda: Complex64, [xx, xy, yy]: [f64; 3]) -> Deviation {
     }
 }
 
-/// The terms that all columns are made of, as columns of a triangle without the rows of the
-/// residuals.
+/// The terms of which all columns are combinations, as columns of a triangle without the rows of
+/// the lower and upper residuals.
 struct Basis {
     rows: usize,
     triangle: ComplexMatrix,
@@ -153,8 +155,8 @@ impl Basis {
                 };
                 put(2 * r, participation / decay, 1);
                 if input != fixed {
-                    let place = 2 * n + 2 * ((inputs - 1) * r + free);
-                    put(place, shape / decay, 1);
+                    let position = 2 * n + 2 * ((inputs - 1) * r + free);
+                    put(position, shape / decay, 1);
                     free += 1;
                 }
                 // By parts of the decay rate: d/dλ times the decay rate.
@@ -164,8 +166,8 @@ impl Basis {
         block
     }
 
-    /// Two real columns, by the real and the imaginary part of what multiplies `factor`: `a u + a*
-    /// v` and `i a u − i a* v`.
+    /// Two real columns, by the real and the imaginary part of the parameter that multiplies
+    /// `factor`: `a u + a* v` and `i a u − i a* v`.
     fn put(
         &self,
         block: &mut ComplexMatrix,

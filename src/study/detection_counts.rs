@@ -1,12 +1,12 @@
-//! Errors of found modes, summed over identifications.
+//! Detection counts sum found, missed and spurious modes and their errors over identifications.
 
 use crate::modal::{ModalModel, Mode, mac};
 
 use super::score::{Judge, components};
 use super::system::TrueMode;
 
-/// What identifications of one system came to. An error is over observable modes that were found;
-/// it is `None` where there is none.
+/// Counts and errors of the identifications of one system. Errors are taken over the observable
+/// modes that were found; an error is `None` where no such mode exists.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Identifications.
@@ -17,7 +17,7 @@ pub struct Tally {
     pub observable: usize,
     /// Those that were found.
     pub found: usize,
-    /// Modes that are none.
+    /// Spurious modes.
     pub spurious: usize,
     /// Found modes that have a bound.
     bounded: usize,
@@ -38,7 +38,7 @@ impl Tally {
         self.runs += 1;
         let Some(found) = found else {
             self.refused += 1;
-            self.observable += judge.known().iter().filter(|own| own.observable).count();
+            self.observable += judge.known().iter().filter(|mode| mode.observable).count();
             return;
         };
         let verdict = judge.verdict(found);
@@ -74,7 +74,7 @@ impl Tally {
         self.damping += (damping / truth.pole.damping_ratio()).powi(2);
     }
 
-    /// Puts another one to it.
+    /// Adds the counts of other identifications.
     pub fn join(&mut self, other: &Self) {
         self.runs += other.runs;
         self.refused += other.refused;
@@ -155,10 +155,10 @@ mod tests {
     use crate::study::System;
     use num_complex::Complex64;
 
-    /// Three modes; of what is found one lies where it should but for 0.1 % and 10 % of its
-    /// damping, one nowhere, one is not found.
+    /// Three modes: one is found with errors of 0.1 % of the frequency and 10 % of the damping, one
+    /// is missed, one lies outside the band; one found mode is spurious.
     #[test]
-    fn errors_are_counted_over_what_is_found() {
+    fn errors_are_averaged_over_found_modes() {
         let dofs = ["1:+Z", "2:+Z"].map(|text| text.parse().unwrap());
         let mode = |hz: f64, shape: [f64; 2]| TrueMode {
             pole: Pole::from_frequency(hz, 0.01),

@@ -1,4 +1,4 @@
-//! Why a study cannot be made.
+//! [`StudyError`] states why a study fails.
 
 use crate::frf::{FrfError, SetError};
 use crate::identify::IdentifyError;
@@ -6,7 +6,7 @@ use crate::scene::SceneError;
 
 use super::breakdown::BreakdownError;
 
-/// A study that has no answer.
+/// Cause of a failed study.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -16,7 +16,7 @@ pub enum StudyError {
     /// FRFs could not be estimated.
     #[error(transparent)]
     Frf(#[from] FrfError),
-    /// The refined solution, which others are held against, could not be found.
+    /// The maximum-likelihood solution, the reference for other methods, could not be found.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// The scene or a spec.
@@ -25,7 +25,7 @@ pub enum StudyError {
     /// A map of where methods fail.
     #[error(transparent)]
     Breakdown(#[from] BreakdownError),
-    /// A value that cannot be meant.
+    /// An invalid value.
     #[error("{key}: got {got}, expected {expected}")]
     Value {
         /// The key, with its table.

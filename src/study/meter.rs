@@ -1,6 +1,6 @@
-//! What work costs, as the caller measures it: the library reads no clock.
+//! A meter of the caller measures processor time and memory: the library reads no clock.
 
-/// What a piece of work cost; `None` where nobody knows.
+/// Processor time and memory of a computation; `None` where not measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Processor time of all threads, s.
@@ -11,16 +11,16 @@ pub struct Cost {
 
 /// Measures work; while it does, no other work runs.
 pub trait Meter: Sync {
-    /// Whether it knows anything; work is not repeated for one that does not.
+    /// Whether it measures anything; without a measurement no computation is repeated for timing.
     fn measures(&self) -> bool {
         true
     }
 
-    /// Does the work once and tells what it cost.
+    /// Runs the computation once and returns its cost.
     fn measure(&self, work: &mut dyn FnMut()) -> Cost;
 }
 
-/// Nobody measures.
+/// A meter that measures nothing.
 impl Meter for () {
     fn measures(&self) -> bool {
         false

@@ -8,7 +8,7 @@ use crate::frf::FrfSet;
 use crate::identify::{ESTIMATORS, IdentifyError, IdentifyOptions, identify};
 use crate::modal::ModalModel;
 
-/// The method that others are held against: maximum likelihood.
+/// The reference for other methods: maximum likelihood.
 pub const REFINED: &str = "ml";
 
 /// An estimator with its order.

@@ -1,13 +1,13 @@
-//! What a perfect tool could find of a system known by its modes, and what was found of it.
+//! The score of an identification compares its modes with the observable modes of a known system.
 //!
-//! - **Observable**: a mode of the band whose own peak, at its nearest line, stands 10 dB over the
-//!   noise of some function, and whose Cramér-Rao deviation of the frequency is under a quarter of
-//!   the distance to the next mode.
-//! - **Found**: a mode within the larger of three such deviations (no more than a half-power width)
-//!   and a quarter of the half-power width, with a MAC of 0.9 or more of what the noise leaves of a
-//!   shape. Modes that nobody can tell apart (within a half-power width, and a deviation of either
-//!   over a quarter of their distance), and modes that the tool calls one repeated root, are held
-//!   against each other's span.
+//! - **Observable**: a mode of the band whose contribution to some FRF, at the line nearest to its
+//!   peak, exceeds the noise by 10 dB, and whose Cramér-Rao bound of the frequency is under a
+//!   quarter of the distance to the next mode.
+//! - **Found**: a mode within the larger of three such standard deviations (at most one half-power
+//!   bandwidth) and a quarter of the half-power bandwidth, with a MAC of 0.9 or more of the MAC
+//!   expected under the noise. Inseparable modes (within a half-power bandwidth, and the bound of
+//!   either over a quarter of their distance), and modes that the identification reports as one
+//!   repeated root, are compared by the span of their shapes.
 //! - **Spurious**: a found mode without such a partner, in the band or outside.
 
 use std::f64::consts::TAU;
@@ -22,15 +22,16 @@ use super::bound::{Deviation, NoisyLines, deviations};
 use super::system::{System, TrueMode};
 
 /// Peak over noise, as a power: 10 dB.
-const OVER_NOISE: f64 = 10.0;
-/// Deviation over distance from which on two modes are not told apart.
-const OF_SPACING: f64 = 0.25;
-/// Modes outside the band that are nearer to it than so many half-power widths are unknowns of the
-/// bound; residuals stand for those beyond.
-const NEAR_WIDTHS: f64 = 3.0;
-const LEAST_MAC: f64 = 0.9;
+const MIN_PEAK_POWER_RATIO: f64 = 10.0;
+/// Largest bound of the frequency, over the distance to the next mode, of a separable mode.
+const MAX_STD_OVER_SPACING: f64 = 0.25;
+/// Modes outside the band within this many half-power bandwidths are parameters of the bound; lower
+/// and upper residuals describe modes farther away.
+const BOUND_MARGIN_BANDWIDTHS: f64 = 3.0;
+/// Smallest MAC of a found mode, over the MAC expected under the noise.
+const MIN_MAC_FRACTION: f64 = 0.9;
 
-/// What the noise lets anyone know of a mode of the truth.
+/// Detectability of a true mode under the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// `None` for a mode far outside the band.
@@ -42,11 +43,11 @@ pub struct Known {
     /// Expected MAC of the best estimate of its shape: `1/(1 + ε²)`, `ε²` the variance of a lone
     /// mode's shape over its square.
     pub mac: f64,
-    /// Whether a perfect tool would find it.
+    /// Whether an efficient estimator would find it.
     pub observable: bool,
 }
 
-/// What is known of every mode of a system in noise of these variances ([`System::variances`]).
+/// Detectability of every mode of a system in noise of these variances ([`System::variances`]).
 pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
     let bounds = bounds(system, variances);
     let of_mode = |(r, bound): (usize, Option<Deviation>)| {
@@ -55,14 +56,14 @@ pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
         let distance = |(_, other): (usize, &TrueMode)| (other.hz() - mode.hz()).abs();
         let spacing_hz = others.map(distance).fold(mode.hz(), f64::min);
         let peak_db = 10.0 * peak(system, mode, variances).log10();
-        let told = bound.is_some_and(|b| b.frequency_hz < OF_SPACING * spacing_hz);
-        let above = peak_db >= 10.0 * OVER_NOISE.log10();
+        let separable = bound.is_some_and(|b| b.frequency_hz < MAX_STD_OVER_SPACING * spacing_hz);
+        let above = peak_db >= 10.0 * MIN_PEAK_POWER_RATIO.log10();
         Known {
             bound,
             peak_db,
             spacing_hz,
             mac: expected_mac(system, mode, variances),
-            observable: told && above && system.inside(mode),
+            observable: separable && above && system.inside(mode),
         }
     };
     bounds.into_iter().enumerate().map(of_mode).collect()
@@ -71,8 +72,8 @@ pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
 /// The bound of every mode in the band and near it.
 pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
     let near = |mode: &TrueMode| {
-        let reach = NEAR_WIDTHS * mode.width_hz();
-        mode.hz() > system.band.lo_hz - reach && mode.hz() < system.band.hi_hz + reach
+        let margin_hz = BOUND_MARGIN_BANDWIDTHS * mode.width_hz();
+        mode.hz() > system.band.lo_hz - margin_hz && mode.hz() < system.band.hi_hz + margin_hz
     };
     let chosen: Vec<usize> = (0..system.modes.len())
         .filter(|r| near(&system.modes[*r]))
@@ -90,8 +91,8 @@ pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
     bounds
 }
 
-/// Squared height of a mode's own term at the line nearest to its peak over the noise, in the
-/// function that shows it best.
+/// Squared magnitude of a mode's contribution at the line nearest to its peak, over the noise
+/// variance; the maximum over all FRFs.
 fn peak(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let Some(line) = system.axis.nearest(mode.pole.damped_frequency_hz()) else {
         return 0.0;
@@ -113,15 +114,15 @@ fn expected_mac(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
     let variance = |o: usize| {
         let of =
             |(i, l): (usize, &Complex64)| gain * l.norm_sqr() / variances[i * mode.shape.len() + o];
-        let known = mode.participation.iter().enumerate().map(of);
-        lines / known.sum::<f64>()
+        let precision = mode.participation.iter().enumerate().map(of);
+        lines / precision.sum::<f64>()
     };
     let noise: f64 = (0..mode.shape.len()).map(variance).sum();
     let square: f64 = mode.shape.iter().map(Complex64::norm_sqr).sum();
     (1.0 + noise / square).recip()
 }
 
-/// A judged identification.
+/// Result of the comparison of an identification with the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// Number of observable modes.
@@ -130,7 +131,7 @@ pub struct Verdict {
     pub partner: Vec<Option<usize>>,
     /// Numbers of the observable modes that are not found.
     pub missed: Vec<usize>,
-    /// Numbers of the found modes that are none.
+    /// Numbers of the spurious modes.
     pub spurious: Vec<usize>,
 }
 
@@ -153,7 +154,7 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Judges what is found of a system.
+/// Compares identified modes with the modes of a system.
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     system: &'a System,
@@ -174,12 +175,12 @@ impl<'a> Judge<'a> {
         self.system
     }
 
-    /// What the noise lets anyone know of every mode.
+    /// Detectability of every mode.
     pub fn known(&self) -> &[Known] {
         &self.known
     }
 
-    /// Who is found, missed and none.
+    /// Found, missed and spurious modes.
     pub fn verdict(&self, found: &ModalModel) -> Verdict {
         let partner = self.court(found).partners();
         let free = |f: &usize| !partner.contains(&Some(*f));
@@ -194,7 +195,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Of every mode that went wrong, what it is and why.
+    /// A description of every missed and every spurious mode, with the reason.
     pub fn reasons(&self, found: &ModalModel, verdict: &Verdict) -> Vec<String> {
         let court = self.court(found);
         let missed = verdict.missed.iter().map(|r| court.why_missed(*r));
@@ -229,7 +230,7 @@ struct Court<'a> {
 
 impl Court<'_> {
     /// How far from a true mode a found one may be, Hz.
-    fn reach_hz(&self, r: usize) -> f64 {
+    fn tolerance_hz(&self, r: usize) -> f64 {
         let width = self.system.modes[r].width_hz();
         let bound = self.known[r].bound.map_or(0.0, |b| 3.0 * b.frequency_hz);
         bound.min(width).max(0.25 * width)
@@ -239,29 +240,31 @@ impl Court<'_> {
         (self.found[f].frequency_hz - self.system.modes[r].hz()).abs()
     }
 
-    /// A true mode and those that nobody can tell from it.
+    /// A true mode and the modes that the noise makes inseparable from it.
     fn cluster(&self, r: usize) -> Vec<usize> {
         let mode = &self.system.modes[r];
-        let not_told = |o: &usize| {
+        let inseparable = |o: &usize| {
             let other = &self.system.modes[*o];
             let apart = (other.hz() - mode.hz()).abs();
-            let told = |r: usize| {
+            let separable = |r: usize| {
                 let bound = self.known[r].bound;
-                bound.is_some_and(|b| b.frequency_hz < OF_SPACING * apart)
+                bound.is_some_and(|b| b.frequency_hz < MAX_STD_OVER_SPACING * apart)
             };
-            *o == r || apart <= other.width_hz().max(mode.width_hz()) && !(told(r) && told(*o))
+            *o == r
+                || apart <= other.width_hz().max(mode.width_hz())
+                    && !(separable(r) && separable(*o))
         };
-        (0..self.system.modes.len()).filter(not_told).collect()
+        (0..self.system.modes.len()).filter(inseparable).collect()
     }
 
     fn mac(&self, r: usize, f: usize) -> f64 {
-        let own = &self.shapes[f];
-        if own.is_empty() {
+        let shape = &self.shapes[f];
+        if shape.is_empty() {
             return 0.0;
         }
         let truth = |r: usize| self.system.modes[r].shape.clone();
         let span: Vec<_> = self.cluster(r).into_iter().map(truth).collect();
-        let mac = subspace_mac(own, &span).unwrap_or(0.0);
+        let mac = subspace_mac(shape, &span).unwrap_or(0.0);
         let group = self.found[f].group;
         let same =
             (0..self.found.len()).filter(|o| group.is_some() && self.found[*o].group == group);
@@ -291,8 +294,8 @@ impl Court<'_> {
 
     /// Found modes that could be a true one, nearest first.
     fn offers(&self, r: usize) -> Vec<usize> {
-        let near = |f: &usize| self.distance_hz(r, *f) <= self.reach_hz(r);
-        let fits = |f: &usize| self.mac(r, *f) >= LEAST_MAC * self.known[r].mac;
+        let near = |f: &usize| self.distance_hz(r, *f) <= self.tolerance_hz(r);
+        let fits = |f: &usize| self.mac(r, *f) >= MIN_MAC_FRACTION * self.known[r].mac;
         let mut offers: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
         offers.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
         offers
@@ -306,7 +309,7 @@ impl Court<'_> {
         let nearest = nearest.map_or("nothing found".to_owned(), |f| {
             format!(
                 "nearest found at {:+.3} reaches, MAC {:.3}",
-                (self.found[f].frequency_hz - mode.hz()) / self.reach_hz(r),
+                (self.found[f].frequency_hz - mode.hz()) / self.tolerance_hz(r),
                 self.mac(r, f)
             )
         });
@@ -343,7 +346,7 @@ impl Court<'_> {
             },
             known.peak_db,
             (found.frequency_hz - truth.hz()) / truth.width_hz(),
-            self.distance_hz(nearest, f) / self.reach_hz(nearest),
+            self.distance_hz(nearest, f) / self.tolerance_hz(nearest),
             self.mac(nearest, f),
         )
     }

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 pub fn cell_random(seed: u64, coordinates: &[u64]) -> ChaCha8Rng {
     let stream = coordinates
         .iter()
-        .fold(coordinates.len() as u64, |state, own| {
-            mixed(state ^ mixed(*own))
+        .fold(coordinates.len() as u64, |state, coordinate| {
+            mixed(state ^ mixed(*coordinate))
         });
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(stream);
@@ -31,7 +31,7 @@ mod tests {
     use rand::RngCore;
 
     #[test]
-    fn every_cell_has_a_stream_of_its_own() {
+    fn random_streams_of_cells_differ() {
         let first = |coordinates: &[u64]| cell_random(7, coordinates).next_u64();
         assert_eq!(first(&[1, 2]), first(&[1, 2]));
         let cells = [&[1, 2][..], &[2, 1], &[1, 3], &[1], &[1, 2, 0], &[]];

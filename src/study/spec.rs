@@ -1,4 +1,4 @@
-//! `study.toml` as typed.
+//! [`StudyFile`] holds `study.toml` as typed.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub const STUDY_SCHEMA: &str = "modalign-study/1";
 pub struct StudyFile {
     /// `modalign-study/1`.
     pub schema: String,
-    /// The scene's folder or file, relative to the spec; its own folder without it.
+    /// The scene's folder or file, relative to the spec; the folder of the spec without it.
     pub scene: Option<PathBuf>,
     /// `[breakdown]`.
     #[serde(default)]

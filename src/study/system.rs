@@ -1,8 +1,8 @@
-//! A linear system known by its modes, and its FRFs with and without noise.
+//! A linear system is defined by its modes and has FRFs with and without noise.
 //!
 //! `H_oi(s) = s^d Σ_r [ψ_or L_ri/(s − λ_r) + conj.]` at `s = iω`: `λ` poles, `ψ` shapes at the
 //! responses, `L` participation at the references, `d` 0, 1, 2 for receptance, mobility,
-//! accelerance. Where the record ends `T` after the hit, what would have come then is missing:
+//! accelerance. A record that ends `T` after the hit truncates the response:
 //! `H_oi − Σ_r [λ_r^d e^{(λ_r−s)T} ψ_or L_ri/(s − λ_r) + conj.]`, the transform of the response to
 //! a short pulse from the pulse to the end of the record.
 //!
@@ -62,7 +62,7 @@ impl TrueMode {
     }
 }
 
-/// A system and where it is looked at.
+/// A system with its frequency lines, band and degrees of freedom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct System {
     /// In ascending frequency, those outside the band included.
@@ -98,7 +98,7 @@ impl System {
         self.band.contains(mode.hz())
     }
 
-    /// Modal overlap of the band: the sum of the half-power widths over its own.
+    /// Modal overlap of the band: the sum of the half-power bandwidths over the width of the band.
     pub fn overlap(&self) -> f64 {
         let inside = self.modes.iter().filter(|mode| self.inside(mode));
         inside.map(TrueMode::width_hz).sum::<f64>() / self.band.width_hz()
@@ -153,12 +153,12 @@ impl System {
             (a / (s - lambda), a.conj() / (s - lambda.conj()), lambda)
         });
         let Some(end_s) = self.record_end_s else {
-            return terms.map(|(own, conj, _)| own + conj).sum::<Complex64>() * s.powi(order);
+            return terms.map(|(term, conj, _)| term + conj).sum::<Complex64>() * s.powi(order);
         };
         let whole = s.powi(order);
         let kept = |lambda: Complex64| whole - lambda.powi(order) * ((lambda - s) * end_s).exp();
         terms
-            .map(|(own, conj, lambda)| own * kept(lambda) + conj * kept(lambda.conj()))
+            .map(|(term, conj, lambda)| term * kept(lambda) + conj * kept(lambda.conj()))
             .sum()
     }
 
@@ -185,8 +185,8 @@ impl System {
     }
 }
 
-/// A set with white noise of these variances added, and the variances stated as exact or as
-/// estimated from so many averages.
+/// FRFs with white noise of these variances added; the stated variances are exact, or estimated
+/// from a number of averages.
 ///
 /// # Errors
 /// [`StudyError::Value`] for fewer than two averages.
@@ -259,10 +259,9 @@ mod tests {
         }
     }
 
-    /// The transform of the acceleration to an impulse, from it to the end of the record: what
-    /// comes after is left out.
+    /// The FRF is the transform of the impulse response up to the end of the record.
     #[test]
-    fn a_record_that_ends_early_has_the_transform_of_what_it_holds() {
+    fn frf_of_a_truncated_record_is_the_transform_of_its_response() {
         let (end_s, omega) = (0.4, TAU * 23.0);
         let whole = system();
         let ended = System {
@@ -290,7 +289,7 @@ mod tests {
             record_end_s: Some(100.0),
             ..whole.clone()
         };
-        let values = [&whole, &long].map(|own| own.value((1, 0), omega));
+        let values = [&whole, &long].map(|system| system.value((1, 0), omega));
         assert!((values[0] - values[1]).norm() < 1e-12 * values[0].norm());
     }
 

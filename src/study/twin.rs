@@ -1,4 +1,4 @@
-//! The synthetic twin of a test: a [`System`] of its modes, seen at its degrees of freedom on its
+//! The synthetic twin of a test is a [`System`] of its modes, at its degrees of freedom, on its
 //! lines.
 
 use num_complex::Complex64;
@@ -88,7 +88,7 @@ fn value(key: &str, got: &str, expected: &str) -> StudyError {
 struct Sides<'a> {
     responses: &'a [Dof],
     references: &'a [Dof],
-    /// Whether what is a response here was hit.
+    /// Whether the responses here are the excitation points of the test.
     turned: bool,
 }
 
@@ -131,9 +131,9 @@ impl Sides<'_> {
 
 /// Row and column of the greatest value.
 fn greatest(values: &[Vec<Complex64>]) -> (usize, usize) {
-    let places = (0..values.len()).flat_map(|o| (0..values[o].len()).map(move |i| (o, i)));
+    let positions = (0..values.len()).flat_map(|o| (0..values[o].len()).map(move |i| (o, i)));
     let size = |&(o, i): &(usize, usize)| values[o][i].norm_sqr();
-    places
+    positions
         .max_by(|a, b| size(a).total_cmp(&size(b)))
         .unwrap_or((0, 0))
 }
@@ -190,8 +190,10 @@ mod tests {
             let exact = twin.exact().unwrap();
             for (i, function) in exact.functions().iter().enumerate() {
                 let (a, b) = (&function.response, &function.reference);
-                let own = if turned { (b, a) } else { (a, b) };
-                let same = pairs.iter().position(|pair| (&pair.0, &pair.1) == own);
+                let pair_of_test = if turned { (b, a) } else { (a, b) };
+                let same = pairs
+                    .iter()
+                    .position(|pair| (&pair.0, &pair.1) == pair_of_test);
                 let wanted = &set.values(same.unwrap())[81..201];
                 let close = |(x, y): (&Complex64, &Complex64)| (x - y).norm() < 1e-12 * y.norm();
                 assert!(exact.values(i).iter().zip(wanted).all(close));
@@ -214,15 +216,16 @@ mod tests {
         let terms = modal_terms(&full).unwrap();
         let set = synthesise(&terms, axis, &pairs, FrfKind::Mobility, 0.0).unwrap();
         let band = Band::new(20.0, 50.0).unwrap();
-        let told = |model: &ModalModel| System::twin(model, &set, band).unwrap_err().to_string();
+        let error_of =
+            |model: &ModalModel| System::twin(model, &set, band).unwrap_err().to_string();
         let missing = model(&pairs[..1]);
         assert!(
-            told(&missing).contains("no residue of 2:+Z|1:+Z"),
+            error_of(&missing).contains("no residue of 2:+Z|1:+Z"),
             "{}",
-            told(&missing)
+            error_of(&missing)
         );
         let mut undamped = full.clone();
         undamped.modes[1].damping_ratio = None;
-        assert!(told(&undamped).starts_with("mode at 42.00 Hz: got no damping"));
+        assert!(error_of(&undamped).starts_with("mode at 42.00 Hz: got no damping"));
     }
 }

@@ -1,5 +1,5 @@
-//! The small structure that every draw is made of: a pair of modes and a third that stands apart,
-//! on a line of sensors.
+//! Every draw measures the same small structure: a pair of modes and a distant third one, on a
+//! line of sensors.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::synth::{SynthError, Truth};
 
 use super::Factor;
 
-/// What is fixed where a slice does not vary it.
+/// Parameters of a draw, fixed where a slice does not vary them.
 ///
 /// Modes lie at `f_1`, `f_2 = f_1 + s·2ζf_1` and `f_3 = f_2 + g`, all with the damping ratio ζ.
 /// Shapes are `sin(rπx)` at `responses` sensors `x = k/(n + 1)` of a supported line, of unit modal
@@ -37,7 +37,7 @@ pub struct Case {
     /// Component of the second mode at the first hit, as a share of its largest; that of its shape
     /// without it.
     pub node_distance: Option<f64>,
-    /// Highest model order of the methods that have one; their own choice without it.
+    /// Highest model order of the methods that have one; chosen by the method without it.
     pub order: Option<usize>,
     /// Record after the hit, time constants of the first mode.
     pub record_length: f64,
@@ -52,7 +52,7 @@ pub struct Case {
     pub second_contacts: f64,
     /// Bits of the converter; none without it.
     pub bits: Option<u32>,
-    /// End value of the exponential window; the tool's own choice without it.
+    /// End value of the exponential window; chosen by the estimation without it.
     pub window_end: Option<f64>,
 }
 
@@ -169,8 +169,8 @@ impl Case {
 
     /// Components of a mode, from 0, at the sensors, unit modal mass of a line of 1 kg.
     fn shape(&self, mode: usize) -> Vec<f64> {
-        let place = |k: usize| (k + 1) as f64 / (self.responses + 1) as f64;
-        let wave = |k: usize| (std::f64::consts::PI * (mode + 1) as f64 * place(k)).sin();
+        let position = |k: usize| (k + 1) as f64 / (self.responses + 1) as f64;
+        let wave = |k: usize| (std::f64::consts::PI * (mode + 1) as f64 * position(k)).sin();
         let mut shape: Vec<f64> = (0..self.responses)
             .map(|k| std::f64::consts::SQRT_2 * wave(k))
             .collect();
@@ -218,14 +218,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_pair_is_as_far_apart_as_asked_and_the_third_mode_stands_apart() {
+    fn the_pair_has_the_stated_separation_and_the_third_mode_its_gap() {
         let case = Case::default()
             .with(Factor::Separation, 2.0)
             .with(Factor::Damping, 0.02);
         let truth = case.truth(0.5, 1.0).unwrap();
         let hz: Vec<f64> = truth.model.modes.iter().map(|m| m.frequency_hz).collect();
-        for (own, expected) in hz.iter().zip([100.5, 108.5, 168.5]) {
-            assert!((own - expected).abs() < 1e-9, "{hz:?}");
+        for (found, expected) in hz.iter().zip([100.5, 108.5, 168.5]) {
+            assert!((found - expected).abs() < 1e-9, "{hz:?}");
         }
         assert!(case.band().contains(60.5) && case.band().contains(208.0));
         assert_eq!(truth.model.modes[0].residues.len(), 4);
@@ -253,7 +253,7 @@ mod tests {
     /// With both ends hit the pair's participation factors are orthogonal: nothing but noise hides
     /// a repeated root.
     #[test]
-    fn two_references_tell_the_pair_apart() {
+    fn two_references_separate_the_pair() {
         let case = Case::default();
         let (a, b) = (case.shape(0), case.shape(1));
         assert!((a[0] * b[0] + a[3] * b[3]).abs() < 1e-12);

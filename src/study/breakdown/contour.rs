@@ -1,7 +1,7 @@
-//! Where a field on a grid crosses a level: lines for figures, places along a row or column for
-//! sentences.
+//! A contour follows a level of a field on a grid: lines for figures, crossings along a row or column
+//! for sentences.
 //!
-//! Places are shares of the axes, 0 to 1.
+//! Positions are fractions of the axes, 0 to 1.
 
 use std::collections::BTreeMap;
 
@@ -30,9 +30,11 @@ impl Field {
                 }
             }
         }
-        let place = |edge: &Edge| self.place(edge, level);
+        let crossing = |edge: &Edge| self.crossing(edge, level);
         let lines = joined(neighbours).into_iter();
-        lines.map(|line| line.iter().map(place).collect()).collect()
+        lines
+            .map(|line| line.iter().map(crossing).collect())
+            .collect()
     }
 
     /// Pairs of crossed edges of one square.
@@ -44,7 +46,7 @@ impl Field {
             (above(i, j + 1) != above(i + 1, j + 1), (i, j + 1, true)),
             (above(i, j) != above(i, j + 1), (i, j, false)),
         ];
-        let crossed = edges.iter().filter(|(own, _)| *own);
+        let crossed = edges.iter().filter(|(crosses, _)| *crosses);
         let crossed: Vec<Edge> = crossed.map(|(_, edge)| *edge).collect();
         match crossed.as_slice() {
             [a, b] => vec![[*a, *b]],
@@ -62,7 +64,7 @@ impl Field {
         }
     }
 
-    fn place(&self, &(i, j, along): &Edge, level: f64) -> Point {
+    fn crossing(&self, &(i, j, along): &Edge, level: f64) -> Point {
         let (columns, rows) = (self.values.len(), self.values[0].len());
         let next = if along { (i + 1, j) } else { (i, j + 1) };
         let (a, b) = (self.values[i][j], self.values[next.0][next.1]);
@@ -87,25 +89,25 @@ impl Field {
         (1.0 - v) * row(j) + v * row(j + 1)
     }
 
-    /// Stretches along an axis, the other one held at a share, in which the field is at or above a
+    /// Stretches along an axis, the other one fixed at a share, in which the field is at or above a
     /// level.
-    pub fn stretches(&self, (along_x, held): (bool, f64), level: f64) -> Vec<(f64, f64)> {
+    pub fn stretches(&self, (along_x, fixed): (bool, f64), level: f64) -> Vec<(f64, f64)> {
         let count = if along_x {
             self.values.len()
         } else {
             self.values[0].len()
         };
-        let place = |k: usize| k as f64 / (count - 1) as f64;
+        let position = |k: usize| k as f64 / (count - 1) as f64;
         let value = |k: usize| match along_x {
-            true => self.at([place(k), held]),
-            false => self.at([held, place(k)]),
+            true => self.at([position(k), fixed]),
+            false => self.at([fixed, position(k)]),
         };
         let mut stretches = Vec::new();
         let mut begin = (value(0) >= level).then_some(0.0);
         for k in 1..count {
             let (a, b) = (value(k - 1), value(k));
             if (a >= level) != (b >= level) {
-                let cross = place(k - 1) + (level - a) / (b - a) / (count - 1) as f64;
+                let cross = position(k - 1) + (level - a) / (b - a) / (count - 1) as f64;
                 match begin.take() {
                     Some(from) => stretches.push((from, cross)),
                     None => begin = Some(cross),
@@ -119,15 +121,15 @@ impl Field {
     /// Distance along an axis from a point to the nearest crossing of a level, with its sign;
     /// `None` where the field does not cross there.
     pub fn distance(&self, point: Point, (along_x, level): (bool, f64)) -> Option<f64> {
-        let (own, held) = match along_x {
+        let (position, fixed) = match along_x {
             true => (point[0], point[1]),
             false => (point[1], point[0]),
         };
-        let ends = self.stretches((along_x, held), level).into_iter();
+        let ends = self.stretches((along_x, fixed), level).into_iter();
         let ends = ends.flat_map(|(a, b)| [a, b]);
         let inner = ends.filter(|end| *end > 0.0 && *end < 1.0);
         inner
-            .map(|end| end - own)
+            .map(|end| end - position)
             .min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 }
@@ -145,8 +147,8 @@ fn joined(mut neighbours: BTreeMap<Edge, Vec<Edge>>) -> Vec<Vec<Edge>> {
         let mut at = start;
         while let Some(next) = neighbours.get_mut(&at).and_then(Vec::pop) {
             if let Some(back) = neighbours.get_mut(&next) {
-                let own = back.iter().position(|edge| *edge == at);
-                own.map(|own| back.swap_remove(own));
+                let index = back.iter().position(|edge| *edge == at);
+                index.map(|index| back.swap_remove(index));
             }
             line.push(next);
             at = next;
@@ -163,8 +165,8 @@ mod tests {
     fn field(columns: usize, rows: usize, f: impl Fn(f64, f64) -> f64) -> Field {
         let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
         let column = |i: usize| {
-            let own = (0..rows).map(|j| f(share(i, columns), share(j, rows)));
-            own.collect()
+            let values = (0..rows).map(|j| f(share(i, columns), share(j, rows)));
+            values.collect()
         };
         Field {
             values: (0..columns).map(column).collect(),

@@ -19,8 +19,8 @@ use crate::synth::{
 
 use super::{Case, Factor};
 
-/// Random numbers of a draw of a cell: of its coordinates and not of its place in a grid, so that a
-/// cell has the same draws however the slice was refined, split or run.
+/// Random numbers of a draw, seeded by the coordinates of the cell instead of its index in a grid:
+/// a cell has the same draws however the slice was refined, split or run.
 pub fn random_of(seed: u64, values: [(Factor, f64); 2], draw: u32) -> ChaCha8Rng {
     let [(x, at_x), (y, at_y)] = values;
     let coordinates = [
@@ -33,13 +33,13 @@ pub fn random_of(seed: u64, values: [(Factor, f64); 2], draw: u32) -> ChaCha8Rng
     cell_random(seed, &coordinates)
 }
 
-/// What a method is given, and what is true of it.
+/// FRFs for a method, and the true modes behind them.
 pub struct Draw {
     /// FRFs; the error where a test gives none.
     pub set: Result<FrfSet, StudyError>,
     /// Where modes are searched.
     pub band: Band,
-    /// The modes that are there.
+    /// The true modes.
     pub truth: ModalModel,
     /// Sensors at which shapes are compared.
     pub responses: Vec<Dof>,
@@ -68,7 +68,7 @@ impl Draw {
         })
     }
 
-    /// FRFs of a hammer test: its hits judged, windowed and averaged with the tool's own choices.
+    /// FRFs of a hammer test, its hits checked, windowed and averaged with default options.
     ///
     /// # Errors
     /// [`SynthError`] for a case that cannot be recorded.
@@ -93,7 +93,7 @@ impl Draw {
         let truth = tests[middle].truth.model.clone();
         Ok(Self {
             set: estimated
-                .map(|own| own.estimated.set)
+                .map(|test| test.estimated.set)
                 .map_err(StudyError::from),
             band: case.band(),
             truth,
@@ -110,8 +110,8 @@ fn noisy(
     let hits = case.hits();
     let responses = case.responses();
     let pairs = hits.iter().flat_map(|hit| {
-        let own = responses.iter();
-        own.map(move |response| (response.clone(), hit.clone()))
+        let dofs = responses.iter();
+        dofs.map(move |response| (response.clone(), hit.clone()))
     });
     let pairs: Vec<(Dof, Dof)> = pairs.collect();
     let exact = synthesise(&modal_terms(truth)?, axis, &pairs, Case::kind(), 0.0)?;
@@ -172,7 +172,7 @@ fn test(
     let rate = RATE_OVER_BAND * band.hi_hz;
     let record_s = PRETRIGGER_S + case.record_length * case.time_constant_s();
     let duration_s = CONTACT / band.hi_hz;
-    let mut own = HammerTest {
+    let mut test = HammerTest {
         truth: case.truth(shift_hz, factor)?,
         hits,
         averages_per_point: case.hits,
@@ -194,8 +194,8 @@ fn test(
         faults: Faults::default(),
         seed: random.random(),
     };
-    own.faults = faults(case, &own, random)?;
-    Ok(own)
+    test.faults = faults(case, &test, random)?;
+    Ok(test)
 }
 
 fn faults(case: &Case, test: &HammerTest, random: &mut ChaCha8Rng) -> Result<Faults, SynthError> {
@@ -234,18 +234,18 @@ mod tests {
     #[test]
     fn random_numbers_are_of_the_coordinates_and_of_the_draw() {
         let of = |seed, values, draw| random_of(seed, values, draw).random::<u64>();
-        let place = [(Factor::Noise, 40.0), (Factor::Hits, 2.0)];
-        let own = of(7, place, 3);
-        assert_eq!(of(7, place, 3), own);
+        let cell = [(Factor::Noise, 40.0), (Factor::Hits, 2.0)];
+        let reference = of(7, cell, 3);
+        assert_eq!(of(7, cell, 3), reference);
         let near = [(Factor::Noise, 40.0 + 1e-12), (Factor::Hits, 2.0)];
         let swapped = [(Factor::Hits, 40.0), (Factor::Noise, 2.0)];
         let others = [
-            of(8, place, 3),
-            of(7, place, 4),
+            of(8, cell, 3),
+            of(7, cell, 4),
             of(7, near, 3),
             of(7, swapped, 3),
         ];
-        assert!(others.iter().all(|other| *other != own));
+        assert!(others.iter().all(|other| *other != reference));
     }
 
     #[test]
@@ -263,8 +263,11 @@ mod tests {
         let (mut noise, mut signal) = (0.0, 0.0);
         for i in 0..set.len() {
             let power: f64 = exact.values(i).iter().map(Complex64::norm_sqr).sum();
-            let own = set.values(i).iter().zip(exact.values(i));
-            noise += own.map(|(a, b)| (a - b).norm_sqr()).sum::<f64>() / power;
+            let pairs_of_values = set.values(i).iter().zip(exact.values(i));
+            noise += pairs_of_values
+                .map(|(a, b)| (a - b).norm_sqr())
+                .sum::<f64>()
+                / power;
             signal += 1.0;
         }
         // 4 functions of 300 lines: the mean of 1200 squares is known to 1/√1200 = 2.9 %; five of

@@ -1,4 +1,4 @@
-//! Why a breakdown map cannot be made.
+//! [`BreakdownError`] states why a breakdown map fails.
 
 use crate::scene::SceneError;
 use crate::synth::SynthError;
@@ -18,7 +18,7 @@ pub enum BreakdownError {
         /// What is wrong with it.
         source: Box<SynthError>,
     },
-    /// A value of the spec that cannot be meant.
+    /// An invalid value of the spec.
     #[error("{key}: got {got}, expected {expected}")]
     Value {
         /// The key, with its table.

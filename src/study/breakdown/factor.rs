@@ -1,4 +1,4 @@
-//! Factors: what a slice varies, with its unit and the values that make sense.
+//! A factor is a quantity that a slice varies, with its unit and limits.
 
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +96,7 @@ impl Factor {
         }
     }
 
-    /// What distances on its axis are told in, where that is not logarithmic.
+    /// Unit of distances on a linear axis of it.
     pub fn unit(self) -> &'static str {
         match self {
             Factor::Noise | Factor::ForceNoise => "dB",
@@ -121,8 +121,8 @@ impl Factor {
         )
     }
 
-    /// Whether it lives in the recording, so that a hammer test has to be drawn; else FRFs with
-    /// white noise will do.
+    /// Whether it is a property of the recording, so that a hammer test has to be drawn; for other
+    /// factors FRFs with white noise are enough.
     pub fn needs_test(self) -> bool {
         matches!(
             self,
@@ -136,7 +136,7 @@ impl Factor {
         )
     }
 
-    /// Least and largest value that can be drawn.
+    /// Smallest and largest value that can be drawn.
     pub fn limits(self) -> (f64, f64) {
         match self {
             Factor::Noise | Factor::ForceNoise => (-20.0, 200.0),
@@ -214,7 +214,7 @@ mod tests {
         for factor in FACTORS {
             let text = serde_json::to_string(&factor).unwrap();
             assert_eq!(text, format!("{:?}", factor.name()));
-            let same = FACTORS.iter().filter(|own| own.name() == factor.name());
+            let same = FACTORS.iter().filter(|other| other.name() == factor.name());
             assert_eq!(same.count(), 1);
             let (lo, hi) = factor.limits();
             assert!(lo < hi);

@@ -1,4 +1,4 @@
-//! What a draw shows when a method does not meet the stated error.
+//! A failure mode names the first error by which a method misses the stated error in a draw.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -7,18 +7,18 @@ use crate::correlate::subspace_mac;
 use crate::dof::Dof;
 use crate::modal::{ModalModel, Mode, mac};
 
-/// How far off a method may be.
+/// Largest errors of a method that count as success.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatedError {
     /// Error of a frequency, as a share of the half-power width of its mode.
     pub frequency_widths: f64,
-    /// Error of a frequency in percent, held beside the other.
+    /// Error of a frequency in percent, an additional limit.
     pub frequency_percent: Option<f64>,
     /// Error of a damping ratio, percent.
     pub damping_percent: f64,
-    /// Least MAC of a shape.
+    /// Smallest MAC of a shape.
     pub mac: f64,
-    /// Error of the size of the residues of a mode, percent; not held without it.
+    /// Error of the size of the residues of a mode, percent; not checked without it.
     pub residue_percent: Option<f64>,
 }
 
@@ -42,11 +42,11 @@ impl Default for StatedError {
 pub enum Symptom {
     /// The method or the estimation of FRFs ended with an error.
     NoAnswer,
-    /// Two modes are told as one.
+    /// Two modes are identified as one.
     Merged,
     /// A mode is missing.
     Missed,
-    /// There is a mode that is none.
+    /// A found mode is spurious.
     Invented,
     /// A frequency is off.
     Frequency,
@@ -93,11 +93,11 @@ impl Symptom {
         }
     }
 
-    /// What a person sees.
+    /// Its description for tables and figures.
     pub fn sentence(self) -> &'static str {
         match self {
             Symptom::NoAnswer => "no answer",
-            Symptom::Merged => "the pair told as one mode",
+            Symptom::Merged => "the pair identified as one mode",
             Symptom::Missed => "a mode missed",
             Symptom::Invented => "a mode invented",
             Symptom::Frequency => "a frequency off",
@@ -115,12 +115,12 @@ impl Symptom {
     }
 }
 
-/// A found mode belongs to the nearest true one that is within so many of its half-power widths.
-const REACH_WIDTHS: f64 = 1.0;
+/// Largest distance of a found mode from its true one, in half-power bandwidths of the true one.
+const MATCH_BANDWIDTHS: f64 = 1.0;
 
-/// A missing mode this near to a found one, in half-power widths, is told as one with it: there
-/// both make one peak.
-const NEIGHBOUR_WIDTHS: f64 = 2.0;
+/// Largest distance, in half-power bandwidths, of a missing mode that counts as merged with a found
+/// one: within it both form one peak.
+const MERGE_BANDWIDTHS: f64 = 2.0;
 
 /// What is wrong with the modes of a method; `None` when all of the truth is found to the stated
 /// error and nothing else.
@@ -138,15 +138,19 @@ pub fn symptom(
     }
     let pairs = || {
         let all = truth.modes.iter().zip(&partners);
-        all.filter_map(|(own, partner)| Some((own, &found.modes[(*partner)?])))
+        all.filter_map(|(expected, partner)| Some((expected, &found.modes[(*partner)?])))
     };
-    let frequency = pairs().any(|(own, other)| frequency_off(own, other, stated));
-    let damping = pairs().find_map(|(own, other)| damping_off(own, other, stated));
-    let shape = pairs().any(|(own, other)| {
-        let mac = shape_mac((own, other), &found.modes, responses);
+    let frequency =
+        pairs().any(|(expected, found_mode)| frequency_off(expected, found_mode, stated));
+    let damping =
+        pairs().find_map(|(expected, found_mode)| damping_off(expected, found_mode, stated));
+    let shape = pairs().any(|(expected, found_mode)| {
+        let mac = shape_mac((expected, found_mode), &found.modes, responses);
         mac.is_none_or(|mac| mac < stated.mac)
     });
-    let residue = pairs().find_map(|(own, other)| residue_off((own, other), &found.modes, stated));
+    let residue = pairs().find_map(|(expected, found_mode)| {
+        residue_off((expected, found_mode), &found.modes, stated)
+    });
     frequency
         .then_some(Symptom::Frequency)
         .or(damping)
@@ -162,9 +166,9 @@ fn width_hz(mode: &Mode) -> f64 {
 fn partners(truth: &[Mode], found: &[Mode]) -> Vec<Option<usize>> {
     let distance = |r: usize, f: usize| (truth[r].frequency_hz - found[f].frequency_hz).abs();
     let mut near: Vec<(f64, usize, usize)> = Vec::new();
-    for (r, own) in truth.iter().enumerate() {
-        let reach = REACH_WIDTHS * width_hz(own);
-        let inside = (0..found.len()).filter(|f| distance(r, *f) <= reach);
+    for (r, expected) in truth.iter().enumerate() {
+        let tolerance_hz = MATCH_BANDWIDTHS * width_hz(expected);
+        let inside = (0..found.len()).filter(|f| distance(r, *f) <= tolerance_hz);
         near.extend(inside.map(|f| (distance(r, f), r, f)));
     }
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
@@ -179,18 +183,22 @@ fn partners(truth: &[Mode], found: &[Mode]) -> Vec<Option<usize>> {
     partners
 }
 
-/// A missing mode whose place a neighbour's partner covers is merged with that neighbour.
+/// A missing mode near the found partner of a neighbour is merged with that neighbour.
 fn missing(
     truth: &ModalModel,
     found: &ModalModel,
     partners: &[Option<usize>],
     missed: usize,
 ) -> Symptom {
-    let own = &truth.modes[missed];
+    let missed_mode = &truth.modes[missed];
     let covers = |r: usize, f: usize| {
         let (other, found) = (&truth.modes[r], &found.modes[f]);
-        let apart = (own.frequency_hz - other.frequency_hz).abs();
-        apart <= NEIGHBOUR_WIDTHS * width_hz(own).max(width_hz(other)).max(width_hz(found))
+        let apart = (missed_mode.frequency_hz - other.frequency_hz).abs();
+        apart
+            <= MERGE_BANDWIDTHS
+                * width_hz(missed_mode)
+                    .max(width_hz(other))
+                    .max(width_hz(found))
     };
     let neighbours = partners.iter().enumerate();
     let merged = neighbours.filter_map(|(r, f)| Some((r, (*f)?)));
@@ -200,19 +208,20 @@ fn missing(
     }
 }
 
-fn frequency_off(own: &Mode, found: &Mode, stated: &StatedError) -> bool {
-    let error = (found.frequency_hz - own.frequency_hz).abs();
+fn frequency_off(expected: &Mode, found: &Mode, stated: &StatedError) -> bool {
+    let error = (found.frequency_hz - expected.frequency_hz).abs();
     let percent = stated.frequency_percent.unwrap_or(f64::INFINITY);
-    error > stated.frequency_widths * width_hz(own) || error > 0.01 * percent * own.frequency_hz
+    error > stated.frequency_widths * width_hz(expected)
+        || error > 0.01 * percent * expected.frequency_hz
 }
 
-fn damping_off(own: &Mode, found: &Mode, stated: &StatedError) -> Option<Symptom> {
-    let (truth, found) = (own.damping_ratio?, found.damping_ratio.unwrap_or(0.0));
+fn damping_off(expected: &Mode, found: &Mode, stated: &StatedError) -> Option<Symptom> {
+    let (truth, found) = (expected.damping_ratio?, found.damping_ratio.unwrap_or(0.0));
     let error = found / truth - 1.0;
-    let most = 0.01 * stated.damping_percent;
+    let limit = 0.01 * stated.damping_percent;
     match error {
-        _ if error > most => Some(Symptom::DampingHigh),
-        _ if error < -most => Some(Symptom::DampingLow),
+        _ if error > limit => Some(Symptom::DampingHigh),
+        _ if error < -limit => Some(Symptom::DampingLow),
         _ => None,
     }
 }
@@ -220,18 +229,21 @@ fn damping_off(own: &Mode, found: &Mode, stated: &StatedError) -> Option<Symptom
 /// The modes that a found one shares its root with, itself among them.
 fn group<'a>(found: &'a Mode, all: &'a [Mode]) -> Vec<&'a Mode> {
     match found.group {
-        Some(_) => all.iter().filter(|own| own.group == found.group).collect(),
+        Some(_) => all
+            .iter()
+            .filter(|mode| mode.group == found.group)
+            .collect(),
         None => vec![found],
     }
 }
 
 /// MAC with the found shape, or with the span of the shapes of its repeated root.
-fn shape_mac((own, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> Option<f64> {
+fn shape_mac((expected, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> Option<f64> {
     let at = |mode: &Mode| -> Option<Vec<Complex64>> {
-        let own = responses.iter().map(|dof| mode.shape.along_positive(dof));
-        own.collect()
+        let values = responses.iter().map(|dof| mode.shape.along_positive(dof));
+        values.collect()
     };
-    let truth = at(own)?;
+    let truth = at(expected)?;
     let span: Option<Vec<Vec<Complex64>>> = group(found, all).into_iter().map(at).collect();
     match span?.as_slice() {
         [one] => mac(&truth, one),
@@ -239,14 +251,14 @@ fn shape_mac((own, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> O
     }
 }
 
-/// Root of the sum of squares over the functions. Residues of a repeated root belong to all its
-/// modes, and are not held.
+/// Compares the root of the sum of squares over the FRFs. Residues of a repeated root belong to all
+/// its modes and are not compared.
 fn residue_off(
-    (own, found): (&Mode, &Mode),
+    (expected, found): (&Mode, &Mode),
     all: &[Mode],
     stated: &StatedError,
 ) -> Option<Symptom> {
-    let most = 0.01 * stated.residue_percent?;
+    let limit = 0.01 * stated.residue_percent?;
     if group(found, all).len() > 1 {
         return None;
     }
@@ -254,9 +266,9 @@ fn residue_off(
         let squares = mode.residues.values().map(Complex64::norm_sqr);
         squares.sum::<f64>().sqrt()
     };
-    match size(found) / size(own) - 1.0 {
-        error if error > most => Some(Symptom::ResidueLarge),
-        error if error < -most => Some(Symptom::ResidueSmall),
+    match size(found) / size(expected) - 1.0 {
+        error if error > limit => Some(Symptom::ResidueLarge),
+        error if error < -limit => Some(Symptom::ResidueSmall),
         _ => None,
     }
 }
@@ -270,7 +282,7 @@ mod tests {
         Case::default().truth(0.0, 1.0).unwrap().model
     }
 
-    fn told(change: impl Fn(&mut Vec<Mode>)) -> Option<Symptom> {
+    fn symptom_of(change: impl Fn(&mut Vec<Mode>)) -> Option<Symptom> {
         let (truth, mut found) = (truth(), truth());
         change(&mut found.modes);
         let responses = Case::default().responses();
@@ -278,18 +290,25 @@ mod tests {
     }
 
     #[test]
-    fn each_symptom_is_told_by_its_name() {
-        assert_eq!(told(|_| ()), None);
-        assert_eq!(told(|m| drop(m.pop())), Some(Symptom::Missed));
-        assert_eq!(told(|m| m.push(m[0].clone())), Some(Symptom::Invented));
-        assert_eq!(told(|m| m[1].frequency_hz += 0.3), Some(Symptom::Frequency));
-        let damped = |factor: f64| told(|m| m[0].damping_ratio = Some(0.01 * factor));
+    fn each_error_of_a_mode_has_its_symptom() {
+        assert_eq!(symptom_of(|_| ()), None);
+        assert_eq!(symptom_of(|m| drop(m.pop())), Some(Symptom::Missed));
+        assert_eq!(
+            symptom_of(|m| m.push(m[0].clone())),
+            Some(Symptom::Invented)
+        );
+        assert_eq!(
+            symptom_of(|m| m[1].frequency_hz += 0.3),
+            Some(Symptom::Frequency)
+        );
+        let damped = |factor: f64| symptom_of(|m| m[0].damping_ratio = Some(0.01 * factor));
         assert_eq!(damped(1.09), None);
         assert_eq!(damped(1.2), Some(Symptom::DampingHigh));
         assert_eq!(damped(0.8), Some(Symptom::DampingLow));
-        let swapped = told(|m| m[0].shape = m[1].shape.clone());
+        let swapped = symptom_of(|m| m[0].shape = m[1].shape.clone());
         assert_eq!(swapped, Some(Symptom::Shape));
-        let sized = |factor: f64| told(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
+        let sized =
+            |factor: f64| symptom_of(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
         assert_eq!(sized(0.85), None);
         assert_eq!(sized(0.7), Some(Symptom::ResidueSmall));
         assert_eq!(sized(1.5), Some(Symptom::ResidueLarge));
@@ -302,8 +321,8 @@ mod tests {
         let mut found = truth.clone();
         found.modes.remove(1);
         let responses = close.responses();
-        let own = symptom((&truth, &responses), &found, &StatedError::default());
-        assert_eq!(own, Some(Symptom::Merged));
+        let merged = symptom((&truth, &responses), &found, &StatedError::default());
+        assert_eq!(merged, Some(Symptom::Merged));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The cells of a slice: a grid of values of two factors, halved where a share crosses its level.
+//! The cells of a slice form a grid over two factors, halved where a success rate crosses its level.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,8 +55,8 @@ impl Grid {
         for i in (0..columns - 1).step_by(step) {
             for j in (0..rows - 1).step_by(step) {
                 let corners = [(i, j), (i + step, j), (i, j + step), (i + step, j + step)];
-                let known = || corners.iter().filter_map(|corner| inside.get(corner));
-                if known().any(|own| *own) && known().any(|own| !own) {
+                let computed = || corners.iter().filter_map(|corner| inside.get(corner));
+                if computed().any(|above| *above) && computed().any(|above| !above) {
                     let new = [
                         (i + half, j),
                         (i, j + half),
@@ -73,14 +73,14 @@ impl Grid {
         wanted
     }
 
-    /// Whether both values of a node are none of coarser nodes beside it.
+    /// Whether both values of a node differ from those of the adjacent coarser nodes.
     fn is_new(&self, (i, j): Node) -> bool {
-        self.is_value_of_its_own(i, |i| self.values((i, j)).0)
-            && self.is_value_of_its_own(j, |j| self.values((i, j)).1)
+        self.differs_from_coarser_values(i, |i| self.values((i, j)).0)
+            && self.differs_from_coarser_values(j, |j| self.values((i, j)).1)
     }
 
-    /// Places that halving added lie between two coarser ones, as far away as their lowest bit.
-    fn is_value_of_its_own(&self, at: usize, value: impl Fn(usize) -> f64) -> bool {
+    /// A node added by halving lies between two coarser ones, at a distance of its lowest bit.
+    fn differs_from_coarser_values(&self, at: usize, value: impl Fn(usize) -> f64) -> bool {
         if at.is_multiple_of(1 << self.levels) {
             return true;
         }
@@ -162,14 +162,14 @@ mod tests {
 
     /// Halves where `x + y` crosses a limit, as a slice does.
     fn refined(grid: &Grid, limit: f64) -> BTreeMap<Node, bool> {
-        let told = |node: &Node| {
+        let node_state = |node: &Node| {
             let (x, y) = grid.values(*node);
             (*node, x + y < limit)
         };
-        let mut inside: BTreeMap<Node, bool> = grid.base().iter().map(told).collect();
+        let mut inside: BTreeMap<Node, bool> = grid.base().iter().map(node_state).collect();
         for level in 1..=grid.levels {
             let new = grid.halved(level, &inside);
-            inside.extend(new.iter().map(told));
+            inside.extend(new.iter().map(node_state));
         }
         inside
     }
@@ -223,14 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_between_is_the_mean() {
+    fn nodes_between_computed_ones_are_interpolated() {
         let grid = grid(1);
         let known = grid.base().into_iter();
         let known = known.map(|node| (node, grid.values(node).0));
         let field = grid.filled(&known.collect());
         for (i, column) in field.values.iter().enumerate() {
-            for own in column {
-                assert!((own - grid.values((i, 0)).0).abs() < 1e-12);
+            for value in column {
+                assert!((value - grid.values((i, 0)).0).abs() < 1e-12);
             }
         }
     }

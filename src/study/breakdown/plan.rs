@@ -1,4 +1,4 @@
-//! The spec of a breakdown map: `[breakdown]` of `study.toml` as typed, and what it means.
+//! The plan of a breakdown map is checked from `[breakdown]` of `study.toml`.
 
 use serde::Deserialize;
 
@@ -16,8 +16,8 @@ pub struct BreakdownTable {
     pub seed: Option<u64>,
     /// Names of methods; all of [`ESTIMATORS`] when not stated.
     pub methods: Option<Vec<String>>,
-    /// Draws for each cell; 80 when not stated: 73 without a failure are needed to tell a share of
-    /// 95 %.
+    /// Draws for each cell; 80 when not stated: 73 draws without a failure are the minimum that proves a
+    /// share of 95 %.
     pub draws: Option<u32>,
     /// Halvings of cells near a contour; 2 when not stated.
     pub refine: Option<u32>,
@@ -43,11 +43,11 @@ pub struct BreakdownTable {
 pub struct StatedTable {
     /// Frequency, half-power widths; 0.1 when not stated.
     pub frequency_widths: Option<f64>,
-    /// Frequency, percent; not held when not stated.
+    /// Frequency, percent; not checked when not stated.
     pub frequency_percent: Option<f64>,
     /// Damping ratio, percent; 10 when not stated.
     pub damping_percent: Option<f64>,
-    /// Least MAC; 0.9 when not stated.
+    /// Smallest MAC; 0.9 when not stated.
     pub mac: Option<f64>,
     /// Residues, percent; 20 when not stated.
     pub residue_percent: Option<f64>,
@@ -119,7 +119,7 @@ pub struct Plan {
 
 const DRAWS: u32 = 80;
 const REFINE: u32 = 2;
-const MOST_REFINE: u32 = 6;
+const MAX_REFINE: u32 = 6;
 const COUNT: usize = 7;
 const HIGHEST_ORDER: usize = 40;
 
@@ -130,15 +130,15 @@ impl BreakdownTable {
     /// [`BreakdownError::Value`] with the key, what was got and what is expected.
     pub fn plan(&self) -> Result<Plan, BreakdownError> {
         let methods = self.methods()?;
-        let stated = self.stated.meant()?;
+        let stated = self.stated.checked()?;
         let base = self.case.applied(&Case::default(), "breakdown.case")?;
         let draws = self.draws.unwrap_or(DRAWS);
-        held("breakdown.draws", f64::from(draws), (1.0, 1e6))?;
+        check_range("breakdown.draws", f64::from(draws), (1.0, 1e6))?;
         let refine = self.refine.unwrap_or(REFINE);
-        held(
+        check_range(
             "breakdown.refine",
             f64::from(refine),
-            (0.0, f64::from(MOST_REFINE)),
+            (0.0, f64::from(MAX_REFINE)),
         )?;
         let defaults = default_slices();
         let tables = if self.slice.is_empty() {
@@ -149,7 +149,7 @@ impl BreakdownTable {
         let mut slices: Vec<Slice> = Vec::with_capacity(tables.len());
         for (index, table) in tables.iter().enumerate() {
             let key = format!("breakdown.slice {}", index + 1);
-            let (x, y) = (table.x.meant(&key)?, table.y.meant(&key)?);
+            let (x, y) = (table.x.checked(&key)?, table.y.checked(&key)?);
             let name = table.name.clone();
             let name = name.unwrap_or(format!("{}-{}", y.factor.name(), x.factor.name()));
             check_name(&key, &name, &slices)?;
@@ -180,7 +180,9 @@ impl BreakdownTable {
         let Some(stated) = &self.methods else {
             return Ok(known().collect());
         };
-        let unknown = stated.iter().find(|name| !known().any(|own| own == **name));
+        let unknown = stated
+            .iter()
+            .find(|name| !known().any(|name_of_estimator| name_of_estimator == **name));
         match unknown {
             Some(name) => {
                 let names: Vec<String> = known().collect();
@@ -194,9 +196,12 @@ impl BreakdownTable {
     }
 
     fn stability(&self) -> Result<Option<StabilityPlan>, BreakdownError> {
-        let stated = self.stability.as_ref().and_then(|own| own.highest_order);
+        let stated = self
+            .stability
+            .as_ref()
+            .and_then(|table| table.highest_order);
         let highest = stated.unwrap_or(HIGHEST_ORDER);
-        held(
+        check_range(
             "breakdown.stability.highest_order",
             highest as f64,
             (0.0, 100.0),
@@ -208,23 +213,24 @@ impl BreakdownTable {
 }
 
 impl StatedTable {
-    fn meant(&self) -> Result<StatedError, BreakdownError> {
+    fn checked(&self) -> Result<StatedError, BreakdownError> {
         let base = StatedError::default();
-        let own = StatedError {
+        let stated = StatedError {
             frequency_widths: self.frequency_widths.unwrap_or(base.frequency_widths),
             frequency_percent: self.frequency_percent,
             damping_percent: self.damping_percent.unwrap_or(base.damping_percent),
             mac: self.mac.unwrap_or(base.mac),
             residue_percent: self.residue_percent.or(base.residue_percent),
         };
-        let percent =
-            |name: &str, value: f64| held(&format!("breakdown.stated.{name}"), value, (1e-9, 1e9));
-        percent("frequency_widths", own.frequency_widths)?;
-        percent("damping_percent", own.damping_percent)?;
-        percent("frequency_percent", own.frequency_percent.unwrap_or(1.0))?;
-        percent("residue_percent", own.residue_percent.unwrap_or(1.0))?;
-        held("breakdown.stated.mac", own.mac, (0.0, 1.0))?;
-        Ok(own)
+        let percent = |name: &str, value: f64| {
+            check_range(&format!("breakdown.stated.{name}"), value, (1e-9, 1e9))
+        };
+        percent("frequency_widths", stated.frequency_widths)?;
+        percent("damping_percent", stated.damping_percent)?;
+        percent("frequency_percent", stated.frequency_percent.unwrap_or(1.0))?;
+        percent("residue_percent", stated.residue_percent.unwrap_or(1.0))?;
+        check_range("breakdown.stated.mac", stated.mac, (0.0, 1.0))?;
+        Ok(stated)
     }
 }
 
@@ -239,20 +245,20 @@ impl CaseTable {
         case.gap_hz = self.gap_hz.unwrap_or(case.gap_hz);
         case.responses = self.responses.unwrap_or(case.responses);
         case.lines = self.lines.unwrap_or(case.lines);
-        held(&format!("{key}.lowest_hz"), case.lowest_hz, (1e-3, 1e6))?;
-        held(&format!("{key}.gap_hz"), case.gap_hz, (1e-6, 1e6))?;
-        held(
+        check_range(&format!("{key}.lowest_hz"), case.lowest_hz, (1e-3, 1e6))?;
+        check_range(&format!("{key}.gap_hz"), case.gap_hz, (1e-6, 1e6))?;
+        check_range(
             &format!("{key}.responses"),
             case.responses as f64,
             (4.0, 1e3),
         )?;
-        held(&format!("{key}.lines"), case.lines as f64, (32.0, 1e5))?;
+        check_range(&format!("{key}.lines"), case.lines as f64, (32.0, 1e5))?;
         Ok(case)
     }
 }
 
 impl AxisTable {
-    fn meant(&self, key: &str) -> Result<Axis, BreakdownError> {
+    fn checked(&self, key: &str) -> Result<Axis, BreakdownError> {
         let key = format!("{key}, axis {}", self.factor.name());
         check_value(&format!("{key}.lo"), self.factor, self.lo)?;
         check_value(&format!("{key}.hi"), self.factor, self.hi)?;
@@ -276,7 +282,7 @@ impl AxisTable {
             .is_whole()
             .then(|| (self.hi - self.lo) as usize + 1);
         let count = self.count.unwrap_or(whole.unwrap_or(COUNT).min(COUNT));
-        held(&format!("{key}.count"), count as f64, (2.0, 200.0))?;
+        check_range(&format!("{key}.count"), count as f64, (2.0, 200.0))?;
         Ok(Axis {
             factor: self.factor,
             lo: self.lo,
@@ -287,7 +293,7 @@ impl AxisTable {
     }
 }
 
-/// The slices of a study that states none: what is known to fail, each where it fails.
+/// The slices of a study that states none: they cover conditions under which methods usually fail.
 fn default_slices() -> Vec<SliceTable> {
     let axis = |factor, lo, hi, scale| AxisTable {
         factor,
@@ -333,7 +339,7 @@ fn default_slices() -> Vec<SliceTable> {
     ]
 }
 
-/// The methods that an order means something to, where a factor is the order; else all.
+/// The methods with a model order, where a factor is the order; else all methods.
 fn of_order(methods: &[String], factors: [Factor; 2]) -> Vec<String> {
     let has_order = |name: &&String| {
         let entry = ESTIMATORS.iter().find(|entry| entry.name == **name);
@@ -348,21 +354,25 @@ fn check_name(key: &str, name: &str, before: &[Slice]) -> Result<(), BreakdownEr
         let expected = "letters, digits, hyphens, points and underscores: it is a file's name";
         return Err(wrong(&format!("{key}.name"), name, expected));
     }
-    if name == super::store::STABILITY || before.iter().any(|own| own.name == name) {
-        return Err(wrong(&format!("{key}.name"), name, "a name of its own"));
+    if name == super::store::STABILITY || before.iter().any(|slice| slice.name == name) {
+        return Err(wrong(
+            &format!("{key}.name"),
+            name,
+            "a name of no other slice",
+        ));
     }
     Ok(())
 }
 
 fn check_value(key: &str, factor: Factor, value: f64) -> Result<(), BreakdownError> {
-    held(key, value, factor.limits())?;
+    check_range(key, value, factor.limits())?;
     if factor.is_whole() && value.fract() != 0.0 {
         return Err(wrong(key, &value.to_string(), "a whole number"));
     }
     Ok(())
 }
 
-fn held(key: &str, value: f64, (lo, hi): (f64, f64)) -> Result<(), BreakdownError> {
+fn check_range(key: &str, value: f64, (lo, hi): (f64, f64)) -> Result<(), BreakdownError> {
     if (lo..=hi).contains(&value) {
         return Ok(());
     }
@@ -390,38 +400,40 @@ mod tests {
 
     #[test]
     fn nothing_stated_is_the_default_set() {
-        let own = plan("").unwrap();
-        assert_eq!(own.slices.len(), 6);
-        assert_eq!(own.slices[0].name, "noise-separation");
-        assert_eq!(own.slices[0].methods.len(), ESTIMATORS.len());
-        assert_eq!(own.slices[2].name, "damping-separation");
-        assert!(own.slices[3].needs_test() && !own.slices[1].needs_test());
-        assert_eq!(own.slices[1].y.count, 3);
-        assert_eq!(own.stability.unwrap().highest_order, 40);
+        let plan_of_defaults = plan("").unwrap();
+        assert_eq!(plan_of_defaults.slices.len(), 6);
+        assert_eq!(plan_of_defaults.slices[0].name, "noise-separation");
+        assert_eq!(plan_of_defaults.slices[0].methods.len(), ESTIMATORS.len());
+        assert_eq!(plan_of_defaults.slices[2].name, "damping-separation");
+        assert!(
+            plan_of_defaults.slices[3].needs_test() && !plan_of_defaults.slices[1].needs_test()
+        );
+        assert_eq!(plan_of_defaults.slices[1].y.count, 3);
+        assert_eq!(plan_of_defaults.stability.unwrap().highest_order, 40);
     }
 
     #[test]
     fn a_slice_takes_what_is_stated() {
-        let own = plan(
+        let plan_of_text = plan(
             "seed = 4\ndraws = 10\nmethods = [\"peak\", \"lscf\"]\n[case]\ndamping = 0.02\nresponses = 9\n\
              [[slice]]\nname = \"a\"\nx = { factor = \"order\", lo = 4, hi = 12 }\n\
              y = { factor = \"noise\", lo = 20, hi = 60, count = 3 }\ncase = { separation = 3 }\n",
         );
-        let own = own.unwrap();
-        let slice = &own.slices[0];
+        let plan_of_text = plan_of_text.unwrap();
+        let slice = &plan_of_text.slices[0];
         assert_eq!(slice.methods, ["lscf"]);
         assert_eq!((slice.case.damping, slice.case.separation), (0.02, 3.0));
         assert_eq!((slice.case.responses, slice.x.count, slice.seed), (9, 7, 4));
     }
 
     #[test]
-    fn what_cannot_be_meant_names_its_key() {
+    fn invalid_values_are_reported_with_their_key() {
         let axes = "x = { factor = \"noise\", lo = 10, hi = 20 }\ny = { factor = \"hits\", lo = 1, hi = 3 }\n";
         for (text, part) in [
             ("methods = [\"rpf\"]".to_owned(), "breakdown.methods: got rpf, expected peak"),
             ("draws = 0".to_owned(), "breakdown.draws: got 0"),
             (format!("[[slice]]\nname = \"a/b\"\n{axes}"), "breakdown.slice 1.name: got a/b"),
-            (format!("[[slice]]\n{axes}[[slice]]\n{axes}"), "got hits-noise, expected a name of its own"),
+            (format!("[[slice]]\n{axes}[[slice]]\n{axes}"), "got hits-noise, expected a name of no other slice"),
             (
                 "[[slice]]\nx = { factor = \"hits\", lo = 1.5, hi = 3 }\ny = { factor = \"noise\", lo = 1, hi = 3 }".to_owned(),
                 "axis hits.lo: got 1.5, expected a whole number",
