@@ -1,4 +1,4 @@
-//! One slice: its cells drawn, its methods tried in each, halved where one of them begins to fail.
+//! A slice draws its cells, runs every method in each, and halves cells at the contour of a method.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,15 +14,15 @@ use super::draw::{Draw, random_of};
 use super::failure_mode::{SYMPTOMS, symptom};
 use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
 
-/// The share of the draws that a method has to meet the stated error in.
+/// Success rate at the contour: share of the draws in which a method meets the stated error.
 pub const LEVEL: f64 = 0.95;
 
-/// A cell is left to a method that is good in less than this share of its first draws: one of 95 %
-/// would be once in 10⁹ cells.
-const HOPELESS: f64 = 0.5;
-const FIRST: usize = 16;
+/// A method below this share of success in its first draws runs no further draws of a cell: a method
+/// at 95 % falls below it once in 10⁹ cells.
+const MIN_FIRST_SHARE: f64 = 0.5;
+const FIRST_DRAWS: usize = 16;
 
-/// A slice as meant.
+/// A checked slice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slice {
     /// Its name, that of its files.
@@ -35,7 +35,7 @@ pub struct Slice {
     pub case: Case,
     /// Names of the methods.
     pub methods: Vec<String>,
-    /// How far off they may be.
+    /// Largest errors that count as success.
     pub stated: StatedError,
     /// Draws for each cell.
     pub draws: u32,
@@ -45,7 +45,7 @@ pub struct Slice {
     pub seed: u64,
 }
 
-/// What was counted of a method in a cell.
+/// Successes and failures of a method in a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Count {
     /// Draws.
@@ -85,7 +85,7 @@ impl Count {
 /// A cell of a slice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Its place in the finest grid.
+    /// Its node in the finest grid.
     pub node: Node,
     /// Value of the first axis.
     pub x: f64,
@@ -104,25 +104,25 @@ pub struct SliceResult {
     pub cells: Vec<Cell>,
 }
 
-/// What the draws of a slice cost.
+/// Processor time of a method in a slice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MethodTime {
     /// The method.
     pub method: String,
     /// Identifications.
     pub draws: u32,
-    /// Processor time of them; `None` where nobody measures.
+    /// Their processor time; `None` where it is not measured.
     pub cpu_s: Option<f64>,
 }
 
-/// Which bound of the share a field is of.
+/// Success rate or end of its confidence interval that a field shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// The share itself.
     Counted,
-    /// Lower end of its interval: inside its contour the method is known to do.
+    /// Lower end of its interval: inside its contour the method succeeds with 97.5 % confidence.
     Lower,
-    /// Upper end: outside its contour the method is known to fail.
+    /// Upper end: outside its contour the method fails with 97.5 % confidence.
     Upper,
 }
 
@@ -138,8 +138,8 @@ impl Slice {
 
     /// Whether its draws are hammer tests.
     pub fn needs_test(&self) -> bool {
-        let own = self.x.factor.needs_test() || self.y.factor.needs_test();
-        own || self.case.window_end.is_some() || self.case.bits.is_some()
+        let recorded = self.x.factor.needs_test() || self.y.factor.needs_test();
+        recorded || self.case.window_end.is_some() || self.case.bits.is_some()
     }
 
     fn case_at(&self, (x, y): (f64, f64)) -> Case {
@@ -172,7 +172,7 @@ impl Slice {
 /// Nodes with the methods that are wanted there.
 type Wanted = BTreeMap<Node, Vec<bool>>;
 
-/// A slice on its way.
+/// The state of a running slice.
 struct Work<'a> {
     slice: &'a Slice,
     grid: Grid,
@@ -201,8 +201,8 @@ impl<'a> Work<'a> {
         let methods = self.slice.methods.len();
         let mut wanted = Wanted::new();
         for method in 0..methods {
-            let own = self.counts.iter();
-            let inside = own.filter_map(|(node, counts)| {
+            let cells = self.counts.iter();
+            let inside = cells.filter_map(|(node, counts)| {
                 let count = counts[method].as_ref()?;
                 Some((*node, count.inside()))
             });
@@ -228,28 +228,28 @@ impl<'a> Work<'a> {
         };
         for (number, (node, methods)) in wanted.iter().enumerate() {
             observer.step(&what, number + 1, wanted.len());
-            let drawn = self.cell(*node, methods)?;
-            let known = self
+            let new_counts = self.cell(*node, methods)?;
+            let counts = self
                 .counts
                 .entry(*node)
                 .or_insert(vec![None; methods.len()]);
-            for (own, new) in known.iter_mut().zip(drawn) {
-                *own = new.or(own.take());
+            for (count, new) in counts.iter_mut().zip(new_counts) {
+                *count = new.or(count.take());
             }
         }
         Ok(())
     }
 
-    /// All draws of a cell, then method by method all draws: so that the time of one is not that of
-    /// another.
+    /// All draws of a cell, then all draws with one method after another: the time of a method
+    /// contains no work of another.
     fn cell(&mut self, node: Node, methods: &[bool]) -> Result<Vec<Option<Count>>, SynthError> {
         let slice = self.slice;
         let (x, y) = self.grid.values(node);
         let case = slice.case_at((x, y));
-        let place = [(slice.x.factor, x), (slice.y.factor, y)];
+        let coordinates = [(slice.x.factor, x), (slice.y.factor, y)];
         let needs_test = slice.needs_test();
         let one = |number: u32| {
-            let random = random_of(slice.seed, place, number);
+            let random = random_of(slice.seed, coordinates, number);
             match needs_test {
                 true => Draw::of_test(&case, random),
                 false => Draw::of_frfs(&case, random),
@@ -268,17 +268,19 @@ impl<'a> Work<'a> {
         let name = &self.slice.methods[index];
         let stated = &self.slice.stated;
         let mut verdicts: Vec<Option<Symptom>> = Vec::new();
-        let (first, rest) = draws.split_at(FIRST.min(draws.len()));
+        let (first, rest) = draws.split_at(FIRST_DRAWS.min(draws.len()));
         let cost = self.meter.measure(&mut || {
             let of = |draw: &Draw| verdict(draw, (name, case), stated);
             verdicts = first.par_iter().map(of).collect();
-            if Count::of(&verdicts).share() >= HOPELESS {
+            if Count::of(&verdicts).share() >= MIN_FIRST_SHARE {
                 verdicts.par_extend(rest.par_iter().map(of));
             }
         });
         let time = &mut self.times[index];
         time.draws += verdicts.len() as u32;
-        time.cpu_s = cost.cpu_s.map(|own| own + time.cpu_s.unwrap_or(0.0));
+        time.cpu_s = cost
+            .cpu_s
+            .map(|seconds| seconds + time.cpu_s.unwrap_or(0.0));
         Count::of(&verdicts)
     }
 
@@ -295,7 +297,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// What a method makes of a draw.
+/// Failure mode of a method in a draw; `None` for a success.
 fn verdict(draw: &Draw, (method, case): (&str, &Case), stated: &StatedError) -> Option<Symptom> {
     let Ok(set) = &draw.set else {
         return Some(Symptom::NoAnswer);
@@ -328,23 +330,30 @@ impl SliceResult {
         self.slice.grid().filled(&known.collect())
     }
 
-    /// What the failing draws of a method show most, and in what share of them: those just outside
-    /// its contour, in cells where half of the draws or more are good; where there are none, all of
-    /// them.
+    /// Most frequent failure mode of a method, and its share of the failed draws. Failures count just
+    /// outside the contour, in cells where at least half of the draws succeed; without such cells,
+    /// all failures count.
     pub fn common_symptom(&self, method: usize) -> Option<(Symptom, f64)> {
         let counts = || {
             let cells = self.cells.iter();
             cells.filter_map(|cell| cell.counts[method].as_ref())
         };
-        let near = sum(counts().filter(|own| !own.inside() && own.share() >= 0.5));
-        let told = match near.iter().sum::<u32>() {
+        let near = sum(counts().filter(|count| !count.inside() && count.share() >= 0.5));
+        let symptoms = match near.iter().sum::<u32>() {
             0 => sum(counts()),
             _ => near,
         };
-        let all: u32 = told.iter().sum();
-        // Of equal ones the first.
-        let most = (0..told.len()).rev().max_by_key(|index| told[*index])?;
-        (all > 0).then(|| (SYMPTOMS[most], f64::from(told[most]) / f64::from(all)))
+        let all: u32 = symptoms.iter().sum();
+        // Of equally frequent failure modes the first.
+        let commonest = (0..symptoms.len())
+            .rev()
+            .max_by_key(|index| symptoms[*index])?;
+        (all > 0).then(|| {
+            (
+                SYMPTOMS[commonest],
+                f64::from(symptoms[commonest]) / f64::from(all),
+            )
+        })
     }
 
     /// Draws of all its methods.
@@ -360,8 +369,8 @@ impl SliceResult {
 fn sum<'a>(counts: impl Iterator<Item = &'a Count>) -> Vec<u32> {
     let mut total = vec![0; SYMPTOMS.len()];
     for count in counts {
-        for (all, own) in total.iter_mut().zip(&count.symptoms) {
-            *all += own;
+        for (all, count_of_symptom) in total.iter_mut().zip(&count.symptoms) {
+            *all += count_of_symptom;
         }
     }
     total

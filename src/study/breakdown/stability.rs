@@ -1,5 +1,5 @@
-//! Numerical stability: how many digits a method loses in the matrices that it solves, and in f32,
-//! as its order rises.
+//! The study of numerical stability computes the digits that a method loses in f64 and f32 as its
+//! order rises.
 //!
 //! Half as many modes as the order are spread evenly over a band, so that the order is exactly that
 //! of the data; without noise every error is rounding. The data of each method are of the form in
@@ -12,10 +12,11 @@
 //! | `lsce` | samples of the impulse response | real coefficients of the recurrence | normal equations |
 //! | `lscf` | z-transform of those samples at lines of the band | complex coefficients of the denominator, the numerator eliminated | normal equations |
 //!
-//! Digits lost are `log₁₀` of the condition number of the matrix. Of the error of the poles, the
-//! largest distance of a true pole to the nearest one found over its half-power width is told: with
-//! all in f64, with the data rounded to f32, and with the data and the matrix rounded to f32 before
-//! it is solved in f64. A program that also solves in f32 loses no less than the last.
+//! Digits lost are `log₁₀` of the condition number of the matrix. The error
+//! of the poles is the largest distance of a true pole to the nearest found one over its half-power
+//! bandwidth. It is given with all in f64, with the data rounded to f32, and with the data and the
+//! matrix rounded to f32 before the solution in f64. A program that also solves in f32 loses at least
+//! as many digits as the last.
 //!
 //! References: Richardson and Formenti (1982), IMAC 1 (orthogonal polynomials in place of powers);
 //! Brown et al. (1979), SAE 790221; Guillaume et al. (2003), IMAC 21.
@@ -50,7 +51,7 @@ enum Rounded {
 pub struct StabilityPoint {
     /// Order, twice the modes.
     pub order: usize,
-    /// Condition number of the matrix; no more than 1e17, which is the most that f64 can tell.
+    /// Condition number of the matrix, limited to 1e17: larger numbers are round-off in f64.
     pub condition: f64,
     /// Largest error of a pole in half-power widths, all in f64; `None` where the matrix cannot be
     /// solved.
@@ -84,8 +85,8 @@ const TOP_HZ: f64 = 500.0;
 const DAMPING: f64 = 0.01;
 const LINES: usize = 400;
 const SAMPLES: usize = 1200;
-/// Condition numbers beyond this are rounding.
-const MOST_CONDITION: f64 = 1e17;
+/// Condition numbers beyond this are round-off in f64.
+const MAX_CONDITION: f64 = 1e17;
 
 /// Poles of a solution, rad/s; `None` where it has none.
 type Poles = dyn Fn(&[Complex64]) -> Option<Vec<Complex64>>;
@@ -167,12 +168,12 @@ impl Problem {
 
     fn condition(&self) -> f64 {
         let Ok(values) = linalg::singular_values(&self.matrix) else {
-            return MOST_CONDITION;
+            return MAX_CONDITION;
         };
         let (largest, least) = values.iter().fold((0.0, f64::INFINITY), |(a, b), value| {
             (f64::max(a, *value), f64::min(b, *value))
         });
-        (largest / least).min(MOST_CONDITION)
+        (largest / least).min(MAX_CONDITION)
     }
 
     fn solved(&self) -> Option<Vec<Complex64>> {
@@ -198,9 +199,9 @@ struct Modes {
 
 impl Modes {
     fn new(count: usize) -> Self {
-        let place = |r: usize| (r as f64 + 0.5) / count as f64;
+        let fraction = |r: usize| (r as f64 + 0.5) / count as f64;
         let pole = |r: usize| {
-            let omega = TAU * (BAND_HZ.0 + place(r) * (BAND_HZ.1 - BAND_HZ.0));
+            let omega = TAU * (BAND_HZ.0 + fraction(r) * (BAND_HZ.1 - BAND_HZ.0));
             Complex64::new(-DAMPING * omega, omega * (1.0 - DAMPING * DAMPING).sqrt())
         };
         let poles: Vec<Complex64> = (0..count).map(pole).collect();
@@ -227,14 +228,14 @@ impl Modes {
     /// Largest distance of a pole to the nearest found one, half-power widths.
     fn error(&self, found: &[Complex64]) -> f64 {
         let of_pole = |pole: &Complex64| {
-            let distances = found.iter().map(|own| (own - pole).norm());
+            let distances = found.iter().map(|found_pole| (found_pole - pole).norm());
             distances.fold(f64::INFINITY, f64::min) / (-2.0 * pole.re)
         };
         self.poles.iter().map(of_pole).fold(0.0, f64::max)
     }
 }
 
-/// Roots of `Σ c_j x^j` by its companion matrix; `None` where there are none to tell.
+/// Roots of `Σ c_j x^j` by its companion matrix; `None` where they cannot be computed.
 fn roots(coefficients: &[Complex64]) -> Option<Vec<Complex64>> {
     let order = coefficients.len() - 1;
     let leading = coefficients[order];
@@ -282,11 +283,15 @@ mod tests {
 
     /// Richardson and Formenti (1982): powers lose the digits that orthogonal polynomials keep.
     #[test]
-    fn powers_fail_by_order_where_orthogonal_polynomials_hold() {
+    fn power_polynomials_lose_the_poles_that_orthogonal_ones_keep() {
         let all = StabilityPlan { highest_order: 20 }.run();
         let last = |name: &str| {
-            let own = all.courses.iter().find(|own| own.method == name).unwrap();
-            own.points[own.points.len() - 1]
+            let course = all
+                .courses
+                .iter()
+                .find(|course| course.method == name)
+                .unwrap();
+            course.points[course.points.len() - 1]
         };
         let (powers, orthogonal) = (last("rfp, powers"), last("rfp, orthogonal"));
         assert!(

@@ -1,39 +1,39 @@
-//! A slice in a few words for each method: where its contour lies and what is seen beyond it.
+//! The summary of a slice states the ranges in which each method succeeds.
 
 use super::Axis;
 use super::slice::{Bound, LEVEL, SliceResult};
 
-/// Where a method meets the stated error along the first axis, the second one held.
+/// Ranges of the first axis in which a method meets the stated error, the second one fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// Value of the second axis.
     pub held: f64,
     /// Values of the first axis between which the share is 95 % or more.
     pub inside: Vec<(f64, f64)>,
-    /// The same, of which it is known by the interval of the share.
+    /// The same for the lower end of the confidence interval of the share.
     pub known_inside: Vec<(f64, f64)>,
-    /// The same, outside of which it is known to fail.
+    /// The same for the upper end of the interval.
     pub not_outside: Vec<(f64, f64)>,
 }
 
-/// Rows of the second axis of which a reach is told: both ends and the middle.
+/// Positions on the second axis at which the ranges are stated: both ends and the middle.
 const ROWS: [f64; 3] = [0.0, 0.5, 1.0];
 
 impl SliceResult {
-    /// Where a method does, at both ends and in the middle of the second axis.
+    /// Ranges in which a method succeeds, at both ends and in the middle of the second axis.
     pub fn reaches(&self, method: usize) -> Vec<Reach> {
         let (x, y) = (self.slice.x, self.slice.y);
         let fields = [Bound::Counted, Bound::Lower, Bound::Upper].map(|b| self.field(method, b));
         let reach = |share: &f64| {
-            let stretches = |k: usize| {
-                let own = fields[k].stretches((true, *share), LEVEL).into_iter();
-                own.map(|(a, b)| (x.at(a), x.at(b))).collect()
+            let values_of = |k: usize| {
+                let segments = fields[k].values_of((true, *share), LEVEL).into_iter();
+                segments.map(|(a, b)| (x.at(a), x.at(b))).collect()
             };
             Reach {
                 held: y.at(*share),
-                inside: stretches(0),
-                known_inside: stretches(1),
-                not_outside: stretches(2),
+                inside: values_of(0),
+                known_inside: values_of(1),
+                not_outside: values_of(2),
             }
         };
         ROWS.iter().map(reach).collect()
@@ -60,7 +60,7 @@ pub fn told(stretches: &[(f64, f64)], axis: &Axis) -> String {
     };
     match stretches {
         [] => "none".to_owned(),
-        own => own.iter().map(one).collect::<Vec<_>>().join(", "),
+        segments => segments.iter().map(one).collect::<Vec<_>>().join(", "),
     }
 }
 

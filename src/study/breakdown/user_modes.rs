@@ -1,4 +1,4 @@
-//! Where a user's own modes lie in a slice, and how far that is from where a method fails.
+//! A slice locates a user's modes and their distance from the contour of each method.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::modal::{ModalModel, Mode};
 use super::slice::{Bound, LEVEL, SliceResult};
 use super::{Axis, Factor, Field, Scale};
 
-/// A mode with the values of the factors that are known of it.
+/// A mode with the values of the factors that its test determines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OwnMode {
     /// Name of its test, where there are several.
@@ -25,7 +25,7 @@ pub struct OwnMode {
 }
 
 /// The modes of a test: damping; distance to the nearest neighbour in half-power widths; number of
-/// references; size at the best of them; and from its FRFs, where they are known, noise over the
+/// references; size at the best of them; and from its FRFs, where they are given, noise over the
 /// band (the median of the functions), hits, and length of the record.
 pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<OwnMode> {
     let of_set = set.map_or_else(BTreeMap::new, |set| values_of_set(set, model));
@@ -34,11 +34,13 @@ pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<Ow
         if !model.references.is_empty() {
             values.insert(Factor::References, model.references.len() as f64);
         }
-        values.extend(node_distance(model, mode).map(|own| (Factor::NodeDistance, own)));
+        values.extend(node_distance(model, mode).map(|distance| (Factor::NodeDistance, distance)));
         if let Some(zeta) = mode.damping_ratio.filter(|zeta| *zeta > 0.0) {
             values.insert(Factor::Damping, zeta);
-            let own = separation(model, index, zeta);
-            values.extend(own.map(|own| (Factor::Separation, own)));
+            let separation_widths = separation(model, index, zeta);
+            values.extend(
+                separation_widths.map(|separation_widths| (Factor::Separation, separation_widths)),
+            );
             let record = set.and_then(|set| set.record_duration_s);
             let constant = zeta * std::f64::consts::TAU * mode.frequency_hz;
             values.extend(record.map(|record| (Factor::RecordLength, record * constant)));
@@ -66,13 +68,17 @@ fn node_distance(model: &ModalModel, mode: &Mode) -> Option<f64> {
     let (_, largest) = mode.shape.largest()?;
     let at = model.references.iter();
     let at = at.filter_map(|dof| mode.shape.along_positive(dof));
-    let best = at.map(|own| own.norm() / largest.norm());
+    let best = at.map(|component| component.norm() / largest.norm());
     best.max_by(f64::total_cmp)
 }
 
 fn values_of_set(set: &FrfSet, model: &ModalModel) -> BTreeMap<Factor, f64> {
     let mut values = BTreeMap::new();
-    let hits = set.functions().iter().filter_map(|own| own.averages).min();
+    let hits = set
+        .functions()
+        .iter()
+        .filter_map(|function| function.averages)
+        .min();
     values.extend(hits.map(|hits| (Factor::Hits, f64::from(hits))));
     let lines = match model.band {
         Some(band) => set.axis().lines(&band),
@@ -84,14 +90,14 @@ fn values_of_set(set: &FrfSet, model: &ModalModel) -> BTreeMap<Factor, f64> {
             .iter()
             .map(Complex64::norm_sqr)
             .sum();
-        Some(10.0 * (power / noise).log10()).filter(|own| own.is_finite())
+        Some(10.0 * (power / noise).log10()).filter(|decibels| decibels.is_finite())
     };
     let mut ratios: Vec<f64> = (0..set.len()).filter_map(ratio).collect();
     ratios.sort_by(f64::total_cmp);
     values.extend(
         ratios
             .get(ratios.len() / 2)
-            .map(|own| (Factor::Noise, *own)),
+            .map(|decibels| (Factor::Noise, *decibels)),
     );
     values
 }
@@ -101,7 +107,7 @@ fn values_of_set(set: &FrfSet, model: &ModalModel) -> BTreeMap<Factor, f64> {
 pub struct OwnPoint {
     /// The mode.
     pub mode: OwnMode,
-    /// Its place as shares of the axes; beyond 0 and 1 outside the slice.
+    /// Its position as fractions of the axes; below 0 or above 1 outside the slice.
     pub place: [f64; 2],
     /// By method; none outside the slice.
     pub margins: Vec<Margin>,
@@ -138,7 +144,7 @@ impl Distance {
         }
     }
 
-    /// What it is told in, with the factor: `decades of damping`, `dB of noise`.
+    /// Unit of [`Self::value`], with the factor: `decades of damping`, `dB of noise`.
     pub fn unit(&self) -> String {
         let words = self.axis.factor.name().replace('_', " ");
         match self.axis.factor.unit() {
@@ -158,8 +164,9 @@ impl OwnPoint {
 
     /// The method that does where the mode is and fails nearest to it.
     pub fn nearest(&self) -> Option<(&str, Distance)> {
-        let holding = self.margins.iter().filter(|own| own.inside);
-        let measured = holding.filter_map(|own| Some((own.method.as_str(), own.distance?)));
+        let holding = self.margins.iter().filter(|margin| margin.inside);
+        let measured =
+            holding.filter_map(|margin| Some((margin.method.as_str(), margin.distance?)));
         measured.min_by(|a, b| a.1.share.total_cmp(&b.1.share))
     }
 
@@ -170,16 +177,16 @@ impl OwnPoint {
         if !self.inside() {
             return format!("{name} lies outside this slice.");
         }
-        let failing = self.margins.iter().filter(|own| !own.inside);
-        let failing: Vec<&str> = failing.map(|own| own.method.as_str()).collect();
+        let failing = self.margins.iter().filter(|margin| !margin.inside);
+        let failing: Vec<&str> = failing.map(|margin| margin.method.as_str()).collect();
         let already = match failing.as_slice() {
             [] => String::new(),
             [one] => format!("; {one} fails there already"),
             [all @ .., last] => format!("; {} and {last} fail there already", all.join(", ")),
         };
         match self.nearest() {
-            Some((method, own)) => {
-                let (value, unit) = (own.value(), own.unit());
+            Some((method, distance)) => {
+                let (value, unit) = (distance.value(), distance.unit());
                 format!("{name} is {value:.2} {unit} from where {method} fails{already}.")
             }
             None => {
@@ -190,8 +197,8 @@ impl OwnPoint {
 }
 
 impl SliceResult {
-    /// The modes of which both factors are known, those nearest to where a method fails first. A
-    /// slice of hammer tests does not hold the noise of its responses against that of FRFs.
+    /// The modes with both factors, those nearest to a contour first. No mode lies in a slice of
+    /// hammer tests over noise: the noise of its responses is not comparable with that of FRFs.
     pub fn points(&self, modes: &[OwnMode]) -> Vec<OwnPoint> {
         let (x, y) = (self.slice.x, self.slice.y);
         let noise = [x.factor, y.factor].contains(&Factor::Noise);
@@ -213,7 +220,11 @@ impl SliceResult {
             Some(point)
         };
         let mut points: Vec<OwnPoint> = modes.iter().filter_map(point).collect();
-        let slack = |own: &OwnPoint| own.nearest().map_or(f64::INFINITY, |(_, own)| own.share);
+        let slack = |point: &OwnPoint| {
+            point
+                .nearest()
+                .map_or(f64::INFINITY, |(_, distance)| distance.share)
+        };
         points.sort_by(|a, b| slack(a).total_cmp(&slack(b)));
         points
     }

@@ -1,4 +1,4 @@
-//! The interval of a share that was counted.
+//! The Wilson interval states the uncertainty of a counted share.
 
 /// Normal quantile of 95 %, two-sided.
 const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -38,13 +38,13 @@ mod tests {
             (0, 20, 0.0, 0.1611),
             (1, 29, 0.0061, 0.1718),
         ] {
-            let own = wilson(good, draws);
-            assert!((own.0 - lower).abs() < 5.1e-5, "{own:?}");
-            assert!((own.1 - upper).abs() < 5.1e-5, "{own:?}");
+            let ends = wilson(good, draws);
+            assert!((ends.0 - lower).abs() < 5.1e-5, "{ends:?}");
+            assert!((ends.1 - upper).abs() < 5.1e-5, "{ends:?}");
         }
         assert_eq!(wilson(0, 0), (0.0, 1.0));
         assert!((wilson(80, 80).1 - 1.0).abs() < 1e-15);
-        // So many draws without a failure tell a share of 95 %.
+        // 73 draws without a failure are the minimum that proves a share of 95 %.
         assert!(wilson(73, 73).0 > 0.95 && wilson(72, 72).0 < 0.95);
     }
 }
