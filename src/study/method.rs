@@ -16,13 +16,13 @@ pub const REFINED: &str = "ml";
 pub struct Method {
     /// Its name in [`ESTIMATORS`].
     pub name: &'static str,
-    /// Highest model order; of the method's own choice, or none, without it.
+    /// Highest model order; chosen by the method, or none, without it.
     pub order: Option<usize>,
 }
 
 impl Method {
-    /// Every estimator; those that have an order once by their own choice and once with each of
-    /// these.
+    /// Every estimator; an estimator with an order once at the order that it chooses and once at
+    /// each of these.
     pub fn all(orders: &[usize]) -> Vec<Self> {
         let mut all = Vec::new();
         for entry in ESTIMATORS {

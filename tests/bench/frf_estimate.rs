@@ -43,7 +43,7 @@ type Sizes = [usize; 3];
 fn main() {
     let arguments: Vec<String> = std::env::args()
         .skip(1)
-        .filter(|own| own != "--bench")
+        .filter(|argument| argument != "--bench")
         .collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
@@ -70,8 +70,12 @@ fn all(sizes: &Sizes) {
     for name in ["hits.uff", "channels.uff", "hits.h5"] {
         let path = folder.path().join(name).display().to_string();
         let with = |words: &[&str]| {
-            let own = words.iter().map(|word| (*word).to_owned());
-            run_self(&own.chain(sizes.map(|n| n.to_string())).collect::<Vec<_>>())
+            let arguments = words.iter().map(|word| (*word).to_owned());
+            run_self(
+                &arguments
+                    .chain(sizes.map(|n| n.to_string()))
+                    .collect::<Vec<_>>(),
+            )
         };
         with(&["child-write", &path]);
         for what in ["estimate", "judged"] {
@@ -116,10 +120,14 @@ fn run(sizes: &Sizes, path: &Path, what: &str, threads: &str) {
         let one = timed(|| bare.run(samples.first_again_and_again()));
         drop(samples);
         forget_peak();
-        let own = timed(|| pool.install(|| estimates(path)));
+        let estimation = timed(|| pool.install(|| estimates(path)));
         peak = peak_kibibytes().max(peak);
-        rates.push(count / own.0 / 1e6);
-        let of_bare = [beside.0 / own.0, beside.1 / own.1, one.0 / own.0];
+        rates.push(count / estimation.0 / 1e6);
+        let of_bare = [
+            beside.0 / estimation.0,
+            beside.1 / estimation.1,
+            one.0 / estimation.0,
+        ];
         for (ratios, ratio) in ratios.iter_mut().zip(of_bare) {
             ratios.push(ratio);
         }
@@ -283,8 +291,8 @@ fn estimate(path: &Path) {
         overloads: Some(JudgeLimits::default()),
         ..Selection::all(recording.hits().len())
     };
-    let own = estimate_recording(&mut recording, &selection, &EstimateOptions::default());
-    std::hint::black_box(own.expect("FRFs"));
+    let estimate = estimate_recording(&mut recording, &selection, &EstimateOptions::default());
+    std::hint::black_box(estimate.expect("FRFs"));
 }
 
 /// The same with every hit judged and the set checked.

@@ -33,11 +33,11 @@ const CELLS: [(f64, f64, f64); 9] = [
 ];
 /// Most angle between the subspaces of the shapes of a pair, degrees: five times what 95 % stay
 /// under in the last cell.
-const MOST_PAIR_ANGLE_DEG: f64 = 0.5;
+const MAX_PAIR_ANGLE_DEG: f64 = 0.5;
 /// Natural frequency of the lower of the two, Hz.
 const PAIR_HZ: f64 = 200.0;
 /// Most angle between the subspaces of the shapes of a repeated root, degrees.
-const MOST_ANGLE_DEG: f64 = 2.0;
+const MAX_ANGLE_DEG: f64 = 2.0;
 
 /// A pair, its distance in half-power widths, with single modes on both sides.
 struct Setup {
@@ -57,8 +57,8 @@ impl Setup {
         let second_hz = PAIR_HZ + self.spacing_widths * width;
         let frequencies = [PAIR_HZ - 60.0, PAIR_HZ, second_hz, PAIR_HZ + 70.0];
         let mut shapes = frequencies.map(|_| -> Vec<Complex64> {
-            let own = (0..RESPONSES).map(|_| component(&mut random, 0.0));
-            own.collect()
+            let components = (0..RESPONSES).map(|_| component(&mut random, 0.0));
+            components.collect()
         });
         let (first, second) = self.participation(&mut random);
         shapes[1][..self.references].copy_from_slice(&first);
@@ -94,8 +94,8 @@ impl Setup {
     /// Two vectors of length 1 at the references, the angle apart, in a random plane.
     fn participation(&self, random: &mut ChaCha8Rng) -> (Vec<Complex64>, Vec<Complex64>) {
         let mut vector = || -> Vec<Complex64> {
-            let own = (0..self.references).map(|_| component(random, 0.0));
-            unit(own.collect())
+            let components = (0..self.references).map(|_| component(random, 0.0));
+            unit(components.collect())
         };
         let (first, other) = (vector(), vector());
         let along: Complex64 = first.iter().zip(&other).map(|(a, b)| a * b).sum();
@@ -221,7 +221,7 @@ fn two_references_tell_close_pairs_where_the_bound_does() {
     for (label, two, allowed, fewest, worst) in judged {
         assert_eq!(allowed as u64, DRAWS, "{label}");
         assert!(two >= fewest, "{label}: {two} of {allowed}, not {fewest}");
-        assert!(worst <= MOST_PAIR_ANGLE_DEG, "{label}: {worst}");
+        assert!(worst <= MAX_PAIR_ANGLE_DEG, "{label}: {worst}");
     }
 }
 
@@ -238,5 +238,5 @@ fn three_references_find_both_modes_of_a_repeated_root() {
     let angle = |o: &Outcome| o.angle_deg.unwrap_or(f64::INFINITY);
     let worst = outcomes.iter().map(angle).fold(0.0, f64::max);
     assert!(outcomes.iter().all(|o| o.others == 2));
-    assert!(worst <= MOST_ANGLE_DEG, "{worst}");
+    assert!(worst <= MAX_ANGLE_DEG, "{worst}");
 }

@@ -88,12 +88,12 @@ fn drawn(case: Case, seed: u64) -> (HammerTest, Vec<(f64, f64)>) {
 fn errors(case: Case, seed: u64) -> Vec<f64> {
     let (test, truth) = drawn(case, seed);
     let hits = test.generate().unwrap();
-    let own = hammer(&mut InMemory::new(&hits), &HammerOptions::default()).unwrap();
+    let estimate = hammer(&mut InMemory::new(&hits), &HammerOptions::default()).unwrap();
     let options = IdentifyOptions {
         band: Some(Band::new(0.6 * truth[0].0, 1.2 * truth[MODES - 1].0).unwrap()),
         ..IdentifyOptions::default()
     };
-    let model = identify(&own.estimated.set, &options).unwrap();
+    let model = identify(&estimate.estimated.set, &options).unwrap();
     assert_eq!(model.modes.len(), MODES, "{case:?} {seed}");
     let pairs = model.modes.iter().zip(&truth);
     let errors = pairs.flat_map(|(mode, (hz, damping))| {

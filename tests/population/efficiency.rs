@@ -20,9 +20,9 @@ const MODES: usize = 8;
 const DRAWS: usize = 60;
 const LEVELS_DB: [f64; 3] = [60.0, 40.0, 30.0];
 /// Most rms error over the bound.
-const MOST_OVER_BOUND: f64 = 1.2;
+const MAX_ERROR_OVER_BOUND: f64 = 1.2;
 /// Most relative difference of stated and observed deviations.
-const MOST_MISSTATED: f64 = 0.05;
+const MAX_RELATIVE_STD_ERROR: f64 = 0.05;
 /// What 95 % intervals cover, and how far from it.
 const COVERED: (f64, f64) = (0.95, 0.01);
 /// Normal quantiles of 95 % and 99.9 %, two-sided.
@@ -30,7 +30,7 @@ const QUANTILE_95: f64 = 1.959_964;
 const QUANTILE_999: f64 = 3.290_527;
 /// Most of the error that modes beside the band leave, as told, over the bound, rms: less than
 /// noise makes of an error of none.
-const MOST_BIAS: f64 = 0.5;
+const MAX_BIAS_OVER_BOUND: f64 = 0.5;
 /// Deviations that an rms of so few errors may be from its expectation.
 const RMS_SIGMAS: f64 = 5.0;
 
@@ -127,16 +127,16 @@ fn samples_of(drawn: &Drawn, first: usize) -> Samples {
             let found = &model.modes[verdict.partner[*r]?];
             Some(samples(&system.modes[*r], bounds[*r].unwrap(), found))
         };
-        let own: Vec<_> = inside.iter().map(of_mode).collect();
+        let samples_of_modes: Vec<_> = inside.iter().map(of_mode).collect();
         let why = || judge.reasons(&model, &verdict).join("; ");
         let wrong = (!verdict.wholly_right()).then(|| format!("draw {draw}: {verdict}: {}", why()));
-        (own, wrong)
+        (samples_of_modes, wrong)
     };
     let (draws, wrong): (Vec<_>, Vec<_>) = (0..DRAWS).into_par_iter().map(one).unzip();
     let of_mode = |j: usize| {
-        let own = draws.iter().filter_map(|draw| draw[j]);
-        let own: Vec<[Sample; 2]> = own.collect();
-        [0, 1].map(|q| own.iter().map(|pair| pair[q]).collect())
+        let samples_of_mode = draws.iter().filter_map(|draw| draw[j]);
+        let samples_of_mode: Vec<[Sample; 2]> = samples_of_mode.collect();
+        [0, 1].map(|q| samples_of_mode.iter().map(|pair| pair[q]).collect())
     };
     Samples {
         modes: (0..inside.len()).map(of_mode).collect(),
@@ -187,7 +187,10 @@ impl Pooled {
         let inside = all
             .iter()
             .filter(|s| s.error.abs() <= QUANTILE_95 * s.stated);
-        let singles = modes.iter().flatten().map(|own| over_bound(own, error));
+        let singles = modes
+            .iter()
+            .flatten()
+            .map(|samples| over_bound(samples, error));
         Self {
             worst: singles.fold(0.0, f64::max),
             rms: [0, 1].map(|q| over_bound(&pool(q), error)),
@@ -224,14 +227,18 @@ impl Pooled {
     /// No mode has errors greater than the limit.
     fn hold_worst(&self) {
         let margin = RMS_SIGMAS * rms_deviation(DRAWS);
-        let most = MOST_OVER_BOUND.max(1.0 + margin);
+        let most = MAX_ERROR_OVER_BOUND.max(1.0 + margin);
         assert!(self.worst <= most, "{}", self.worst);
     }
 
     fn hold_statements(&self) {
         let misstated = (self.stated - 1.0).abs();
         let spread = QUANTILE_999 * rms_deviation(2 * self.samples);
-        assert!(misstated <= MOST_MISSTATED.max(spread), "{}", self.stated);
+        assert!(
+            misstated <= MAX_RELATIVE_STD_ERROR.max(spread),
+            "{}",
+            self.stated
+        );
         let (aim, limit) = COVERED;
         let spread = QUANTILE_999 * (aim * (1.0 - aim) / (2.0 * self.samples as f64)).sqrt();
         let missed = (self.covered - aim).abs();
@@ -243,25 +250,25 @@ impl Pooled {
 fn errors_are_at_their_bound_and_stated_as_they_are() {
     let mut levels = Vec::new();
     for (number, level) in LEVELS_DB.into_iter().enumerate() {
-        let own = samples_of(&system(level, false), number * DRAWS);
-        let pooled = Pooled::new(&own.modes);
-        pooled.print(&format!("{level} dB"), &own.modes);
-        println!("{} draws wrong: {:?}", own.wrong.len(), own.wrong);
-        levels.push((own, pooled));
+        let samples = samples_of(&system(level, false), number * DRAWS);
+        let pooled = Pooled::new(&samples.modes);
+        pooled.print(&format!("{level} dB"), &samples.modes);
+        println!("{} draws wrong: {:?}", samples.wrong.len(), samples.wrong);
+        levels.push((samples, pooled));
     }
     let all: Vec<_> = levels
         .iter()
-        .flat_map(|(own, _)| own.modes.clone())
+        .flat_map(|(samples, _)| samples.modes.clone())
         .collect();
     let whole = Pooled::new(&all);
     whole.print("all levels", &all);
-    for (own, pooled) in &levels {
-        assert!(own.wrong.is_empty());
-        pooled.hold_errors(MOST_OVER_BOUND);
+    for (samples, pooled) in &levels {
+        assert!(samples.wrong.is_empty());
+        pooled.hold_errors(MAX_ERROR_OVER_BOUND);
         pooled.hold_worst();
         pooled.hold_statements();
     }
-    whole.hold_errors(MOST_OVER_BOUND);
+    whole.hold_errors(MAX_ERROR_OVER_BOUND);
     whole.hold_statements();
 }
 
@@ -269,24 +276,24 @@ fn errors_are_at_their_bound_and_stated_as_they_are() {
 /// most.
 #[test]
 fn modes_beside_the_band_leave_little_in_it() {
-    let own = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS);
-    let pooled = Pooled::new(&own.modes);
-    pooled.print("60 dB, modes beside the band", &own.modes);
-    let all: Vec<Sample> = own.modes.iter().flatten().flatten().copied().collect();
-    let (told, made) = (
+    let samples = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS);
+    let pooled = Pooled::new(&samples.modes);
+    pooled.print("60 dB, modes beside the band", &samples.modes);
+    let all: Vec<Sample> = samples.modes.iter().flatten().flatten().copied().collect();
+    let (stated, observed) = (
         over_bound(&all, |s| s.bias.unwrap()),
-        bias_over_bound(&own.modes),
+        bias_over_bound(&samples.modes),
     );
-    println!("error told over bound {told:.3}");
-    println!("{} draws wrong: {:?}", own.wrong.len(), own.wrong);
-    assert!(own.wrong.is_empty());
-    pooled.hold_errors(MOST_OVER_BOUND);
+    println!("error stated over bound {stated:.3}");
+    println!("{} draws wrong: {:?}", samples.wrong.len(), samples.wrong);
+    assert!(samples.wrong.is_empty());
+    pooled.hold_errors(MAX_ERROR_OVER_BOUND);
     pooled.hold_statements();
-    // What is told is no less than the mean error beyond what the noise of so many draws makes of
+    // What is stated is no less than the mean error beyond what the noise of so many draws makes of
     // it, and no more than matters.
-    let means = 2 * own.modes.len();
-    let by_noise = MOST_OVER_BOUND / (DRAWS as f64).sqrt();
-    let most = by_noise * (1.0 + RMS_SIGMAS * rms_deviation(means));
-    assert!(made <= told.hypot(most), "{made}");
-    assert!(told <= MOST_BIAS, "{told}");
+    let means = 2 * samples.modes.len();
+    let by_noise = MAX_ERROR_OVER_BOUND / (DRAWS as f64).sqrt();
+    let limit = by_noise * (1.0 + RMS_SIGMAS * rms_deviation(means));
+    assert!(observed <= stated.hypot(limit), "{observed}");
+    assert!(stated <= MAX_BIAS_OVER_BOUND, "{stated}");
 }

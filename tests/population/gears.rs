@@ -24,7 +24,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Prior deviation of the logarithm of every stiffness.
 pub const PRIOR: f64 = 0.2;
 /// Draws of the prior beyond 40 % (of the logarithm) are drawn again.
-const MOST_CHANGE: f64 = 0.4;
+const MAX_LOG_CHANGE: f64 = 0.4;
 /// Signal-to-noise ratio of every function, dB: rms over the band over rms noise of a line.
 const SNR_DB: (f64, f64) = (40.0, 60.0);
 /// What is below this part of the largest, or of 1 for a shape of unit modal mass, is zero by
@@ -63,7 +63,10 @@ fn on_coordinates(model: &dyn TheoreticalModel, dofs: &[&str]) -> Vec<Sensor> {
     let all = modalign::theory::coordinate_sensors(&matrices.coordinates);
     let sensor = |dof: &&str| {
         let dof: Dof = dof.parse().unwrap();
-        all.iter().find(|own| own.dof == dof).unwrap().clone()
+        all.iter()
+            .find(|sensor_of_model| sensor_of_model.dof == dof)
+            .unwrap()
+            .clone()
     };
     dofs.iter().map(sensor).collect()
 }
@@ -71,7 +74,7 @@ fn on_coordinates(model: &dyn TheoreticalModel, dofs: &[&str]) -> Vec<Sensor> {
 /// The four transmissions. The band of each begins below its first elastic mode that the sensors
 /// see.
 pub fn gears() -> Vec<Gear> {
-    let dofs = |names: &[&str]| names.iter().map(|own| own.parse().unwrap()).collect();
+    let dofs = |names: &[&str]| names.iter().map(|name| name.parse().unwrap()).collect();
     let model = |name: &str| built_in(name).unwrap();
     let cycloid = model("cycloid-ball");
     let torsional = model("torsional-planetary");
@@ -202,7 +205,7 @@ impl Gear {
 
     /// Whether the roots of the band that some function has are at least the sum of their
     /// half-power widths apart. No test tells apart what is nearer.
-    fn told_apart(&self, theory: &TheoryModes, ratios: &[f64]) -> bool {
+    fn roots_are_separated(&self, theory: &TheoryModes, ratios: &[f64]) -> bool {
         let mut roots: Vec<(f64, f64)> = Vec::new();
         for (mode, ratio) in theory.model.modes[theory.rigid..].iter().zip(ratios) {
             let value = |dof: &Dof| mode.shape.get(dof).unwrap().norm();
@@ -239,18 +242,18 @@ impl Gear {
             len: self.lines,
         };
         let mut set = FrfSet::new(axis);
-        for own in residues(theory, ratios, &pairs).unwrap() {
+        for residue in residues(theory, ratios, &pairs).unwrap() {
             let value = |k: usize| {
                 let s = Complex64::new(0.0, axis.rad_s(k));
                 let part = |(pole, a): &(Pole, Complex64)| {
                     a / (s - pole.lambda) + a.conj() / (s - pole.lambda.conj())
                 };
-                let sum: Complex64 = own.elastic.iter().map(part).sum();
-                s * s * sum + own.rigid_body_accelerance_per_kg
+                let sum: Complex64 = residue.elastic.iter().map(part).sum();
+                s * s * sum + residue.rigid_body_accelerance_per_kg
             };
             let function = Function {
-                response: own.response.clone(),
-                reference: own.hit.clone(),
+                response: residue.response.clone(),
+                reference: residue.hit.clone(),
                 kind: FrfKind::Accelerance,
                 averages: None,
                 estimator: None,
@@ -276,15 +279,17 @@ impl Gear {
         let powers: Vec<f64> = (0..exact.len()).map(power).collect();
         let functions = exact.functions();
         let largest = |of: &dyn Fn(&Function) -> bool| {
-            let own = functions.iter().zip(&powers);
-            let own = own.filter(|(function, _)| of(function));
-            own.map(|(_, power)| *power).fold(0.0, f64::max)
+            let powers_of_functions = functions.iter().zip(&powers);
+            let powers_of_functions = powers_of_functions.filter(|(function, _)| of(function));
+            powers_of_functions
+                .map(|(_, power)| *power)
+                .fold(0.0, f64::max)
         };
         let all = largest(&|_| true);
         let mut set = FrfSet::new(axis);
         for (i, function) in functions.iter().enumerate() {
-            let response = largest(&|own| own.response == function.response);
-            let hit = largest(&|own| own.reference == function.reference);
+            let response = largest(&|other| other.response == function.response);
+            let hit = largest(&|other| other.reference == function.reference);
             let usual = response * hit / all;
             let vanishes = powers[i] < SEEN * SEEN * usual;
             let reference = if vanishes { usual } else { powers[i] };
@@ -316,7 +321,7 @@ impl Gear {
         for name in &free {
             let change = loop {
                 let drawn: f64 = StandardNormal.sample(random);
-                if (PRIOR * drawn).abs() <= MOST_CHANGE {
+                if (PRIOR * drawn).abs() <= MAX_LOG_CHANGE {
                     break PRIOR * drawn;
                 }
             };
@@ -334,7 +339,7 @@ impl Gear {
             let (parameters, values) = self.draw(&nominal, &mut random);
             let theory = self.modes(&values);
             let ratios = self.ratios(&theory, &mut random);
-            if self.told_apart(&theory, &ratios) {
+            if self.roots_are_separated(&theory, &ratios) {
                 break (parameters, values, self.exact(&theory, &ratios));
             }
         };
@@ -401,8 +406,8 @@ impl Gear {
         let error = |row: &FitRow| {
             let distance = |hz: &f64| (hz - row.test_hz).abs();
             let near = |a: &f64, b: &f64| distance(a).total_cmp(&distance(b));
-            let own = all.iter().copied().min_by(near)?;
-            Some(100.0 * (row.model_hz? / own - 1.0).abs())
+            let nearest = all.iter().copied().min_by(near)?;
+            Some(100.0 * (row.model_hz? / nearest - 1.0).abs())
         };
         fit.rows.iter().filter_map(error).fold(0.0, f64::max)
     }

@@ -30,7 +30,7 @@ const CLEAN: usize = 120;
 const DOUBLE: usize = 72;
 const OVERLOAD: usize = 36;
 /// Twice the ratio that is noted, so that the noise of the estimate does not decide what is found.
-const LEAST_RATIO: f64 = 0.02;
+const MIN_RATIO: f64 = 0.02;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -174,8 +174,8 @@ impl Draw {
     /// A ratio: every other time such that the contact is hard to see.
     fn second(&mut self, unit_detectability: f64) -> f64 {
         let hard = self.log_uniform(4.0, 20.0) / unit_detectability;
-        let any = self.log_uniform(LEAST_RATIO, 1.0);
-        let take_hard = self.random.random() && (LEAST_RATIO..1.0).contains(&hard);
+        let any = self.log_uniform(MIN_RATIO, 1.0);
+        let take_hard = self.random.random() && (MIN_RATIO..1.0).contains(&hard);
         if take_hard { hard } else { any }
     }
 

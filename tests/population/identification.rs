@@ -11,11 +11,11 @@ use super::systems::{Drawn, SYSTEMS};
 /// The method that is held to the limits.
 pub const METHOD: &str = "ml";
 /// Least share of the observable modes that is found.
-const LEAST_RECALL: f64 = 0.995;
+const MIN_RECALL: f64 = 0.995;
 /// Most spurious modes, as a share of all that are found.
-const MOST_SPURIOUS: f64 = 0.005;
+const MAX_SPURIOUS_SHARE: f64 = 0.005;
 /// Least share of systems without a missed or spurious mode.
-const LEAST_RIGHT: f64 = 0.97;
+const MIN_RIGHT_SHARE: f64 = 0.97;
 
 /// The modes of one draw of a system.
 pub fn identified(drawn: &Drawn, draw: u64) -> ModalModel {
@@ -80,17 +80,21 @@ impl Score {
 fn every_observable_mode_is_found_and_none_is_invented() {
     let judged: Vec<_> = (0..SYSTEMS).into_par_iter().map(judged).collect();
     let mut score = Score::default();
-    for own in &judged {
-        score.add(own);
-        if !own.2.wholly_right() {
-            println!("{}: {}", own.0, own.2);
-            for reason in own.0.judge().reasons(&own.1, &own.2) {
+    for draw in &judged {
+        score.add(draw);
+        if !draw.2.wholly_right() {
+            println!("{}: {}", draw.0, draw.2);
+            for reason in draw.0.judge().reasons(&draw.1, &draw.2) {
                 println!("    {reason}");
             }
         }
     }
     println!("{score:?}");
-    assert!(score.recall() >= LEAST_RECALL, "{}", score.recall());
-    assert!(score.spurious() <= MOST_SPURIOUS, "{}", score.spurious());
-    assert!(score.right() >= LEAST_RIGHT, "{}", score.right());
+    assert!(score.recall() >= MIN_RECALL, "{}", score.recall());
+    assert!(
+        score.spurious() <= MAX_SPURIOUS_SHARE,
+        "{}",
+        score.spurious()
+    );
+    assert!(score.right() >= MIN_RIGHT_SHARE, "{}", score.right());
 }

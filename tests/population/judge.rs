@@ -28,7 +28,7 @@ const OVER_NOISE: f64 = 10.0;
 /// Least distance of separated roots in half-power bandwidths.
 const SEPARATED_WIDTHS: f64 = 10.0;
 /// Least MAC of a found mode.
-const LEAST_MAC: f64 = 0.9;
+const MIN_MAC: f64 = 0.9;
 
 /// One root of the truth.
 pub struct Root {
@@ -74,7 +74,7 @@ fn assign(member: &Member, roots: &mut [Root], found: &[Mode]) -> usize {
             .max(0.25 * root.width_hz);
         for (f, mode) in found.iter().enumerate() {
             let distance = (mode.frequency_hz - root.frequency_hz).abs();
-            if distance <= reach && mac(member, root, mode) >= LEAST_MAC {
+            if distance <= reach && mac(member, root, mode) >= MIN_MAC {
                 offers.push((distance, r, f));
             }
         }
@@ -102,7 +102,7 @@ fn mac(member: &Member, root: &Root, mode: &Mode) -> f64 {
     let span: Option<Vec<_>> = root.modes.iter().map(|&j| at(&truth[j])).collect();
     let value = at(mode)
         .zip(span)
-        .and_then(|(own, span)| subspace_mac(&own, &span));
+        .and_then(|(shape, span)| subspace_mac(&shape, &span));
     value.unwrap_or(0.0)
 }
 
@@ -145,12 +145,12 @@ fn spacing_hz(roots: &[Root], r: usize) -> f64 {
 }
 
 fn is_separated(roots: &[Root], r: usize) -> bool {
-    let own = &roots[r];
+    let this_root = &roots[r];
     let clear = |(other, root): (usize, &Root)| {
-        let wider = root.width_hz.max(own.width_hz);
-        other == r || (root.frequency_hz - own.frequency_hz).abs() >= SEPARATED_WIDTHS * wider
+        let wider = root.width_hz.max(this_root.width_hz);
+        other == r || (root.frequency_hz - this_root.frequency_hz).abs() >= SEPARATED_WIDTHS * wider
     };
-    own.modes.len() == 1 && roots.iter().enumerate().all(clear)
+    this_root.modes.len() == 1 && roots.iter().enumerate().all(clear)
 }
 
 /// Cramér-Rao deviation of every root's frequency, `None` for one that no pair shows over its

@@ -11,7 +11,7 @@ fn lowest_frequencies_of_every_specimen_are_within_their_bounds() {
     assert!(specimens.len() >= 60, "{}", specimens.len());
     let rows: Vec<_> = specimens
         .par_iter()
-        .map(|own| compared(own).unwrap())
+        .map(|specimen| compared(specimen).unwrap())
         .collect();
     for row in &rows {
         println!("{row}");

@@ -27,9 +27,9 @@ pub const SENSORS: [usize; 5] = [8, 20, 30, 45, 60];
 /// Frequencies of one root agree to this part.
 const SAME_ROOT: f64 = 1e-9;
 /// Largest deviation of the logarithm of a stiffness; frequencies follow at half of it.
-const MOST_SPREAD: f64 = 0.25;
+const MAX_LOG_SPREAD: f64 = 0.25;
 /// Largest logarithm of what all stiffnesses have too much: frequencies follow at half of it.
-const MOST_COMMON: f64 = 0.18;
+const MAX_LOG_COMMON: f64 = 0.18;
 /// Mass of the heaviest body over that of the lightest.
 const MASS_RATIO: f64 = 5.0;
 /// Mass of a small oscillator over that of its body.
@@ -120,11 +120,11 @@ impl Network {
         let omega_squared = modes.omega_squared[random.random_range(1..12)];
         let at = random.random_range(0..self.kinds.len());
         let mass = random.random_range(OSCILLATOR) * self.masses[at];
-        let own = self.masses.len();
+        let oscillator = self.masses.len();
         self.masses.push(mass);
         let classes = self.springs.iter().map(|spring| spring.class).max();
         self.springs.push(Spring {
-            row: vec![(own, 1.0), (at, -1.0)],
+            row: vec![(oscillator, 1.0), (at, -1.0)],
             stiffness: mass * omega_squared,
             class: classes.unwrap() + 1,
         });
@@ -134,10 +134,10 @@ impl Network {
     /// is lost, what is a spring's own.
     fn factors(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (common, spread) = (
-            random.random_range(-MOST_COMMON..MOST_COMMON),
-            MOST_SPREAD * random.random::<f64>(),
+            random.random_range(-MAX_LOG_COMMON..MAX_LOG_COMMON),
+            MAX_LOG_SPREAD * random.random::<f64>(),
         );
-        let own = if random.random_bool(0.5) { spread } else { 0.0 };
+        let individual = if random.random_bool(0.5) { spread } else { 0.0 };
         let classes = self
             .springs
             .iter()
@@ -147,7 +147,8 @@ impl Network {
             + 1;
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let of_class: Vec<f64> = (0..classes).map(|_| spread * normal()).collect();
-        let of_spring = |spring: &Spring| (common + of_class[spring.class] + own * normal()).exp();
+        let of_spring =
+            |spring: &Spring| (common + of_class[spring.class] + individual * normal()).exp();
         self.springs.iter().map(of_spring).collect()
     }
 }
@@ -224,7 +225,7 @@ fn ring() -> Network {
     Network {
         masses: vec![1.0; 2 * BODIES],
         springs,
-        kinds: (0..2 * BODIES).map(|own| own / 2 % 4).collect(),
+        kinds: (0..2 * BODIES).map(|body| body / 2 % 4).collect(),
     }
 }
 
@@ -243,8 +244,8 @@ fn frame(random: &mut ChaCha8Rng) -> Network {
     };
     let points: Vec<[f64; 3]> = (0..POINTS).map(|_| point()).collect();
     let mut springs = Vec::new();
-    for (n, own) in points.iter().enumerate() {
-        let to = |m: usize| [0, 1, 2].map(|axis| points[m][axis] - own[axis]);
+    for (n, from) in points.iter().enumerate() {
+        let to = |m: usize| [0, 1, 2].map(|axis| points[m][axis] - from[axis]);
         let length = |m: usize| to(m).iter().map(|v| v * v).sum::<f64>().sqrt();
         let mut others: Vec<usize> = (0..POINTS).filter(|m| *m != n).collect();
         others.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
@@ -268,7 +269,7 @@ fn frame(random: &mut ChaCha8Rng) -> Network {
     Network {
         masses: vec![1.0; 3 * POINTS],
         springs,
-        kinds: (0..3 * POINTS).map(|own| own / 3).collect(),
+        kinds: (0..3 * POINTS).map(|coordinate| coordinate / 3).collect(),
     }
 }
 
@@ -328,9 +329,11 @@ impl Machine {
 fn roots(modes: &SymmetricModes, count: usize) -> Vec<Vec<usize>> {
     let mut roots: Vec<Vec<usize>> = Vec::new();
     for j in 0..count {
-        let own = modes.omega_squared[j];
+        let eigenvalue = modes.omega_squared[j];
         match roots.last_mut() {
-            Some(last) if own - modes.omega_squared[last[0]] <= SAME_ROOT * own => last.push(j),
+            Some(last) if eigenvalue - modes.omega_squared[last[0]] <= SAME_ROOT * eigenvalue => {
+                last.push(j)
+            }
             _ => roots.push(vec![j]),
         }
     }
@@ -406,16 +409,16 @@ impl Measured {
     /// The root that holds most of each mode.
     fn belongings(&self, theory: &SymmetricModes, masses: &[f64]) -> Vec<Truth> {
         let roots = roots(theory, theory.omega_squared.len());
-        let part = |own: &[f64], j: usize| {
-            let sum: f64 = own
+        let part = |shape: &[f64], j: usize| {
+            let sum: f64 = shape
                 .iter()
                 .enumerate()
                 .map(|(i, v)| v * masses[i] * theory.vectors[(i, j)])
                 .sum();
             sum * sum
         };
-        let of = |own: &Vec<f64>| {
-            let held = |root: &Vec<usize>| root.iter().map(|j| part(own, *j)).sum::<f64>();
+        let of = |shape: &Vec<f64>| {
+            let held = |root: &Vec<usize>| root.iter().map(|j| part(shape, *j)).sum::<f64>();
             let all = roots.iter().map(held).enumerate();
             let (root, mac) = all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             Truth { root, mac }

@@ -8,7 +8,7 @@ use super::machines::{Family, Machine, SENSORS};
 
 const MACHINES: u64 = 500;
 /// Part of a shape from which on a root is its partner without question.
-const CLEAR: f64 = 0.5;
+const MIN_CLEAR_PART: f64 = 0.5;
 
 /// What became of test modes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,9 +81,9 @@ type Rule = fn(&Machine) -> Choice;
 fn by_tool(machine: &Machine) -> Choice {
     let pairing = pair(&machine.test, &machine.theory, &PairOptions::default()).unwrap();
     let mut choice = vec![(None, true); machine.test.modes.len()];
-    for own in &pairing.pairs {
-        let root = machine.theory.modes[own.theory[0]].group.unwrap() as usize;
-        for partner in &own.partners {
+    for mode_pair in &pairing.pairs {
+        let root = machine.theory.modes[mode_pair.theory[0]].group.unwrap() as usize;
+        for partner in &mode_pair.partners {
             choice[partner.test] = (Some(root), partner.verdict == Verdict::Paired);
         }
     }
@@ -139,7 +139,7 @@ fn judged(family: Family, number: u64) -> Judged {
     let counts = RULES.iter().map(|(_, rule)| {
         let mut counts = [Counts::default(); 2];
         for ((root, sure), truth) in rule(&machine).into_iter().zip(&machine.truth) {
-            counts[usize::from(truth.mac <= CLEAR)].count(truth.root, root, sure);
+            counts[usize::from(truth.mac <= MIN_CLEAR_PART)].count(truth.root, root, sure);
         }
         counts
     });
@@ -192,9 +192,9 @@ fn print(family: Family, all: &[Judged]) {
     println!("sensors  rule               part   modes  found  ambiguous  wrong so  wrong  none");
     for &sensors in &SENSORS {
         for (r, (rule, _)) in RULES.iter().enumerate() {
-            let own = sums(all, r, |s| s == sensors);
-            for (part, own) in ["clear", "mixed"].iter().zip(own) {
-                println!("{sensors:>7}  {rule:17}  {part}  {}", own.line());
+            let counts = sums(all, r, |s| s == sensors);
+            for (part, count) in ["clear", "mixed"].iter().zip(counts) {
+                println!("{sensors:>7}  {rule:17}  {part}  {}", count.line());
             }
         }
     }
@@ -219,8 +219,8 @@ fn check(all: &[Judged], limits: &Limits) {
 fn sums(all: &[Judged], rule: usize, counts: impl Fn(usize) -> bool) -> [Counts; 2] {
     let mut sums = [Counts::default(); 2];
     for judged in all.iter().filter(|own| counts(own.sensors)) {
-        for (sum, own) in sums.iter_mut().zip(&judged.counts[rule]) {
-            sum.add(own);
+        for (sum, counted) in sums.iter_mut().zip(&judged.counts[rule]) {
+            sum.add(counted);
         }
     }
     sums

@@ -79,7 +79,10 @@ pub fn source() -> MemorySource {
 
 /// The source as this format writes it; nothing for a format that is only read.
 fn written(format: &str, encoding: Encoding) -> Option<Vec<u8>> {
-    let format = FORMATS.iter().find(|own| own.name() == format).unwrap();
+    let format = FORMATS
+        .iter()
+        .find(|candidate| candidate.name() == format)
+        .unwrap();
     let mut out = Cursor::new(Vec::new());
     let options = WriteOptions {
         encoding,
@@ -134,9 +137,9 @@ pub fn uff() -> Vec<Vec<u8>> {
         block,
         b"\n    -1\n".to_vec(),
     ];
-    let own = [Encoding::Binary, Encoding::Text].map(|encoding| written("uff", encoding));
+    let written_files = [Encoding::Binary, Encoding::Text].map(|encoding| written("uff", encoding));
     let seeds = [Some(text.concat().into_bytes()), Some(binary.concat())];
-    seeds.into_iter().chain(own).flatten().collect()
+    seeds.into_iter().chain(written_files).flatten().collect()
 }
 
 /// Modes in JSON.
@@ -170,8 +173,8 @@ pub fn npz() -> Vec<Vec<u8>> {
 /// Everything as HDF5, and files of other programs, whose structure has no checksums.
 pub fn hdf5() -> Vec<Vec<u8>> {
     let others = [H5PY, MATLAB_73, NEWER].map(unpacked);
-    let own = written("hdf5", Encoding::Binary);
-    own.into_iter().chain(others).collect()
+    let written_file = written("hdf5", Encoding::Binary);
+    written_file.into_iter().chain(others).collect()
 }
 
 /// What h5py writes, without checksums.

@@ -4,7 +4,7 @@
 //! A system has shapes `φ` of unit modal mass at its responses; the first of these are hit as well
 //! (driving points), and the receptance residues are `φ_o φ_i / (2 i ω_d)`. Frequencies are uniform
 //! over the band, components normal, all else as the constants say. Systems of more modal overlap
-//! than [`MOST_OVERLAP`] are drawn again: where every half-power width holds several modes there
+//! than [`MAX_OVERLAP`] are drawn again: where every half-power width holds several modes there
 //! are no modes to tell.
 
 use std::fmt;
@@ -42,7 +42,7 @@ const LINES: (usize, usize) = (200, 4000);
 /// A record of five time constants has `5/π` lines to a half-power width.
 const LINES_PER_WIDTH: f64 = 1.6;
 /// Sum of the half-power widths over the width of the band.
-const MOST_OVERLAP: f64 = 0.5;
+const MAX_OVERLAP: f64 = 0.5;
 /// Share of the systems with modes below and above the band, most on each side, and how far they
 /// lie.
 const OUTSIDE: (f64, usize) = (0.5, 3);
@@ -75,7 +75,7 @@ impl Drawn {
         random.set_stream(number);
         loop {
             let drawn = Self::try_draw(number, &mut random);
-            if drawn.system.overlap() <= MOST_OVERLAP {
+            if drawn.system.overlap() <= MAX_OVERLAP {
                 return drawn;
             }
         }

@@ -105,8 +105,8 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
         values[place(name)] *= (PRIOR * normal()).exp();
     }
     let all = ModeOptions::default();
-    let own = modes(model, &values, &machine.sensors, &all).unwrap().model;
-    let test = noisy(&own, &mut normal);
+    let true_model = modes(model, &values, &machine.sensors, &all).unwrap().model;
+    let test = noisy(&true_model, &mut normal);
     let measured = [MeasuredModes::new("twin", &test)];
     let choice = |name: &&str| ParameterChoice {
         name: (*name).to_owned(),
@@ -115,7 +115,7 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
     let choices: Vec<ParameterChoice> = machine.parameters.iter().map(choice).collect();
     let mut options = UpdateOptions {
         frequency_floor: 0.0,
-        // The shapes' own deviations are the test's; the model has no error.
+        // The shapes' true_model deviations are the test's; the model has no error.
         shape_floor: Some(1e-6),
         prior_std: PRIOR,
         ..UpdateOptions::default()
@@ -128,7 +128,7 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
         .unwrap()
         .model;
     let seen = |mode: &&Mode| mode.frequency_hz > 0.0 && is_seen(mode);
-    let pairs = own
+    let pairs = true_model
         .modes
         .iter()
         .filter(seen)

@@ -17,18 +17,18 @@ fn intervals_of_parameters_hold_the_truth_as_often_as_they_say() {
             .into_par_iter()
             .map(|n| twin(&machine, n))
             .collect();
-        let mut own = Tally::default();
+        let mut tally = Tally::default();
         for twin in &twins {
-            own.add(&machine, twin);
+            tally.add(&machine, twin);
             all.add(&machine, twin);
         }
         let expected = if machine.unseen.is_some() {
-            own.twins
+            tally.twins
         } else {
             0
         };
-        assert_eq!(own.unseen_named, expected, "{own:?}");
-        println!("{}: {own:?}", machine.model.name());
+        assert_eq!(tally.unseen_named, expected, "{tally:?}");
+        println!("{}: {tally:?}", machine.model.name());
     }
     let share = all.inside as f64 / all.intervals as f64;
     assert!(
@@ -51,12 +51,12 @@ const DEVIATIONS: f64 = 3.3;
 fn stiffnesses_of_all_four_transmissions_are_covered_from_noisy_frfs() {
     let (mut inside, mut intervals, mut twins) = (0, 0, 0);
     for gear in gears() {
-        let own: Vec<GearTwin> = (0..TWINS_OF_EACH)
+        let twins_of_gear: Vec<GearTwin> = (0..TWINS_OF_EACH)
             .into_par_iter()
             .map(|number| gear.twin(number))
             .collect();
         let (mut held, mut count) = (0, 0);
-        for twin in &own {
+        for twin in &twins_of_gear {
             let error = twin.largest_error_percent;
             let (modes, snr_db) = (twin.test.modes.len(), twin.snr_db);
             let changed = &twin.parameters;
@@ -77,7 +77,11 @@ fn stiffnesses_of_all_four_transmissions_are_covered_from_noisy_frfs() {
             }
         }
         println!("{}: {held} of {count} intervals", gear.name);
-        (inside, intervals, twins) = (inside + held, intervals + count, twins + own.len());
+        (inside, intervals, twins) = (
+            inside + held,
+            intervals + count,
+            twins + twins_of_gear.len(),
+        );
     }
     let expected = 0.95 * intervals as f64;
     let limit = DEVIATIONS * (0.05 * expected).sqrt();

@@ -76,14 +76,14 @@ fn with_noise(hits: &[Hit], seed: u64) -> Vec<Hit> {
         (samples.iter().map(|x| x * x).sum::<f64>() / samples.len() as f64).sqrt()
     };
     let levels: Vec<f64> = hits[0].responses.iter().map(rms).collect();
-    let mut hit = |own: &Hit| {
-        let responses = own.responses.iter().zip(&levels);
+    let mut hit = |clean: &Hit| {
+        let responses = clean.responses.iter().zip(&levels);
         Hit {
-            force: noisy(&own.force, 100.0 * FORCE_NOISE),
+            force: noisy(&clean.force, 100.0 * FORCE_NOISE),
             responses: responses
                 .map(|(channel, level)| noisy(channel, RESPONSE_NOISE * level))
                 .collect(),
-            ..own.clone()
+            ..clean.clone()
         }
     };
     hits.iter().map(&mut hit).collect()

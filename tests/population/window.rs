@@ -101,7 +101,10 @@ fn poles(set: &FrfSet) -> Vec<Complex64> {
             };
             if row % 2 == 0 { value.re } else { value.im }
         });
-        let data: Vec<f64> = values.iter().flat_map(|own| [own.re, own.im]).collect();
+        let data: Vec<f64> = values
+            .iter()
+            .flat_map(|value| [value.re, value.im])
+            .collect();
         let solved = least_squares_real(&matrix, &data).unwrap();
         let unknown = |index: usize| Complex64::new(solved[2 * index], solved[2 * index + 1]);
         let count = poles.len();
@@ -121,8 +124,8 @@ fn bias(pretrigger: f64, options: &HammerOptions) -> Vec<f64> {
         .into_par_iter()
         .map(|seed| {
             let hits = test(pretrigger, 77 + seed).generate().unwrap();
-            let own = hammer(&mut InMemory::new(&hits), options).unwrap();
-            let poles = poles(&own.estimated.set);
+            let estimate = hammer(&mut InMemory::new(&hits), options).unwrap();
+            let poles = poles(&estimate.estimated.set);
             let errors = poles
                 .iter()
                 .zip(&MODES)
@@ -131,14 +134,14 @@ fn bias(pretrigger: f64, options: &HammerOptions) -> Vec<f64> {
         })
         .collect();
     (0..MODES.len())
-        .map(|mode| errors.iter().map(|own| own[mode]).sum::<f64>() / TESTS as f64)
+        .map(|mode| errors.iter().map(|biases| biases[mode]).sum::<f64>() / TESTS as f64)
         .collect()
 }
 
 fn worst(errors: &[f64]) -> f64 {
     errors
         .iter()
-        .fold(0.0, |worst: f64, own| worst.max(own.abs()))
+        .fold(0.0, |worst: f64, bias| worst.max(bias.abs()))
 }
 
 #[test]
@@ -153,18 +156,18 @@ fn an_exponential_window_with_the_pretrigger_cut_leaves_the_damping_as_it_is() {
         ..HammerOptions::default()
     };
     for pretrigger in [0.02, 0.10] {
-        let own = bias(pretrigger, &with(ResponseWindow::Auto, None));
+        let default_bias = bias(pretrigger, &with(ResponseWindow::Auto, None));
         let uncut = bias(pretrigger, &with(ResponseWindow::Auto, Some(false)));
         let plain = bias(pretrigger, &with(ResponseWindow::Off, Some(false)));
         println!(
             "pre-trigger {:2.0} %: damping bias {:.3} % (window, cut), {:.3} % (window, uncut), {:.2} % (no window, uncut)",
             100.0 * pretrigger,
-            worst(&own),
+            worst(&default_bias),
             worst(&uncut),
             worst(&plain)
         );
-        assert!(worst(&own) < 0.3, "{own:?}");
+        assert!(worst(&default_bias) < 0.3, "{default_bias:?}");
         // The check can fail: without the cut or the window the bias is there.
-        assert!(worst(&plain) > worst(&own), "{plain:?}");
+        assert!(worst(&plain) > worst(&default_bias), "{plain:?}");
     }
 }

@@ -43,7 +43,7 @@ impl CellStore for Memory {
     fn keep(&self, name: &str, text: &str) -> Result<(), String> {
         match self.room.get() {
             Some(0) => return Err("no room".to_owned()),
-            own => self.room.set(own.map(|room| room - 1)),
+            left => self.room.set(left.map(|room| room - 1)),
         }
         let mut kept = self.kept.borrow_mut();
         kept.insert(name.to_owned(), text.to_owned());
@@ -69,10 +69,10 @@ fn bytes(finished: &Finished) -> String {
 fn threads_halves_and_parts_give_the_same_cells() {
     let plan = plan(SMALL);
     let whole = |count| {
-        let own = in_threads(count, || {
+        let finished = in_threads(count, || {
             run(&plan, Part::WHOLE, &Memory::default()).unwrap()
         });
-        bytes(&own)
+        bytes(&finished)
     };
     let expected = whole(1);
     assert_eq!(whole(2), expected);
@@ -93,7 +93,7 @@ fn threads_halves_and_parts_give_the_same_cells() {
         run(&plan, Part { number, count: 2 }, &store).unwrap();
         store
     });
-    let stores: Vec<&dyn CellStore> = parts.iter().map(|own| own as &dyn CellStore).collect();
+    let stores: Vec<&dyn CellStore> = parts.iter().map(|store| store as &dyn CellStore).collect();
     let merged = merge(&plan, &stores, &Memory::default()).unwrap();
     assert_eq!(bytes(&merged), expected);
     let missing = merge(&plan, &stores[..1], &Memory::default());
@@ -126,9 +126,9 @@ fn a_cell_has_the_same_draws_in_every_slice() {
             .clone()
     };
     let refined = cells(&plan);
-    for own in cells(&wide) {
-        let same = |other: &&super::Cell| (other.x, other.y) == (own.x, own.y);
-        assert_eq!(refined.iter().find(same).unwrap().counts, own.counts);
+    for cell in cells(&wide) {
+        let same = |other: &&super::Cell| (other.x, other.y) == (cell.x, cell.y);
+        assert_eq!(refined.iter().find(same).unwrap().counts, cell.counts);
     }
     assert!(refined.len() > 6);
 }
@@ -177,7 +177,7 @@ fn force_noise_biases_h1_whatever_the_method() {
 }
 
 #[test]
-fn own_modes_are_placed_and_their_margins_told() {
+fn user_modes_have_positions_and_margins_in_a_slice() {
     let plan = plan(SMALL);
     let finished = run(&plan, Part::WHOLE, &Memory::default()).unwrap();
     let mode = |noise: f64| OwnMode {
@@ -194,7 +194,7 @@ fn own_modes_are_placed_and_their_margins_told() {
         "mode 4 (412.3 Hz) lies outside this slice."
     );
     let margins = &points[0].margins;
-    assert!(margins.iter().all(|own| own.inside), "{margins:?}");
+    assert!(margins.iter().all(|margin| margin.inside), "{margins:?}");
     let near = points[0].sentence();
     assert!(near.contains("decades of separation from where"), "{near}");
     // The contour lies between 1 and 7 widths.

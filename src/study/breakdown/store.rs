@@ -93,8 +93,8 @@ pub fn compute(
             finished.compute_slice(slice, store, (observer, meter))?;
         }
     }
-    if let Some(own) = plan.stability.filter(|_| part.holds(plan.slices.len())) {
-        finished.compute_stability(own, store, observer)?;
+    if let Some(stability) = plan.stability.filter(|_| part.holds(plan.slices.len())) {
+        finished.compute_stability(stability, store, observer)?;
     }
     Ok(finished)
 }
@@ -120,8 +120,8 @@ pub fn merge(
         }
         finished.add_times(of_spec, store)?;
     }
-    if let Some(own) = plan.stability {
-        let of_spec = (STABILITY, &*hash(&own));
+    if let Some(stability) = plan.stability {
+        let of_spec = (STABILITY, &*hash(&stability));
         let (result, _) = found::<Stability>(of_spec, parts)?;
         keep(of_spec, &result, store)?;
         finished.stability = Some(result);
@@ -198,7 +198,7 @@ impl Finished {
     ) -> Result<(), BreakdownError> {
         let times = times_of(of_spec, store)?;
         self.times
-            .extend(times.map(|own| (of_spec.0.to_owned(), own)));
+            .extend(times.map(|time| (of_spec.0.to_owned(), time)));
         Ok(())
     }
 }
@@ -293,8 +293,8 @@ fn times_of(
 ) -> Result<Option<Vec<MethodTime>>, BreakdownError> {
     let kept = loaded::<Vec<MethodTime>>(&times_name(name), store)?;
     Ok(kept
-        .filter(|own| own.spec_sha256 == spec)
-        .map(|own| own.result))
+        .filter(|kept| kept.spec_sha256 == spec)
+        .map(|kept| kept.result))
 }
 
 /// What a slice is computed from, and the way it is drawn.

@@ -12,15 +12,15 @@ use super::super::speed_accuracy::Refined;
 use super::super::{Judge, Method};
 use super::OrderOptions;
 
-/// Orders that are tried, as far as below the one that the method takes itself, or below [`ENOUGH`]
+/// Orders that are tried, below the one that the method chooses, or below [`MIN_HIGHEST_ORDER`]
 /// where that one is wrong.
 const ORDERS: [usize; 17] = [
     4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 64, 96, 128,
 ];
-/// Orders below are tried where a method is wrong with its own.
-const ENOUGH: usize = 64;
-/// Deviations of the refined solution within which an error tells nothing.
-const DEVIATIONS: f64 = 2.0;
+/// All orders below this one are tried where a method is wrong at the order that it chooses.
+const MIN_HIGHEST_ORDER: usize = 64;
+/// Standard deviations of the refined solution within which an error is not significant.
+const MAX_ERROR_STDS: f64 = 2.0;
 
 /// What a method made of the modes with a highest order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl OrderTried {
 pub struct LowestOrder {
     /// Its name in [`ESTIMATORS`].
     pub method: &'static str,
-    /// The order that it takes itself, with what it then makes of the modes; `None` where it
+    /// The order that the method chooses, with its missed and spurious modes; `None` where it
     /// refuses the data or finds no pole.
     pub own: Option<OrderTried>,
     /// From the lowest on, until one is right; those that the method refuses are left out.
@@ -56,7 +56,7 @@ impl LowestOrder {
     /// The lowest that finds all modes of the refined solution and no other.
     pub fn lowest(&self) -> Option<usize> {
         let mut all = self.tried.iter().chain(&self.own);
-        all.find(|own| own.right()).map(|own| own.order)
+        all.find(|order| order.right()).map(|order| order.order)
     }
 }
 
@@ -87,7 +87,7 @@ impl ModeNeeds {
     /// The simplest that is enough; `None` where the mode needs several at a time.
     pub fn simplest(&self) -> Option<&'static str> {
         let mut all = self.single.iter();
-        all.find(|own| own.enough).map(|own| own.method)
+        all.find(|method| method.enough).map(|method| method.method)
     }
 }
 
@@ -113,15 +113,15 @@ fn lowest_order(entry: &Entry, judge: &Judge, (set, band): (&FrfSet, Band)) -> L
             spurious: verdict.spurious.len(),
         }
     };
-    let own = identification(set, &method(None).options(band)).ok();
-    let own = own.and_then(|own| {
-        let orders = own.stabilization.iter().map(|point| point.order);
-        Some(tried(orders.max()?, &own.model))
+    let result = identification(set, &method(None).options(band)).ok();
+    let taken = result.and_then(|result| {
+        let orders = result.stabilization.iter().map(|point| point.order);
+        Some(tried(orders.max()?, &result.model))
     });
-    let highest = match own {
-        Some(own) if own.right() => own.order,
-        Some(own) => own.order.max(ENOUGH),
-        None => ENOUGH,
+    let highest = match taken {
+        Some(taken) if taken.right() => taken.order,
+        Some(taken) => taken.order.max(MIN_HIGHEST_ORDER),
+        None => MIN_HIGHEST_ORDER,
     };
     let mut lower = Vec::new();
     for order in ORDERS.into_iter().filter(|order| *order < highest) {
@@ -133,7 +133,7 @@ fn lowest_order(entry: &Entry, judge: &Judge, (set, band): (&FrfSet, Band)) -> L
     }
     LowestOrder {
         method: entry.name,
-        own,
+        own: taken,
         tried: lower,
     }
 }
@@ -168,7 +168,7 @@ pub(super) fn single(
             }
         })
         .collect();
-    let own = |(r, truth): (usize, &crate::study::TrueMode)| {
+    let needs = |(r, truth): (usize, &crate::study::TrueMode)| {
         let stds = refined.deviations(truth);
         let of = |found: &Found| {
             let mode = found.partners.get(r).copied().flatten();
@@ -178,10 +178,10 @@ pub(super) fn single(
                 Some([mode.frequency_hz / truth.hz() - 1.0, damping])
             });
             let wanted = [options.frequency_percent, options.damping_percent];
-            let within = |own: [f64; 2]| {
+            let within = |needs: [f64; 2]| {
                 let limits = wanted.map(|percent| 0.01 * percent).into_iter().zip(stds);
-                own.into_iter().zip(limits).all(|(error, (wanted, std))| {
-                    error.abs() <= wanted.max(DEVIATIONS * std.unwrap_or(0.0))
+                needs.into_iter().zip(limits).all(|(error, (wanted, std))| {
+                    error.abs() <= wanted.max(MAX_ERROR_STDS * std.unwrap_or(0.0))
                 })
             };
             SingleMode {
@@ -198,5 +198,5 @@ pub(super) fn single(
     };
     let modes = judge.system().modes.iter().enumerate();
     let observable = modes.filter(|(r, _)| judge.known()[*r].observable);
-    observable.map(own).collect()
+    observable.map(needs).collect()
 }

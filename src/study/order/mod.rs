@@ -1,5 +1,5 @@
-//! What a scene needs and what it does not: as few modes, as low an order, as simple a method,
-//! theory and parameter set as the data bear.
+//! The study of needs finds the fewest modes, the lowest order, and the simplest method, theory and
+//! parameter set that the data of a scene support.
 //!
 //! | file | question |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | `model` | the simplest theory, and the fewest parameters that bring it to the tests |
 //! | `summary` | [`answers`]: what the numbers say, in sentences |
 //!
-//! How many modes the data support is told by [`crate::identify::support`].
+//! [`crate::identify::support`] estimates the number of modes that the data support.
 
 mod methods;
 mod model;
@@ -68,7 +68,7 @@ pub struct SceneNeeds {
     pub options: OrderOptions,
     /// Its tests.
     pub tests: Vec<TestNeeds>,
-    /// Tests of which nothing can be told, and why.
+    /// Tests that could not be analysed, and why.
     pub failed: Vec<(String, String)>,
     /// The simplest theory, or why there is none to tell.
     pub theory: Result<TheoryNeeds, String>,
@@ -97,7 +97,7 @@ pub fn order(
     for (number, test) in tests.iter().enumerate() {
         observer.step(&test.name, number + 1, steps);
         match test_needs(scene, test, options) {
-            Ok(own) => needs.push(own),
+            Ok(test) => needs.push(test),
             Err(error) => failed.push((test.name.clone(), error)),
         }
     }
@@ -134,23 +134,27 @@ fn test_needs(
     test: &TestPlan,
     options: &OrderOptions,
 ) -> Result<TestNeeds, StudyError> {
-    let only_its_own = SpeedAccuracyOptions {
+    let without_variants = SpeedAccuracyOptions {
         estimators: Vec::new(),
         record_shares: Vec::new(),
         ..SpeedAccuracyOptions::default()
     };
-    let data = of_test(scene, test, &only_its_own)?;
+    let data = of_test(scene, test, &without_variants)?;
     let set = &data.sets[0].set;
     let refined = Method {
         name: REFINED,
         order: None,
     };
-    let own = identification(set, &refined.options(data.band))?;
-    let support = support(set, data.band, &own)?;
-    let modes = own.model.modes.len();
-    let all = own.model.modes.iter();
+    let refined_solution = identification(set, &refined.options(data.band))?;
+    let support = support(set, data.band, &refined_solution)?;
+    let modes = refined_solution.model.modes.len();
+    let all = refined_solution.model.modes.iter();
     let undamped = all.filter(|mode| mode.pole().is_none()).count();
-    let findings = [&data.findings, &set.findings, &own.model.findings];
+    let findings = [
+        &data.findings,
+        &set.findings,
+        &refined_solution.model.findings,
+    ];
     let mut warnings: Vec<Finding> = Vec::new();
     for finding in findings.into_iter().flatten() {
         if finding.severity >= Severity::Warning && !warnings.contains(finding) {
@@ -161,7 +165,7 @@ fn test_needs(
         let note = "methods are not compared: no mode was identified in the band";
         (Vec::new(), Vec::new(), vec![note.to_owned()])
     } else {
-        compared((own.model, set, data.band), options)
+        compared((refined_solution.model, set, data.band), options)
     };
     Ok(TestNeeds {
         name: test.name.clone(),

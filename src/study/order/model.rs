@@ -94,7 +94,10 @@ pub(super) fn theory(
         other => other?,
     };
     let up_to = up_to_hz.map_or(f64::INFINITY, |hz| TAU * hz);
-    let counted = compared.roots.iter().filter(|own| own.omega_rad_s <= up_to);
+    let counted = compared
+        .roots
+        .iter()
+        .filter(|root| root.omega_rad_s <= up_to);
     let Some(whole) = compared.models.last() else {
         return none("the model has no roots");
     };
@@ -119,28 +122,31 @@ pub(super) fn parameters(scene: &Scene) -> Result<Result<ParameterNeeds, String>
     };
     let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
     if table.residuals.as_ref().is_some_and(of_frfs) {
-        let reason = "[update] compares FRFs, and only by modes is told which are needed";
+        let reason = "[update] compares FRFs; only a comparison of modes shows which are needed";
         return Ok(Err(reason.to_owned()));
     }
     table.explain = true;
     let always = table.always.clone();
-    let own = update_scene(&scene)?;
-    let Some(explained) = own.explanation else {
+    let update = update_scene(&scene)?;
+    let Some(explained) = update.explanation else {
         return Ok(Err("no parameter could be tried".to_owned()));
     };
-    let parameters = &own.result.parameters;
+    let parameters = &update.result.parameters;
     let names = |keep: &dyn Fn(&Verdict) -> bool| {
-        let kept = parameters.iter().filter(|own| keep(&own.verdict));
-        kept.map(|own| own.name.clone()).collect::<Vec<_>>()
+        let kept = parameters
+            .iter()
+            .filter(|parameter| keep(&parameter.verdict));
+        kept.map(|parameter| parameter.name.clone())
+            .collect::<Vec<_>>()
     };
     Ok(Ok(ParameterNeeds {
         free: names(&|_| true),
         needed: [always, explained.proposed.parameters.clone()].concat(),
         not_supported: names(&|verdict| *verdict == Verdict::NotSupported),
         chi_square: [
-            own.result.before.chi_square,
+            update.result.before.chi_square,
             explained.proposed.fit.chi_square,
-            own.result.after.chi_square,
+            update.result.after.chi_square,
         ],
         data: explained.proposed.fit.data_count,
         explains: explained.proposed.explains(),

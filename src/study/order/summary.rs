@@ -1,4 +1,4 @@
-//! What the numbers say, in sentences.
+//! The summary of a study states the needs of a scene in sentences.
 
 use crate::identify::Tried;
 
@@ -7,9 +7,9 @@ use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, Theor
 /// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American
 /// Statistical Association 90).
 const DECISIVE: f64 = 10.0;
-/// Misfit over noise from which on a last root may not be the last.
-const UNEXPLAINED: f64 = 2.0;
-/// Warnings that are told.
+/// Largest misfit over noise at which the highest number of poles tried counts as sufficient.
+const MAX_MISFIT_OF_LAST_POLE: f64 = 2.0;
+/// Largest number of warnings that are listed.
 const NAMED: usize = 4;
 /// Chi-square over its degrees of freedom below which the deviations are larger than the errors.
 const SMALL: f64 = 0.25;
@@ -32,12 +32,12 @@ pub fn answers(needs: &SceneNeeds) -> Vec<String> {
     let failed = needs.failed.iter();
     let failed = failed.map(|(name, reason)| format!("{name}: nothing to tell: {reason}."));
     let theory = match &needs.theory {
-        Ok(own) => theory(own, needs.options.theory_percent),
+        Ok(simplest) => theory(simplest, needs.options.theory_percent),
         Err(reason) => format!("Theory: nothing simpler to compare with: {reason}."),
     };
     let parameters = match &needs.parameters {
-        Ok(own) => parameters(own),
-        Err(reason) => format!("Parameters: nothing to tell: {reason}."),
+        Ok(needs) => parameters(needs),
+        Err(reason) => format!("Parameters: not compared: {reason}."),
     };
     tests.chain(failed).chain([theory, parameters]).collect()
 }
@@ -59,14 +59,14 @@ fn count(number: usize, what: &str) -> String {
 }
 
 fn places(tried: &[Tried]) -> String {
-    let poles = tried.iter().filter_map(|own| own.pole);
+    let poles = tried.iter().filter_map(|step| step.pole);
     let text = poles.map(|pole| format!("{:.2}", pole.natural_frequency_hz()));
     format!("{} Hz", listed(&text.collect::<Vec<_>>()))
 }
 
 fn modes(test: &TestNeeds) -> Option<String> {
-    let own = &test.support;
-    let (by_bic, identified) = (own.by_bic(), own.identified);
+    let selection = &test.support;
+    let (by_bic, identified) = (selection.by_bic(), selection.identified);
     let damped = test.modes.saturating_sub(test.undamped);
     let mut repeated = match damped.saturating_sub(identified) {
         0 => String::new(),
@@ -78,15 +78,15 @@ fn modes(test: &TestNeeds) -> Option<String> {
             count(test.undamped, "mode")
         );
     }
-    let taken = own.tried.get(by_bic)?;
+    let taken = selection.tried.get(by_bic)?;
     let against = if by_bic < identified {
-        let more = &own.tried[by_bic + 1..=identified];
+        let more = &selection.tried[by_bic + 1..=identified];
         format!(
             "; the identified root at {} explains less than it costs",
             places(more)
         )
     } else if by_bic > identified {
-        let more = &own.tried[identified + 1..=by_bic];
+        let more = &selection.tried[identified + 1..=by_bic];
         format!(
             "; poles at {} that `ml` made no damped mode of explain more than they cost: the model misses part of the data there",
             places(more)
@@ -94,28 +94,28 @@ fn modes(test: &TestNeeds) -> Option<String> {
     } else {
         String::new()
     };
-    let last = match by_bic + 1 == own.tried.len() && taken.rest > UNEXPLAINED {
+    let last = match by_bic + 1 == selection.tried.len() && taken.rest > MAX_MISFIT_OF_LAST_POLE {
         true => "at least ",
         false => "",
     };
-    let undecided = by_bic != identified && own.tried[identified].bic - taken.bic < DECISIVE;
+    let undecided = by_bic != identified && selection.tried[identified].bic - taken.bic < DECISIVE;
     let undecided = match undecided {
         true => format!(" (BIC differs by less than {DECISIVE:.0}: not decided)"),
         false => String::new(),
     };
-    let predicted = match own.by_prediction() {
+    let predicted = match selection.by_prediction() {
         Some(roots) => format!("{roots} are enough to predict left-out lines"),
         None => "too few lines can be left out to predict them".to_owned(),
     };
-    let noise = match own.noise_stated {
+    let noise = match selection.noise_stated {
         true => "the stated noise",
-        false => "the noise, which is told from the fit itself as no variance came with the data",
+        false => "the noise, estimated from the fit residual as the data have no variance",
     };
     Some(format!(
         "the data support {last}{} by BIC, {predicted}, {} leave no more over than these but for a tenth; `ml` identified {identified}{repeated}. With \
          {by_bic} the misfit is {:.2} times {noise}{against}{undecided}.",
         count(by_bic, "root"),
-        own.by_rest(),
+        selection.by_rest(),
         taken.rest
     ))
 }
@@ -131,8 +131,8 @@ fn warnings(test: &TestNeeds) -> Option<String> {
 }
 
 fn orders(test: &TestNeeds) -> Option<String> {
-    let of = |own: &LowestOrder| {
-        let itself = match own.own {
+    let of = |lowest: &LowestOrder| {
+        let itself = match lowest.own {
             None => "finds nothing itself".to_owned(),
             Some(taken) if taken.right() => format!("takes {} itself", taken.order),
             Some(taken) => {
@@ -144,10 +144,10 @@ fn orders(test: &TestNeeds) -> Option<String> {
                 format!("takes {} itself and {}", taken.order, listed(&made))
             }
         };
-        match own.lowest() {
-            Some(order) => format!("{} {order} ({itself})", own.method),
-            None if own.tried.is_empty() => format!("{} none ({itself})", own.method),
-            None => format!("{} none that was tried ({itself})", own.method),
+        match lowest.lowest() {
+            Some(order) => format!("{} {order} ({itself})", lowest.method),
+            None if lowest.tried.is_empty() => format!("{} none ({itself})", lowest.method),
+            None => format!("{} none that was tried ({itself})", lowest.method),
         }
     };
     let all: Vec<String> = test.orders.iter().map(of).collect();
@@ -172,10 +172,10 @@ fn single(test: &TestNeeds, needs: &SceneNeeds) -> Option<String> {
     let simplest = |name: &str| {
         modes
             .iter()
-            .filter(|own| own.simplest() == Some(name))
+            .filter(|mode| mode.simplest() == Some(name))
             .count()
     };
-    let methods = modes[0].single.iter().map(|own| own.method);
+    let methods = modes[0].single.iter().map(|single| single.method);
     let by: Vec<String> = methods
         .filter(|name| simplest(name) > 0)
         .map(|name| format!("{name} for {}", simplest(name)))
@@ -192,7 +192,7 @@ fn single(test: &TestNeeds, needs: &SceneNeeds) -> Option<String> {
         "one mode at a time is enough for {} of {} observable modes{by}{rest}: within {} % in frequency and {} % in damping of `ml`, or two of its deviations.",
         modes
             .iter()
-            .filter(|own: &&ModeNeeds| own.simplest().is_some())
+            .filter(|mode: &&ModeNeeds| mode.simplest().is_some())
             .count(),
         modes.len(),
         options.frequency_percent,
@@ -200,8 +200,8 @@ fn single(test: &TestNeeds, needs: &SceneNeeds) -> Option<String> {
     ))
 }
 
-fn theory(own: &TheoryNeeds, percent: f64) -> String {
-    match own {
+fn theory(needs: &TheoryNeeds, percent: f64) -> String {
+    match needs {
         TheoryNeeds::Coordinates {
             model,
             up_to_hz,
@@ -239,31 +239,31 @@ fn theory(own: &TheoryNeeds, percent: f64) -> String {
     }
 }
 
-fn parameters(own: &ParameterNeeds) -> String {
-    let [none, needed, all] = own.chi_square.map(short);
-    let which = match own.needed.len() {
+fn parameters(needs: &ParameterNeeds) -> String {
+    let [none, needed, all] = needs.chi_square.map(short);
+    let which = match needs.needed.len() {
         0 => "none has to change".to_owned(),
         number => format!(
             "{number} of {} {} to change ({})",
-            own.free.len(),
+            needs.free.len(),
             if number == 1 { "has" } else { "have" },
-            listed(&own.needed)
+            listed(&needs.needed)
         ),
     };
-    let how = match (own.explains, own.needed.is_empty()) {
+    let how = match (needs.explains, needs.needed.is_empty()) {
         (true, true) => "as the misfit is within its uncertainty",
         (true, false) => "which explains the misfit",
         (false, _) => "which is best by BIC and does not explain the misfit",
     };
-    let unseen = match own.not_supported.is_empty() {
+    let unseen = match needs.not_supported.is_empty() {
         true => String::new(),
         false => format!(
             " Not supported by the data: {}.",
-            listed(&own.not_supported)
+            listed(&needs.not_supported)
         ),
     };
-    let freedom = own.data.saturating_sub(own.needed.len()) as f64;
-    let wide = match own.chi_square[1] < SMALL * freedom {
+    let freedom = needs.data.saturating_sub(needs.needed.len()) as f64;
+    let wide = match needs.chi_square[1] < SMALL * freedom {
         true => format!(
             " χ² far below {freedom:.0} says that the deviations which weigh the residuals are larger than the errors."
         ),
@@ -271,8 +271,8 @@ fn parameters(own: &ParameterNeeds) -> String {
     };
     format!(
         "Parameters: {which}, {how}: χ² of {} residuals {none} before, {needed} with these, {all} with all {}.{wide}{unseen}",
-        own.data,
-        own.free.len()
+        needs.data,
+        needs.free.len()
     )
 }
 

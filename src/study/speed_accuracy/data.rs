@@ -19,7 +19,7 @@ pub(in crate::study) struct Variant {
 
 /// What methods are tried on.
 pub(in crate::study) struct TestSets {
-    /// The first is the scene's own, from whole records.
+    /// The first has the estimator of the scene and whole records.
     pub sets: Vec<Variant>,
     pub band: Band,
     /// Of a synthetic recording.
@@ -37,14 +37,14 @@ pub(in crate::study) fn of_test(
 ) -> Result<TestSets, StudyError> {
     let data = test_data(scene, test)?;
     let truth = data.recording.map(|recording| recording.truth);
-    let mut own = match data.ingested.recording {
+    let mut sets = match data.ingested.recording {
         Some(mut recording) => recorded(scene, test, (recording.as_mut(), options))?,
         None => stated(test, data.ingested.frfs)?,
     };
-    own.truth = truth;
-    own.inputs = data.inputs;
-    own.findings = data.ingested.findings;
-    Ok(own)
+    sets.truth = truth;
+    sets.inputs = data.inputs;
+    sets.findings = data.ingested.findings;
+    Ok(sets)
 }
 
 /// FRFs that came as such have one estimator and one resolution.
@@ -88,19 +88,22 @@ fn recorded(
         lo_hz: excited.lo_hz,
         hi_hz: excited.hi_hz,
     })?;
-    let own = base.estimate.estimator;
+    let stated_estimator = base.estimate.estimator;
     let mut sets = vec![Variant {
-        estimator: Some(own.name()),
+        estimator: Some(stated_estimator.name()),
         set: first.estimated.set,
     }];
     let mut notes = Vec::new();
-    let shorter = options.record_shares.iter().map(|share| (own, *share));
+    let shorter = options
+        .record_shares
+        .iter()
+        .map(|share| (stated_estimator, *share));
     let named = options
         .estimators
         .iter()
         .filter_map(|name| Estimator::from_name(name));
     let others = named
-        .filter(|other| *other != own)
+        .filter(|other| *other != stated_estimator)
         .map(|other| (other, 1.0));
     for (estimator, share) in shorter.chain(others) {
         let mut options = base.clone();

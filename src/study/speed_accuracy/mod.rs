@@ -1,8 +1,8 @@
 //! Speed against accuracy: every method, order, FRF estimator and length of record on the tests of
 //! a scene and on their twins.
 //!
-//! On a test's own data errors are those against its refined solution ([`super::REFINED`], from
-//! whole records), which itself is known no better than its Cramér-Rao bound. On the twin, a
+//! On the measured data of a test, errors are those against its refined solution
+//! ([`super::REFINED`], from whole records), whose error is limited by its Cramér-Rao bound. On the twin, a
 //! [`System`] of the test's modes, they are those against the truth, over draws of white noise, in
 //! three [`Condition`]s.
 //!
@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `options` | [`SpeedAccuracyOptions`]: what is varied |
 //! | `data` | a test's FRFs by estimator and length of record |
-//! | `test_data` | methods on a test's own data, with their cost |
+//! | `test_data` | methods on the measured data of a test, with their cost |
 //! | `twins` | methods on the twin over noise |
 //! | `recommendations` | [`lessons`]: what the numbers teach, in sentences |
 //! | `front` | [`front`]: who is not both slower and worse than another |
@@ -47,7 +47,7 @@ pub struct Timing {
     pub peak_bytes: Option<u64>,
 }
 
-/// A method on a test's own data.
+/// A method on the measured data of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataRow {
     /// FRF estimator; `None` for FRFs that came as such.
@@ -124,7 +124,7 @@ pub struct TestStudy {
     pub twin_modes: usize,
     /// Distance of its lines in white noise, Hz.
     pub twin_step_hz: f64,
-    /// Methods on its own data.
+    /// Methods on its measured data.
     pub data: Vec<DataRow>,
     /// Methods on its twin.
     pub twin: Vec<TwinRow>,
@@ -168,11 +168,11 @@ pub fn speed_accuracy(
         };
         test_study(scene, test, (options, meter, &steps))
     };
-    let own = tests.iter().enumerate().map(study);
+    let studies = tests.iter().enumerate().map(study);
     Ok(SpeedAccuracy {
         title: scene.title.clone(),
         options: options.clone(),
-        tests: own.collect::<Result<_, _>>()?,
+        tests: studies.collect::<Result<_, _>>()?,
     })
 }
 
@@ -249,7 +249,7 @@ fn test_study(
     let twin = System::twin(model, set, data.band)?;
     let seed = (
         options,
-        scene.tests.iter().position(|own| own.name == test.name),
+        scene.tests.iter().position(|plan| plan.name == test.name),
     );
     let twin = twins::study(twin, seed, (meter, &mut data.notes))?;
     Ok(TestStudy {

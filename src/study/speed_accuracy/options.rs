@@ -1,4 +1,4 @@
-//! What is varied, and how often.
+//! [`SpeedAccuracyOptions`] states the varied quantities and the number of draws.
 
 use serde::Deserialize;
 
@@ -12,11 +12,11 @@ use super::super::StudyError;
 pub struct SpeedAccuracyOptions {
     /// Names of the scene's tests; every test with data when none is named.
     pub tests: Vec<String>,
-    /// FRF estimators beside the scene's own: `h1`, `h2`, `hv`.
+    /// FRF estimators in addition to that of the scene: `h1`, `h2`, `hv`.
     pub estimators: Vec<String>,
     /// Lengths of record beside the whole, as shares of it.
     pub record_shares: Vec<f64>,
-    /// Highest model orders beside each method's own choice, on the scene's own functions.
+    /// Highest model orders in addition to the choice of each method, on the FRFs of the scene.
     pub orders: Vec<usize>,
     /// Noise on the twin: rms of a function over the band over the rms noise of a line, dB,
     /// ascending.
@@ -57,12 +57,12 @@ impl SpeedAccuracyOptions {
     /// # Errors
     /// [`StudyError::Value`] with the key.
     pub fn validate(&self) -> Result<(), StudyError> {
-        let share = |own: &f64| *own > 0.0 && *own < 1.0;
-        let finite = |own: &f64| own.is_finite();
+        let share = |fraction: &f64| *fraction > 0.0 && *fraction < 1.0;
+        let finite = |number: &f64| number.is_finite();
         let ascending = self.snr_db.windows(2).all(|pair| pair[0] < pair[1]);
         let levels = !self.snr_db.is_empty() && self.snr_db.iter().all(finite) && ascending;
         let known = |name: &String| Estimator::from_name(name).is_some();
-        let positive = |own: f64| own > 0.0 && own.is_finite();
+        let positive = |number: f64| number > 0.0 && number.is_finite();
         let constants = self.record_time_constants;
         let dense = self.lines_per_width.unwrap_or(1.0);
         let checks = [
@@ -80,7 +80,7 @@ impl SpeedAccuracyOptions {
             ),
             (
                 "orders",
-                self.orders.iter().all(|own| *own >= 4),
+                self.orders.iter().all(|order| *order >= 4),
                 format!("{:?}", self.orders),
                 "orders of 4 or more",
             ),

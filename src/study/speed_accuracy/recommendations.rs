@@ -1,18 +1,18 @@
-//! What the numbers teach, in sentences that follow from them.
+//! Recommendations state in sentences which method is fast and which is accurate, test by test.
 
 use super::super::{Method, REFINED};
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
 
 /// A method is right at a level where it misses and invents no more than this share of the
 /// observable modes.
-const MOST_MISTAKES: f64 = 0.02;
+const MAX_MISTAKE_SHARE: f64 = 0.02;
 /// A method follows the noise where its error falls by half of what the noise does or more.
-const LEAST_FALL: f64 = 0.5;
+const MIN_ERROR_FALL_OVER_NOISE_FALL: f64 = 0.5;
 
 /// Which method when, test by test.
 pub fn lessons(study: &SpeedAccuracy) -> Vec<String> {
     let of_test = |test: &TestStudy| {
-        let own = [
+        let sentences = [
             on_data(test),
             in_white_noise(test, study),
             lifted(test, study, Condition::Outside),
@@ -20,8 +20,8 @@ pub fn lessons(study: &SpeedAccuracy) -> Vec<String> {
             mistaken(test, study),
             stuck(test, study),
         ];
-        let own: Vec<String> = own.into_iter().flatten().collect();
-        format!("{}: {}", test.name, own.join(" "))
+        let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+        format!("{}: {}", test.name, sentences.join(" "))
     };
     study.tests.iter().map(of_test).collect()
 }
@@ -38,7 +38,7 @@ fn on_data(test: &TestStudy) -> Option<String> {
     let mut front: Vec<&DataRow> = test.data.iter().filter(|row| row.on_front).collect();
     let time = |row: &&DataRow| row.timing.median_s.unwrap_or(f64::INFINITY);
     front.sort_by(|a, b| time(a).total_cmp(&time(b)));
-    let told = |row: &DataRow| {
+    let described = |row: &DataRow| {
         let error = match (row.is_reference, row.tally.frequency()) {
             (true, _) => "the refined solution itself".to_owned(),
             (_, error) => format!(
@@ -61,7 +61,7 @@ fn on_data(test: &TestStudy) -> Option<String> {
     let (first, last) = (front.first()?, front.last()?);
     let most_exact = match front.len() {
         1 => ", and none is more exact than it by what the data tell".to_owned(),
-        _ => format!(", the most exact {}", told(last)?),
+        _ => format!(", the most exact {}", described(last)?),
     };
     let known = test.frequency_std.map_or(String::new(), |std| {
         format!(
@@ -71,7 +71,7 @@ fn on_data(test: &TestStudy) -> Option<String> {
     });
     Some(format!(
         "of those with the fewest mistakes on its data the fastest is {}{most_exact}.{known}",
-        told(first)?
+        described(first)?
     ))
 }
 
@@ -89,20 +89,20 @@ fn over_bound(
 }
 
 fn ends(values: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let least = values.iter().map(|own| own.1).reduce(f64::min)?;
-    let most = values.iter().map(|own| own.1).reduce(f64::max)?;
+    let least = values.iter().map(|value| value.1).reduce(f64::min)?;
+    let most = values.iter().map(|value| value.1).reduce(f64::max)?;
     Some((least, most))
 }
 
 fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
-    let own = over_bound(test, study, (Condition::White, refined()));
-    let (least, most) = ends(&own)?;
+    let errors = over_bound(test, study, (Condition::White, refined()));
+    let (least, most) = ends(&errors)?;
     let others = Method::all(&[])
         .into_iter()
         .filter(|method| method.name != REFINED);
     let next = others.filter_map(|method| {
-        let own = over_bound(test, study, (Condition::White, method));
-        Some((ends(&own)?.1, method))
+        let errors_of_other = over_bound(test, study, (Condition::White, method));
+        Some((ends(&errors_of_other)?.1, method))
     });
     let next = next.min_by(|a, b| a.0.total_cmp(&b.0));
     let next = next.map_or(String::new(), |(most, method)| {
@@ -111,20 +111,23 @@ fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     Some(format!(
         "In white noise from {:.0} to {:.0} dB the frequency errors of {REFINED} are {least:.2} to {most:.2} times their Cramér-Rao \
          bound{next}.",
-        own.first()?.0,
-        own.last()?.0
+        errors.first()?.0,
+        errors.last()?.0
     ))
 }
 
 /// By how much modes outside the band or the end of the record lift the refined method off its
 /// bound.
 fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
-    let own = over_bound(test, study, (condition, refined()));
-    let (least, most) = (own.first()?, own.last()?);
+    let errors = over_bound(test, study, (condition, refined()));
+    let (least, most) = (errors.first()?, errors.last()?);
     // Who is off by least at the end where the noise hides least.
     let at_end = Method::all(&[]).into_iter().filter_map(|method| {
-        let own = over_bound(test, study, (condition, method));
-        Some((own.last().filter(|own| own.0 >= most.0)?.1, method))
+        let errors_of_method = over_bound(test, study, (condition, method));
+        Some((
+            errors_of_method.last().filter(|error| error.0 >= most.0)?.1,
+            method,
+        ))
     });
     let best = at_end.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let other = match best.1.name == REFINED {
@@ -147,11 +150,11 @@ fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Opti
 
 /// Methods that miss or invent modes in white noise, with the highest level at which they do.
 fn mistaken(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
-    let told = |method: Method| {
+    let described = |method: Method| {
         let wrong = |snr_db: &&f64| {
             let row = test.twin_row(Condition::White, **snr_db, method);
             row.is_some_and(|row| {
-                let most = MOST_MISTAKES * row.tally.observable as f64;
+                let most = MAX_MISTAKE_SHARE * row.tally.observable as f64;
                 row.tally.mistakes() as f64 > most
             })
         };
@@ -161,37 +164,38 @@ fn mistaken(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
             false => format!("{method} up to {highest:.0} dB"),
         })
     };
-    let told: Vec<String> = Method::all(&[]).into_iter().filter_map(told).collect();
-    match told.is_empty() {
+    let mistaken_methods: Vec<String> =
+        Method::all(&[]).into_iter().filter_map(described).collect();
+    match mistaken_methods.is_empty() {
         true => Some("No method misses or invents modes in white noise.".to_owned()),
         false => Some(format!(
             "Modes are missed or invented by {}.",
-            told.join(", ")
+            mistaken_methods.join(", ")
         )),
     }
 }
 
-/// Methods whose error does not fall with the noise: they have an error of their own.
+/// Methods with a bias: their error does not fall with the noise.
 fn stuck(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let (low, high) = (
         *study.options.snr_db.first()?,
         *study.options.snr_db.last()?,
     );
-    let told = |method: Method| {
+    let described = |method: Method| {
         let error = |snr_db| {
             let row = test.twin_row(Condition::White, snr_db, method)?;
             row.tally.frequency()
         };
         let (before, after) = (error(low)?, error(high)?);
         let fallen_db = 20.0 * (before / after).log10();
-        let own = fallen_db < LEAST_FALL * (high - low);
-        own.then(|| format!("{method} ({:.1e} %)", 100.0 * after))
+        let is_stuck = fallen_db < MIN_ERROR_FALL_OVER_NOISE_FALL * (high - low);
+        is_stuck.then(|| format!("{method} ({:.1e} %)", 100.0 * after))
     };
-    let told: Vec<String> = Method::all(&[]).into_iter().filter_map(told).collect();
-    (!told.is_empty()).then(|| {
+    let stuck_methods: Vec<String> = Method::all(&[]).into_iter().filter_map(described).collect();
+    (!stuck_methods.is_empty()).then(|| {
         format!(
-            "These have an error of their own, which less noise does not take away: {}.",
-            told.join(", ")
+            "The bias of these methods remains at less noise: {}.",
+            stuck_methods.join(", ")
         )
     })
 }

@@ -1,4 +1,5 @@
-//! Methods on a test's own data: errors against the refined solution, and what they cost.
+//! The comparison on measured data lists errors against the refined solution, and the cost, of every
+//! method.
 
 use num_complex::Complex64;
 
@@ -11,8 +12,7 @@ use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally, Tru
 use super::data::TestSets;
 use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
 
-/// Signal-to-noise ratio of functions whose variance nobody states, dB: all modes count as
-/// observable.
+/// Signal-to-noise ratio of FRFs without a stated variance, dB: all modes count as observable.
 const UNSTATED_SNR_DB: f64 = 120.0;
 
 /// The refined solution of whole records.
@@ -61,8 +61,8 @@ impl Refined {
         let same = |mode: &&Mode| mode.pole() == Some(truth.pole);
         let mode = self.model.modes.iter().find(same);
         [
-            mode.and_then(|own| Some(own.frequency_std_hz? / own.frequency_hz)),
-            mode.and_then(|own| Some(own.damping_std? / own.damping_ratio?)),
+            mode.and_then(|found| Some(found.frequency_std_hz? / found.frequency_hz)),
+            mode.and_then(|found| Some(found.damping_std? / found.damping_ratio?)),
         ]
     }
 }
@@ -70,7 +70,7 @@ impl Refined {
 /// Of values that are all known; `None` of none.
 fn rms(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let all: Vec<f64> = values.collect::<Option<_>>()?;
-    let sum: f64 = all.iter().map(|own| own * own).sum();
+    let sum: f64 = all.iter().map(|value| value * value).sum();
     (!all.is_empty()).then(|| (sum / all.len() as f64).sqrt())
 }
 
@@ -81,9 +81,9 @@ fn mean_variances(system: &System, set: &FrfSet) -> Result<Vec<f64>, StudyError>
     let unstated = system.variances(&exact, UNSTATED_SNR_DB);
     let of = |(function, unstated): (&crate::frf::Function, f64)| {
         let pair = [&function.response, &function.reference];
-        let same = |own: &crate::frf::Function| {
-            let own = [&own.response, &own.reference];
-            own == pair || own == [pair[1], pair[0]]
+        let same = |other: &crate::frf::Function| {
+            let pair_of_other = [&other.response, &other.reference];
+            pair_of_other == pair || pair_of_other == [pair[1], pair[0]]
         };
         let i = set.functions().iter().position(same)?;
         let mean = set.variance(i)?[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
@@ -102,7 +102,7 @@ pub(super) fn rows(
     let judge = refined.judge();
     let mut rows = Vec::new();
     for (number, variant) in data.sets.iter().enumerate() {
-        // Orders are tried on the scene's own functions alone: elsewhere they would tell the same
+        // Orders are tried on the FRFs of the scene alone: other variants would show the same
         // again.
         let orders = options.orders.iter().copied().filter(|_| number == 0);
         for method in Method::all(&orders.collect::<Vec<usize>>()) {

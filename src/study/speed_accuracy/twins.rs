@@ -14,8 +14,8 @@ use super::{SpeedAccuracyOptions, SpeedLimits, TwinCost, TwinRow, front};
 /// Time before the hit, over the time from the hit to the end of a short record. Assumed: a
 /// measurement system keeps a few percent.
 const PRETRIGGER: f64 = 0.02;
-/// Fewest modes of a twin whose first and last can be left outside a band.
-const FEWEST_FOR_OUTSIDE: usize = 4;
+/// Smallest number of modes of a twin whose first and last mode can lie outside the band.
+const MIN_MODES_FOR_OUTSIDE: usize = 4;
 
 /// What the twin is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl Condition {
             Self::Outside => {
                 let hz: Vec<f64> = alone.modes.iter().map(|mode| mode.hz()).collect();
                 let between = |r: usize| 0.5 * (hz[r] + hz[r + 1]);
-                let enough = hz.len() >= FEWEST_FOR_OUTSIDE;
+                let enough = hz.len() >= MIN_MODES_FOR_OUTSIDE;
                 let band = enough.then(|| Band::new(between(0), between(hz.len() - 2)).ok());
                 let Some(band) = band.flatten() else {
                     return Ok(None);
@@ -120,7 +120,7 @@ pub(super) fn study(
 ) -> Result<TwinStudy, StudyError> {
     let test = test.unwrap_or_default() as u64;
     let methods = Method::all(&[]);
-    let mut own = TwinStudy {
+    let mut study = TwinStudy {
         modes: twin.modes.iter().filter(|mode| twin.inside(mode)).count(),
         step_hz: twin.axis.step_hz,
         rows: Vec::new(),
@@ -130,7 +130,7 @@ pub(super) fn study(
     for (number, condition) in Condition::ALL.into_iter().enumerate() {
         let Some(system) = condition.of(&twin, options)? else {
             notes.push(format!(
-                "no twin with {}: it has fewer than {FEWEST_FOR_OUTSIDE} modes",
+                "no twin with {}: it has fewer than {MIN_MODES_FOR_OUTSIDE} modes",
                 condition.name()
             ));
             continue;
@@ -141,7 +141,7 @@ pub(super) fn study(
             coordinates: [test, number as u64],
             options,
         };
-        own.rows.extend(cell.rows((condition, &methods), notes)?);
+        study.rows.extend(cell.rows((condition, &methods), notes)?);
         if condition == Condition::White {
             let noise = FrfNoise {
                 snr_db: options.middle_snr_db(),
@@ -150,13 +150,13 @@ pub(super) fn study(
             let mut random = cell_random(options.seed, &[test]);
             let set = cell.system.noisy(&noise, &mut random)?;
             let band = cell.system.band;
-            own.step_hz = set.axis().step_hz;
-            own.costs = costs(&methods, (&set, band), (options, meter));
-            mark_front(&mut own, noise.snr_db);
-            own.limits = limits(&set, band, meter);
+            study.step_hz = set.axis().step_hz;
+            study.costs = costs(&methods, (&set, band), (options, meter));
+            mark_front(&mut study, noise.snr_db);
+            study.limits = limits(&set, band, meter);
         }
     }
-    Ok(own)
+    Ok(study)
 }
 
 fn costs(
@@ -176,16 +176,16 @@ fn costs(
 }
 
 /// Who is on the front of time and error in white noise of a level.
-fn mark_front(own: &mut TwinStudy, snr_db: f64) {
+fn mark_front(study: &mut TwinStudy, snr_db: f64) {
     let point = |cost: &TwinCost| {
-        let mut rows = own.rows.iter();
+        let mut rows = study.rows.iter();
         let tally = rows.find(|row| row.method == cost.method && row.snr_db >= snr_db);
         let tally = tally.map(|row| row.tally).unwrap_or_default();
         (cost.timing.median_s, tally.frequency(), tally.mistakes())
     };
-    let points: Vec<_> = own.costs.iter().map(point).collect();
+    let points: Vec<_> = study.costs.iter().map(point).collect();
     for number in front(&points) {
-        own.costs[number].on_front = true;
+        study.costs[number].on_front = true;
     }
 }
 
@@ -212,7 +212,9 @@ impl Cell<'_> {
             .iter()
             .map(|snr_db| self.system.variances(&self.exact, *snr_db));
         let variances: Vec<Vec<f64>> = variances.collect();
-        let judges = variances.iter().map(|own| Judge::new(&self.system, own));
+        let judges = variances
+            .iter()
+            .map(|variance| Judge::new(&self.system, variance));
         let judges: Vec<Judge> = judges.collect();
         let draws = self.options.draws;
         let one = |number: usize| {
@@ -227,10 +229,12 @@ impl Cell<'_> {
             notes.extend(refused.map(note));
         }
         let mut rows = Vec::new();
-        for (level, own) in all.chunks(draws).enumerate() {
+        for (level, draws_of_level) in all.chunks(draws).enumerate() {
             for (m, method) in methods.iter().enumerate() {
                 let mut tally = Tally::default();
-                own.iter().for_each(|draw| tally.join(&draw[m].0));
+                draws_of_level
+                    .iter()
+                    .for_each(|draw| tally.join(&draw[m].0));
                 rows.push(TwinRow {
                     condition,
                     snr_db: levels[level],

@@ -78,12 +78,12 @@ pub fn orthogonal(modes: &Modes, rounded: Rounded) -> Problem {
     let plain = Basis::new(&x, &vec![1.0; x.len()], order - 1);
     let weight: Vec<f64> = values.iter().map(|h| h.norm()).collect();
     let weighted = Basis::new(&x, &weight, order);
-    let own: Vec<Vec<Complex64>> = weighted
+    let unweighted_columns: Vec<Vec<Complex64>> = weighted
         .columns
         .iter()
         .map(|c| unweighted(c, &weight))
         .collect();
-    let (matrix, right) = equations((&plain.columns, &own), &values);
+    let (matrix, right) = equations((&plain.columns, &unweighted_columns), &values);
     let poles = move |solution: &[Complex64]| {
         let mut coefficients = solution[order..].to_vec();
         coefficients.push(Complex64::ONE);
@@ -116,11 +116,11 @@ impl Basis {
             let mut next: Vec<Complex64> = columns[j].iter().zip(x).map(|(v, x)| v * x).collect();
             let mut factors = vec![0.0; j + 1];
             for _ in 0..2 {
-                for (own, factor) in columns.iter().zip(&mut factors) {
+                for (column, factor) in columns.iter().zip(&mut factors) {
                     // Of a line and its conjugate.
-                    let products = own.iter().zip(&next).map(|(a, b)| (a.conj() * b).re);
+                    let products = column.iter().zip(&next).map(|(a, b)| (a.conj() * b).re);
                     let dot = products.sum::<f64>();
-                    next.iter_mut().zip(own).for_each(|(v, a)| *v -= dot * a);
+                    next.iter_mut().zip(column).for_each(|(v, a)| *v -= dot * a);
                     *factor += dot;
                 }
             }
@@ -139,13 +139,13 @@ impl Basis {
     fn roots(&self, coefficients: &[Complex64]) -> Option<Vec<Complex64>> {
         let order = coefficients.len() - 1;
         let comrade = linalg::complex_matrix(order, order, |j, i| {
-            let own = self.recurrence[j].get(i).copied().unwrap_or(0.0);
+            let term = self.recurrence[j].get(i).copied().unwrap_or(0.0);
             let over = if j + 1 == order {
                 self.recurrence[j][order] * coefficients[i] / coefficients[order]
             } else {
                 Complex64::ZERO
             };
-            own - over
+            term - over
         });
         linalg::complex_eigenvalues(&comrade).ok()
     }
