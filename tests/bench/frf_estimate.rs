@@ -89,8 +89,8 @@ fn all(sizes: &Sizes) {
 }
 
 fn run_self(arguments: &[String]) -> String {
-    let own = std::env::current_exe().expect("this program");
-    let output = Command::new(own)
+    let this_program = std::env::current_exe().expect("this program");
+    let output = Command::new(this_program)
         .args(arguments)
         .output()
         .expect("this program runs");

@@ -4,7 +4,7 @@
 //!
 //! `cargo bench --bench identify [-- 90]`, with a number of functions for that case alone.
 //! sdypy-EMA is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
-//! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of our own; without it the
+//! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of this program; without it the
 //! bench prints our times alone. Times are those of the fastest run by the clock; where the machine
 //! has other work, processor time (of all threads, as Linux counts it, in steps of 10 ms) says
 //! more, and is printed beside them.
@@ -80,9 +80,9 @@ fn case((outputs, references): (usize, usize), runs: usize) -> Result<(), Failur
     let mut peer = None;
     for order in ORDERS {
         let first = lscf((&set, &modes), (band, order, true, 1), runs)?;
-        let own = sdypy(file.path(), order, runs);
+        let competitor = sdypy(file.path(), order, runs);
         let again = lscf((&set, &modes), (band, order, true, 1), runs)?;
-        match &own {
+        match &competitor {
             Some((version, time, poles)) => println!(
                 "order {order}: {version}, every order: {}; {} modes among its poles",
                 text(*time, None),
@@ -90,7 +90,7 @@ fn case((outputs, references): (usize, usize), runs: usize) -> Result<(), Failur
             ),
             None => println!("order {order}: sdypy-EMA was not found"),
         }
-        let over = own.map(|(_, time, _)| time);
+        let over = competitor.map(|(_, time, _)| time);
         first
             .fastest(&again)
             .print("one reference, 1 thread ", over);
@@ -192,15 +192,15 @@ fn whole(
         band: Some(band),
         ..IdentifyOptions::default()
     };
-    let (all, own) = pool.install(|| timed(1, || identification(set, &options)))?;
-    let poles: Vec<Complex64> = own.model.modes.iter().filter_map(pole).collect();
+    let (all, result) = pool.install(|| timed(1, || identification(set, &options)))?;
+    let poles: Vec<Complex64> = result.model.modes.iter().filter_map(pole).collect();
     println!(
         "  automatic identification, {threads} thread(s): {}; {} modes, {} of the {MODES}",
         text(all, over),
         poles.len(),
         found(modes, &poles)
     );
-    let look = (band, highest_order(&own), references == 1, threads);
+    let look = (band, highest_order(&result), references == 1, threads);
     let stages = lscf((set, modes), look, 1)?;
     let shares = [stages.transforms, stages.products, stages.some];
     let (fit, ()) = pool.install(|| timed(1, || residues(set, band, &poles)))?;
@@ -222,8 +222,8 @@ fn whole(
     Ok(())
 }
 
-fn highest_order(own: &Identification) -> usize {
-    let orders = own.stabilization.iter().map(|pole| pole.order);
+fn highest_order(result: &Identification) -> usize {
+    let orders = result.stabilization.iter().map(|pole| pole.order);
     orders.max().unwrap_or(0)
 }
 
@@ -344,8 +344,8 @@ fn measured(modes: &[Mode], (outputs, references): (usize, usize)) -> Result<Frf
             let mut values = vec![Complex64::ZERO; AXIS.len];
             for (mode, course) in modes.iter().zip(&courses) {
                 let factor = mode.shape[response] * mode.shape[reference];
-                for (value, own) in values.iter_mut().zip(course) {
-                    *value += factor * own;
+                for (value, profile) in values.iter_mut().zip(course) {
+                    *value += factor * profile;
                 }
             }
             let power = values.iter().map(Complex64::norm_sqr).sum::<f64>();

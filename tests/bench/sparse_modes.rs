@@ -3,7 +3,7 @@
 //! Prints ratios; asserts no timing.
 //!
 //! `cargo bench --bench sparse_modes`. scipy is run with the Python that `MODALIGN_PYTHON` names,
-//! else `python3`, by `tests/reference/sparse_eigsh.py`; without it the bench prints its own time
+//! else `python3`, by `tests/reference/sparse_eigsh.py`; without it the bench prints this time
 //! alone.
 
 use std::process::Command;
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let limit = found.counted_below.ok_or("fewer than all modes")?;
         let expected = exact.partition_point(|value| *value < limit);
         let pairs = found.omega_squared.iter().zip(&exact);
-        let error = pairs.map(|(own, exact)| (own / exact - 1.0).abs());
+        let error = pairs.map(|(found_value, exact)| (found_value / exact - 1.0).abs());
         println!(
             "{size} coordinates, {} entries of K: {} modes ({expected} exist below the limit), largest relative error {:.1e}, {} solves, {fastest:.3} s",
             k.entry_count(),

@@ -17,7 +17,7 @@ const RUNS: usize = 3;
 fn main() {
     let arguments: Vec<String> = std::env::args()
         .skip(1)
-        .filter(|own| own != "--bench")
+        .filter(|argument| argument != "--bench")
         .collect();
     let megabytes = arguments
         .first()

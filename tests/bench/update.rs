@@ -1,7 +1,7 @@
 //! Updating: time to converge, and analytic sensitivities beside differences. Prints times and
 //! ratios; asserts no timing.
 //!
-//! `cargo bench --bench update`. The tests are the models' own modes with other parameter values,
+//! `cargo bench --bench update`. The tests are modes of the models with other parameter values,
 //! without noise.
 
 use std::fmt::Write as _;
@@ -56,12 +56,15 @@ fn changed(
             .position(|spec| spec.name == *name);
         values[place.ok_or("a parameter of the model")?] *= if i % 2 == 0 { 1.1 } else { 0.9 };
     }
-    let own = modes(model, &values, sensors, &ModeOptions::default())?.model;
+    let true_model = modes(model, &values, sensors, &ModeOptions::default())?.model;
     let measured = |mode: &Mode| {
         let shape = mode.shape.clone();
         Mode::new(mode.frequency_hz, None, shape, Scaling::Unknown)
     };
-    let elastic = own.modes.iter().filter(|mode| mode.frequency_hz > 0.0);
+    let elastic = true_model
+        .modes
+        .iter()
+        .filter(|mode| mode.frequency_hz > 0.0);
     Ok(ModalModel {
         modes: elastic.take(count).map(measured).collect(),
         ..ModalModel::default()
@@ -88,8 +91,15 @@ fn converge(name: &str, model: &dyn TheoreticalModel, names: &[&str]) -> Result<
     let matrices = model.assemble(&values)?;
     let sensors = coordinate_sensors(&matrices.coordinates);
     let test = changed(model, names, &sensors, usize::MAX)?;
-    let own = [MeasuredModes::new(name, &test)];
-    let problem = UpdateProblem::new(model, &values, &choices(names), &own, &sensors, options())?;
+    let measured = [MeasuredModes::new(name, &test)];
+    let problem = UpdateProblem::new(
+        model,
+        &values,
+        &choices(names),
+        &measured,
+        &sensors,
+        options(),
+    )?;
     let mut fastest = Duration::MAX;
     let mut steps = 0;
     for _ in 0..REPEATS {
@@ -113,8 +123,8 @@ fn converge(name: &str, model: &dyn TheoreticalModel, names: &[&str]) -> Result<
 fn sensitivities(model: &LumpedModel, count: usize, names: &[&str]) -> Result<(), Failure> {
     let values = nominal_values(model.parameters());
     let test = changed(model, names, &[], 10)?;
-    let own = [MeasuredModes::new("chain", &test)];
-    let problem = UpdateProblem::new(model, &values, &choices(names), &own, &[], options())?;
+    let measured = [MeasuredModes::new("chain", &test)];
+    let problem = UpdateProblem::new(model, &values, &choices(names), &measured, &[], options())?;
     let at = problem.start(&vec![0.0; names.len()])?;
     let start = Instant::now();
     let jacobian = problem.jacobian(&at)?;

@@ -1,4 +1,4 @@
-//! Close pairs and repeated roots that several references tell apart.
+//! Close pairs and repeated roots are separated by several references.
 
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::correlate::principal_angles_deg;
@@ -14,7 +14,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use super::identification::identified;
 use super::systems::{Drawn, component, dofs, mode};
 
-/// Draws of each cell, each with shapes, damping and noise of its own.
+/// Draws of each cell, each with different shapes, damping and noise.
 const DRAWS: u64 = 60;
 const RESPONSES: usize = 10;
 /// Distance in half-power widths, angle between the participation vectors in degrees, and least

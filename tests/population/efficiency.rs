@@ -28,8 +28,8 @@ const COVERED: (f64, f64) = (0.95, 0.01);
 /// Normal quantiles of 95 % and 99.9 %, two-sided.
 const QUANTILE_95: f64 = 1.959_964;
 const QUANTILE_999: f64 = 3.290_527;
-/// Most of the error that modes beside the band leave, as told, over the bound, rms: less than
-/// noise makes of an error of none.
+/// Largest stated error by modes outside the band over the bound, rms: less than the scatter of an
+/// unbiased estimate.
 const MAX_BIAS_OVER_BOUND: f64 = 0.5;
 /// Deviations that an rms of so few errors may be from its expectation.
 const RMS_SIGMAS: f64 = 5.0;

@@ -1,5 +1,5 @@
 //! Synthetic twins of the four transmissions: stiffnesses drawn from the stated prior, FRFs of the
-//! twin in white noise at stated sensors, their modes by the tool's own identification, and the
+//! twin in white noise at stated sensors, their modes by the identification under test, and the
 //! model updated to these. Nothing here was measured.
 
 use modalign::axis::{Band, FrequencyAxis};
@@ -170,7 +170,7 @@ pub struct GearTwin {
     pub snr_db: f64,
     pub test: ModalModel,
     pub result: UpdateResult,
-    /// Largest frequency error of the updated model, percent, against the twin's own modes that the
+    /// Largest frequency error of the updated model, percent, against the modes of the twin that the
     /// table has.
     pub largest_error_percent: f64,
 }
@@ -368,7 +368,7 @@ impl Gear {
         };
         let choices: Vec<ParameterChoice> = parameters.iter().map(choice).collect();
         let mut options = UpdateOptions {
-            // The model is right but for its stiffnesses: the test's own deviations are all there
+            // The model is right but for its stiffnesses: the deviations of the test are all there
             // is.
             frequency_floor: 0.0,
             shape_floor: Some(1e-6),

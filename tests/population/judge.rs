@@ -1,4 +1,4 @@
-//! What a perfect tool could find of a member, and what was found of it.
+//! A judge compares the modes found in a member of the family with its observable modes.
 //!
 //! - **Observable**: at one pair the root's peak stands 10 dB over the noise of the FRF at its
 //!   half-power lines, and the Cramér-Rao deviation of its frequency is under a quarter of the
@@ -63,8 +63,8 @@ pub fn judge(member: &Member, options: &EstimateOptions, found: &ModalModel) -> 
     Verdict { roots, spurious }
 }
 
-/// Gives found modes to roots, nearest first, each root as many as it has modes; what is left is
-/// spurious.
+/// Assigns found modes to roots, nearest first, each root as many as it has modes; the remaining
+/// modes are spurious.
 fn assign(member: &Member, roots: &mut [Root], found: &[Mode]) -> usize {
     let mut offers = Vec::new();
     for (r, root) in roots.iter().enumerate() {
@@ -158,8 +158,8 @@ fn is_separated(roots: &[Root], r: usize) -> bool {
 ///
 /// For `sum_r R_rp/(i omega - lambda_r)` in white complex noise of variance `v_p` on lines `d
 /// omega` apart, with the residues of all pairs unknown too: the information on the poles is
-/// `G_rs = sum_p conj(R_rp) R_sp / v_p * S_rs / d omega`, with `S` what is left of the derivatives
-/// `1/(i omega - lambda)^2` beside the functions `1/(i omega - lambda)`; their scalar products over
+/// `G_rs = sum_p conj(R_rp) R_sp / v_p * S_rs / d omega`, with `S` the projection of the derivatives
+/// `1/(i omega - lambda)^2` on the orthogonal complement of the functions `1/(i omega - lambda)`; their scalar products over
 /// all frequencies are `-2 pi/(z)`, `2 pi/z^2` and `-4 pi/z^3` with `z = conj(lambda_r) +
 /// lambda_s`. The variance of `Im lambda_r` is half of `(G^-1)_rr`; for a lone root `2 sigma^3 d
 /// omega / (pi sum_p |R_p|^2/v_p)`.

@@ -105,7 +105,7 @@ impl Network {
         symmetric_modes(&stiffness, &real_matrix(size, size, mass)).unwrap()
     }
 
-    /// Masses of their own for bodies of each kind.
+    /// Draws one mass for the bodies of each kind.
     fn draw_masses(&mut self, random: &mut ChaCha8Rng) {
         let kinds = self.kinds.iter().max().unwrap() + 1;
         let exponent = || MASS_RATIO.powf(random.random_range(-0.5..0.5));
@@ -113,8 +113,8 @@ impl Network {
         self.masses = self.kinds.iter().map(|kind| of_kind[*kind]).collect();
     }
 
-    /// Hangs a small mass on a degree of freedom, with a frequency of its own among the lowest of
-    /// the machine.
+    /// Hangs a small mass on a degree of freedom; its natural frequency, with the machine fixed, is
+    /// among the lowest of the machine.
     fn hang_oscillator(&mut self, random: &mut ChaCha8Rng) {
         let modes = self.modes(&vec![1.0; self.springs.len()]);
         let omega_squared = modes.omega_squared[random.random_range(1..12)];
@@ -130,8 +130,8 @@ impl Network {
         });
     }
 
-    /// Factors of all stiffnesses: what all have in common, what a class has, and, where symmetry
-    /// is lost, what is a spring's own.
+    /// Factors of all stiffnesses: a common one, one of a class, and, where symmetry is lost, one of
+    /// the individual spring.
     fn factors(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (common, spread) = (
             random.random_range(-MAX_LOG_COMMON..MAX_LOG_COMMON),

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::machines::{Family, Machine, SENSORS};
 
 const MACHINES: u64 = 500;
-/// Part of a shape from which on a root is its partner without question.
+/// Smallest part of a shape in the span of a root that makes the root its clear partner.
 const MIN_CLEAR_PART: f64 = 0.5;
 
 /// What became of test modes.
@@ -218,7 +218,7 @@ fn check(all: &[Judged], limits: &Limits) {
 
 fn sums(all: &[Judged], rule: usize, counts: impl Fn(usize) -> bool) -> [Counts; 2] {
     let mut sums = [Counts::default(); 2];
-    for judged in all.iter().filter(|own| counts(own.sensors)) {
+    for judged in all.iter().filter(|judged| counts(judged.sensors)) {
         for (sum, counted) in sums.iter_mut().zip(&judged.counts[rule]) {
             sum.add(counted);
         }

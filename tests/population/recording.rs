@@ -40,8 +40,8 @@ fn every_member_is_recorded_and_the_same_member_gives_the_same_samples_again() {
     });
 }
 
-/// What is left of images above half the sampling rate, over the largest |H|: the filter is 111 dB
-/// down where they fall into the band, and the force there may be 20 dB down.
+/// Residual aliasing of images above half the sampling rate, over the largest |H|: the filter is
+/// 111 dB down where they fall into the band, and the force there may be 20 dB down.
 const IMAGES: f64 = 3e-5;
 /// Largest rms error over the stated bound. The bound is exact for one mode; two that beat may hold
 /// it to 0.55 of the truth, and a slower mode that is hidden in the last quarter makes it smaller
@@ -99,7 +99,7 @@ fn clean(member: &Member) -> Clean {
     worst
 }
 
-/// What is known of one pair.
+/// The true FRF of one pair of response and reference.
 struct Truth {
     modes: Vec<Term>,
     rigid_per_kg: f64,

@@ -26,8 +26,8 @@ pub const SYSTEMS: usize = 300;
 const SEED: u64 = 50_602;
 /// Fewest and most modes inside the band.
 const MODES: (usize, usize) = (3, 40);
-/// Damping ratios; a system has a range of its own inside, its ends log-uniform, its modes
-/// log-uniform between.
+/// Damping ratios; every system has a narrower range with log-uniform ends, and its modes are
+/// log-uniform between them.
 const DAMPING: (f64, f64) = (0.001, 0.08);
 /// Signal-to-noise ratio of every function, dB: rms over the band over rms noise of a line.
 const SNR_DB: (f64, f64) = (30.0, 80.0);
@@ -144,7 +144,7 @@ impl Drawn {
         }
     }
 
-    /// The functions with their noise, of which each draw has its own.
+    /// The FRFs with the noise of a draw.
     pub fn measured(&self, draw: u64) -> FrfSet {
         let mut random = ChaCha8Rng::seed_from_u64(SEED + 1 + draw);
         random.set_stream(self.number);

@@ -51,8 +51,7 @@ impl Machine {
     }
 }
 
-/// Four bodies on springs in a row and one beside them, on a spring of its own, that carries no
-/// sensor.
+/// Four bodies on springs in a row and a fifth one on a separate spring, which carries no sensor.
 pub fn lumped() -> Machine {
     let mut text = "schema = \"modalign-model/1\"\n".to_owned();
     let bodies = [
@@ -85,8 +84,8 @@ pub fn torsional() -> Machine {
 pub struct Twin {
     pub truth: Vec<f64>,
     pub result: UpdateResult,
-    /// Largest frequency error of the updated model against the twin's own frequencies, not the
-    /// noisy ones, percent.
+    /// Largest frequency error of the updated model against the exact frequencies of the twin,
+    /// percent.
     pub largest_error_percent: f64,
 }
 

@@ -60,7 +60,7 @@ fn test(hits: usize, seed: u64) -> HammerTest {
     }
 }
 
-/// The hits with the noise of their channels, from a generator of their own.
+/// The hits with the noise of their channels, from a separate random generator.
 fn with_noise(hits: &[Hit], seed: u64) -> Vec<Hit> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut noisy = |channel: &Channel, rms: f64| {

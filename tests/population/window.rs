@@ -59,7 +59,7 @@ fn test(pretrigger: f64, seed: u64) -> HammerTest {
 }
 
 /// Poles and residues of all modes at once, `H/s² = Σ A/(s − λ) + c₀ + c₁ s`, by Gauss-Newton from
-/// the truth: an estimate without a bias of its own.
+/// the truth: an unbiased estimate.
 fn poles(set: &FrfSet) -> Vec<Complex64> {
     let decay = set.added_damping_rad_s;
     let band = modalign::axis::Band::new(150.0, 450.0).unwrap();

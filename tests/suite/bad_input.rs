@@ -53,7 +53,7 @@ fn a_truncated_recording_is_placed_by_its_byte_and_its_good_part_can_be_had() {
 }
 
 #[test]
-fn a_partly_bad_recording_runs_on_its_good_part_when_told_so() {
+fn a_partly_bad_recording_runs_on_its_good_part_on_request() {
     let folder = tempfile::tempdir().unwrap();
     recorded_scene(folder.path());
     let file = folder.path().join("hits.uff");
@@ -407,7 +407,7 @@ fn a_function_with_a_gap_in_the_band_is_left_out_where_the_good_part_will_do() {
     assert_eq!(run.status.code(), Some(1), "{said}");
     assert!(said.contains(expected), "{said}");
 
-    // Outside the band nobody promised good values.
+    // Values outside the band may be bad.
     let outside = identify(&["identify", &below]);
     assert_eq!(outside.status.code(), Some(0));
 }

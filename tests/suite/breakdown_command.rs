@@ -57,12 +57,12 @@ fn threads_a_run_that_goes_on_and_joined_parts_give_the_same_bytes() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path();
     write(folder, &[("study.toml", SPEC), ("modes.json", MODES)]);
-    let told = study(folder, "one", &["--threads", "1"]);
+    let printed = study(folder, "one", &["--threads", "1"]);
     assert!(
-        told.contains("Where methods fail: damping-separation"),
-        "{told}"
+        printed.contains("Where methods fail: damping-separation"),
+        "{printed}"
     );
-    assert!(told.contains("mode 1 (100.0 Hz)"), "{told}");
+    assert!(printed.contains("mode 1 (100.0 Hz)"), "{printed}");
     let expected = bytes(folder, "one");
     study(folder, "two", &["--threads", "2"]);
     assert_eq!(bytes(folder, "two"), expected);
@@ -116,7 +116,7 @@ fn specs_of_the_scenes_can_be_meant() {
 }
 
 #[test]
-fn what_a_spec_cannot_mean_is_told() {
+fn invalid_values_of_a_spec_are_reported() {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("study.toml").display().to_string();
     for (text, part) in [

@@ -1,5 +1,5 @@
-//! A result held against its baseline: how often a perfect one is refused, and what is caught in
-//! which row.
+//! Results are compared with a baseline: how often a correct one is refused, and which errors each
+//! row detects.
 
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -53,8 +53,8 @@ fn truth() -> ModalModel {
     }
 }
 
-/// The truth as a test would see it: every value off by its deviation, and a scale that nobody
-/// knows.
+/// The truth with the errors of a test: every value with a random error of its standard deviation,
+/// and an arbitrary scale of the shapes.
 fn seen(truth: &ModalModel, rng: &mut ChaCha8Rng) -> ModalModel {
     let mut model = truth.clone();
     for mode in &mut model.modes {
@@ -189,12 +189,12 @@ fn without_stated_deviations_absolute_limits_hold() {
     for mode in &mut before.modes {
         (mode.frequency_std_hz, mode.damping_std, mode.shape_std) = (None, None, None);
     }
-    let judged = |harm: &dyn Fn(&mut ModalModel), own: ChangeLimits| {
+    let judged = |harm: &dyn Fn(&mut ModalModel), limits: ChangeLimits| {
         let mut now = before.clone();
         harm(&mut now);
         missed(&judge_changes(
-            &mode_changes(&now, &before, &own),
-            own.false_refusals,
+            &mode_changes(&now, &before, &limits),
+            limits.false_refusals,
         ))
         .len()
     };

@@ -30,7 +30,7 @@ fn results(folder: &Path, seed: u64, change: impl Fn(&str) -> String) {
 const MODES: &str = "roving-hammer.modes.json";
 const COMPARISON: &str = "comparison.json";
 
-/// Rows that `check` misses; its exit code is held against them.
+/// Rows that fail in `check`; its exit code must agree with them.
 fn missed(now: &Path, before: &Path, more: &[&str]) -> Vec<String> {
     let (now, before) = (now.to_str().unwrap(), before.to_str().unwrap());
     let output = modalign(
@@ -60,10 +60,10 @@ fn another_recording_of_the_same_machine_passes_and_a_changed_machine_does_not()
     // One in a hundred is refused at most: of these eight, one in twelve times.
     let mut refused = 0;
     for seed in 2..10 {
-        let own = at(&format!("seed-{seed}"));
-        results(&own, seed, str::to_owned);
-        let rows =
-            [MODES, COMPARISON].map(|name| missed(&own.join(name), &at("before").join(name), &[]));
+        let folder_of_seed = at(&format!("seed-{seed}"));
+        results(&folder_of_seed, seed, str::to_owned);
+        let rows = [MODES, COMPARISON]
+            .map(|name| missed(&folder_of_seed.join(name), &at("before").join(name), &[]));
         refused += usize::from(rows.iter().any(|rows| !rows.is_empty()));
     }
     assert!(refused <= 1, "{refused} of 8");
@@ -191,10 +191,10 @@ fn what_is_wrong_in_a_comparison_is_named_in_its_row() {
 fn an_update_keeps_its_parameters_within_their_deviations() {
     let folder = tempfile::tempdir().unwrap();
     results(folder.path(), 1, str::to_owned);
-    let (own, updated) = (folder.path(), folder.path().join("updated"));
+    let (run, updated) = (folder.path(), folder.path().join("updated"));
     succeed([
         "update",
-        own.to_str().unwrap(),
+        run.to_str().unwrap(),
         "-o",
         updated.to_str().unwrap(),
     ]);
@@ -207,15 +207,17 @@ fn an_update_keeps_its_parameters_within_their_deviations() {
         missed(&path, &before, &[])
     };
     let moved = |deviations: f64| {
-        rows_after(&move |own| {
-            let std = own["std"].as_f64().unwrap();
-            own["updated"] = (own["updated"].as_f64().unwrap() + deviations * std).into();
+        rows_after(&move |parameter| {
+            let std = parameter["std"].as_f64().unwrap();
+            parameter["updated"] =
+                (parameter["updated"].as_f64().unwrap() + deviations * std).into();
         })
     };
     assert!(moved(0.0).is_empty() && moved(1.0).is_empty());
     // The deviation of a difference is 1.41 of one; 0.01 of two parameters is 2.81 of that.
     assert_eq!(moved(6.0), ["parameter youngs_modulus"]);
-    let verdict = rows_after(&|own| own["verdict"] = "not supported by the data".into());
+    let verdict =
+        rows_after(&|parameter| parameter["verdict"] = "not supported by the data".into());
     assert_eq!(verdict, ["parameter youngs_modulus"]);
     let modes = folder.path().join(MODES);
     let paths = [&before, &modes].map(|path| path.to_str().unwrap());
@@ -278,7 +280,7 @@ fn assert_junit(text: &str) -> (usize, usize) {
     let all = elements(text);
     let shape: Vec<(usize, &str)> = all
         .iter()
-        .map(|own| (own.depth, own.name.as_str()))
+        .map(|element| (element.depth, element.name.as_str()))
         .collect();
     assert_eq!(
         shape[..4],
@@ -297,22 +299,22 @@ fn assert_junit(text: &str) -> (usize, usize) {
         let Element {
             name, attributes, ..
         } = &all[index];
-        let found = attributes.iter().find(|(own, _)| own == key);
+        let found = attributes.iter().find(|(name, _)| name == key);
         found
             .unwrap_or_else(|| panic!("{name} has no {key}"))
             .1
             .clone()
     };
     let (mut cases, mut failures) = (0, 0);
-    for (index, own) in shape.iter().enumerate().take(all.len() - 2).skip(4) {
-        match own {
+    for (index, element) in shape.iter().enumerate().take(all.len() - 2).skip(4) {
+        match element {
             (2, "testcase") => {
                 cases += 1;
                 for key in ["name", "classname"] {
-                    let own = value(index, key);
+                    let text = value(index, key);
                     assert!(
-                        !own.is_empty()
-                            && own == own.split_whitespace().collect::<Vec<_>>().join(" "),
+                        !text.is_empty()
+                            && text == text.split_whitespace().collect::<Vec<_>>().join(" "),
                         "xs:token"
                     );
                 }

@@ -1,5 +1,5 @@
 //! `modalign correlate` beside its table: measures, a set of modes against itself, FRFs against
-//! FRFs, and two real recordings against what is known of them.
+//! FRFs, and two real recordings against published results.
 
 use std::path::Path;
 
@@ -57,17 +57,17 @@ fn measures_stand_below_the_table_and_in_its_json() {
     let more = ["--json", "--measures", "--orthogonality", "serep"];
     let whole: Value = serde_json::from_str(&succeed(arguments.into_iter().chain(more))).unwrap();
     assert_eq!(plain["rows"], whole["rows"]);
-    let own = &whole["measures"][0];
-    assert_eq!(own["test"], modes.as_str());
+    let of_pair = &whole["measures"][0];
+    assert_eq!(of_pair["test"], modes.as_str());
     for i in 0..3 {
-        assert!((number(&own["mac"]["mac"][i][i]) - 1.0).abs() < 1e-12);
-        assert!((number(&own["orthogonality"]["cross"][i][i]) - 1.0).abs() < 1e-9);
-        assert!((number(&own["coordinates"][i]["comac"]) - 1.0).abs() < 1e-12);
-        assert!((number(&own["scale_factors"][i]["magnitude"]) - 1.0).abs() < 1e-9);
+        assert!((number(&of_pair["mac"]["mac"][i][i]) - 1.0).abs() < 1e-12);
+        assert!((number(&of_pair["orthogonality"]["cross"][i][i]) - 1.0).abs() < 1e-9);
+        assert!((number(&of_pair["coordinates"][i]["comac"]) - 1.0).abs() < 1e-12);
+        assert!((number(&of_pair["scale_factors"][i]["magnitude"]) - 1.0).abs() < 1e-9);
     }
-    assert!(number(&own["orthogonality"]["cross"][0][1]) < 1e-9);
+    assert!(number(&of_pair["orthogonality"]["cross"][0][1]) < 1e-9);
     // Shapes of equal masses are at right angles as they are.
-    assert!(number(&own["mac"]["mac"][0][1]) < 1e-12);
+    assert!(number(&of_pair["mac"]["mac"][0][1]) < 1e-12);
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn finished_modes_have_no_mass_matrix() {
 }
 
 #[test]
-fn a_test_alone_is_held_against_itself() {
+fn a_single_test_is_compared_with_itself() {
     let folder = tempfile::tempdir().unwrap();
     let shape = |last: f64| vec![1.0, 2.0, last];
     let modes = modes_json(&[
@@ -107,9 +107,9 @@ fn a_test_alone_is_held_against_itself() {
         error.contains("duplicate-modes") && error.contains("101.00 Hz"),
         "{error}"
     );
-    let own: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(own["schema"], "modalign-automac/1");
-    let found = own["tests"][0]["duplicates"].as_array().unwrap();
+    let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(printed["schema"], "modalign-automac/1");
+    let found = printed["tests"][0]["duplicates"].as_array().unwrap();
     assert_eq!(found.len(), 1);
     assert_eq!(
         (&found[0]["first"]["mode"], &found[0]["second"]["mode"]),
@@ -147,14 +147,14 @@ fn frfs_are_compared_by_function_and_by_line() {
     assert!(printed.contains("FRAC = ") && printed.contains("Zang, Grafe and Imregun 2001"));
     let lines = std::fs::read_to_string(at("lines.csv")).unwrap();
     assert_eq!(lines.lines().next(), Some("f (Hz),shape,amplitude"));
-    let own: Value = serde_json::from_str(&run(&["--json", "--band", "20:400"])).unwrap();
-    assert_eq!(own["schema"], "modalign-frf-correlation/1");
-    let own = &own["tests"][0];
+    let printed: Value = serde_json::from_str(&run(&["--json", "--band", "20:400"])).unwrap();
+    assert_eq!(printed["schema"], "modalign-frf-correlation/1");
+    let test = &printed["tests"][0];
     assert_eq!(
-        own["lines"].as_array().unwrap().len() + 1,
+        test["lines"].as_array().unwrap().len() + 1,
         lines.lines().count()
     );
-    for function in own["functions"].as_array().unwrap() {
+    for function in test["functions"].as_array().unwrap() {
         // H1 and H2 of one recording differ by its coherence.
         let frac = number(&function["frac"]);
         assert!(frac > 0.99 && frac < 1.0, "{frac}");
@@ -188,18 +188,18 @@ fn near_duplicates_of_a_ground_vibration_test_are_flagged() {
     let expected = json(&data.join("expected.json"))[LMS].clone();
     let file = text(&data.join(LMS));
     let output = modalign(["correlate", "--test", &file, "--json"]);
-    let own: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let own = &own["tests"][0];
-    let mac = |i: usize, j: usize| number(&own["matrix"]["mac"][i - 1][j - 1]);
+    let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let test = &printed["tests"][0];
+    let mac = |i: usize, j: usize| number(&test["matrix"]["mac"][i - 1][j - 1]);
     // As printed, to half of their last digit.
     assert!((mac(1, 2) - number(&expected["automac_12"])).abs() < 5e-9);
     assert!((mac(1, 3) - number(&expected["automac_13"])).abs() < 5e-8);
     assert!((mac(14, 15) - number(&expected["automac_max_offdiag"])).abs() < 5e-8);
-    let duplicates = own["duplicates"].as_array().unwrap();
+    let duplicates = test["duplicates"].as_array().unwrap();
     let flagged = |a: usize, b: usize| {
         duplicates
             .iter()
-            .any(|own| own["first"]["mode"] == a && own["second"]["mode"] == b)
+            .any(|pair| pair["first"]["mode"] == a && pair["second"]["mode"] == b)
     };
     assert!(flagged(14, 15), "{duplicates:?}");
     let above = (1..=16).flat_map(|i| (i + 1..=16).map(move |j| (i, j)));
@@ -257,9 +257,9 @@ fn the_four_storey_frame_starts_with_its_published_errors_and_shapes() {
             (number(&cell["error_percent"]) - percent[i]).abs() < 0.05 + 1e-12,
             "{cell}"
         );
-        let own = &table["measures"][0]["mac"]["mac"][i][i];
-        // One is of a product of all shapes, the other of the pair by itself.
-        assert!((number(own) - number(&cell["mac"])).abs() < 1e-14);
+        let of_all = &table["measures"][0]["mac"]["mac"][i][i];
+        // One is computed from a product of all shapes, the other from the pair alone.
+        assert!((number(of_all) - number(&cell["mac"])).abs() < 1e-14);
     }
 }
 
@@ -440,8 +440,8 @@ fn caption_digits_and_language_are_chosen() {
         lines.contains("(test−theory)/std") && lines.contains("paired"),
         "{lines}"
     );
-    let own = run(&["--caption", "Summary", "--lang", "zh"]);
-    assert!(own.starts_with("Summary\n"), "{own}");
+    let printed = run(&["--caption", "Summary", "--lang", "zh"]);
+    assert!(printed.starts_with("Summary\n"), "{printed}");
     let english = run(&[]);
     assert!(
         english.starts_with("Theory and test compared\n"),

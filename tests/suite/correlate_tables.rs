@@ -98,7 +98,7 @@ fn the_language_is_that_of_every_verb() {
 }
 
 #[test]
-fn a_missed_mode_that_nobody_could_judge_says_so() {
+fn a_missed_mode_of_unknown_observability_is_reported_as_such() {
     let folder = tempfile::tempdir().unwrap();
     write(
         folder.path(),

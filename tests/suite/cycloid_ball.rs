@@ -62,20 +62,22 @@ fn poles(file: &Value) -> Vec<Pole> {
 }
 
 /// Whether every other root is at least five half-power bandwidths away.
-fn separated(own: &Pole, all: &[Pole]) -> bool {
-    let other = all.iter().filter(|p| (p.hz - own.hz).abs() > 1e-9 * own.hz);
+fn separated(pole: &Pole, all: &[Pole]) -> bool {
+    let other = all
+        .iter()
+        .filter(|p| (p.hz - pole.hz).abs() > 1e-9 * pole.hz);
     other
-        .map(|p| (p.hz - own.hz).abs() / own.width_hz.max(p.width_hz))
+        .map(|p| (p.hz - pole.hz).abs() / pole.width_hz.max(p.width_hz))
         .all(|widths| widths >= 5.0)
 }
 
 fn findings_at(file: &Value, hz: f64) -> Vec<String> {
-    let own = |finding: &&Value| {
+    let at_mode = |finding: &&Value| {
         let place = finding["place"]["mode"].as_f64();
         place.is_some_and(|at| (at - hz).abs() < 1e-6 * hz)
     };
     let all = file["findings"].as_array().unwrap().iter();
-    all.filter(own)
+    all.filter(at_mode)
         .map(|finding| finding["code"].as_str().unwrap().to_owned())
         .collect()
 }
@@ -98,21 +100,21 @@ fn the_modes_of_the_papers_points_are_those_of_the_truth_or_say_that_they_are_cl
         let found = poles(&found_file);
         assert_eq!(found.len(), truth.len(), "{test}");
         let mut clear = 0;
-        for (own, wanted) in found.iter().zip(&truth) {
-            let error_percent = 100.0 * (own.hz / wanted.hz - 1.0);
-            let codes = findings_at(&found_file, own.hz);
+        for (mode, wanted) in found.iter().zip(&truth) {
+            let error_percent = 100.0 * (mode.hz / wanted.hz - 1.0);
+            let codes = findings_at(&found_file, mode.hz);
             if separated(wanted, &truth) {
                 clear += 1;
-                assert!(error_percent.abs() < 0.1, "{test} {own:?} {wanted:?}");
+                assert!(error_percent.abs() < 0.1, "{test} {mode:?} {wanted:?}");
             } else {
-                let told = codes.iter().any(|code| code == "close-modes");
+                let reported = codes.iter().any(|code| code == "close-modes");
                 assert!(
-                    told || error_percent.abs() < 0.1,
-                    "{test} {own:?} {wanted:?}"
+                    reported || error_percent.abs() < 0.1,
+                    "{test} {mode:?} {wanted:?}"
                 );
             }
             let above = codes.iter().any(|code| code == "above-valid-band");
-            assert_eq!(above, own.hz > 8000.0, "{test} {own:?} {codes:?}");
+            assert_eq!(above, mode.hz > 8000.0, "{test} {mode:?} {codes:?}");
         }
         assert!(clear >= 5, "{test}: {clear} separated modes");
     }
@@ -161,19 +163,19 @@ fn the_discs_see_every_single_root_and_neither_cluster() {
     assert_eq!(truth.len(), 14);
     let mut next = truth.iter();
     for row in rows() {
-        let own = cell(&row, test);
+        let result = cell(&row, test);
         let label = row["label"].as_str().unwrap();
         if matches!(label, "f6" | "f12") {
-            assert_eq!(own["status"], "not-observable", "{label}");
+            assert_eq!(result["status"], "not-observable", "{label}");
             continue;
         }
         // The changed stiffnesses move no root past another of its group, so that the order is the
         // truth.
         let wanted = next.next().unwrap();
-        assert_eq!(own["status"], "paired", "{label}");
-        let error = own["hz"].as_f64().unwrap() / wanted - 1.0;
+        assert_eq!(result["status"], "paired", "{label}");
+        let error = result["hz"].as_f64().unwrap() / wanted - 1.0;
         assert!(error.abs() < 1e-3, "{label}: {error}");
-        assert!(own["mac"].as_f64().unwrap() > 0.95, "{label}");
+        assert!(result["mac"].as_f64().unwrap() > 0.95, "{label}");
     }
 }
 
@@ -192,14 +194,14 @@ fn sensors_on_the_balls_see_both_clusters_as_subspaces() {
             .into_iter()
             .find(|row| row["label"] == label)
             .unwrap();
-        let own = cell(&row, test);
-        assert_eq!(own["status"], "paired", "{label}");
-        assert_eq!(own["modes"].as_array().unwrap().len(), multiplicity);
-        assert!(own["mac"].as_f64().unwrap() > 0.95, "{label}");
-        for angle in own["angles_deg"].as_array().unwrap() {
+        let result = cell(&row, test);
+        assert_eq!(result["status"], "paired", "{label}");
+        assert_eq!(result["modes"].as_array().unwrap().len(), multiplicity);
+        assert!(result["mac"].as_f64().unwrap() > 0.95, "{label}");
+        for angle in result["angles_deg"].as_array().unwrap() {
             assert!(angle.as_f64().unwrap() < 5.0, "{label}: {angle}");
         }
-        let hz = own["hz"].as_f64().unwrap();
+        let hz = result["hz"].as_f64().unwrap();
         let cluster: Vec<&Pole> = found
             .iter()
             .filter(|p| (p.hz - hz).abs() < 1e-6 * hz)

@@ -190,7 +190,7 @@ fn a_target_that_cannot_be_written_is_named() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn standard_output_without_space_is_an_error_and_one_that_nobody_reads_is_not() {
+fn a_full_standard_output_is_an_error_and_a_closed_one_is_not() {
     let run = |script: &str| {
         let program = assert_cmd::cargo::cargo_bin("modalign");
         let script = script.replace("modalign", &program.display().to_string());

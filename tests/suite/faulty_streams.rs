@@ -136,7 +136,10 @@ fn a_file_that_shrinks_while_it_is_read_is_an_error_or_gives_what_it_held() {
     ];
     let (mut failed, mut read) = (0, 0);
     for (name, files) in all {
-        let format = *FORMATS.iter().find(|own| own.name() == name).unwrap();
+        let format = *FORMATS
+            .iter()
+            .find(|candidate| candidate.name() == name)
+            .unwrap();
         for bytes in files {
             let whole = read_cut(format, &bytes, u64::MAX).expect("a whole file is read");
             for part in 0..10 {

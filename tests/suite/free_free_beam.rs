@@ -55,10 +55,10 @@ fn both_methods_find_the_truth_of_the_scene() {
             .filter(|mode| (60.0..3200.0).contains(&mode.0))
             .collect();
         assert_eq!((modes(&found).len(), in_band.len()), (6, 6), "{method}");
-        for (own, wanted) in modes(&found).into_iter().zip(in_band) {
+        for (mode, wanted) in modes(&found).into_iter().zip(in_band) {
             let (frequency, damping) = (
-                100.0 * (own.0 / wanted.0 - 1.0),
-                100.0 * (own.1 / wanted.1 - 1.0),
+                100.0 * (mode.0 / wanted.0 - 1.0),
+                100.0 * (mode.1 / wanted.1 - 1.0),
             );
             assert!(
                 frequency.abs() < 0.05,
@@ -108,11 +108,11 @@ fn the_table_has_what_a_validation_section_prints() {
         let omega = beta_l.powi(2) / 0.36 * wave;
         let printed = expected.roots[index + 1].omega_rad_s;
         assert!((printed / omega - 1.0).abs() < 1e-8, "{printed} {omega}");
-        let own = model["modes"][index + 2]["frequency_hz"].as_f64().unwrap();
-        let omega_own = std::f64::consts::TAU * own;
+        let hz = model["modes"][index + 2]["frequency_hz"].as_f64().unwrap();
+        let model_omega = std::f64::consts::TAU * hz;
         assert!(
-            (omega_own / omega - 1.0).abs() < 1e-5,
-            "mode {}: {omega_own} {omega}",
+            (model_omega / omega - 1.0).abs() < 1e-5,
+            "mode {}: {model_omega} {omega}",
             index + 1
         );
     }
@@ -281,11 +281,11 @@ fn a_pair_too_close_for_one_mode_at_a_time_ends_in_a_finding() {
                     .as_f64()
                     .is_some_and(|hz| (hz - 200.0).abs() < 15.0)
             };
-            let told = findings
+            let reported = findings
                 .iter()
                 .filter(near)
                 .any(|finding| finding["code"] == "close-modes");
-            assert!(told, "{method} at {spacing}: {findings:#?}");
+            assert!(reported, "{method} at {spacing}: {findings:#?}");
             let far = |finding: &Value| {
                 finding["place"]["mode"]
                     .as_f64()

@@ -29,7 +29,7 @@ fn a_scene_whose_limit_is_missed_ends_with_exit_code_1_and_its_table() {
 }
 
 #[test]
-fn results_are_held_against_limits_and_baselines() {
+fn results_are_checked_against_limits_and_baselines() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     succeed([

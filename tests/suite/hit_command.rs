@@ -56,10 +56,10 @@ fn a_double_hit_is_listed_with_its_numbers_left_out_and_taken_back_by_name() {
     let mut source = hit_source(&hits(folder.path(), true), "double");
     write_path(&input, &mut source, WriteOptions::default()).unwrap();
     let input = input.to_str().unwrap();
-    let own = summary(&["--json", "frf", input]);
-    assert_eq!(used(&own), [true, true, false, true, true]);
-    assert_eq!(own["functions"][0]["averages"], 4);
-    let third = &own["hits"][2];
+    let printed = summary(&["--json", "frf", input]);
+    assert_eq!(used(&printed), [true, true, false, true, true]);
+    assert_eq!(printed["functions"][0]["averages"], 4);
+    let third = &printed["hits"][2];
     let checks = third["checks"].as_array().unwrap();
     let double = checks
         .iter()
@@ -75,7 +75,7 @@ fn a_double_hit_is_listed_with_its_numbers_left_out_and_taken_back_by_name() {
     // Every rule of every hit is there, passed or not.
     let rules = |hit: &Value| hit["checks"].as_array().unwrap().len();
     assert!(
-        own["hits"]
+        printed["hits"]
             .as_array()
             .unwrap()
             .iter()
@@ -123,7 +123,7 @@ fn hits_are_cut_out_of_a_continuous_recording() {
     let mut source = hit_source(&[continuous(&hits)], "long");
     write_path(&input, &mut source, WriteOptions::default()).unwrap();
     let input = input.to_str().unwrap();
-    let own = summary(&[
+    let printed = summary(&[
         "--json",
         "frf",
         input,
@@ -132,12 +132,12 @@ fn hits_are_cut_out_of_a_continuous_recording() {
         "--pretrigger",
         "0.05",
     ]);
-    assert_eq!(used(&own), [true; 5]);
-    assert_eq!(own["functions"][1]["averages"], 5);
-    let lines = own["axis"]["lines"].as_u64().unwrap();
+    assert_eq!(used(&printed), [true; 5]);
+    assert_eq!(printed["functions"][1]["averages"], 5);
+    let lines = printed["axis"]["lines"].as_u64().unwrap();
     // The last hit has 8192 samples less the half of its pre-trigger that is not asked for.
     assert!((4030..=4050).contains(&lines), "{lines}");
-    let origin = own["hits"][1]["origin"].as_str().unwrap();
+    let origin = printed["hits"][1]["origin"].as_str().unwrap();
     assert!(
         origin.ends_with(" s") && origin.contains("record 1 at 4.0"),
         "{origin}"
@@ -174,9 +174,9 @@ fn a_scene_states_the_same_as_the_command_line() {
         folder.path().join("scene.toml")
     };
     let plain = scene("accept = [3]\nreject = [1]", "response_window_end = 0.05");
-    let own = summary(&["--json", "frf", plain.to_str().unwrap()]);
-    assert_eq!(used(&own), [false, true, true, true, true]);
-    assert!(own["added_damping_rad_s"].as_f64().unwrap() > 0.7);
+    let printed = summary(&["--json", "frf", plain.to_str().unwrap()]);
+    assert_eq!(used(&printed), [false, true, true, true, true]);
+    assert!(printed["added_damping_rad_s"].as_f64().unwrap() > 0.7);
     let path = scene("", "response_window = \"sometimes\"");
     let error = fail(["frf", path.to_str().unwrap()]);
     assert!(

@@ -83,8 +83,8 @@ fn checks(hit: &Hit, band_end_hz: f64) -> Vec<Check> {
     checks
 }
 
-/// The checks of a series: its levels, and for each response the odd one out over the lines of a
-/// band.
+/// The checks of a series: its levels, and for each response the inconsistent hit over the lines of
+/// a band.
 fn series_checks(hits: &[Hit], band_hz: (f64, f64)) -> Vec<Check> {
     let limits = JudgeLimits::default();
     let peaks: Vec<f64> = hits.iter().map(|hit| pulse_of(hit).height_n).collect();

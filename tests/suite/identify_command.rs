@@ -39,16 +39,16 @@ fn every_method_finds_both_modes_of_a_recording() {
     let folder = tempfile::tempdir().unwrap();
     let frfs = frfs(folder.path());
     for method in ESTIMATORS.iter().map(|entry| entry.name) {
-        let own = succeed([
+        let printed = succeed([
             "--json", "identify", &frfs, "--band", "20:400", "--method", method,
         ]);
-        let own: Value = serde_json::from_str(&own).unwrap();
-        let found = frequencies(&own);
+        let printed: Value = serde_json::from_str(&printed).unwrap();
+        let found = frequencies(&printed);
         assert_eq!(found.len(), 2, "{method} {found:?}");
         for (hz, truth) in found.iter().zip([60.0, 210.0]) {
             assert!((hz / truth - 1.0).abs() < 1e-3, "{method} {hz}");
         }
-        let mode = &own["modes"][0];
+        let mode = &printed["modes"][0];
         assert!(mode["half_power_lines"].as_f64().unwrap() > 3.0);
         assert!(mode["mean_phase_deviation_rad"].as_f64().unwrap() < 0.05);
     }

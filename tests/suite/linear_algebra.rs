@@ -49,7 +49,7 @@ fn decompositions_are_independent_of_the_scale_of_the_entries() {
             let hermitian = complex_matrix(n, n, |i, j| definite[(i, j)].into());
             let right = complex_matrix(n + 5, 2, |i, j| Complex64::from((i * j) as f64));
             let load = real_matrix(n, 1, |i, _| i as f64);
-            // Each of them checks its own result.
+            // Each of these functions checks its result.
             symmetric_eigen(&symmetric).unwrap();
             general_modes(&real_matrix(n, n, |i, j| real[(i, j)])).unwrap();
             complex_eigenvalues(&square).unwrap();

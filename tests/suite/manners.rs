@@ -111,7 +111,7 @@ fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_w
         empty.contains("\u{1b}[1;"),
         "an empty NO_COLOR says nothing"
     );
-    // A pipe that nobody writes to is waited for, until an interrupt.
+    // The program waits for a pipe without a writer until an interrupt.
     let waiting = "mkfifo $D/pipe.uff; sleep 2.5 > $D/pipe.uff & timeout --foreground -s INT 2 modalign identify $D/pipe.uff";
     let folder = tempfile::tempdir().unwrap();
     let place = [("D", folder.path().to_str().unwrap())];
@@ -144,8 +144,8 @@ fn every_code_is_explained_and_an_unknown_one_names_the_nearest() {
         );
     }
     for code in [Code::ALL[0], Code::ALL[Code::ALL.len() - 1]] {
-        let told = succeed(["--explain", &code.name()]);
-        assert!(told.contains(code.explanation()), "{told}");
+        let printed = succeed(["--explain", &code.name()]);
+        assert!(printed.contains(code.explanation()), "{printed}");
     }
     let error = fail(["--explain", "double-hti"]);
     assert!(error.contains("did you mean `double-hit`?"), "{error}");

@@ -33,7 +33,7 @@ struct Frame {
     nodes: Vec<Node>,
     columns: Entries,
     beams: Entries,
-    own: Entries,
+    permanent: Entries,
     live: Entries,
 }
 
@@ -43,14 +43,14 @@ impl Frame {
         let all = (0..=storeys)
             .flat_map(|s| (0..COLUMNS_Y).flat_map(move |y| (0..COLUMNS_X).map(move |x| [s, y, x])));
         let nodes: Vec<Node> = all.filter(|node| !left_out(node)).collect();
-        let place = |node: Node| nodes.iter().position(|own| *own == node);
+        let place = |node: Node| nodes.iter().position(|permanent| *permanent == node);
         let (mut columns, mut beams) = (Entries::new(), Entries::new());
-        let (mut own, mut live) = (Entries::new(), Entries::new());
+        let (mut permanent, mut live) = (Entries::new(), Entries::new());
         for (i, &[s, y, x]) in nodes.iter().enumerate() {
             let number = (s * COLUMNS_Y + y) * COLUMNS_X + x + 1;
             for along in 0..3 {
                 let at = (6 * i + along, 6 * i + along);
-                own.insert(at, 2000.0 + 100.0 * (number % 7) as f64);
+                permanent.insert(at, 2000.0 + 100.0 * (number % 7) as f64);
                 live.insert(at, if s % 2 == 0 { 800.0 } else { 0.0 });
             }
             if s == 0 {
@@ -70,14 +70,18 @@ impl Frame {
             nodes,
             columns,
             beams,
-            own,
+            permanent,
             live,
         }
     }
 
     /// Coordinates that neither the feet nor the prop hold.
     fn free(&self) -> Vec<usize> {
-        let propped = 6 * self.nodes.iter().position(|own| *own == [4, 0, 0]).unwrap();
+        let propped = 6 * self
+            .nodes
+            .iter()
+            .position(|node| *node == [4, 0, 0])
+            .unwrap();
         let feet = 6 * COLUMNS_X * COLUMNS_Y;
         let free = |i: &usize| *i >= feet && *i != propped && *i != propped + 1;
         (0..6 * self.nodes.len()).filter(free).collect()
@@ -110,7 +114,7 @@ impl Frame {
             &[
                 ("columns.mtx", &market(&self.columns)),
                 ("beams.mtx", &market(&self.beams)),
-                ("own.mtx", &market(&self.own)),
+                ("permanent.mtx", &market(&self.permanent)),
                 ("live.mtx", &market(&self.live)),
                 ("dofs.txt", &dofs.join("\n")),
                 ("model.toml", &(MODEL.to_owned() + &sensors)),
@@ -145,7 +149,7 @@ fn member(matrix: &mut Entries, [first, second]: [usize; 2], axis: usize, sectio
             [-12.0, -6.0 * r, 12.0, -6.0 * r],
             [6.0 * r, 2.0 * h * h, -6.0 * r, 4.0 * h * h],
         ];
-        add(matrix, &at, &element.map(|row| row.map(|own| k * own)));
+        add(matrix, &at, &element.map(|row| row.map(|entry| k * entry)));
     }
 }
 
@@ -162,7 +166,7 @@ const MODEL: &str = r#"
     title = "lumped-mass frame"
     [matrices]
     dofs = "dofs.txt"
-    mass = "own.mtx"
+    mass = "permanent.mtx"
     [[matrices.group]]
     parameter = "columns"
     stiffness = "columns.mtx"
@@ -224,7 +228,7 @@ struct Reference {
 
 impl Reference {
     fn of(name: &str) -> Self {
-        let mut own = Self::default();
+        let mut values = Self::default();
         for line in include_str!("../reference/massless_frame.txt").lines() {
             let Some(rest) = line.strip_prefix(name) else {
                 continue;
@@ -236,15 +240,15 @@ impl Reference {
                 .collect();
             match words[0] {
                 "mode" => {
-                    own.hz.push(numbers[0]);
-                    own.relative.push([numbers[1], numbers[2], numbers[3]]);
+                    values.hz.push(numbers[0]);
+                    values.relative.push([numbers[1], numbers[2], numbers[3]]);
                 }
-                "updated" => own.updated = numbers,
+                "updated" => values.updated = numbers,
                 _ => {}
             }
         }
-        assert_eq!(own.hz.len(), 30, "{name}");
-        own
+        assert_eq!(values.hz.len(), 30, "{name}");
+        values
     }
 }
 
@@ -265,26 +269,26 @@ fn check_theory(folder: &Path, reference: &Reference, massless: f64) {
     let end = format!("0:{}", 0.5 * (reference.hz[28] + reference.hz[29]));
     let found = theory(folder, &["--band", &end, "--sensitivities"]);
     let modes = found["modes"].as_array().unwrap();
-    let told = found["theory"]["sensitivities"].as_array().unwrap();
-    assert_eq!((modes.len(), told.len()), (29, 29));
-    for (j, (mode, told)) in modes.iter().zip(told).enumerate() {
+    let sensitivities = found["theory"]["sensitivities"].as_array().unwrap();
+    assert_eq!((modes.len(), sensitivities.len()), (29, 29));
+    for (j, (mode, sensitivity)) in modes.iter().zip(sensitivities).enumerate() {
         let hz = mode["frequency_hz"].as_f64().unwrap();
         assert!(near(hz, reference.hz[j]), "{j}: {hz} {}", reference.hz[j]);
         for (name, expected) in ["columns", "beams", "live"]
             .iter()
             .zip(reference.relative[j])
         {
-            let own = told["by"][name]["relative"].as_f64().unwrap();
+            let found_relative = sensitivity["by"][name]["relative"].as_f64().unwrap();
             assert!(
-                (own - expected).abs() < EQUAL * 0.5,
-                "{j} {name}: {own} {expected}"
+                (found_relative - expected).abs() < EQUAL * 0.5,
+                "{j} {name}: {found_relative} {expected}"
             );
         }
     }
     let findings = found["findings"].as_array().unwrap();
     let said = findings
         .iter()
-        .find(|own| own["code"] == "massless-condensed");
+        .find(|finding| finding["code"] == "massless-condensed");
     assert_eq!(
         said.unwrap()["value"].as_f64(),
         Some(massless),
@@ -334,9 +338,9 @@ fn check_run_and_update(folder: &Path, reference: &Reference) {
     let update = ["update".as_ref(), folder.as_os_str(), "--json".as_ref()];
     let updated: Value = serde_json::from_str(&succeed(update)).unwrap();
     let parameters = updated["parameters"].as_array().unwrap();
-    for (own, expected) in parameters.iter().zip(&reference.updated) {
-        let found = own["updated"].as_f64().unwrap();
-        assert!(near(found, *expected), "{own} {expected}");
+    for (parameter, expected) in parameters.iter().zip(&reference.updated) {
+        let found = parameter["updated"].as_f64().unwrap();
+        assert!(near(found, *expected), "{parameter} {expected}");
     }
 }
 

@@ -44,7 +44,13 @@ fn chain(size: usize) -> tempfile::TempDir {
     let masses: Vec<_> = (1..=size).map(|i| (i, i, MASS)).collect();
     let mut springs = Vec::new();
     for i in 1..size {
-        let end = |own: usize| if own == 1 || own == size { 1.0 } else { 2.0 };
+        let end = |number: usize| {
+            if number == 1 || number == size {
+                1.0
+            } else {
+                2.0
+            }
+        };
         springs.push((i, i, end(i) * STIFFNESS));
         springs.push((i + 1, i, -STIFFNESS));
     }
@@ -125,10 +131,10 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
     let sweep = ["--sweep", "wall=0.5:2:3", "--energies", "--sensitivities"];
     let found = theory(path, &sweep);
     assert_eq!(found["schema"], "modalign-sweep/1");
-    let told = &found["theory"];
+    let solution = &found["theory"];
     for number in 1..=size {
         let hz = closed_form(size, number);
-        let energy = &told["energies"][number - 1];
+        let energy = &solution["energies"][number - 1];
         assert!((frequency(energy) / hz - 1.0).abs() < 1e-12, "{energy}");
         let shares = energy["kinetic"].as_object().unwrap();
         assert_eq!(shares.len(), size);
@@ -145,10 +151,10 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
         let phi2 = 2.0 / (size + 1) as f64 / MASS * angle.sin().powi(2);
         let lambda = (std::f64::consts::TAU * hz).powi(2);
         let expected = 0.5 * 2.0 * STIFFNESS * phi2 / lambda;
-        let own = &told["sensitivities"][number - 1]["by"]["wall"]["relative"];
+        let found_relative = &solution["sensitivities"][number - 1]["by"]["wall"]["relative"];
         assert!(
-            (own.as_f64().unwrap() - expected).abs() < 1e-12,
-            "{own} {expected}"
+            (found_relative.as_f64().unwrap() - expected).abs() < 1e-12,
+            "{found_relative} {expected}"
         );
         assert!((0.5 * wall - expected).abs() < 1e-12, "{wall} {expected}");
         let locus = &found["sweeps"][0]["loci"][number - 1]["frequency_hz"];
@@ -193,7 +199,7 @@ fn a_dense_model_is_solved_swept_compared_run_and_updated() {
 }
 
 #[test]
-fn a_sparse_model_is_solved_run_swept_and_told_by_its_largest_bodies() {
+fn a_sparse_model_is_solved_run_swept_and_described_by_its_largest_bodies() {
     let size = 1200;
     let folder = chain(size);
     let path = folder.path();
@@ -210,8 +216,8 @@ fn a_sparse_model_is_solved_run_swept_and_told_by_its_largest_bodies() {
         let proportional = 0.5 * 1e-6 * std::f64::consts::TAU * hz;
         assert!((damping / proportional - 1.0).abs() < 1e-9, "{damping}");
     }
-    let told = found["theory"]["sensitivities"].as_array().unwrap();
-    assert_eq!(told.len(), expected.len());
+    let per_mode = found["theory"]["sensitivities"].as_array().unwrap();
+    assert_eq!(per_mode.len(), expected.len());
     let model = path.join("model.toml");
     let energies: [&OsStr; 5] = [
         "theory".as_ref(),
@@ -291,9 +297,9 @@ fn a_damping_matrix_that_couples_the_modes_gives_complex_ones() {
         // (λ²M + λC + K)φ = 0, over its largest term.
         for i in 0..2 {
             let damping = if i == 0 { c } else { 0.0 };
-            let own = (lambda * lambda * m[i] + lambda * damping) * shape[i];
+            let inertia = (lambda * lambda * m[i] + lambda * damping) * shape[i];
             let elastic = k[i][0] * shape[0] + k[i][1] * shape[1];
-            assert!((own + elastic).norm() < 1e-10 * 1e6 * shape[0].norm());
+            assert!((inertia + elastic).norm() < 1e-10 * 1e6 * shape[0].norm());
         }
         assert!(mode["mpc"].as_f64().unwrap() < 0.999, "{mode}");
         let residue = shape[0] * shape[0] / Complex64::new(0.0, 2.0 * lambda.im);

@@ -34,12 +34,12 @@ fn hardened(natural_hz: f64, zeta: f64, hardening: f64, omega: f64) -> Complex64
         let stiffness = (omega_n * (1.0 + rise)).powi(2);
         Complex64::new(stiffness - omega * omega, 2.0 * zeta * omega_n * omega).inv()
     };
-    let mut own = receptance(0.0);
+    let mut response = receptance(0.0);
     for _ in 0..60 {
-        let over_peak = (own.norm() * 2.0 * zeta * omega_n * omega_n).min(1.5);
-        own = 0.5 * own + 0.5 * receptance(hardening * zeta * over_peak * over_peak);
+        let over_peak = (response.norm() * 2.0 * zeta * omega_n * omega_n).min(1.5);
+        response = 0.5 * response + 0.5 * receptance(hardening * zeta * over_peak * over_peak);
     }
-    own
+    response
 }
 
 fn dataset(kind: usize, point: usize, values: &[f64], columns: [&str; 2]) -> String {
@@ -56,7 +56,7 @@ fn dataset(kind: usize, point: usize, values: &[f64], columns: [&str; 2]) -> Str
         columns[1],
     );
     for row in values.chunks(4) {
-        let row: String = row.iter().map(|own| format!("{own:>20.12e}")).collect();
+        let row: String = row.iter().map(|value| format!("{value:>20.12e}")).collect();
         writeln!(text, "{row}").unwrap();
     }
     text + "    -1\n"
@@ -75,8 +75,8 @@ fn file(hardening: f64) -> String {
     for point in 0..4 {
         let value = |line: usize| {
             let omega = TAU * hz(line);
-            let of_mode = |own: &(f64, f64, [f64; 4])| {
-                own.2[point] * own.2[0] * hardened(own.0, own.1, hardening, omega)
+            let of_mode = |mode: &(f64, f64, [f64; 4])| {
+                mode.2[point] * mode.2[0] * hardened(mode.0, mode.1, hardening, omega)
             };
             -omega * omega * MODES.iter().map(of_mode).sum::<Complex64>()
         };
@@ -110,10 +110,10 @@ fn identified(hardening: f64) -> (f64, Option<Value>) {
     let error = |(hz, zeta, _): &(f64, f64, [f64; 4])| {
         let apart = found
             .iter()
-            .map(|own| (own["frequency_hz"].as_f64().unwrap() - hz).abs());
+            .map(|mode| (mode["frequency_hz"].as_f64().unwrap() - hz).abs());
         apart.fold(f64::MAX, f64::min) / (2.0 * zeta * hz)
     };
-    let missed = |own: &&Value| own["code"] == "model-misfit";
+    let missed = |finding: &&Value| finding["code"] == "model-misfit";
     let findings = result["findings"].as_array().unwrap();
     let finding = findings.iter().find(missed).cloned();
     (MODES.iter().map(error).fold(0.0, f64::max), finding)

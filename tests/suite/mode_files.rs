@@ -265,7 +265,7 @@ fn modes_alone_are_a_theory_from_datasets_2414_and_from_a_table() {
         .lines()
         .map(|line| line.split(',').collect())
         .collect();
-    let column = |name: &str| rows[0].iter().position(|own| *own == name).unwrap();
+    let column = |name: &str| rows[0].iter().position(|heading| *heading == name).unwrap();
     let number = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
     for (row, hz, shape) in [(1, 51.0, [-2.0, -1.0]), (2, 88.0, [0.5, -1.0])] {
         assert!(

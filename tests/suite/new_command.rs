@@ -50,8 +50,8 @@ fn a_scene_of_files_that_state_everything_runs_as_it_is() {
     ] {
         let mut arguments = vec!["new".to_owned(), path(scene), path(file)];
         arguments.extend(copied.then(|| "--copy".to_owned()));
-        let told = succeed(&arguments);
-        assert!(told.contains("nothing is left to fill in"), "{told}");
+        let printed = succeed(&arguments);
+        assert!(printed.contains("nothing is left to fill in"), "{printed}");
         assert_eq!(
             folder.path().join(scene).join("raw").join(file).exists(),
             copied
@@ -77,7 +77,7 @@ fn a_scene_of_files_that_state_everything_runs_as_it_is() {
 fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compares() {
     let folder = recorded();
     let path = |name: &str| at(folder.path(), name);
-    let told = succeed([
+    let printed = succeed([
         "new",
         &path("beam"),
         &path("hits.uff"),
@@ -85,8 +85,8 @@ fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compa
         &path("model.toml"),
     ]);
     assert!(
-        told.contains("11 lines are to be filled in"),
-        "a place for each point: {told}"
+        printed.contains("11 lines are to be filled in"),
+        "a place for each point: {printed}"
     );
     let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
     let line = 1 + scene
@@ -133,10 +133,10 @@ fn what_columns_mean_is_asked_for_line_by_line() {
             &[(name, &format!("force,acceleration\n{rows}"))],
         );
     }
-    let told = succeed(["new", &path("plate"), &path("hit1.csv"), &path("hit2.csv")]);
+    let printed = succeed(["new", &path("plate"), &path("hit1.csv"), &path("hit2.csv")]);
     let scene = std::fs::read_to_string(path("plate/scene.toml")).unwrap();
     for wanted in ["sampling_rate_hz", "unit", "dof"] {
-        assert!(told.contains(&format!(": {wanted}: ")), "{told}");
+        assert!(printed.contains(&format!(": {wanted}: ")), "{printed}");
     }
     assert!(
         scene.contains("hits = \"files\"") && scene.contains("role = \"force\""),
@@ -220,14 +220,14 @@ fn a_stated_sensor_is_that_of_the_record_that_names_none() {
     write(folder.path(), &[("open.uff", &text)]);
     let asked = succeed(["new", &path("asked"), &path("open.uff")]);
     assert!(asked.contains("1 lines are to be filled in"), "{asked}");
-    let told = succeed([
+    let printed = succeed([
         "new",
         &path("said"),
         &path("open.uff"),
         "--response",
         "1:+Z",
     ]);
-    assert!(told.contains("nothing is left to fill in"), "{told}");
+    assert!(printed.contains("nothing is left to fill in"), "{printed}");
     succeed(["frf", &path("said"), "-o", &path("frfs.uff")]);
 }
 
@@ -236,25 +236,27 @@ fn nothing_is_written_over() {
     let folder = recorded();
     let path = |name: &str| at(folder.path(), name);
     for name in ["SOURCE.md", "expected.toml", "scene.toml", "raw/hits.uff"] {
-        let own = format!("of-{}", name.replace('/', "-"));
-        std::fs::create_dir_all(folder.path().join(&own).join("raw")).unwrap();
+        let scene = format!("of-{}", name.replace('/', "-"));
+        std::fs::create_dir_all(folder.path().join(&scene).join("raw")).unwrap();
         write(
             folder.path(),
-            &[(&format!("{own}/{name}"), "of an earlier day")],
+            &[(&format!("{scene}/{name}"), "of an earlier day")],
         );
-        let error = fail(["new", &path(&own), &path("hits.uff"), "--copy"]);
+        let error = fail(["new", &path(&scene), &path("hits.uff"), "--copy"]);
         assert!(
             error.contains(name) && error.contains("nothing is written over"),
             "{error}"
         );
-        let files = std::fs::read_dir(folder.path().join(&own)).unwrap().count();
+        let files = std::fs::read_dir(folder.path().join(&scene))
+            .unwrap()
+            .count();
         assert_eq!(
             files,
             if name.starts_with("raw") { 1 } else { 2 },
             "nothing came beside {name}"
         );
         assert_eq!(
-            std::fs::read(folder.path().join(&own).join(name)).unwrap(),
+            std::fs::read(folder.path().join(&scene).join(name)).unwrap(),
             b"of an earlier day"
         );
     }
@@ -298,8 +300,8 @@ fn what_the_files_leave_open_can_be_said_at_once() {
         "2:20",
     ];
     let more = ["--points", points.as_str(), "--model", model.as_str()];
-    let told = succeed(["new", &said, &a, &b].into_iter().chain(stated).chain(more));
-    assert!(told.contains("nothing is left to fill in"), "{told}");
+    let printed = succeed(["new", &said, &a, &b].into_iter().chain(stated).chain(more));
+    assert!(printed.contains("nothing is left to fill in"), "{printed}");
     let scene = std::fs::read_to_string(path("said/scene.toml")).unwrap();
     for wanted in [
         "reference = \"2:+Z\"",

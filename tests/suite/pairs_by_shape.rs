@@ -57,9 +57,9 @@ fn random_shapes_do_not_pair_by_shape() {
         let pairing = paired(&test, &theory);
         named += usize::from(!pairing.reversed.is_empty());
         let partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
-        let sure = partners.filter(|own| own.verdict == Verdict::Paired);
+        let sure = partners.filter(|partner| partner.verdict == Verdict::Paired);
         let count = sure
-            .inspect(|own| assert_eq!(own.basis, Basis::Shape, "{number}"))
+            .inspect(|partner| assert_eq!(partner.basis, Basis::Shape, "{number}"))
             .count();
         modes += in_test;
         by_shape += count;
@@ -95,9 +95,12 @@ fn correlated_shapes_pair_by_shape() {
                 test,
                 truth,
             } = twin(kind, sensors, GOOD, seed);
-            for own in &paired(&test, &theory).pairs {
-                let root = theory.modes[own.theory[0]].group.unwrap();
-                let right = own.partners.iter().filter(|own| truth[own.test] == root);
+            for pair in &paired(&test, &theory).pairs {
+                let root = theory.modes[pair.theory[0]].group.unwrap();
+                let right = pair
+                    .partners
+                    .iter()
+                    .filter(|partner| truth[partner.test] == root);
                 for partner in right {
                     match partner.verdict {
                         Verdict::Paired => kept += 1,
@@ -134,7 +137,8 @@ fn stray_shape_among_correlated_ones_rarely_pairs() {
                 test.modes[stray].shape = ModeShape::new(values);
                 let pairing = paired(&test, &twin.theory);
                 let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
-                let sure = partners.any(|own| own.test == stray && own.verdict == Verdict::Paired);
+                let sure = partners
+                    .any(|partner| partner.test == stray && partner.verdict == Verdict::Paired);
                 all += 1;
                 by_shape += usize::from(sure);
             }
@@ -153,7 +157,10 @@ const POOR: Errors = Errors {
 fn roots(pairing: &Pairing) -> Vec<(usize, usize)> {
     let of_pair = |pair: &modalign::correlate::Pair| {
         let root = pair.theory[0];
-        let partners = pair.partners.iter().map(move |own| (own.test, root));
+        let partners = pair
+            .partners
+            .iter()
+            .map(move |partner| (partner.test, root));
         partners.collect::<Vec<_>>()
     };
     let mut roots: Vec<_> = pairing.pairs.iter().flat_map(of_pair).collect();
@@ -163,7 +170,7 @@ fn roots(pairing: &Pairing) -> Vec<(usize, usize)> {
 
 fn reversed(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
     let found = reversed_sensors(test, theory, &PairOptions::default()).unwrap();
-    let mut dofs: Vec<Dof> = found.into_iter().map(|own| own.dof).collect();
+    let mut dofs: Vec<Dof> = found.into_iter().map(|sensor| sensor.dof).collect();
     dofs.sort();
     dofs
 }
@@ -180,7 +187,7 @@ fn groups(twin: &Twin) -> (Vec<Dof>, Vec<Vec<Dof>>) {
         .map(|axis| kept(&|dof: &Dof| dof.axis().to_string() == axis))
         .to_vec();
     groups.push(kept(&|dof: &Dof| dof.component() == Some("arm")));
-    groups.retain(|own: &Vec<Dof>| !own.is_empty() && own.len() < dofs.len());
+    groups.retain(|group: &Vec<Dof>| !group.is_empty() && group.len() < dofs.len());
     (dofs, groups)
 }
 
@@ -229,7 +236,7 @@ fn good_sensors_of_good_and_poor_models_are_not_named() {
     let errors = [GOOD, POOR];
     for (kind, errors) in KINDS
         .into_iter()
-        .flat_map(|kind| errors.map(|own| (kind, own)))
+        .flat_map(|kind| errors.map(|error| (kind, error)))
     {
         for (sensors, seed) in [6, 12, 24]
             .into_iter()
@@ -276,24 +283,24 @@ fn nothing_is_claimed_of_two_directions_that_no_mode_moves_together() {
     };
     let (chain, beam) = (both(Kind::Chain), both(Kind::Beam));
     let joined = |a: &ModalModel, b: &ModalModel| {
-        let still = |own: &ModalModel| -> Vec<Dof> {
-            own.modes[0]
+        let still = |model: &ModalModel| -> Vec<Dof> {
+            model.modes[0]
                 .shape
                 .iter()
                 .map(|(dof, _)| dof.clone())
                 .collect()
         };
-        let extended = |own: &Mode, others: &[Dof]| {
-            let values = own.shape.iter().map(|(dof, v)| (dof.clone(), v));
+        let extended = |unextended: &Mode, others: &[Dof]| {
+            let values = unextended.shape.iter().map(|(dof, v)| (dof.clone(), v));
             let zeros = others.iter().map(|dof| (dof.clone(), Complex64::ZERO));
-            let mut mode = own.clone();
+            let mut mode = unextended.clone();
             mode.shape = ModeShape::new(values.chain(zeros).collect::<Vec<_>>());
             mode.group = None;
             mode
         };
         let (x, z) = (still(a), still(b));
-        let modes = a.modes.iter().map(|own| extended(own, &z));
-        let modes = modes.chain(b.modes.iter().map(|own| extended(own, &x)));
+        let modes = a.modes.iter().map(|mode| extended(mode, &z));
+        let modes = modes.chain(b.modes.iter().map(|mode| extended(mode, &x)));
         ModalModel {
             modes: modes.collect(),
             ..ModalModel::default()

@@ -1,5 +1,5 @@
 //! The committed results of the cycloid ball transmission: Table 2 against a model, and the paper's
-//! own claims.
+//! claims.
 
 use std::collections::BTreeMap;
 
@@ -191,7 +191,7 @@ fn the_recomputed_table_has_the_errors_and_their_means() {
         ("f13", ["-5.6008", "-4.7131", "1.4477"]),
     ] {
         let cells = row(label).tests.iter();
-        let percent = cells.map(|own| own.map(|own| format!("{:.4}", own.error_percent)));
+        let percent = cells.map(|cell| cell.map(|cell| format!("{:.4}", cell.error_percent)));
         let got: Vec<String> = percent.map(Option::unwrap_or_default).collect();
         assert_eq!(got, expected, "{label}");
     }

@@ -55,15 +55,15 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     let (mut quote, mut word) = (None, String::new());
     for c in line.chars() {
         match quote {
-            Some(own) if own == c => quote = None,
+            Some(open) if open == c => quote = None,
             None if c == '"' || c == '\'' => quote = Some(c),
             None if c == ' ' => {
-                words.extend(Some(std::mem::take(&mut word)).filter(|own| !own.is_empty()))
+                words.extend(Some(std::mem::take(&mut word)).filter(|whole| !whole.is_empty()))
             }
             _ => word.push(c),
         }
     }
-    words.extend(Some(word).filter(|own| !own.is_empty()));
+    words.extend(Some(word).filter(|whole| !whole.is_empty()));
     let target = words.iter().position(|word| word == ">");
     let file = target.map(|at| words.split_off(at)[1].clone());
     (words.split_off(1), file)
@@ -120,17 +120,17 @@ fn prepared() -> tempfile::TempDir {
         ("study.toml", STUDY),
     ];
     write(folder.path(), &files);
-    // The cycloid ball transmission takes long and has tests of its own: the beam stands in for it.
+    // The cycloid ball transmission takes long and has separate tests: the beam replaces it here.
     for name in ["cycloid-ball", "free-free-beam"] {
-        let own = folder.path().join("measurements").join(name);
-        std::fs::create_dir_all(&own).unwrap();
+        let scene_folder = folder.path().join("measurements").join(name);
+        std::fs::create_dir_all(&scene_folder).unwrap();
         let files = [
             ("scene.toml", scene.as_str()),
             ("model.toml", &model),
             ("synth.toml", &spec),
             ("study.toml", STUDY),
         ];
-        write(&own, &files);
+        write(&scene_folder, &files);
     }
     let machine = folder.path().join("measurements/machine");
     std::fs::create_dir_all(&machine).unwrap();
@@ -176,20 +176,22 @@ fn every_command_of_the_readme_and_every_example_runs() {
             .split("Example")
             .nth(1)
             .unwrap_or_else(|| panic!("{verb} --help has no example"));
-        let own: Vec<String> = examples
+        let commands: Vec<String> = examples
             .lines()
             .filter_map(command_of)
             .map(str::to_owned)
             .collect();
         assert!(
-            !own.is_empty(),
+            !commands.is_empty(),
             "{verb} --help has an example that can be typed"
         );
         assert!(
-            own.iter().all(|line| line.split(' ').nth(1) == Some(&verb)),
-            "{own:?}"
+            commands
+                .iter()
+                .all(|line| line.split(' ').nth(1) == Some(&verb)),
+            "{commands:?}"
         );
-        lines.extend(own);
+        lines.extend(commands);
     }
     let readme = readme_commands();
     assert!(readme.len() >= 12, "the README was read: {readme:?}");
@@ -225,8 +227,8 @@ fn every_verb_has_its_row_in_the_readme() {
 
 #[test]
 fn words_part_as_in_a_shell() {
-    let (own, file) = words("modalign theory 'a b' --set \"x=1\" > out.txt");
-    assert_eq!(own, ["theory", "a b", "--set", "x=1"]);
+    let (arguments, file) = words("modalign theory 'a b' --set \"x=1\" > out.txt");
+    assert_eq!(arguments, ["theory", "a b", "--set", "x=1"]);
     assert_eq!(file.as_deref(), Some("out.txt"));
     assert_eq!(
         command_of("    - run: modalign run x -o out   # remark"),

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::command::{fail, json, modalign, root, succeed, write};
 
-/// The beam's scene run into a folder that nobody writes into, and its page.
+/// The beam's scene run into a folder that stays unchanged, and its page.
 fn beam() -> (&'static Path, &'static str) {
     static RUN: OnceLock<(TempDir, String)> = OnceLock::new();
     let (folder, page) = RUN.get_or_init(|| {
@@ -164,14 +164,16 @@ fn a_report_is_built_again_as_it_was_and_in_the_other_language() {
     std::fs::copy(run.join("report.json"), out.path().join("report.json")).unwrap();
     let folder = out.path().to_str().unwrap();
     let path = out.path().join("report.html");
-    let told = succeed(["report", folder]);
-    assert_eq!(told.trim(), path.to_str().unwrap());
+    let printed = succeed(["report", folder]);
+    assert_eq!(printed.trim(), path.to_str().unwrap());
     assert_eq!(std::fs::read_to_string(&path).unwrap(), page);
     let figures = |extension: &str| {
         let all = std::fs::read_dir(out.path().join("figures")).unwrap();
         let paths = all.map(|entry| entry.unwrap().path());
-        let own = paths.filter(|path| path.extension().is_some_and(|own| own == extension));
-        own.map(|path| path.with_extension(""))
+        let with_extension =
+            paths.filter(|path| path.extension().is_some_and(|found| found == extension));
+        with_extension
+            .map(|path| path.with_extension(""))
             .collect::<BTreeSet<_>>()
     };
     assert_eq!((figures("svg").len(), figures("png").len()), (22, 0));
@@ -315,13 +317,13 @@ fn poles_of_the_page_are_a_selection_that_identify_takes() {
     let (run, page) = beam();
     let out = tempfile::tempdir().unwrap();
     let test = &data(page)["figures"]["tests"][0];
-    let own = &test["stabilization"];
+    let diagram = &test["stabilization"];
     let (order, hz, damping) = (
-        numbers(&own["order"]),
-        numbers(&own["hz"]),
-        numbers(&own["damping"]),
+        numbers(&diagram["order"]),
+        numbers(&diagram["hz"]),
+        numbers(&diagram["damping"]),
     );
-    let status = numbers(&own["status"]);
+    let status = numbers(&diagram["status"]);
     let truth = json(&run.join("roving-hammer.truth.modes.json"));
     let wanted = truth["modes"]
         .as_array()
@@ -351,7 +353,7 @@ fn poles_of_the_page_are_a_selection_that_identify_takes() {
         path(out.path(), "selection.json"),
         path(out.path(), "modes.json"),
     );
-    let method = own["method"].as_str().unwrap();
+    let method = diagram["method"].as_str().unwrap();
     succeed([
         "identify",
         &frfs,

@@ -141,8 +141,8 @@ fn every_estimator_finds_the_truth() {
 }
 
 #[test]
-fn a_force_window_that_cuts_the_filters_ringing_is_told() {
-    for (hold, told) in [("0.005", true), ("0.2", false)] {
+fn a_force_window_that_cuts_the_filter_ringing_is_reported() {
+    for (hold, reported) in [("0.005", true), ("0.2", false)] {
         let folder = tempfile::tempdir().unwrap();
         write(
             folder.path(),
@@ -154,7 +154,7 @@ fn a_force_window_that_cuts_the_filters_ringing_is_told() {
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         succeed(["synth", &path("spec.toml"), "-o", &path("hits.uff")]);
         let summary = succeed(["frf", &path("hits.uff"), "--force-window", hold, "--json"]);
-        assert_eq!(summary.contains("force-window-cuts"), told, "{hold}");
+        assert_eq!(summary.contains("force-window-cuts"), reported, "{hold}");
     }
 }
 

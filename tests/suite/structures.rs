@@ -84,10 +84,10 @@ impl Structure {
     fn modes(&self, factors: &[f64]) -> SymmetricModes {
         let size = self.dofs.len();
         let mut stiffness = real_matrix(size, size, |_, _| 0.0);
-        for ((row, own, _), factor) in self.springs.iter().zip(factors) {
+        for ((row, spring_stiffness, _), factor) in self.springs.iter().zip(factors) {
             for (i, a) in row {
                 for (j, b) in row {
-                    stiffness[(*i, *j)] += factor * own * a * b;
+                    stiffness[(*i, *j)] += factor * spring_stiffness * a * b;
                 }
             }
         }
@@ -96,7 +96,7 @@ impl Structure {
     }
 
     /// A model and a test of the lowest `count` modes at `sensors` degrees of freedom drawn at
-    /// random. A spring's stiffness is off by its own factor, in a ring by that of its class, so
+    /// random. Every spring has a separate error factor, in a ring every class of springs, so
     /// that repeated roots stay.
     pub fn twin(
         &self,
@@ -125,17 +125,17 @@ impl Structure {
         let root = |j: usize| {
             let groups = groups
                 .iter()
-                .map(|own| own.iter().map(|&k| part(j, k)).sum::<f64>());
+                .map(|group| group.iter().map(|&k| part(j, k)).sum::<f64>());
             let best = groups.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
             best.unwrap().0 as u32
         };
         let mut model = ModalModel::default();
-        for (g, own) in groups
+        for (g, group) in groups
             .iter()
             .enumerate()
-            .filter(|(_, own)| own[0] < count + 8)
+            .filter(|(_, group)| group[0] < count + 8)
         {
-            for &j in own {
+            for &j in group {
                 let shape = |p: &usize| Complex64::from(theory.vectors[(*p, j)]);
                 let mut mode = self.mode(&theory, j, (&places, shape));
                 mode.scaling = Scaling::UnitModalMass;
@@ -176,9 +176,11 @@ impl Structure {
 /// Numbers of the modes of each root.
 fn roots(modes: &SymmetricModes) -> Vec<Vec<usize>> {
     let mut roots: Vec<Vec<usize>> = Vec::new();
-    for (j, own) in modes.omega_squared.iter().enumerate() {
+    for (j, eigenvalue) in modes.omega_squared.iter().enumerate() {
         match roots.last_mut() {
-            Some(last) if own - modes.omega_squared[last[0]] <= SAME_ROOT * own => last.push(j),
+            Some(last) if eigenvalue - modes.omega_squared[last[0]] <= SAME_ROOT * eigenvalue => {
+                last.push(j)
+            }
             _ => roots.push(vec![j]),
         }
     }
@@ -272,8 +274,8 @@ fn frame(random: &mut ChaCha8Rng) -> Structure {
     };
     let points: Vec<[f64; 3]> = (0..POINTS).map(&mut point).collect();
     let mut springs = Vec::new();
-    for (n, own) in points.iter().enumerate() {
-        let to = |m: usize| [0, 1, 2].map(|axis| points[m][axis] - own[axis]);
+    for (n, from) in points.iter().enumerate() {
+        let to = |m: usize| [0, 1, 2].map(|axis| points[m][axis] - from[axis]);
         let length = |m: usize| to(m).iter().map(|v| v * v).sum::<f64>().sqrt();
         let mut others: Vec<usize> = (0..POINTS).filter(|m| *m != n).collect();
         others.sort_by(|a, b| length(*a).total_cmp(&length(*b)));

@@ -13,7 +13,7 @@ const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators 
 const MODES: usize = 6;
 /// Most rms error over the bound that is wanted of the refined method, and deviations that an rms
 /// of so few errors may be above it.
-const MOST_OVER_BOUND: f64 = 1.2;
+const MAX_ERROR_OVER_BOUND: f64 = 1.2;
 const SIGMAS: f64 = 4.0;
 
 fn scene(folder: &Path) {
@@ -59,11 +59,11 @@ impl Rows {
 
     /// A column of the rows of one method on one kind of data, at one level or all.
     fn values(&self, (data, method): (&str, &str), snr_db: Option<&str>, column: &str) -> Vec<f64> {
-        let own = self.0.iter().filter(|row| {
+        let rows = self.0.iter().filter(|row| {
             let level = snr_db.is_none_or(|level| row["snr_db"] == level);
             row["data"] == data && row["method"] == method && level
         });
-        own.filter_map(|row| row[column].parse().ok()).collect()
+        rows.filter_map(|row| row[column].parse().ok()).collect()
     }
 }
 
@@ -110,21 +110,20 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
         times
             .values(("data", "ml"), None, "peak_bytes")
             .iter()
-            .all(|own| *own > 1e5)
+            .all(|bytes| *bytes > 1e5)
     );
 
     let rows = Rows::read(&two.join("speed-accuracy.csv"));
     let over = |data: &str, method: &str, level| {
-        let own = rows.values((data, method), level, "frequency_over_bound");
-        assert!(!own.is_empty(), "{data}, {method}");
-        (own.iter().map(|own| own * own).sum::<f64>() / own.len() as f64).sqrt()
+        let ratios = rows.values((data, method), level, "frequency_over_bound");
+        assert!(!ratios.is_empty(), "{data}, {method}");
+        (ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / ratios.len() as f64).sqrt()
     };
     let errors = (3 * 4 * MODES) as f64;
-    let most = MOST_OVER_BOUND + SIGMAS / (2.0 * errors).sqrt();
+    let most = MAX_ERROR_OVER_BOUND + SIGMAS / (2.0 * errors).sqrt();
     let refined = over("twin; white noise", "ml", None);
     assert!(refined < most, "{refined}");
-    // Two time constants of record leave an error of their own, which the noise no longer hides; 80
-    // dB.
+    // A record of two time constants causes a truncation bias, which exceeds the noise at 80 dB.
     for method in ["circle", "line", "peak", "ml"] {
         let ended = over("twin; record ends early", method, Some("80"));
         assert!(ended > 10.0, "{method}: {ended}");
@@ -189,11 +188,11 @@ fn what_the_beam_needs_is_the_same_for_any_threads_and_on_its_page() {
     assert!(text.contains("the data support 6 roots by BIC"), "{text}");
     assert!(page.contains("one mode at a time is enough for 6 of 6 observable modes"));
     assert!(csv.lines().count() > 7 && figure.contains("BIC above its least"));
-    let own: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(own["schema"], "modalign-order/1");
-    let test = &own["tests"][0];
+    let study: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(study["schema"], "modalign-order/1");
+    let test = &study["tests"][0];
     assert_eq!(test["roots_by_bic"], 6);
-    assert_eq!(own["parameters"]["needed"].as_array().unwrap().len(), 2);
+    assert_eq!(study["parameters"]["needed"].as_array().unwrap().len(), 2);
     for method in test["orders"].as_array().unwrap() {
         let lowest = method["lowest"].as_u64().unwrap();
         assert!(

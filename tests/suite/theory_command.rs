@@ -33,10 +33,10 @@ fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
         sweep,
         "--json",
     ]));
-    let own = &json["sweeps"][0];
-    assert_eq!(own["followed"], false);
-    assert_eq!(own["loci"][0]["multiplicities"][3], 15);
-    assert_eq!(own["loci"][1]["multiplicities"], Value::Null);
+    let sweep = &json["sweeps"][0];
+    assert_eq!(sweep["followed"], false);
+    assert_eq!(sweep["loci"][0]["multiplicities"][3], 15);
+    assert_eq!(sweep["loci"][1]["multiplicities"], Value::Null);
     for (sweep, expected) in [
         (
             "ball_count=8:14:5",
@@ -159,14 +159,14 @@ fn json_has_what_was_asked_beside_the_modes() {
     ));
     assert_eq!(found["schema"], "modalign-modes/1");
     assert_eq!(found["modes"].as_array().unwrap().len(), 7);
-    let told = &found["theory"];
-    let k_r = told["parameters"]
+    let theory_of_modes = &found["theory"];
+    let k_r = theory_of_modes["parameters"]
         .as_array()
         .unwrap()
         .iter()
-        .find(|own| own["name"] == "k_r");
+        .find(|parameter| parameter["name"] == "k_r");
     assert_eq!(k_r.unwrap()["value"], 5e8);
-    let root = &told["energies"][2];
+    let root = &theory_of_modes["energies"][2];
     assert_eq!(root["multiplicity"], 3);
     for kind in ["kinetic", "strain"] {
         let shares = root[kind].as_object().unwrap().values();
@@ -174,16 +174,16 @@ fn json_has_what_was_asked_beside_the_modes() {
         assert!((sum - 1.0).abs() < 1e-12, "{kind} {sum}");
     }
     // The reference's derivative of the first elastic root by k_r, 2.6230511e-3 to its last digit.
-    let slope = &told["sensitivities"][1]["by"]["k_r"]["branches_rad2_s2"][0];
+    let slope = &theory_of_modes["sensitivities"][1]["by"]["k_r"]["branches_rad2_s2"][0];
     assert!(
         (slope.as_f64().unwrap() / 2.6230511e-3 - 1.0).abs() < 6e-8,
         "{slope}"
     );
-    let planet = told["quantities"]
+    let planet = theory_of_modes["quantities"]
         .as_array()
         .unwrap()
         .iter()
-        .find(|own| own["name"] == "planet_mode");
+        .find(|quantity| quantity["name"] == "planet_mode");
     assert!((planet.unwrap()["value"].as_f64().unwrap() / 2088.007554 - 1.0).abs() < 1e-9);
     let plain = parsed(&succeed(["theory", "torsional-planetary", "--json"]));
     assert_eq!(plain["theory"], Value::Null);
@@ -205,9 +205,12 @@ fn a_number_that_needs_values_beyond_a_bound_is_left_out_and_said() {
         assert_eq!(output.status.code(), Some(0));
         let found = parsed(std::str::from_utf8(&output.stdout).unwrap());
         let all = found["theory"]["quantities"].as_array().unwrap();
-        let own = all.iter().find(|own| own["name"] == absent).unwrap();
-        assert_eq!(own["value"], Value::Null);
-        assert!(all.iter().any(|own| own["value"].is_f64()));
+        let quantity = all
+            .iter()
+            .find(|quantity| quantity["name"] == absent)
+            .unwrap();
+        assert_eq!(quantity["value"], Value::Null);
+        assert!(all.iter().any(|quantity| quantity["value"].is_f64()));
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(said.contains(&format!("quantity {absent}: ")), "{said}");
         assert!(said.contains("[quantity-absent]"), "{said}");

@@ -26,7 +26,7 @@ fn verdicts(folder: &Path) -> [usize; 3] {
         .map(|record| record.unwrap()[column.unwrap()].to_owned())
         .collect();
     ["reproduced", "NOT reproduced", "not checkable"]
-        .map(|verdict| all.iter().filter(|own| *own == verdict).count())
+        .map(|verdict| all.iter().filter(|other| *other == verdict).count())
 }
 
 #[test]
@@ -151,32 +151,36 @@ fn a_sweep_follows_the_modes_and_names_crossings_and_veerings() {
     ] {
         assert!(text.contains(part), "{part}:\n{text}");
     }
-    let told = |kind: &str| {
+    let count_of = |kind: &str| {
         text.lines()
             .filter(|line| line.trim_start().starts_with(kind))
             .count()
     };
-    assert_eq!((told("crossing "), told("veering ")), (2, 1), "{text}");
+    assert_eq!(
+        (count_of("crossing "), count_of("veering ")),
+        (2, 1),
+        "{text}"
+    );
     let file: Value =
         serde_json::from_str(&succeed(arguments.into_iter().chain(["--json"]))).unwrap();
     assert_eq!(file["schema"], "modalign-sweep/1");
-    let own = &file["sweeps"][0];
+    let sweep = &file["sweeps"][0];
     assert_eq!(
-        (own["parameter"].as_str(), own["unit"].as_str()),
+        (sweep["parameter"].as_str(), sweep["unit"].as_str()),
         (Some("k_r"), Some("N/m"))
     );
-    assert_eq!(own["values"].as_array().unwrap().len(), 9);
+    assert_eq!(sweep["values"].as_array().unwrap().len(), 9);
     assert!(
-        own["loci"]
+        sweep["loci"]
             .as_array()
             .unwrap()
             .iter()
             .all(|locus| { locus["frequency_hz"].as_array().unwrap().len() == 9 })
     );
-    let veering = &own["events"][1];
+    let veering = &sweep["events"][1];
     assert_eq!(veering["kind"], "veering");
     assert!((veering["place"].as_f64().unwrap() / 2.502803e9 - 1.0).abs() < 4e-7);
-    assert!(own["events"][0]["width"].is_null());
+    assert!(sweep["events"][0]["width"].is_null());
     for (bad, expected) in [
         ("k_r=1:2", "NAME=LO:HI:N"),
         ("k_t=1e7:1e9:5", "did you mean `k_"),
@@ -212,7 +216,7 @@ fn the_helical_gear_judges_every_claim_and_says_which_detail_suffices() {
 }
 
 #[test]
-fn a_response_is_told_for_every_detail_with_its_cost() {
+fn a_response_is_computed_for_every_detail_with_its_cost() {
     let arguments = ["theory", "helical-planetary", "--response"];
     let text = succeed(arguments.into_iter().chain(["--json"]));
     let file: Value = serde_json::from_str(&text).unwrap();
@@ -220,7 +224,7 @@ fn a_response_is_told_for_every_detail_with_its_cost() {
     let details = file["details"].as_array().unwrap();
     let names: Vec<&str> = details
         .iter()
-        .map(|own| own["detail"].as_str().unwrap())
+        .map(|entry| entry["detail"].as_str().unwrap())
         .collect();
     assert_eq!(
         names,
@@ -231,14 +235,14 @@ fn a_response_is_told_for_every_detail_with_its_cost() {
             "varying angle, exact"
         ]
     );
-    let rms = |own: &Value| own["signals"][0]["rms"].as_f64().unwrap();
-    for (own, expected) in details.iter().zip([
+    let rms = |entry: &Value| entry["signals"][0]["rms"].as_f64().unwrap();
+    for (entry, expected) in details.iter().zip([
         1.798035934e-7,
         1.898666933e-7,
         1.898667444e-7,
         1.898667189e-7,
     ]) {
-        assert!((rms(own) / expected - 1.0).abs() < 2e-6, "{own}");
+        assert!((rms(entry) / expected - 1.0).abs() < 2e-6, "{entry}");
     }
     assert_eq!(details[0]["coordinates"], 6);
     let message = fail(["theory", "cycloid-ball", "--response"]);

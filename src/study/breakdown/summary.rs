@@ -26,7 +26,7 @@ impl SliceResult {
         let fields = [Bound::Counted, Bound::Lower, Bound::Upper].map(|b| self.field(method, b));
         let reach = |share: &f64| {
             let values_of = |k: usize| {
-                let segments = fields[k].values_of((true, *share), LEVEL).into_iter();
+                let segments = fields[k].stretches((true, *share), LEVEL).into_iter();
                 segments.map(|(a, b)| (x.at(a), x.at(b))).collect()
             };
             Reach {

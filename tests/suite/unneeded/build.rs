@@ -91,14 +91,14 @@ pub fn frfs() -> String {
 }
 
 pub fn coherence(node: usize, value: impl Fn(usize) -> f64) -> String {
-    let own = Function {
+    let function = Function {
         kind: 6,
         points: &points(node),
         numerator: NOTHING,
         denominator: NOTHING,
         values: (0..LINES).map(value).collect(),
     };
-    own.text()
+    function.text()
 }
 
 pub fn dataset(lines: &[&str]) -> String {
@@ -119,14 +119,14 @@ pub fn record(node: usize, numerator: &str, version: usize, values: Vec<f64>) ->
         "NONE      "
     };
     let direction = if node == 3 { 0 } else { 3 };
-    let own = Function {
+    let function = Function {
         kind: 1,
         points: &format!("{name}{node:>10}{direction:>4} NONE               0   0"),
         numerator,
         denominator: NOTHING,
         values,
     };
-    let text = own.text();
+    let text = function.text();
     let head = format!("    1         0{version:>5}         0 ");
     text.replacen("    1         0    0         0 ", &head, 1)
 }
