@@ -284,13 +284,13 @@ fn modes_beside_the_band_leave_little_in_it() {
         over_bound(&all, |s| s.bias.unwrap()),
         bias_over_bound(&samples.modes),
     );
-    println!("error stated over bound {stated:.3}");
+    println!("stated error over bound {stated:.3}");
     println!("{} draws wrong: {:?}", samples.wrong.len(), samples.wrong);
     assert!(samples.wrong.is_empty());
     pooled.hold_errors(MAX_ERROR_OVER_BOUND);
     pooled.hold_statements();
-    // What is stated is no less than the mean error beyond what the noise of so many draws makes of
-    // it, and no more than matters.
+    // The stated error covers the mean error except for its scatter over the draws, and is small
+    // against the bound.
     let means = 2 * samples.modes.len();
     let by_noise = MAX_ERROR_OVER_BOUND / (DRAWS as f64).sqrt();
     let limit = by_noise * (1.0 + RMS_SIGMAS * rms_deviation(means));

@@ -114,7 +114,7 @@ pub fn twin(machine: &Machine, number: u64) -> Twin {
     let choices: Vec<ParameterChoice> = machine.parameters.iter().map(choice).collect();
     let mut options = UpdateOptions {
         frequency_floor: 0.0,
-        // The shapes' true_model deviations are the test's; the model has no error.
+        // The deviations of the shapes are those of the test; the model has no error.
         shape_floor: Some(1e-6),
         prior_std: PRIOR,
         ..UpdateOptions::default()

@@ -199,7 +199,7 @@ def texts(values):
 
 
 def check_layout(array, name):
-    """The arrays of modalign's own layout, by name."""
+    """The arrays of the modalign layout, by name."""
     equal(array("time/values"), TIME, f"{name} time")
     equal(array("frf/re") + 1j * array("frf/im"), FRF, f"{name} FRF")
     equal(array("coherence/values"), [COHERENCE], f"{name} coherence")

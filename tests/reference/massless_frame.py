@@ -19,14 +19,14 @@ import numpy as np
 NX, NY, LENGTH = 4, 5, 4.0
 MODES, MEASURED, FLOOR, PRIOR = 30, 12, 1e-6, 0.03
 TRUTH = {"columns": 1.1, "beams": 0.93, "live": 1.2}
-# EA, GJ, EI for bending along the first and the second axis after the member's own, in the order x, y, z, x, ...
+# EA, GJ, EI for bending along the first and the second axis after the axis of the member, in the order x, y, z, x, ...
 COLUMN = (4.0e9, 3.2e7, 6.4e7, 1.28e8)
 BEAM_X = (2.0e9, 1.6e7, 3.2e7, 9.6e7)
 BEAM_Y = (2.4e9, 2.4e7, 1.28e8, 4.8e7)
 
 
 def frame(storeys):
-    """Stiffness of columns and beams, own and live mass, over the free coordinates; which of them are massless."""
+    """Stiffness of columns and beams, permanent and live mass, over the free coordinates; which of them are massless."""
     last = [(storeys, NY - 1, NX - 1), (storeys, NY - 1, NX - 2)]
     nodes = [(s, y, x) for s in range(storeys + 1) for y in range(NY) for x in range(NX)]
     nodes = [node for node in nodes if node not in last]
@@ -61,26 +61,26 @@ def frame(storeys):
                 member(beams, (s, y, x), (s, y, x + 1), 0, BEAM_X)
             if (s, y + 1, x) in place:
                 member(beams, (s, y, x), (s, y + 1, x), 1, BEAM_Y)
-    own, live = np.zeros(size), np.zeros(size)
+    permanent, live = np.zeros(size), np.zeros(size)
     for (s, y, x), i in place.items():
         number = (s * NY + y) * NX + x + 1
-        own[6 * i : 6 * i + 3] = 2000.0 + 100.0 * (number % 7)
+        permanent[6 * i : 6 * i + 3] = 2000.0 + 100.0 * (number % 7)
         live[6 * i : 6 * i + 3] = 800.0 if s % 2 == 0 else 0.0
     propped = 6 * place[(4, 0, 0)]
     free = [i for i in range(6 * NX * NY, size) if i not in (propped, propped + 1)]
     massless = np.array([i % 6 > 2 for i in free])
     cut = np.ix_(free, free)
-    return columns[cut], beams[cut], own[free], live[free], massless
+    return columns[cut], beams[cut], permanent[free], live[free], massless
 
 
 class Frame:
     def __init__(self, storeys):
-        self.columns, self.beams, self.own, self.live, self.massless = frame(storeys)
+        self.columns, self.beams, self.permanent, self.live, self.massless = frame(storeys)
 
     def solve(self, p, count):
         """Angular frequencies, shapes at all coordinates of unit modal mass."""
         k = p["columns"] * self.columns + p["beams"] * self.beams
-        m = self.own + p["live"] * self.live
+        m = self.permanent + p["live"] * self.live
         a, o = ~self.massless, self.massless
         follow = -np.linalg.solve(k[np.ix_(o, o)], k[np.ix_(o, a)])
         condensed = k[np.ix_(a, a)] + k[np.ix_(a, o)] @ follow
@@ -121,15 +121,15 @@ class Frame:
 def main():
     print(f"# numpy {np.__version__}, Python {platform.python_version()}; Hz, then p/f df/dp of columns, beams, live")
     for name, storeys in [("small", 4), ("dense", 8), ("sparse", 11)]:
-        own = Frame(storeys)
+        structure = Frame(storeys)
         nominal = {"columns": 1.0, "beams": 1.0, "live": 1.0}
-        omega, phi = own.solve(nominal, MODES)
-        by = own.sensitivities(nominal, omega, phi)
-        print(f"{name} coordinates {own.massless.size} {own.massless.sum()}")
+        omega, phi = structure.solve(nominal, MODES)
+        by = structure.sensitivities(nominal, omega, phi)
+        print(f"{name} coordinates {structure.massless.size} {structure.massless.sum()}")
         for f, row in zip(omega / (2 * np.pi), by):
             print(name, "mode", f"{f:.15e}", *(f"{value:.15e}" for value in row))
         if name != "sparse":
-            print(name, "updated", *(f"{value:.15e}" for value in own.updated().values()))
+            print(name, "updated", *(f"{value:.15e}" for value in structure.updated().values()))
 
 
 if __name__ == "__main__":

@@ -64,8 +64,8 @@ class Chromium:
             time.sleep(0.1)
         port = port_file.read_text().split()[0]
         pages = json.load(urllib.request.urlopen(f"http://127.0.0.1:{port}/json"))
-        own = next(page for page in pages if page["type"] == "page")
-        self.socket = websocket.create_connection(own["webSocketDebuggerUrl"], timeout=60)
+        target = next(page for page in pages if page["type"] == "page")
+        self.socket = websocket.create_connection(target["webSocketDebuggerUrl"], timeout=60)
         self.number = 0
         self.events = []
         for domain in ["Page", "Runtime", "Log", "Network"]:
@@ -104,15 +104,15 @@ class Chromium:
         """Errors of console and script, and what was loaded beside the page."""
         found = []
         for event in self.events:
-            method, own = event.get("method"), event.get("params", {})
+            method, parameters = event.get("method"), event.get("params", {})
             if method == "Runtime.exceptionThrown":
-                found.append(own["exceptionDetails"].get("exception", {}).get("description", "exception"))
-            if method == "Runtime.consoleAPICalled" and own["type"] in ("error", "warning"):
-                found.append(str(own["args"]))
-            if method == "Log.entryAdded" and own["entry"]["level"] == "error":
-                found.append(own["entry"]["text"])
-            if method == "Network.requestWillBeSent" and not own["request"]["url"].startswith(("file:", "data:", "blob:")):
-                found.append(f"request of {own['request']['url']}")
+                found.append(parameters["exceptionDetails"].get("exception", {}).get("description", "exception"))
+            if method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning"):
+                found.append(str(parameters["args"]))
+            if method == "Log.entryAdded" and parameters["entry"]["level"] == "error":
+                found.append(parameters["entry"]["text"])
+            if method == "Network.requestWillBeSent" and not parameters["request"]["url"].startswith(("file:", "data:", "blob:")):
+                found.append(f"request of {parameters['request']['url']}")
         return found
 
     def mouse(self, kind, x, y, button="none", clicks=0):
@@ -271,8 +271,8 @@ def check_studies(page, check):
     check("a place tells the share of every method", tip(page).count("%") == 7, repr(tip(page)))
     page.run(pick.format(labels.index("Method"), 2))
     check("one method has one contour", before > 1 and page.run(contours) == 1, f"{before} {page.run(contours)}")
-    told = page.run("document.querySelector('#methods ul.told').innerText")
-    check("its distances are told", "circle" in told, repr(told))
+    distances = page.run("document.querySelector('#methods ul.told').innerText")
+    check("the distances of the modes are shown", "circle" in distances, repr(distances))
     page.run(pick.format(labels.index("Map"), 1))
     check("the method stays when another map is taken", page.run("document.querySelectorAll('#methods select')[%d].selectedIndex" % labels.index("Method")) == 2)
 
@@ -304,8 +304,8 @@ def check_page(binary, folder, shots, downloads):
     size = path.stat().st_size
     failed = []
 
-    def check(what, met, told=""):
-        print(f"  {'ok    ' if met else 'FAILED'} {what} {told if not met else ''}")
+    def check(what, met, shown=""):
+        print(f"  {'ok    ' if met else 'FAILED'} {what} {shown if not met else ''}")
         if not met:
             failed.append(what)
 

@@ -193,10 +193,10 @@ fn the_committed_bar_gets_its_modulus_and_its_sensor_back() {
     assert_eq!(file.schema, UPDATE_SCHEMA);
     assert_eq!((file.residuals, file.after.paired), (Residuals::Modes, 6));
     // What synth.toml says.
-    for (own, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
-        let (lower, upper) = own.interval_95;
-        assert!(lower < truth && truth < upper, "{own:?}");
-        assert_eq!(own.verdict, Verdict::Identified, "{own:?}");
+    for (parameter, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
+        let (lower, upper) = parameter.interval_95;
+        assert!(lower < truth && truth < upper, "{parameter:?}");
+        assert_eq!(parameter.verdict, Verdict::Identified, "{parameter:?}");
     }
     assert!(file.before.largest_percent.unwrap() > 1.0);
     assert!(
@@ -238,10 +238,13 @@ fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
         assert_eq!(file.residuals.name(), kind);
         // The start is 2.9 % off in the modulus: a tenth of that; the mass starts from 0.
         let truths = [(2.04e11, 3e-3), (0.012, 1e-2)];
-        for (own, (truth, most)) in file.parameters.iter().zip(truths) {
-            let (lower, upper) = own.interval_95;
-            assert!(lower < truth && truth < upper, "{kind}: {own:?}");
-            assert!((own.updated / truth - 1.0).abs() < most, "{kind}: {own:?}");
+        for (parameter, (truth, limit)) in file.parameters.iter().zip(truths) {
+            let (lower, upper) = parameter.interval_95;
+            assert!(lower < truth && truth < upper, "{kind}: {parameter:?}");
+            assert!(
+                (parameter.updated / truth - 1.0).abs() < limit,
+                "{kind}: {parameter:?}"
+            );
         }
         assert!(
             file.after.largest_percent.unwrap() < 0.2,
@@ -265,7 +268,7 @@ fn an_ill_posed_scene_ends_with_what_the_data_know_in_words() {
     let combinations = file["combinations"].as_array().unwrap();
     let known: Vec<bool> = combinations
         .iter()
-        .map(|own| own["known"].as_bool().unwrap())
+        .map(|combination| combination["known"].as_bool().unwrap())
         .collect();
     assert_eq!(known, [true, false, false]);
     let words = combinations[2]["text"].as_str().unwrap();
@@ -357,19 +360,19 @@ pub fn four_storeys(path: &Path) -> (Vec<f64>, Vec<Vec<f64>>) {
 fn row(file: &Value, number: usize) -> (f64, f64) {
     let rows = file["rows"].as_array().unwrap();
     let cell = |row: &Value| row["tests"][0].clone();
-    let own = rows
+    let paired = rows
         .iter()
         .map(cell)
         .find(|cell| cell["modes"][0] == number);
-    let own = own.unwrap_or_else(|| panic!("mode {number} is paired: {file}"));
+    let paired = paired.unwrap_or_else(|| panic!("mode {number} is paired: {file}"));
     (
-        own["error_percent"].as_f64().unwrap().abs(),
-        own["mac"].as_f64().unwrap(),
+        paired["error_percent"].as_f64().unwrap().abs(),
+        paired["mac"].as_f64().unwrap(),
     )
 }
 
 #[test]
-fn two_modes_of_the_four_storey_frame_foretell_the_other_two() {
+fn two_modes_of_the_four_storey_frame_predict_the_other_two() {
     let Some(data) = shared_data() else { return };
     let (hz, shapes) = four_storeys(&data.join("fourstory-updating/FourStoryStructure.mat"));
     // Storey masses of 12.060 kip over 386.088 in/s2, stiffnesses of 10 kip/in.
@@ -433,7 +436,7 @@ fn the_first_twins_are_covered_and_what_no_sensor_sees_is_named() {
             .into_par_iter()
             .map(|n| twin(&machine, n))
             .collect();
-        twins.iter().for_each(|own| all.add(&machine, own));
+        twins.iter().for_each(|twin| all.add(&machine, twin));
     }
     assert_eq!((all.twins, all.intervals, all.unseen_named), (24, 96, 12));
     // Of 96 intervals at 95 % fewer than 83 hold the truth once in 10,000 draws.

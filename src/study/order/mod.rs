@@ -80,7 +80,7 @@ pub struct SceneNeeds {
 ///
 /// # Errors
 /// [`StudyError`] for options that cannot be meant, for a model or an `[update]` that is wrong, and
-/// where there is nothing to tell: the first test's reason.
+/// where no test could be analysed: the reason of the first one.
 pub fn order(
     scene: &Scene,
     options: &OrderOptions,
@@ -187,7 +187,7 @@ fn compared(
     (model, set, band): (ModalModel, &FrfSet, Band),
     options: &OrderOptions,
 ) -> (Vec<LowestOrder>, Vec<ModeNeeds>, Vec<String>) {
-    // Without a residue of every pair, nobody can say what a method should have found.
+    // Without a residue of every pair the twin, the truth of the comparison, is undefined.
     match Refined::of(model, set, band) {
         Ok(refined) => (
             methods::lowest_orders(&refined, set, band),

@@ -30,7 +30,7 @@ pub fn answers(needs: &SceneNeeds) -> Vec<String> {
     };
     let tests = needs.tests.iter().flat_map(of_test).flatten();
     let failed = needs.failed.iter();
-    let failed = failed.map(|(name, reason)| format!("{name}: nothing to tell: {reason}."));
+    let failed = failed.map(|(name, reason)| format!("{name}: not analysed: {reason}."));
     let theory = match &needs.theory {
         Ok(simplest) => theory(simplest, needs.options.theory_percent),
         Err(reason) => format!("Theory: nothing simpler to compare with: {reason}."),

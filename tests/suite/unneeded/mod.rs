@@ -42,7 +42,7 @@ fn padded_trace_lines_are_read() {
     // are not counted.
     let head = "         1        98         8";
     let row =
-        |labels: &[i64]| -> String { labels.iter().map(|own| format!("{own:>10}")).collect() };
+        |labels: &[i64]| -> String { labels.iter().map(|label| format!("{label:>10}")).collect() };
     let sevens = vec![row(&[1, 2, 3, 1, 2, 3, 1, 0]); 14];
     let mut full = vec![row(&[1, 2, 3, 1, 2, 3, 1, 2]); 12];
     full.push(row(&[1, 2, 0, 0, 0, 0, 0, 0]));
@@ -191,14 +191,14 @@ fn coherence_outside_0_to_1_is_ignored_at_its_lines() {
 #[test]
 fn functions_of_other_quantities_are_left_out() {
     let function = |points: &str, numerator: &str, denominator: &str| {
-        let own = Function {
+        let of_quantity = Function {
             kind: 4,
             points,
             numerator,
             denominator,
             values: accelerance(0.5),
         };
-        own.text()
+        of_quantity.text()
     };
     let pressure = "        15    0    0    0 Sound Pressure       Pa                  ";
     let rotation = "        12    0    0    0 Rot. acc.            rad/s^2             ";
@@ -293,8 +293,8 @@ fn frfs_beside_time_records_are_identified() {
     ] {
         let (code, modes, said) = identified(&(frfs() + &records), &[]);
         assert_eq!(code, Some(0), "{said}");
-        let told = format!("({count} records) [records-passed-over]");
-        assert!(said.contains(&told), "{said}");
+        let finding = format!("({count} records) [records-passed-over]");
+        assert!(said.contains(&finding), "{said}");
         assert_right(&modes, &said);
     }
 }

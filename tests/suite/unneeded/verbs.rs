@@ -18,7 +18,7 @@ fn codes(arguments: &[&str]) -> (Option<i32>, Option<i32>, String) {
 }
 
 #[test]
-fn every_verb_that_reads_files_takes_the_good_part_when_told_so() {
+fn every_verb_that_reads_files_takes_the_good_part_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let damaged_frfs = frfs().replacen("         5       141", "        99       141", 1);
     write(
@@ -274,13 +274,13 @@ fn a_built_in_name_is_the_built_in_model_beside_a_folder_or_a_file_of_that_name(
     let text = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
     assert!(text.contains("name = \"cycloid-ball\""), "{text}");
     // So is a file of that name, here one of finished modes without an extension.
-    let own = succeed(["theory", "spider-reducer", "--json"]);
+    let built_in = succeed(["theory", "spider-reducer", "--json"]);
     let file = folder.path().join("spider-reducer");
     let saved = folder.path().join("modes.json");
     succeed(["theory", "cycloid-ball", "-o", saved.to_str().unwrap()]);
     std::fs::rename(&saved, &file).unwrap();
     let (code, text, said) = theory(&["spider-reducer"]);
-    assert_eq!((code, &text), (Some(0), &own), "{said}");
+    assert_eq!((code, &text), (Some(0), &built_in), "{said}");
     assert!(
         said.contains("./spider-reducer names the file [built-in-taken]"),
         "{said}"
