@@ -3,12 +3,12 @@
 //!
 //! All parameters of the model `H_oi = s^d [Σ_r ψ_or L_ri/(s − λ_r) + conj. + C_oi + D_oi/s²]` at
 //! `s = iω` are unknown: poles, shapes `ψ`, participation factors `L` (with one reference: the
-//! residues), and a lower and an upper residual of every FRF. All columns of the Jacobian matrix are
-//! combinations of `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate
+//! residues), and a lower and an upper residual of every FRF. All columns of the Jacobian matrix
+//! are combinations of `s^d`, `s^(d−2)` and of `s^d/(s − λ)`, `s^d/(s − λ)²` with their conjugate
 //! partners. One QR decomposition of these terms compresses every FRF to one row per term. The rows
-//! of the lower and upper residuals come first; dropping these rows eliminates the residuals. Shapes
-//! are eliminated in the same way output by output, then the participation factors. The remaining
-//! triangle `R` belongs to the poles: their covariance is `(RᵀR)⁻¹`.
+//! of the lower and upper residuals come first; dropping these rows eliminates the residuals.
+//! Shapes are eliminated in the same way output by output, then the participation factors. The
+//! remaining triangle `R` belongs to the poles: their covariance is `(RᵀR)⁻¹`.
 //!
 //! # Reference
 //! Kay (1993), Fundamentals of statistical signal processing: estimation theory, section 3.9

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_out_of_range_are_named() {
+    fn numbers_out_of_range_are_reported_with_their_key() {
         for (text, key) in [
             ("draws = 0", "draws"),
             ("snr_db = []", "snr_db"),

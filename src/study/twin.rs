@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_without_damping_or_a_residue_is_named() {
+    fn a_mode_without_damping_or_residue_is_reported() {
         let dof = |point: usize| -> Dof { format!("{point}:+Z").parse().unwrap() };
         let pairs = [(dof(1), dof(1)), (dof(2), dof(1))];
         let full = model(&pairs);

@@ -4,10 +4,10 @@
 //!
 //! `cargo bench --bench identify [-- 90]`, with a number of functions for that case alone.
 //! sdypy-EMA is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
-//! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of this program; without it the
-//! bench prints our times alone. Times are those of the fastest run by the clock; where the machine
-//! has other work, processor time (of all threads, as Linux counts it, in steps of 10 ms) says
-//! more, and is printed beside them.
+//! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of this program; without it
+//! the bench prints our times alone. Times are those of the fastest run by the clock; where the
+//! machine has other work, processor time (of all threads, as Linux counts it, in steps of 10 ms)
+//! says more, and is printed beside them.
 //!
 //! sdypy-EMA takes every order from 1 to the highest. Our LSCF is timed at these (`every order`)
 //! and at those that an identification looks at, some 20 from a sixth of the highest on (`20

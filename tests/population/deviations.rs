@@ -130,7 +130,8 @@ fn deviations_of_hammer_tests_are_those_of_their_errors() {
             "{case:?}: mean square over the stated one {square:.2}, within 95 %: {:.1} %",
             100.0 * within
         );
-        // 480 values: their scatter around 1 is 6 %; the noise of the standard deviations adds to it.
+        // 480 values: their scatter around 1 is 6 %; the noise of the standard deviations adds to
+        // it.
         assert!((0.75..1.35).contains(&square), "{case:?}: {square}");
         assert!(within > 0.91, "{case:?}: {within}");
     }

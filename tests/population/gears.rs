@@ -170,8 +170,8 @@ pub struct GearTwin {
     pub snr_db: f64,
     pub test: ModalModel,
     pub result: UpdateResult,
-    /// Largest frequency error of the updated model, percent, against the modes of the twin that the
-    /// table has.
+    /// Largest frequency error of the updated model, percent, against the modes of the twin that
+    /// the table has.
     pub largest_error_percent: f64,
 }
 

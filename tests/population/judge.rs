@@ -158,11 +158,11 @@ fn is_separated(roots: &[Root], r: usize) -> bool {
 ///
 /// For `sum_r R_rp/(i omega - lambda_r)` in white complex noise of variance `v_p` on lines `d
 /// omega` apart, with the residues of all pairs unknown too: the information on the poles is
-/// `G_rs = sum_p conj(R_rp) R_sp / v_p * S_rs / d omega`, with `S` the projection of the derivatives
-/// `1/(i omega - lambda)^2` on the orthogonal complement of the functions `1/(i omega - lambda)`; their scalar products over
-/// all frequencies are `-2 pi/(z)`, `2 pi/z^2` and `-4 pi/z^3` with `z = conj(lambda_r) +
-/// lambda_s`. The variance of `Im lambda_r` is half of `(G^-1)_rr`; for a lone root `2 sigma^3 d
-/// omega / (pi sum_p |R_p|^2/v_p)`.
+/// `G_rs = sum_p conj(R_rp) R_sp / v_p * S_rs / d omega`, with `S` the projection of the
+/// derivatives `1/(i omega - lambda)^2` on the orthogonal complement of the functions `1/(i omega -
+/// lambda)`; their scalar products over all frequencies are `-2 pi/(z)`, `2 pi/z^2` and `-4 pi/z^3`
+/// with `z = conj(lambda_r) + lambda_s`. The variance of `Im lambda_r` is half of `(G^-1)_rr`; for
+/// a lone root `2 sigma^3 d omega / (pi sum_p |R_p|^2/v_p)`.
 fn deviations_hz(member: &Member, roots: &[Root], noise: &FrfNoise) -> Vec<Option<f64>> {
     let seen: Vec<(usize, Seen)> = roots
         .iter()

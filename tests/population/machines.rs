@@ -130,8 +130,8 @@ impl Network {
         });
     }
 
-    /// Factors of all stiffnesses: a common one, one of a class, and, where symmetry is lost, one of
-    /// the individual spring.
+    /// Factors of all stiffnesses: a common one, one of a class, and, where symmetry is lost, one
+    /// of the individual spring.
     fn factors(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (common, spread) = (
             random.random_range(-MAX_LOG_COMMON..MAX_LOG_COMMON),

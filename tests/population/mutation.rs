@@ -1,7 +1,8 @@
 //! Damage to files: seeded changes of bytes, and what a reader must keep to on whatever comes out.
 //!
-//! A reader may refuse a damaged file or read its intact part. It must not panic, and it must not ask
-//! for more memory than a small multiple of the file: a few bytes can say that a terabyte follows.
+//! A reader may refuse a damaged file or read its intact part. It must not panic, and it must not
+//! ask for more memory than a small multiple of the file: a few bytes can say that a terabyte
+//! follows.
 
 use std::io::{Cursor, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -108,7 +108,7 @@ unit = "m/s2"
 "#;
 
 #[test]
-fn what_a_scene_or_table_gets_wrong_is_said_with_its_place() {
+fn errors_of_scenes_and_tables_are_reported_with_their_line() {
     let cases = [
         (
             "force,accel\n1,2\n",
@@ -241,7 +241,7 @@ fn files_of_unknown_content_and_formats_of_unknown_name_are_refused() {
 }
 
 #[test]
-fn a_model_of_bodies_and_springs_that_cannot_be_meant_is_named_with_its_file() {
+fn an_invalid_model_of_bodies_and_springs_is_reported_with_its_file() {
     let text = "[[parameter]]\nname = \"k\"\nunit = \"N/mm\"\nnominal = 100.0\nstatus = \"printed\"\n\
                 [[body]]\nname = \"mass\"\nmass_kg = 1.0\nfree = [\"x\"]\n\
                 [[point]]\nname = \"end\"\nbody = \"mass\"\nat_m = [0, 0, 0]\n\
@@ -280,7 +280,7 @@ fn a_model_of_bodies_and_springs_that_cannot_be_meant_is_named_with_its_file() {
 }
 
 #[test]
-fn a_moved_mode_a_table_and_a_claim_that_cannot_be_meant_are_named() {
+fn invalid_changes_of_modes_tables_and_claims_are_reported() {
     let source = root().join("measurements/cycloid-ball");
     let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -53,7 +53,7 @@ fn bytes(folder: &Path, out: &str) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn threads_a_run_that_goes_on_and_joined_parts_give_the_same_bytes() {
+fn any_threads_a_resumed_run_and_merged_parts_give_the_same_bytes() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path();
     write(folder, &[("study.toml", SPEC), ("modes.json", MODES)]);

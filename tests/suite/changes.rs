@@ -136,7 +136,7 @@ fn the_floors_refuse_less_and_never_more() {
 }
 
 #[test]
-fn what_is_wrong_is_caught_in_its_row() {
+fn a_wrong_value_is_detected_in_its_row() {
     for seed in 0..200 {
         assert!(missed_after(seed, |_| ()).is_empty(), "noise alone");
         let row = |number: usize, rows: &[String]| {

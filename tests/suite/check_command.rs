@@ -94,7 +94,7 @@ fn changed(path: &Path, change: impl Fn(&mut Vec<Value>)) -> String {
 }
 
 #[test]
-fn what_is_wrong_in_modes_is_named_in_its_row() {
+fn wrong_modes_are_reported_in_their_row() {
     let folder = tempfile::tempdir().unwrap();
     results(&folder.path().join("before"), 1, str::to_owned);
     results(&folder.path().join("now"), 2, str::to_owned);
@@ -138,7 +138,7 @@ fn what_is_wrong_in_modes_is_named_in_its_row() {
 }
 
 #[test]
-fn what_is_wrong_in_a_comparison_is_named_in_its_row() {
+fn wrong_comparisons_are_reported_in_their_row() {
     let folder = tempfile::tempdir().unwrap();
     results(folder.path(), 1, str::to_owned);
     let before = folder.path().join(COMPARISON);

@@ -30,7 +30,7 @@ fn three_storeys(folder: &Path) -> (String, String) {
 }
 
 #[test]
-fn measures_stand_below_the_table_and_in_its_json() {
+fn measures_are_below_the_table_and_in_its_json() {
     let folder = tempfile::tempdir().unwrap();
     let (model, modes) = three_storeys(folder.path());
     let arguments = ["correlate", "--test", &modes, "--theory", &model];
@@ -334,7 +334,7 @@ fn bracket(folder: &Path) -> [String; 2] {
 }
 
 #[test]
-fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_named() {
+fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let [test, theory] = bracket(folder.path());
     let files = ["correlate", "--test", &test, "--theory", &theory];

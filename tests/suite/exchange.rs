@@ -82,7 +82,7 @@ fn files_are_written_byte_for_byte_as_other_programs_have_read_them() {
 }
 
 #[test]
-fn what_an_output_cannot_hold_is_said() {
+fn losses_of_an_output_format_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.csv");
     let input = source();

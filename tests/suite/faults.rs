@@ -166,7 +166,7 @@ fn with_no_space_earlier_results_stay_and_nothing_new_comes() {
 }
 
 #[test]
-fn a_target_that_cannot_be_written_is_named() {
+fn an_unwritable_target_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     write(folder.path(), &[("file", "of an earlier day")]);

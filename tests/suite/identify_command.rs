@@ -128,7 +128,7 @@ fn poles_of_all_orders_and_indicators_are_written_as_tables() {
 }
 
 #[test]
-fn what_a_method_does_not_have_cannot_be_asked_of_it() {
+fn options_that_a_method_lacks_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let frfs = frfs(folder.path());
     let poles = text(&folder.path().join("poles.csv"));

@@ -7,7 +7,7 @@ use modalign::finding::Code;
 use crate::command::{fail, modalign, root, succeed, write};
 
 #[test]
-fn every_shell_gets_a_script_that_knows_every_verb() {
+fn completion_scripts_of_every_shell_have_every_verb() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = succeed(["completions", shell]);
         for verb in ["run", "identify", "check", "new", "completions"] {
@@ -30,7 +30,7 @@ fn every_shell_gets_a_script_that_knows_every_verb() {
 }
 
 #[test]
-fn colours_come_when_they_are_asked_for_and_never_into_json() {
+fn colours_are_printed_on_request_and_never_in_json() {
     let painted = "\u{1b}[";
     let missed = [
         "check",

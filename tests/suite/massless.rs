@@ -43,7 +43,7 @@ impl Frame {
         let all = (0..=storeys)
             .flat_map(|s| (0..COLUMNS_Y).flat_map(move |y| (0..COLUMNS_X).map(move |x| [s, y, x])));
         let nodes: Vec<Node> = all.filter(|node| !left_out(node)).collect();
-        let place = |node: Node| nodes.iter().position(|permanent| *permanent == node);
+        let place = |node: Node| nodes.iter().position(|other| *other == node);
         let (mut columns, mut beams) = (Entries::new(), Entries::new());
         let (mut permanent, mut live) = (Entries::new(), Entries::new());
         for (i, &[s, y, x]) in nodes.iter().enumerate() {

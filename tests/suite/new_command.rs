@@ -74,7 +74,7 @@ fn a_scene_of_files_that_state_everything_runs_as_it_is() {
 }
 
 #[test]
-fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compares() {
+fn a_scene_with_a_model_lists_lines_to_fill_in_and_then_compares() {
     let folder = recorded();
     let path = |name: &str| at(folder.path(), name);
     let printed = succeed([
@@ -123,7 +123,7 @@ fn a_scene_with_a_model_names_the_places_that_only_a_person_knows_and_then_compa
 }
 
 #[test]
-fn what_columns_mean_is_asked_for_line_by_line() {
+fn unknown_meanings_of_columns_are_requested_line_by_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| at(folder.path(), name);
     let rows: String = (0..64).map(|i| format!("{},{}\n", i % 7, i % 5)).collect();
@@ -263,7 +263,7 @@ fn nothing_is_written_over() {
 }
 
 #[test]
-fn what_the_files_leave_open_can_be_said_at_once() {
+fn options_fill_in_what_the_files_do_not_state() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| at(folder.path(), name);
     let head = "Units: Ratio\r\nRef Chan:Resp Chan\t0-Z:0-Z\r\nChannel Name\t : \r\n\r\nFrequency\tReal\tImaginary\r\n\r\nUnits:\r\nHz\t(m/s^2)(N)\t \r\n";

@@ -192,7 +192,7 @@ fn groups(twin: &Twin) -> (Vec<Dof>, Vec<Vec<Dof>>) {
 }
 
 #[test]
-fn reversed_direction_or_component_is_named_and_loses_no_mode() {
+fn a_reversed_direction_or_component_is_reported_and_loses_no_mode() {
     for kind in [Kind::Ring, Kind::Frame] {
         let (mut tried, mut found) = (0, 0);
         for (sensors, seed) in [12, 24]
@@ -232,7 +232,7 @@ fn reversed_direction_or_component_is_named_and_loses_no_mode() {
 }
 
 #[test]
-fn good_sensors_of_good_and_poor_models_are_not_named() {
+fn sensors_of_correct_polarity_are_not_reported() {
     let errors = [GOOD, POOR];
     for (kind, errors) in KINDS
         .into_iter()
@@ -250,7 +250,7 @@ fn good_sensors_of_good_and_poor_models_are_not_named() {
 }
 
 #[test]
-fn one_reversed_sensor_of_six_is_named_on_exact_models() {
+fn one_reversed_sensor_of_six_is_reported_with_an_exact_model() {
     let exact = Errors {
         stiffness: 0.0,
         noise: 0.0,

@@ -141,7 +141,7 @@ fn the_points_that_are_proposed_show_every_mode_that_disc_points_can_show() {
 }
 
 #[test]
-fn unknown_tests_and_points_are_named() {
+fn unknown_tests_and_points_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let scene = |placement: &str| {
         let text = format!(

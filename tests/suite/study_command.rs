@@ -137,7 +137,7 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
 }
 
 #[test]
-fn a_study_that_cannot_be_meant_says_why() {
+fn an_invalid_study_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     scene(folder.path());
     let spec = folder.path().join("other.toml");
@@ -156,7 +156,7 @@ fn a_study_that_cannot_be_meant_says_why() {
 }
 
 #[test]
-fn what_the_beam_needs_is_the_same_for_any_threads_and_on_its_page() {
+fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
     let folder = tempfile::tempdir().unwrap();
     scene(folder.path());
     let place = folder.path().to_str().unwrap();

@@ -152,7 +152,7 @@ fn finished_modes_are_printed_and_what_needs_a_model_is_refused() {
 }
 
 #[test]
-fn json_has_what_was_asked_beside_the_modes() {
+fn json_has_the_requested_results_and_the_modes() {
     let asked = ["--energies", "--sensitivities", "--quantities", "--json"];
     let found = parsed(&succeed(
         ["theory", "torsional-planetary"].into_iter().chain(asked),

@@ -197,7 +197,7 @@ fn a_sweep_follows_the_modes_and_names_crossings_and_veerings() {
 }
 
 #[test]
-fn the_helical_gear_judges_every_claim_and_says_which_detail_suffices() {
+fn every_claim_of_the_helical_gear_is_judged_and_the_sufficient_detail_stated() {
     let folder = tempfile::tempdir().unwrap();
     let text = run("measurements/helical-planetary", folder.path());
     for part in [
@@ -250,7 +250,7 @@ fn a_response_is_computed_for_every_detail_with_its_cost() {
 }
 
 #[test]
-fn models_of_growing_detail_are_compared_and_the_simplest_is_named() {
+fn models_of_growing_detail_are_compared_and_the_simplest_is_reported() {
     let text = succeed(["theory", "cycloid-ball", "--compare", "5"]);
     for part in [
         "without mass: ball, pin-ball",

@@ -297,7 +297,7 @@ fn refused(update: &str) -> String {
 }
 
 #[test]
-fn a_scene_that_cannot_be_meant_says_why() {
+fn an_invalid_scene_is_refused_with_its_reason() {
     let unknown = refused("[update]\nparameters = [\"k9\"]\n");
     assert!(
         unknown.contains("k9") && unknown.contains("the model has k1"),
@@ -429,7 +429,7 @@ fn two_modes_of_the_four_storey_frame_predict_the_other_two() {
 }
 
 #[test]
-fn the_first_twins_are_covered_and_what_no_sensor_sees_is_named() {
+fn intervals_cover_the_first_twins_and_unobservable_stiffnesses_are_reported() {
     let mut all = Tally::default();
     for (machine, count) in [(lumped(), 12), (torsional(), 12)] {
         let twins: Vec<Twin> = (0..count)

@@ -1,5 +1,5 @@
-//! A contour follows a level of a field on a grid: lines for figures, crossings along a row or column
-//! for sentences.
+//! A contour follows a level of a field on a grid: lines for figures, crossings along a row or
+//! column for sentences.
 //!
 //! Positions are fractions of the axes, 0 to 1.
 

@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_the_level_that_was_asked_for() {
+    fn noise_of_frfs_has_the_stated_level() {
         let case = Case::default().with(Factor::Noise, 20.0);
         let draw = Draw::of_frfs(&case, random(5)).unwrap();
         let set = draw.set.unwrap();

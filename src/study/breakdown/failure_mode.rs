@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn symptoms_stand_in_their_order() {
+    fn symptoms_are_in_the_order_of_their_index() {
         for (index, symptom) in SYMPTOMS.iter().enumerate() {
             assert_eq!(symptom.index(), index);
         }

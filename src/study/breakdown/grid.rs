@@ -1,4 +1,5 @@
-//! The cells of a slice form a grid over two factors, halved where a success rate crosses its level.
+//! The cells of a slice form a grid over two factors, halved where a success rate crosses its
+//! level.
 
 use std::collections::{BTreeMap, BTreeSet};
 

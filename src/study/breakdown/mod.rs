@@ -17,8 +17,8 @@
 //! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
 //! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
 //!
-//! A contour is valid for this case alone: a map shows in which direction and roughly where a method
-//! fails, and gives no limit that holds for every structure.
+//! A contour is valid for this case alone: a map shows in which direction and roughly where a
+//! method fails, and gives no limit that holds for every structure.
 
 mod case;
 mod contour;

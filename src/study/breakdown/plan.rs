@@ -16,8 +16,8 @@ pub struct BreakdownTable {
     pub seed: Option<u64>,
     /// Names of methods; all of [`ESTIMATORS`] when not stated.
     pub methods: Option<Vec<String>>,
-    /// Draws for each cell; 80 when not stated: 73 draws without a failure are the minimum that proves a
-    /// share of 95 %.
+    /// Draws for each cell; 80 when not stated: 73 draws without a failure are the minimum that
+    /// proves a share of 95 %.
     pub draws: Option<u32>,
     /// Halvings of cells near a contour; 2 when not stated.
     pub refine: Option<u32>,
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slice_takes_what_is_stated() {
+    fn a_slice_has_the_stated_case_and_axes() {
         let plan_of_text = plan(
             "seed = 4\ndraws = 10\nmethods = [\"peak\", \"lscf\"]\n[case]\ndamping = 0.02\nresponses = 9\n\
              [[slice]]\nname = \"a\"\nx = { factor = \"order\", lo = 4, hi = 12 }\n\

@@ -17,8 +17,8 @@ use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
 /// Success rate at the contour: share of the draws in which a method meets the stated error.
 pub const LEVEL: f64 = 0.95;
 
-/// A method below this share of success in its first draws runs no further draws of a cell: a method
-/// at 95 % falls below it once in 10⁹ cells.
+/// A method below this share of success in its first draws runs no further draws of a cell: a
+/// method at 95 % falls below it once in 10⁹ cells.
 const MIN_FIRST_SHARE: f64 = 0.5;
 const FIRST_DRAWS: usize = 16;
 
@@ -330,9 +330,9 @@ impl SliceResult {
         self.slice.grid().filled(&known.collect())
     }
 
-    /// Most frequent failure mode of a method, and its share of the failed draws. Failures count just
-    /// outside the contour, in cells where at least half of the draws succeed; without such cells,
-    /// all failures count.
+    /// Most frequent failure mode of a method, and its share of the failed draws. Failures count
+    /// just outside the contour, in cells where at least half of the draws succeed; without such
+    /// cells, all failures count.
     pub fn common_symptom(&self, method: usize) -> Option<(Symptom, f64)> {
         let counts = || {
             let cells = self.cells.iter();

@@ -15,8 +15,8 @@
 //! Digits lost are `log₁₀` of the condition number of the matrix. The error
 //! of the poles is the largest distance of a true pole to the nearest found one over its half-power
 //! bandwidth. It is given with all in f64, with the data rounded to f32, and with the data and the
-//! matrix rounded to f32 before the solution in f64. A program that also solves in f32 loses at least
-//! as many digits as the last.
+//! matrix rounded to f32 before the solution in f64. A program that also solves in f32 loses at
+//! least as many digits as the last.
 //!
 //! References: Richardson and Formenti (1982), IMAC 1 (orthogonal polynomials in place of powers);
 //! Brown et al. (1979), SAE 790221; Guillaume et al. (2003), IMAC 21.

@@ -16,7 +16,7 @@ fn bar() -> Scene {
 }
 
 #[test]
-fn what_cannot_be_meant_is_named() {
+fn invalid_options_are_reported() {
     let scene = bar();
     let wrong = |options: OrderOptions| match order(&scene, &options, &()) {
         Err(error @ StudyError::Value { .. }) => error.to_string(),

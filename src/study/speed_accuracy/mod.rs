@@ -2,9 +2,9 @@
 //! a scene and on their twins.
 //!
 //! On the measured data of a test, errors are those against its refined solution
-//! ([`super::REFINED`], from whole records), whose error is limited by its Cramér-Rao bound. On the twin, a
-//! [`System`] of the test's modes, they are those against the truth, over draws of white noise, in
-//! three [`Condition`]s.
+//! ([`super::REFINED`], from whole records), whose error is limited by its Cramér-Rao bound. On the
+//! twin, a [`System`] of the test's modes, they are those against the truth, over draws of white
+//! noise, in three [`Condition`]s.
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! The comparison on measured data lists errors against the refined solution, and the cost, of every
-//! method.
+//! The comparison on measured data lists errors against the refined solution, and the cost, of
+//! every method.
 
 use num_complex::Complex64;
 

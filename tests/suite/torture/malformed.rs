@@ -246,7 +246,7 @@ fn a_cut_anywhere_delivers_what_is_whole() {
 }
 
 #[test]
-fn what_is_no_universal_file_delivers_nothing() {
+fn a_file_of_another_format_delivers_nothing() {
     for bytes in [
         "    -1\n    58\n",
         "    -1\n    58b     1     2          11          16\n",
