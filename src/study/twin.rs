@@ -21,8 +21,8 @@ impl System {
     pub fn twin(model: &ModalModel, set: &FrfSet, band: Band) -> Result<Self, StudyError> {
         let lines = set.axis().lines(&band);
         let (mut responses, mut references) = (set.responses(), set.references());
-        let turned = responses.len() < references.len();
-        if turned {
+        let swapped = responses.len() < references.len();
+        if swapped {
             std::mem::swap(&mut responses, &mut references);
         }
         let kind = set.functions().first().map(|function| function.kind);
@@ -33,12 +33,12 @@ impl System {
                 "FRFs with lines in the band",
             ));
         };
-        let sides = Sides {
+        let measured = MeasuredDofs {
             responses: &responses,
             references: &references,
-            turned,
+            swapped,
         };
-        let modes = model.modes.iter().map(|mode| sides.true_mode(mode));
+        let modes = model.modes.iter().map(|mode| measured.true_mode(mode));
         let mut modes = modes.collect::<Result<Vec<_>, _>>()?;
         modes.sort_by(|a, b| a.hz().total_cmp(&b.hz()));
         if modes.is_empty() {
@@ -85,14 +85,14 @@ fn value(key: &str, got: &str, expected: &str) -> StudyError {
     }
 }
 
-struct Sides<'a> {
+struct MeasuredDofs<'a> {
     responses: &'a [Dof],
     references: &'a [Dof],
     /// Whether the responses here are the excitation points of the test.
-    turned: bool,
+    swapped: bool,
 }
 
-impl Sides<'_> {
+impl MeasuredDofs<'_> {
     /// Residues as the product of shape and participation, through the greatest of them.
     fn true_mode(&self, mode: &Mode) -> Result<TrueMode, StudyError> {
         let what = || format!("mode at {:.2} Hz", mode.frequency_hz);
@@ -109,19 +109,19 @@ impl Sides<'_> {
         }
         let (o, i) = greatest(&residues);
         let pivot = residues[o][i];
-        let share = |value: &Complex64| match pivot.norm() > 0.0 {
+        let relative_to_pivot = |value: &Complex64| match pivot.norm() > 0.0 {
             true => value / pivot,
             false => Complex64::ZERO,
         };
         Ok(TrueMode {
             pole,
             shape: residues.iter().map(|row| row[i]).collect(),
-            participation: residues[o].iter().map(share).collect(),
+            participation: residues[o].iter().map(relative_to_pivot).collect(),
         })
     }
 
     fn residue(&self, mode: &Mode, response: &Dof, reference: &Dof) -> Option<Complex64> {
-        let (a, b) = match self.turned {
+        let (a, b) = match self.swapped {
             true => (reference, response),
             false => (response, reference),
         };

@@ -1,5 +1,5 @@
-//! One draw of a case: FRFs with white noise of known variance, or a whole hammer test estimated as
-//! a user's would be.
+//! A draw of a case gives FRFs with white noise of known variance, or FRFs estimated from a
+//! synthetic hammer test.
 
 use num_complex::Complex64;
 use rand::Rng;

@@ -323,11 +323,11 @@ impl SliceResult {
             Bound::Upper => wilson(count.good, count.draws).1,
         };
         let cells = self.cells.iter();
-        let known = cells.filter_map(|cell| {
+        let values = cells.filter_map(|cell| {
             let count = cell.counts[method].as_ref()?;
             Some((cell.node, value(count)))
         });
-        self.slice.grid().filled(&known.collect())
+        self.slice.grid().filled(&values.collect())
     }
 
     /// Most frequent failure mode of a method, and its share of the failed draws. Failures count

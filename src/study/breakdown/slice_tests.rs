@@ -1,4 +1,5 @@
-//! Slices as they are drawn, kept, split and joined; and failures that are known.
+//! Slices give the same cells however they are drawn, kept, split and merged; they show known
+//! failures of methods.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Finished slices: kept, found again, put together.
+//! A store keeps finished slices, finds them in a resumed run, and merges the parts of a batch.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -10,10 +10,10 @@ use super::slice::{MethodTime, Slice, SliceResult};
 use super::stability::{Stability, StabilityPlan};
 use super::{BreakdownError, Plan};
 
-/// Keeps finished slices by name. The library touches no file: where they are kept is the caller's,
-/// and a text is kept whole or not at all.
+/// Keeps finished slices by name. The library touches no file: the caller decides where to keep
+/// them, and keeps a text completely or not at all.
 pub trait CellStore {
-    /// The text of a name, where it was kept.
+    /// The text kept under a name, if any.
     ///
     /// # Errors
     /// What went wrong, as a sentence.
@@ -48,7 +48,7 @@ impl Part {
     }
 }
 
-/// What is kept of a slice.
+/// A kept result with the hash of its spec.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Kept<T> {
     schema: String,
@@ -56,18 +56,18 @@ struct Kept<T> {
     result: T,
 }
 
-/// The schema text of a kept slice; another number is another way of drawing.
+/// The schema text of a kept slice; a change of the random draws changes its number.
 const SCHEMA: &str = "modalign-breakdown-slice/1";
 const TIMES_SCHEMA: &str = "modalign-breakdown-times/1";
 /// Name of the numerical part beside the slices.
 pub const STABILITY: &str = "stability";
 
-/// A study with all that is known of it.
+/// The results of a study.
 #[derive(Clone, Debug, Default)]
 pub struct Finished {
     /// Slices in the order of the plan.
     pub slices: Vec<SliceResult>,
-    /// Numerical stability, where it was asked for.
+    /// Numerical stability, where it was requested.
     pub stability: Option<Stability>,
     /// Time of each slice that was measured, by name.
     pub times: Vec<(String, Vec<MethodTime>)>,

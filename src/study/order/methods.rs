@@ -1,5 +1,5 @@
-//! The lowest order of every method that has one, and the modes for which a method of one mode at a
-//! time is enough.
+//! The study of methods finds the lowest sufficient order of every method with an order, and the
+//! modes for which a single-mode method is sufficient.
 
 use rayon::prelude::*;
 
@@ -22,12 +22,12 @@ const MIN_HIGHEST_ORDER: usize = 64;
 /// Standard deviations of the refined solution within which an error is not significant.
 const MAX_ERROR_STDS: f64 = 2.0;
 
-/// What a method made of the modes with a highest order.
+/// Missed and spurious modes of a method at a highest order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderTried {
     /// Highest order.
     pub order: usize,
-    /// Observable modes of the refined solution that it missed.
+    /// Observable modes of the refined solution that the method missed.
     pub missed: usize,
     /// Modes that the refined solution does not have.
     pub spurious: usize,
@@ -67,12 +67,12 @@ pub struct SingleMode {
     pub method: &'static str,
     /// Errors of natural frequency and damping ratio; `None` for a mode that it missed.
     pub errors: Option<[f64; 2]>,
-    /// Whether both are within what counts as enough, or within two deviations of the refined
+    /// Whether both are within the stated errors, or within two standard deviations of the refined
     /// solution.
     pub enough: bool,
 }
 
-/// What a mode needs.
+/// The sufficient methods of a mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModeNeeds {
     /// Natural frequency, Hz.
@@ -138,7 +138,7 @@ fn lowest_order(entry: &Entry, judge: &Judge, (set, band): (&FrfSet, Band)) -> L
     }
 }
 
-/// What a method found, and which of it each mode of the refined solution is.
+/// The modes that a method found, with the partner of each mode of the refined solution.
 struct Found {
     method: &'static str,
     modes: Vec<Mode>,

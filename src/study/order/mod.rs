@@ -3,10 +3,10 @@
 //!
 //! | file | question |
 //! |---|---|
-//! | `options` | [`OrderOptions`]: what counts as enough |
+//! | `options` | [`OrderOptions`]: errors of a sufficient method |
 //! | `methods` | the lowest order of every method that has one, and the modes for which one mode at a time is enough |
-//! | `model` | the simplest theory, and the fewest parameters that bring it to the tests |
-//! | `summary` | [`answers`]: what the numbers say, in sentences |
+//! | `model` | the simplest theory, and the fewest parameters that update it to the tests |
+//! | `summary` | [`answers`]: the results in sentences |
 //!
 //! [`crate::identify::support`] estimates the number of modes that the data support.
 
@@ -32,12 +32,12 @@ pub use model::{ParameterNeeds, TheoryNeeds};
 pub use options::OrderOptions;
 pub use summary::answers;
 
-/// What a test needs.
+/// The needs of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestNeeds {
     /// Its name.
     pub name: String,
-    /// The files, or the recording, that it is made of.
+    /// Its files or its recording.
     pub inputs: Vec<InputFile>,
     /// Whether its recording was computed; nothing of it was measured then.
     pub synthetic: bool,
@@ -49,37 +49,37 @@ pub struct TestNeeds {
     pub support: Support,
     /// Modes that the refined method took.
     pub modes: usize,
-    /// Those of them whose damping it could not tell; they are no roots.
+    /// Modes among them without an estimated damping ratio; they are no roots.
     pub undamped: usize,
     /// The lowest order of each method that has one.
     pub orders: Vec<LowestOrder>,
     /// Single-mode methods on every mode.
     pub single: Vec<ModeNeeds>,
-    /// What could not be done, and why.
+    /// Comparisons that were not possible, and why.
     pub notes: Vec<String>,
 }
 
-/// What a scene needs.
+/// The needs of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneNeeds {
     /// Title of the scene.
     pub title: String,
-    /// What counts as enough.
+    /// Errors of a sufficient method.
     pub options: OrderOptions,
     /// Its tests.
     pub tests: Vec<TestNeeds>,
     /// Tests that could not be analysed, and why.
     pub failed: Vec<(String, String)>,
-    /// The simplest theory, or why there is none to tell.
+    /// The simplest theory, or why none was determined.
     pub theory: Result<TheoryNeeds, String>,
-    /// The fewest parameters, or why there are none to tell.
+    /// The fewest parameters, or why none were determined.
     pub parameters: Result<ParameterNeeds, String>,
 }
 
-/// Asks what a scene needs.
+/// Determines the needs of a scene.
 ///
 /// # Errors
-/// [`StudyError`] for options that cannot be meant, for a model or an `[update]` that is wrong, and
+/// [`StudyError`] for invalid options, for a model or an `[update]` that is wrong, and
 /// where no test could be analysed: the reason of the first one.
 pub fn order(
     scene: &Scene,

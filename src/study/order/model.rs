@@ -1,4 +1,4 @@
-//! The simplest theory and the fewest parameters that serve a scene.
+//! The study of models finds the simplest theory and the fewest parameters sufficient for a scene.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use super::OrderOptions;
 /// The simplest theory.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TheoryNeeds {
-    /// Of a model that can leave small bodies without mass.
+    /// A model in which small bodies can be massless.
     Coordinates {
         /// Name of the model.
         model: String,
@@ -26,11 +26,11 @@ pub enum TheoryNeeds {
         /// Those of the whole model.
         whole: usize,
     },
-    /// Of a model with responses in growing detail.
+    /// A model with responses in growing detail.
     Details {
         /// Name of the model.
         model: String,
-        /// Each signal with the simplest detail that serves.
+        /// Each signal with its simplest sufficient detail.
         signals: Vec<(String, Option<String>)>,
         /// The most detailed.
         whole: String,
@@ -42,20 +42,20 @@ pub enum TheoryNeeds {
 pub struct ParameterNeeds {
     /// Parameters that may change.
     pub free: Vec<String>,
-    /// The smallest set that explains the misfit, or that of the least BIC.
+    /// The smallest set that explains the misfit, or the set of the smallest BIC.
     pub needed: Vec<String>,
-    /// Those that the tests do not see.
+    /// Parameters that the tests do not determine.
     pub not_supported: Vec<String>,
     /// `χ²` with none of them changed, with the needed ones, and with all.
     pub chi_square: [f64; 3],
     /// Residuals.
     pub data: usize,
-    /// Whether the needed ones bring the misfit down to its uncertainty.
+    /// Whether the needed parameters reduce the misfit to its uncertainty.
     pub explains: bool,
 }
 
-/// The simplest theory of a scene's model up to the end of its tests' bands; else why that is no
-/// question of it.
+/// The simplest theory of a scene's model up to the end of its tests' bands, or why the scene has
+/// none.
 pub(super) fn theory(
     scene: &Scene,
     up_to_hz: Option<f64>,
@@ -112,7 +112,7 @@ pub(super) fn theory(
     }))
 }
 
-/// The fewest parameters of a scene with `[update]`; else why that is no question of it.
+/// The fewest parameters of a scene with `[update]`, or why they were not determined.
 pub(super) fn parameters(scene: &Scene) -> Result<Result<ParameterNeeds, String>, SceneError> {
     let mut scene = scene.clone();
     let Some(table) = scene.update.as_mut() else {

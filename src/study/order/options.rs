@@ -1,4 +1,4 @@
-//! What counts as enough.
+//! [`OrderOptions`] states the errors below which a method or a theory is sufficient.
 
 use serde::Deserialize;
 
@@ -10,13 +10,12 @@ use super::super::StudyError;
 pub struct OrderOptions {
     /// Names of the scene's tests; every test with data when none is named.
     pub tests: Vec<String>,
-    /// A method is enough for a mode whose frequency it has within this much of the refined one,
-    /// percent ...
+    /// Largest frequency error of a sufficient method against the refined solution, percent.
     pub frequency_percent: f64,
-    /// ... and whose damping ratio within this much, percent of itself.
+    /// Largest damping error of a sufficient method, percent of the refined damping ratio.
     pub damping_percent: f64,
-    /// A simpler theory is enough that has every natural frequency of the tests' bands within this
-    /// much, percent.
+    /// Largest error of a sufficient simpler theory at any natural frequency in the bands of the
+    /// tests, percent.
     pub theory_percent: f64,
 }
 

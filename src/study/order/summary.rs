@@ -11,11 +11,10 @@ const DECISIVE: f64 = 10.0;
 const MAX_MISFIT_OF_LAST_POLE: f64 = 2.0;
 /// Largest number of warnings that are listed.
 const NAMED: usize = 4;
-/// Chi-square over its degrees of freedom below which the deviations are larger than the errors.
+/// Largest reduced chi-square of a fit whose standard deviations are larger than its errors.
 const SMALL: f64 = 0.25;
 
-/// What the scene needs and what it does not: modes, orders and methods of every test, theory,
-/// parameters.
+/// The needs of a scene in sentences: modes, orders and methods of every test, theory, parameters.
 pub fn answers(needs: &SceneNeeds) -> Vec<String> {
     let of_test = |test: &TestNeeds| {
         let all = [

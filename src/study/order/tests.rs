@@ -1,5 +1,5 @@
-//! What is asked of a study, and what it says; what a scene of known truth needs is shown by its
-//! command.
+//! Options and sentences of a study of needs; the tests of its command cover a scene of known
+//! truth.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn invalid_options_are_reported() {
     assert!(wrong(options).starts_with("[order] tests: got \"no such\", expected one of"));
 }
 
-/// Two identified roots and one more pole, of which BIC takes so many.
+/// Two identified roots and one more pole, of which BIC takes a stated number.
 fn needs(bic: [f64; 4]) -> SceneNeeds {
     let tried = |(number, bic): (usize, f64)| Tried {
         pole: (number > 0).then(|| Pole::from_frequency(10.0 * number as f64, 0.01)),

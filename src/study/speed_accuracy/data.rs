@@ -1,4 +1,4 @@
-//! A test's FRFs by estimator and length of record.
+//! The variants of a test are its FRFs by estimator and length of record.
 
 use crate::axis::{Band, TimeAxis};
 use crate::finding::Finding;
@@ -12,12 +12,12 @@ use super::SpeedAccuracyOptions;
 
 /// FRFs of one estimator from records of one length.
 pub(in crate::study) struct Variant {
-    /// `None` for FRFs that came as such.
+    /// `None` for FRFs that were given as such.
     pub estimator: Option<&'static str>,
     pub set: FrfSet,
 }
 
-/// What methods are tried on.
+/// FRFs on which the methods are compared.
 pub(in crate::study) struct TestSets {
     /// The first has the estimator of the scene and whole records.
     pub sets: Vec<Variant>,
@@ -47,7 +47,7 @@ pub(in crate::study) fn of_test(
     Ok(sets)
 }
 
-/// FRFs that came as such have one estimator and one resolution.
+/// FRFs that were given as such have one estimator and one resolution.
 fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError> {
     let axes = SceneError::Axes {
         test: test.name.clone(),
@@ -74,7 +74,7 @@ fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError
     })
 }
 
-/// The scene's way first, then shorter records, then the other estimators.
+/// The options of the scene first, then shorter records, then the other estimators.
 fn recorded(
     scene: &Scene,
     test: &TestPlan,

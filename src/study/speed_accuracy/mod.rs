@@ -1,5 +1,5 @@
-//! Speed against accuracy: every method, order, FRF estimator and length of record on the tests of
-//! a scene and on their twins.
+//! The study of speed and accuracy runs every method, order, FRF estimator and length of record on
+//! the tests of a scene and on their twins.
 //!
 //! On the measured data of a test, errors are those against its refined solution
 //! ([`super::REFINED`], from whole records), whose error is limited by its Cramér-Rao bound. On the
@@ -8,12 +8,12 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `options` | [`SpeedAccuracyOptions`]: what is varied |
+//! | `options` | [`SpeedAccuracyOptions`]: varied quantities |
 //! | `data` | a test's FRFs by estimator and length of record |
 //! | `test_data` | methods on the measured data of a test, with their cost |
 //! | `twins` | methods on the twin over noise |
-//! | `recommendations` | [`lessons`]: what the numbers teach, in sentences |
-//! | `front` | [`front`]: who is not both slower and worse than another |
+//! | `recommendations` | [`lessons`]: recommendations in sentences |
+//! | `front` | [`front`]: Pareto front of time and error |
 
 mod data;
 mod front;
@@ -34,7 +34,7 @@ pub use recommendations::lessons;
 pub(super) use test_data::Refined;
 pub use twins::Condition;
 
-/// What repeats of one identification cost.
+/// Cost of repeated runs of one identification.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
     /// Warm runs, one that is not counted before them.
@@ -50,7 +50,7 @@ pub struct Timing {
 /// A method on the measured data of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataRow {
-    /// FRF estimator; `None` for FRFs that came as such.
+    /// FRF estimator; `None` for FRFs that were given as such.
     pub estimator: Option<&'static str>,
     /// Distance of the lines, Hz.
     pub step_hz: f64,
@@ -71,7 +71,7 @@ pub struct DataRow {
 /// A method on the twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwinRow {
-    /// What the twin is.
+    /// Condition of the twin.
     pub condition: Condition,
     /// Noise.
     pub snr_db: f64,
@@ -81,7 +81,7 @@ pub struct TwinRow {
     pub tally: Tally,
 }
 
-/// What a method costs on the twin of white noise, at the level in the middle.
+/// Cost of a method on the twin in white noise, at the middle level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwinCost {
     /// Method.
@@ -92,7 +92,7 @@ pub struct TwinCost {
     pub on_front: bool,
 }
 
-/// No method can be faster.
+/// Lower limits of the processor time of any method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpeedLimits {
     /// Processor time of one forward transform of every function, s.
@@ -101,12 +101,12 @@ pub struct SpeedLimits {
     pub pass_s: Option<f64>,
 }
 
-/// What a test came to.
+/// The results of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestStudy {
     /// Its name.
     pub name: String,
-    /// The files, or the recording, that it is made of.
+    /// Its files or its recording.
     pub inputs: Vec<InputFile>,
     /// Functions and lines of the band, of the whole records.
     pub functions: usize,
@@ -130,9 +130,9 @@ pub struct TestStudy {
     pub twin: Vec<TwinRow>,
     /// Cost of each method on the twin.
     pub twin_costs: Vec<TwinCost>,
-    /// What no method can undercut on the data and on the twin.
+    /// Lower limits of processor time on the data and on the twin.
     pub limits: [SpeedLimits; 2],
-    /// What could not be done, and why.
+    /// Comparisons that were not possible, and why.
     pub notes: Vec<String>,
 }
 
@@ -141,7 +141,7 @@ pub struct TestStudy {
 pub struct SpeedAccuracy {
     /// Title of the scene.
     pub title: String,
-    /// What was varied.
+    /// Varied quantities.
     pub options: SpeedAccuracyOptions,
     /// Its tests.
     pub tests: Vec<TestStudy>,
@@ -150,7 +150,7 @@ pub struct SpeedAccuracy {
 /// Studies the tests of a scene.
 ///
 /// # Errors
-/// [`StudyError`] for options that cannot be meant, for a test whose data give no FRFs on one axis,
+/// [`StudyError`] for invalid options, for a test whose data give no FRFs on one axis,
 /// and where the refined method finds no mode to compare with.
 pub fn speed_accuracy(
     scene: &Scene,
@@ -204,7 +204,7 @@ pub(super) fn chosen_tests<'a>(
     Ok(if named.is_empty() { with_data } else { named })
 }
 
-/// Tells the observer.
+/// Reports steps to the observer.
 struct Steps<'a> {
     observer: &'a dyn Observer,
     before: usize,

@@ -3,13 +3,13 @@
 use super::super::{Method, REFINED};
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
 
-/// A method is right at a level where it misses and invents no more than this share of the
-/// observable modes.
+/// Largest number of missed and spurious modes of a reliable method, as a share of the observable
+/// modes.
 const MAX_MISTAKE_SHARE: f64 = 0.02;
-/// A method follows the noise where its error falls by half of what the noise does or more.
+/// Smallest fall of the error of an unbiased method, over the fall of the noise, both in dB.
 const MIN_ERROR_FALL_OVER_NOISE_FALL: f64 = 0.5;
 
-/// Which method when, test by test.
+/// Recommended methods, test by test.
 pub fn lessons(study: &SpeedAccuracy) -> Vec<String> {
     let of_test = |test: &TestStudy| {
         let sentences = [
@@ -116,8 +116,7 @@ fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     ))
 }
 
-/// By how much modes outside the band or the end of the record lift the refined method off its
-/// bound.
+/// Error of the refined method over its bound, with modes outside the band or truncated records.
 fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
     let errors = over_bound(test, study, (condition, refined()));
     let (least, most) = (errors.first()?, errors.last()?);

@@ -51,7 +51,7 @@ impl Refined {
         })
     }
 
-    /// Judges what others find of its modes.
+    /// Compares modes of other methods with its modes.
     pub fn judge(&self) -> Judge<'_> {
         Judge::new(&self.system, &self.variances)
     }
@@ -67,7 +67,7 @@ impl Refined {
     }
 }
 
-/// Of values that are all known; `None` of none.
+/// Root mean square; `None` without values or where a value is missing.
 fn rms(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let all: Vec<f64> = values.collect::<Option<_>>()?;
     let sum: f64 = all.iter().map(|value| value * value).sum();
@@ -93,7 +93,7 @@ fn mean_variances(system: &System, set: &FrfSet) -> Result<Vec<f64>, StudyError>
     Ok(all.collect::<Option<Vec<f64>>>().unwrap_or(unstated))
 }
 
-/// Every method on every set, one after the other so that none is timed beside another.
+/// Every method on every set, one after the other so that no two are timed at once.
 pub(super) fn rows(
     data: &TestSets,
     refined: &Refined,
@@ -141,7 +141,7 @@ impl DataRow {
     }
 }
 
-/// Runs work once, and where somebody measures again so many times.
+/// Runs the work once, and a number of times more where a meter measures it.
 pub(super) fn timed<T>(work: impl Fn() -> T, repeats: usize, meter: &dyn Meter) -> (T, Timing) {
     let result = work();
     let mut times = Vec::new();
@@ -188,7 +188,8 @@ pub(super) fn limits(set: &FrfSet, band: Band, meter: &dyn Meter) -> SpeedLimits
     }
 }
 
-/// Processor time of a short piece of work, over so many runs that a clock can tell.
+/// Processor time of a short computation, averaged over enough runs for the resolution of the
+/// clock.
 fn each(work: &dyn Fn() -> Complex64, meter: &dyn Meter) -> Option<f64> {
     const RUNS: u32 = 20;
     let cost = meter.measure(&mut || {

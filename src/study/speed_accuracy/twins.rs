@@ -1,4 +1,4 @@
-//! Methods on the twin over noise, in three conditions.
+//! The twin compares all methods over the noise level, in three conditions.
 
 use rayon::prelude::*;
 
@@ -17,12 +17,12 @@ const PRETRIGGER: f64 = 0.02;
 /// Smallest number of modes of a twin whose first and last mode can lie outside the band.
 const MIN_MODES_FOR_OUTSIDE: usize = 4;
 
-/// What the twin is.
+/// Condition of the twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     /// The modes of the band alone, in white noise: what every method assumes.
     White,
-    /// The band ends between the first two and the last two modes, which are there all the same.
+    /// The band excludes the first and the last mode of the twin.
     Outside,
     /// The record ends before the response has decayed, with the time before the hit in it.
     Truncated,
@@ -87,7 +87,8 @@ impl Condition {
     }
 }
 
-/// With no more lines for each half-power width of its narrowest mode than are wanted.
+/// The system with at most the stated number of lines per half-power bandwidth of its narrowest
+/// mode.
 fn thinned(system: System, lines_per_width: Option<f64>) -> Result<System, StudyError> {
     let inside = system.modes.iter().filter(|mode| system.inside(mode));
     let narrowest = inside.map(|mode| mode.width_hz()).reduce(f64::min);
@@ -104,7 +105,7 @@ fn thinned(system: System, lines_per_width: Option<f64>) -> Result<System, Study
     system.on_lines(sparse, band)
 }
 
-/// What a twin came to.
+/// The results of a twin.
 pub(super) struct TwinStudy {
     pub modes: usize,
     pub step_hz: f64,
@@ -175,7 +176,7 @@ fn costs(
     methods.iter().map(cost).collect()
 }
 
-/// Who is on the front of time and error in white noise of a level.
+/// Marks the methods on the front of time and error in white noise of a level.
 fn mark_front(study: &mut TwinStudy, snr_db: f64) {
     let point = |cost: &TwinCost| {
         let mut rows = study.rows.iter();
@@ -189,7 +190,7 @@ fn mark_front(study: &mut TwinStudy, snr_db: f64) {
     }
 }
 
-/// What one identification came to, and why where it was refused.
+/// The counts of one identification, and the reason where it was refused.
 type Judged = (Tally, Option<String>);
 
 /// A twin under one condition.
