@@ -17,9 +17,9 @@ use super::systems::{Drawn, component, dofs, mode};
 /// Draws of each cell, each with different shapes, damping and noise.
 const DRAWS: u64 = 60;
 const RESPONSES: usize = 10;
-/// Distance in half-power widths, angle between the participation vectors in degrees, and least
-/// chance to find two: the bound allows it in every draw of every cell. Shapes, damping and noise
-/// of a draw are the same in all cells.
+/// Separation in half-power bandwidths, angle between the participation vectors in degrees, and
+/// minimum detection rate of both modes: the bound allows detection in every draw of every cell.
+/// Shapes, damping and noise of a draw are the same in all cells.
 const CELLS: [(f64, f64, f64); 9] = [
     (0.5, 90.0, 1.0),
     (0.5, 30.0, 1.0),
@@ -31,12 +31,12 @@ const CELLS: [(f64, f64, f64); 9] = [
     (0.05, 30.0, 0.9),
     (0.05, 10.0, 0.9),
 ];
-/// Most angle between the subspaces of the shapes of a pair, degrees: five times what 95 % stay
-/// under in the last cell.
+/// Largest angle between the subspaces of the shapes of a pair, degrees: five times the 95 %
+/// quantile in the last cell.
 const MAX_PAIR_ANGLE_DEG: f64 = 0.5;
 /// Natural frequency of the lower of the two, Hz.
 const PAIR_HZ: f64 = 200.0;
-/// Most angle between the subspaces of the shapes of a repeated root, degrees.
+/// Largest angle between the subspaces of the shapes of a repeated root, degrees.
 const MAX_ANGLE_DEG: f64 = 2.0;
 
 /// A pair, its distance in half-power widths, with single modes on both sides.
@@ -113,9 +113,9 @@ fn unit(vector: Vec<Complex64>) -> Vec<Complex64> {
     vector.into_iter().map(|v| v / length).collect()
 }
 
-/// What came of one draw.
+/// The result of one draw.
 struct Outcome {
-    /// Whether the bound tells the two poles apart.
+    /// Whether the two poles are separable by the bound.
     allowed: bool,
     /// Distance of the two over the greater of their Cramér-Rao deviations.
     deviations: f64,
@@ -161,7 +161,7 @@ fn outcomes(setup: &Setup) -> Vec<Outcome> {
         .collect()
 }
 
-/// The angle that a share of the outcomes stays under, degrees.
+/// Quantile of the angle over the outcomes, degrees.
 fn angle_quantile(outcomes: &[Outcome], share: f64) -> f64 {
     let mut angles: Vec<f64> = outcomes.iter().filter_map(|o| o.angle_deg).collect();
     angles.sort_by(f64::total_cmp);
@@ -196,7 +196,7 @@ fn counts(label: &str, outcomes: &[Outcome]) -> (usize, usize) {
     (two, count)
 }
 
-/// Fewest successes that a tool of this chance of one has in 99.9 % of all cases.
+/// Minimum number of successes with 99.9 % probability at this probability of a success.
 fn fewest(draws: usize, chance: f64) -> usize {
     let successes = Binomial::new(chance, draws as u64).unwrap();
     let in_band = |k: &usize| successes.cdf(*k as u64) > 0.001;

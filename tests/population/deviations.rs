@@ -1,5 +1,5 @@
-//! Deviations that modes of hammer tests state, from the recording on: with the windows that the
-//! record asks for, and noise on force and responses.
+//! Stated standard deviations of modes agree with their errors over whole hammer tests, with
+//! default windows and with noise on force and responses.
 
 use modalign::axis::Band;
 use modalign::dof::Dof;
@@ -17,7 +17,7 @@ const TESTS: u64 = 60;
 const MODES: usize = 4;
 const SENSORS: usize = 6;
 
-/// How tests are made.
+/// Parameters of a hammer test.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     /// Length of a record in time constants of the slowest mode.

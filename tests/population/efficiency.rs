@@ -1,7 +1,8 @@
-//! Errors and stated deviations of identified poles against the Cramér-Rao bound: eight modes in
-//! white noise of known variance.
+//! Errors and stated standard deviations of identified poles agree with the Cramér-Rao bound, for
+//! eight modes in white noise of known variance.
 //!
-//! A limit is the one wanted, or where so many draws cannot show it, what a perfect tool passes.
+//! A limit is the required one, or, where the draws are too few to show it, the limit that an
+//! efficient estimator passes.
 
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::modal::{Mode, Pole};
@@ -19,11 +20,11 @@ const MODES: usize = 8;
 /// Draws per level.
 const DRAWS: usize = 60;
 const LEVELS_DB: [f64; 3] = [60.0, 40.0, 30.0];
-/// Most rms error over the bound.
+/// Largest rms error over the bound.
 const MAX_ERROR_OVER_BOUND: f64 = 1.2;
-/// Most relative difference of stated and observed deviations.
+/// Largest relative difference of stated and observed standard deviations.
 const MAX_RELATIVE_STD_ERROR: f64 = 0.05;
-/// What 95 % intervals cover, and how far from it.
+/// Nominal coverage of 95 % intervals, and its tolerance.
 const COVERED: (f64, f64) = (0.95, 0.01);
 /// Normal quantiles of 95 % and 99.9 %, two-sided.
 const QUANTILE_95: f64 = 1.959_964;
@@ -31,7 +32,7 @@ const QUANTILE_999: f64 = 3.290_527;
 /// Largest stated error by modes outside the band over the bound, rms: less than the scatter of an
 /// unbiased estimate.
 const MAX_BIAS_OVER_BOUND: f64 = 0.5;
-/// Deviations that an rms of so few errors may be from its expectation.
+/// Largest distance of the rms of a few errors from its expectation, in standard deviations.
 const RMS_SIGMAS: f64 = 5.0;
 
 /// Eight modes 50 Hz apart, give or take 10, of 0.5 to 2 % damping, at 10 responses of which 2 are
@@ -79,7 +80,7 @@ struct Sample {
     error: f64,
     stated: f64,
     bound: f64,
-    /// Size of the error that modes beside the band leave, as the tool tells it.
+    /// Stated error by modes outside the band.
     bias: Option<f64>,
 }
 
@@ -103,7 +104,7 @@ fn samples(truth: &TrueMode, bound: Deviation, found: &Mode) -> [Sample; 2] {
 /// Samples of all draws of a system, by mode and quantity.
 struct Samples {
     modes: Vec<[Vec<Sample>; 2]>,
-    /// Draws with a mode missed or invented, and what it was.
+    /// Draws with a missed or spurious mode, and its description.
     wrong: Vec<String>,
 }
 
@@ -160,12 +161,12 @@ fn bias_over_bound(modes: &[[Vec<Sample>; 2]]) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// Relative deviation of the rms of so many normal errors.
+/// Relative standard deviation of the rms of a number of normal errors.
 fn rms_deviation(samples: usize) -> f64 {
     (2.0 * samples as f64).sqrt().recip()
 }
 
-/// What is pooled over some samples.
+/// Statistics pooled over samples.
 struct Pooled {
     /// Rms error over bound of frequency and damping.
     rms: [f64; 2],

@@ -1,4 +1,4 @@
-//! How many modes of the family are found, by kind.
+//! The share of found modes of the family stays above its limits, kind by kind.
 
 use std::collections::BTreeMap;
 
@@ -16,16 +16,16 @@ use super::pipeline::{Share, Tally, judged, judged_from_frfs_alone};
 
 /// Observable and separated modes. Measured: 444.
 const MIN_CLEAR_FOUND: usize = 440;
-/// Most of them that are not found. Measured: 1.
+/// Largest number of missed ones among them. Measured: 1.
 const MAX_CLEAR_MISSED: usize = 2;
-/// Least found of the observable modes that are not separated. Measured: 632 of 639.
+/// Smallest number of found modes among the observable, not separated ones. Measured: 632 of 639.
 const MIN_CROWDED_FOUND: usize = 628;
-/// Most modes of the close kind that are none. Measured: 1.
+/// Largest number of spurious modes of the close kind. Measured: 1.
 const CLOSE_SPURIOUS: usize = 3;
-/// Most of the other kinds together. Measured: 12; 5 are wanted.
+/// Largest number of spurious modes of the other kinds together. Measured: 12; 5 are required.
 const OTHER_SPURIOUS: usize = 15;
 
-/// The same from FRFs alone: separated modes not found, crowded modes found, modes that are none.
+/// The same from FRFs alone: separated modes not found, crowded modes found, spurious modes.
 /// Measured: 1, 626 and 9.
 const ALONE_CLEAR_LOST: usize = 2;
 const ALONE_CROWDED: usize = 622;

@@ -27,7 +27,7 @@ pub const PRIOR: f64 = 0.2;
 const MAX_LOG_CHANGE: f64 = 0.4;
 /// Signal-to-noise ratio of every function, dB: rms over the band over rms noise of a line.
 const SNR_DB: (f64, f64) = (40.0, 60.0);
-/// What is below this part of the largest, or of 1 for a shape of unit modal mass, is zero by
+/// Values below this fraction of the largest, or of 1 for a shape of unit modal mass, are zero by
 /// symmetry.
 const SEEN: f64 = 1e-6;
 /// Each twin is a stream of this seed.
@@ -39,7 +39,7 @@ pub struct Gear {
     pub model: Box<dyn TheoreticalModel>,
     /// Stiffnesses of which each twin draws some.
     pub stiffnesses: &'static [&'static str],
-    /// One that this test cannot know; free in every twin, and to be named.
+    /// A stiffness that this test cannot determine; it is free in every twin and must be reported.
     pub unseen: Option<&'static str>,
     pub sensors: Vec<Sensor>,
     pub hits: Vec<Dof>,
@@ -163,7 +163,7 @@ pub fn gears() -> Vec<Gear> {
     ]
 }
 
-/// A twin: how it differs, and what its test said.
+/// A twin: its parameters and the result of its update.
 pub struct GearTwin {
     pub parameters: Vec<&'static str>,
     pub truth: Vec<f64>,
@@ -204,7 +204,7 @@ impl Gear {
     }
 
     /// Whether the roots of the band that some function has are at least the sum of their
-    /// half-power widths apart. No test tells apart what is nearer.
+    /// half-power bandwidths apart. No test separates closer roots.
     fn roots_are_separated(&self, theory: &TheoryModes, ratios: &[f64]) -> bool {
         let mut roots: Vec<(f64, f64)> = Vec::new();
         for (mode, ratio) in theory.model.modes[theory.rigid..].iter().zip(ratios) {
@@ -310,8 +310,8 @@ impl Gear {
         set
     }
 
-    /// Some stiffnesses changed, and the parameters that are free: what differs, and what the test
-    /// cannot know.
+    /// Some changed stiffnesses, and the free parameters: the changed ones and the one that the
+    /// test cannot determine.
     fn draw(&self, nominal: &[f64], random: &mut ChaCha8Rng) -> (Vec<&'static str>, Vec<f64>) {
         let count = random.random_range(1..=self.stiffnesses.len());
         let chosen = self.stiffnesses.choose_multiple(random, count);

@@ -1,6 +1,6 @@
 //! Hit judging over a population: pulses of 3 to 200 samples, converters of 12 to 24 bits,
-//! structures of 0.1 to 5 % damping, noise at 30 to 80 dB, offsets and drifts. What is clean must
-//! pass, what is faulty must be found where it can be.
+//! structures of 0.1 to 5 % damping, noise at 30 to 80 dB, offsets and drifts. Clean hits must
+//! pass; faulty ones must be detected where they are detectable.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ const RATE_HZ: f64 = 10_000.0;
 const CLEAN: usize = 120;
 const DOUBLE: usize = 72;
 const OVERLOAD: usize = 36;
-/// Twice the ratio that is noted, so that the noise of the estimate does not decide what is found.
+/// Twice the detected ratio, so that the noise of the estimate does not decide the detection.
 const MIN_RATIO: f64 = 0.02;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -51,7 +51,7 @@ struct Judged {
     checks: Vec<Check>,
 }
 
-/// What one hit is drawn from.
+/// The distribution of one hit.
 struct Draw {
     kind: Kind,
     width: f64,
@@ -171,7 +171,7 @@ impl Draw {
         }
     }
 
-    /// A ratio: every other time such that the contact is hard to see.
+    /// A ratio: in half of the draws the contact is hard to detect.
     fn second(&mut self, unit_detectability: f64) -> f64 {
         let hard = self.log_uniform(4.0, 20.0) / unit_detectability;
         let any = self.log_uniform(MIN_RATIO, 1.0);
@@ -215,7 +215,7 @@ impl Draw {
 struct Converter {
     full_scale: f64,
     step: f64,
-    /// Two codes up and down on the rail.
+    /// Two codes up and down at full scale.
     jitter: bool,
 }
 

@@ -1,5 +1,4 @@
-//! What identification finds of 300 systems known by their modes: all that anyone could find, and
-//! nothing else.
+//! Identification finds the observable modes of 300 known systems and no spurious ones.
 
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::modal::ModalModel;
@@ -8,13 +7,13 @@ use rayon::prelude::*;
 
 use super::systems::{Drawn, SYSTEMS};
 
-/// The method that is held to the limits.
+/// The method under test.
 pub const METHOD: &str = "ml";
-/// Least share of the observable modes that is found.
+/// Smallest share of found modes among the observable ones.
 const MIN_RECALL: f64 = 0.995;
-/// Most spurious modes, as a share of all that are found.
+/// Largest share of spurious modes among the found ones.
 const MAX_SPURIOUS_SHARE: f64 = 0.005;
-/// Least share of systems without a missed or spurious mode.
+/// Smallest share of systems without a missed or spurious mode.
 const MIN_RIGHT_SHARE: f64 = 0.97;
 
 /// The modes of one draw of a system.
@@ -27,7 +26,7 @@ pub fn identified(drawn: &Drawn, draw: u64) -> ModalModel {
     identify(&drawn.measured(draw), &options).unwrap()
 }
 
-/// A system of the family with what is found of it.
+/// A system of the family with its identified modes.
 pub fn judged(number: usize) -> (Drawn, ModalModel, Verdict) {
     let drawn = Drawn::draw(number as u64);
     let model = identified(&drawn, 0);

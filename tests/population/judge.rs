@@ -25,9 +25,9 @@ use num_complex::Complex64;
 
 /// Peak over noise, as a power: 10 dB.
 const OVER_NOISE: f64 = 10.0;
-/// Least distance of separated roots in half-power bandwidths.
+/// Smallest separation of separated roots in half-power bandwidths.
 const SEPARATED_WIDTHS: f64 = 10.0;
-/// Least MAC of a found mode.
+/// Smallest MAC of a found mode.
 const MIN_MAC: f64 = 0.9;
 
 /// One root of the truth.
@@ -52,7 +52,7 @@ pub struct Root {
 pub struct Verdict {
     /// Every root in ascending frequency.
     pub roots: Vec<Root>,
-    /// Found modes that belong to none.
+    /// Spurious modes.
     pub spurious: usize,
 }
 
@@ -153,8 +153,7 @@ fn is_separated(roots: &[Root], r: usize) -> bool {
     this_root.modes.len() == 1 && roots.iter().enumerate().all(clear)
 }
 
-/// Cramér-Rao deviation of every root's frequency, `None` for one that no pair shows over its
-/// noise.
+/// Cramér-Rao bound of every root's frequency, `None` for a root below the noise of all pairs.
 ///
 /// For `sum_r R_rp/(i omega - lambda_r)` in white complex noise of variance `v_p` on lines `d
 /// omega` apart, with the residues of all pairs unknown too: the information on the poles is

@@ -1,15 +1,15 @@
-//! Pairs of a model and a test of the same machine, whose stiffnesses the model has wrong: who
-//! belongs to whom is known.
+//! Each pair of a model and a test shares one machine, whose stiffnesses are wrong in the model;
+//! the true pairing of their modes is known.
 //!
 //! Three kinds of machine: a square membrane of point masses (double roots by symmetry), a ring of
 //! bodies that move along and across it (double roots by rotation), and a frame of point masses in
-//! space (none). The springs of the tested machine are other than the model's; half of the
-//! membranes and rings keep their symmetry, so that their repeated roots stay and are measured in a
-//! basis turned at random.
+//! space (none). The springs of the tested machine differ from those of the model; half of the
+//! membranes and rings keep their symmetry, so that their roots stay repeated and are measured in a
+//! randomly rotated basis.
 //!
 //! [`Family::Equal`] has equal masses: the thresholds of pairing were set on it.
 //! [`Family::HeldOut`] has masses up to five times as heavy as others, and in half of its machines
-//! up to three small oscillators, of which the sensors may know nothing.
+//! up to three small oscillators, which may carry no sensor.
 
 use std::f64::consts::TAU;
 
@@ -28,7 +28,7 @@ pub const SENSORS: [usize; 5] = [8, 20, 30, 45, 60];
 const SAME_ROOT: f64 = 1e-9;
 /// Largest deviation of the logarithm of a stiffness; frequencies follow at half of it.
 const MAX_LOG_SPREAD: f64 = 0.25;
-/// Largest logarithm of what all stiffnesses have too much: frequencies follow at half of it.
+/// Largest logarithm of the common factor of all stiffnesses; frequencies change by half of it.
 const MAX_LOG_COMMON: f64 = 0.18;
 /// Mass of the heaviest body over that of the lightest.
 const MASS_RATIO: f64 = 5.0;
@@ -39,12 +39,12 @@ const LARGEST_ERROR: f64 = 0.1;
 /// Deviation of a measured frequency over the frequency, per noise-to-signal ratio of the shapes.
 const FREQUENCY_NOISE: f64 = 1e-3;
 
-/// Who a test mode belongs to.
+/// The model root that belongs to a test mode.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Number of the model's root that holds most of the shape.
+    /// Number of the model root with the largest part of the shape.
     pub root: usize,
-    /// The part of the shape that it holds, weighted by mass over all degrees of freedom.
+    /// Part of the shape in the span of this root, weighted by mass over all degrees of freedom.
     pub mac: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct Machine {
     pub truth: Vec<Truth>,
 }
 
-/// Which machines are drawn.
+/// A family of machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     Equal,

@@ -1,4 +1,4 @@
-//! Damage to files: seeded changes of bytes, and what a reader must keep to on whatever comes out.
+//! Seeded changes of bytes damage files; a reader must meet its guarantees on every damaged file.
 //!
 //! A reader may refuse a damaged file or read its intact part. It must not panic, and it must not
 //! ask for more memory than a small multiple of the file: a few bytes can say that a terabyte
@@ -16,16 +16,16 @@ use rayon::prelude::*;
 
 use crate::seeds;
 
-/// Memory may reach so many times the file's size ...
+/// Largest memory of a reader over the size of the file ...
 const TIMES_SIZE: u64 = 64;
 
-/// ... and so many bytes more.
+/// ... in addition to this number of bytes.
 const BASE: u64 = 4 << 20;
 
-/// Samples are read in blocks of so many.
+/// Samples in a block that is read at once.
 const BLOCK: usize = 4096;
 
-/// A reader with the files that it is tried on.
+/// A reader with its test files.
 pub struct Reader {
     /// Name of the format.
     pub name: &'static str,
@@ -109,7 +109,7 @@ fn first_column() -> TableSpec {
     }
 }
 
-/// What became of many damaged files.
+/// Results of many damaged files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outcome {
     /// Files.

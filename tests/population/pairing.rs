@@ -1,5 +1,5 @@
-//! Pairing of test modes with a model whose stiffnesses are wrong, beside pairing by frequency, by
-//! MAC and by index alone.
+//! Pairing of test modes with a model of wrong stiffnesses is compared with pairing by frequency,
+//! by MAC and by index alone.
 
 use modalign::correlate::{PairOptions, Verdict, assign, pair};
 use rayon::prelude::*;
@@ -10,16 +10,16 @@ const MACHINES: u64 = 500;
 /// Smallest part of a shape in the span of a root that makes the root its clear partner.
 const MIN_CLEAR_PART: f64 = 0.5;
 
-/// What became of test modes.
+/// Results of the pairing of test modes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
-    /// Paired with the root that holds most of the shape, and surely so.
+    /// Paired with the root of the largest part of the shape, not labelled ambiguous.
     right: usize,
     /// With that root, labelled ambiguous.
     right_ambiguous: usize,
     /// With another, labelled ambiguous.
     wrong_ambiguous: usize,
-    /// With another, without a word.
+    /// With another, not labelled ambiguous.
     wrong: usize,
     /// With none.
     alone: usize,
@@ -151,12 +151,12 @@ fn judged(family: Family, number: u64) -> Judged {
 
 // The machines and their seeds are fixed, so that the counts are too, but for a few on the edge.
 
-/// What a family is held to.
+/// Limits of a family.
 struct Limits {
-    /// Least part of clear modes that find their root, with 20 sensors or more and with 8.
+    /// Smallest share of clear modes paired with their root, with 20 sensors or more and with 8.
     found: [f64; 2],
-    /// Most modes that are said to belong where they do not, clear and others, with any number of
-    /// sensors: one more than measured.
+    /// Largest number of wrong pairs without a label, of clear modes and of others, with any number
+    /// of sensors: one more than measured.
     wrong: [usize; 2],
     /// Largest part of clear modes with 20 sensors or more that are labelled ambiguous.
     labelled: f64,

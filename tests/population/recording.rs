@@ -1,5 +1,4 @@
-//! The recordings of the family: the same again whenever they are made, and right where they are
-//! clean.
+//! The recordings of the family are reproducible, and agree with the truth where they are clean.
 
 use modalign::dof::Dof;
 use modalign::frf::{EstimateOptions, FrfSet, estimate, truncation_bounds};
@@ -48,7 +47,7 @@ const IMAGES: f64 = 3e-5;
 /// yet. Measured: 2.01.
 const HIDDEN: f64 = 3.0;
 
-/// How far the functions of a clean member are from the truth.
+/// Errors of the FRFs of a clean member.
 struct Clean {
     name: String,
     /// Error at the worst line over the tail that the record cuts off there, from the true poles.

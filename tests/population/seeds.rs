@@ -1,4 +1,5 @@
-//! Small whole files of every format, written by the library or made of text here.
+//! Small intact files of every format are the seeds of damaged ones, written by the library or made
+//! of text here.
 
 use std::io::{Cursor, Write};
 

@@ -5,7 +5,7 @@
 //! (driving points), and the receptance residues are `φ_o φ_i / (2 i ω_d)`. Frequencies are uniform
 //! over the band, components normal, all else as the constants say. Systems of more modal overlap
 //! than [`MAX_OVERLAP`] are drawn again: where every half-power width holds several modes there
-//! are no modes to tell.
+//! are no separable modes.
 
 use std::fmt;
 
