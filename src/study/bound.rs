@@ -245,7 +245,7 @@ mod tests {
         let over: f64 = power.sum();
         let expected = (2.0 * step / (std::f64::consts::PI * over)).sqrt();
         let bound = deviations(&[&mode], &lines)[0];
-        // The residuals and what lies beyond the lines cost a little: twice the ratio of the
+        // The residuals and the missing lines beyond the band cost a little: twice the ratio of the
         // half-power width to their range.
         let frequency = bound.frequency_hz * TAU / expected;
         let damping = bound.damping * lambda.norm() / expected;

@@ -5,7 +5,7 @@
 pub struct Cost {
     /// Processor time of all threads, s.
     pub cpu_s: Option<f64>,
-    /// Most memory taken at once beyond what was taken before, bytes.
+    /// Peak memory beyond the memory in use before, bytes.
     pub peak_bytes: Option<u64>,
 }
 

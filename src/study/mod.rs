@@ -1,6 +1,7 @@
-//! Studies: how fast and how exact every method is, where it fails, and how little a scene needs.
+//! Studies compare the speed and accuracy of all methods, map where they fail, and find the needs
+//! of a scene.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `breakdown` | where every method fails, over two factors |
 //! | `system` | [`System`]: a linear system known by its modes, with its FRFs, their noise and ends of records |

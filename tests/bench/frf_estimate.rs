@@ -102,7 +102,7 @@ fn run_self(arguments: &[String]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// The bare loop and the estimate in turns, in this process; prints what came of them.
+/// Runs the bare loop and the estimate in turns, in this process, and prints their rates.
 fn run(sizes: &Sizes, path: &Path, what: &str, threads: &str) {
     let estimates = if what == "judged" { judged } else { estimate };
     let pool = rayon::ThreadPoolBuilder::new()

@@ -1,8 +1,7 @@
-//! The committed family of synthetic hammer tests, drawn whole: that it is what it says, that H1 of
-//! it is right, and how many of its modes the present method finds. Identification from FRFs of
-//! systems known by their modes, in white noise of known variance. Modes paired with models whose
-//! stiffnesses are wrong, and models updated to synthetic twins of their machines. And every reader
-//! on damaged files.
+//! The statistical tests cover the committed family of synthetic hammer tests: its consistency, its
+//! H1 and its found modes; the identification of known systems from FRFs in white noise of known
+//! variance; the pairing of modes with models of wrong stiffnesses; the update of models to
+//! synthetic twins of their machines; and every reader on damaged files.
 
 mod close_pairs;
 mod deviations;

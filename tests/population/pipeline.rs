@@ -1,5 +1,5 @@
-//! From a member of the family to a verdict: recording, FRFs, modes, judge; and the counts of a
-//! kind.
+//! The pipeline records a member of the family, estimates its FRFs, identifies its modes, judges
+//! them, and counts the results of a kind.
 
 use modalign::FrfSet;
 use modalign::frf::{EstimateOptions, Function, FunctionData, estimate};
@@ -65,7 +65,7 @@ fn frfs_alone(set: FrfSet) -> FrfSet {
     alone
 }
 
-/// Of some roots: how many modes a tool could find, and how many were found.
+/// Detectable and found modes of some roots.
 #[derive(Clone, Copy, Default)]
 pub struct Share {
     /// Modes there are; of a repeated root no more than there are references.
@@ -85,7 +85,7 @@ pub struct Tally {
     pub crowded: Share,
     /// Not observable.
     pub hidden: Share,
-    /// Found modes that are none.
+    /// Spurious modes.
     pub spurious: usize,
 }
 

@@ -27,7 +27,7 @@ const SHAPE_STD: f64 = 0.02;
 pub struct Machine {
     pub model: Box<dyn TheoreticalModel>,
     pub parameters: Vec<&'static str>,
-    /// One that no sensor sees, which must be named.
+    /// A stiffness that no sensor sees, which must be reported.
     pub unseen: Option<&'static str>,
     sensors: Vec<Sensor>,
 }
@@ -80,7 +80,7 @@ pub fn torsional() -> Machine {
     Machine::new(model, vec!["k_r", "k_s", "k_cu"], None)
 }
 
-/// A twin's parameters and what updating made of its modes.
+/// The parameters of a twin and the result of its update.
 pub struct Twin {
     pub truth: Vec<f64>,
     pub result: UpdateResult,
@@ -178,7 +178,7 @@ fn noisy(model: &ModalModel, normal: &mut impl FnMut() -> f64) -> ModalModel {
     test
 }
 
-/// What came of many twins.
+/// Results of many twins.
 #[derive(Default, Debug)]
 pub struct Tally {
     pub inside: usize,

@@ -1,6 +1,6 @@
 //! Updating of synthetic twins: 95 % intervals of the parameters cover 94 to 96 % of 2,000 and
-//! more, updated frequencies are right, and a stiffness that no sensor sees is named every time.
-//! With modes of stated errors, and, of all four transmissions, with modes that the tool identified
+//! more, updated frequencies are right, and a stiffness that no sensor sees is reported every time.
+//! With modes of stated errors, and, of all four transmissions, with modes identified
 //! from noisy FRFs.
 
 use modalign::update::Verdict;

@@ -1,5 +1,5 @@
-//! The stated variance of an FRF against its scatter, and the intervals that its degrees of freedom
-//! promise.
+//! The stated variance of an FRF agrees with its scatter, and its intervals with their degrees of
+//! freedom.
 
 use modalign::dof::Dof;
 use modalign::frf::{EstimateOptions, estimate};
@@ -19,8 +19,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 const TESTS: u64 = 100;
 
 /// Noise of the response channels over the rms of a record at the nominal hit, and of the force
-/// over its peak: 40 and 80 dB. A sensor's noise does not know how hard the hammer hits: it is the
-/// same in every hit.
+/// over its peak: 40 and 80 dB. The noise of a sensor does not depend on the force: it is the same
+/// in every hit.
 const RESPONSE_NOISE: f64 = 1e-2;
 const FORCE_NOISE: f64 = 1e-4;
 

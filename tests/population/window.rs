@@ -1,5 +1,5 @@
-//! What windows do to the damping of a pole fit: lightly damped modes in a record of one and a half
-//! time constants.
+//! Windows bias the damping of fitted poles little, for lightly damped modes in a record of one and
+//! a half time constants.
 
 use std::slice::from_ref;
 

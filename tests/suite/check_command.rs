@@ -1,5 +1,5 @@
-//! `check` against a baseline, end to end: what noise may change passes, what is wrong is caught in
-//! its row, and the JUnit file follows its schema.
+//! `check` compares results with a baseline: changes by noise pass, wrong values fail in their row,
+//! and the JUnit file follows its schema.
 
 use std::path::Path;
 
@@ -273,9 +273,9 @@ fn elements(text: &str) -> Vec<Element> {
     found
 }
 
-/// What the schema of Ant's JUnit reports (JUnit.xsd) asks for: elements in their order, attributes
-/// that must be there, and counts. `tests/reference/junit_schema.sh` holds a file against the
-/// schema itself.
+/// Requirements of the schema of Ant's JUnit reports (JUnit.xsd): elements in their order,
+/// attributes that must be there, and counts. `tests/reference/junit_schema.sh` holds a file
+/// against the schema itself.
 fn assert_junit(text: &str) -> (usize, usize) {
     let all = elements(text);
     let shape: Vec<(usize, &str)> = all

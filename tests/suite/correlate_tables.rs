@@ -1,5 +1,5 @@
-//! Tables of `modalign correlate` as files, the language of every verb, and modes that were missed
-//! without anybody knowing why.
+//! `modalign correlate` writes its tables as files, every verb in the chosen language, and missed
+//! modes of unknown observability.
 
 use std::path::Path;
 

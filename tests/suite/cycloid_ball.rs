@@ -1,5 +1,5 @@
-//! The scene of the README's main command, whole: what is found of the truth, what is missed and
-//! why, and what is printed.
+//! The scene of the README's main command finds the true modes, explains the missed ones, and
+//! prints both.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;

@@ -1,5 +1,5 @@
 //! Faults from outside: no space, targets that cannot be written, kills, interrupts, inputs that
-//! shrink. What was there stays, nothing half-written stands under a final name, and the exit code
+//! shrink. Existing files stay unchanged, no partial file has a final name, and the exit code
 //! is 2.
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! The scene of the README's main command, and what a pair too close for a single-mode method comes
-//! to.
+//! The scene of the beam finds its true modes, and a pair too close for a single-mode method is
+//! reported.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `frf` on recordings with bad hits, on continuous recordings, and what it says of each hit.
+//! `frf` reports every hit, in recordings with bad hits and in continuous recordings.
 
 use std::path::Path;
 

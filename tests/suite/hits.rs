@@ -1,5 +1,5 @@
-//! Hit judging on real recordings: what a careful operator kept is kept, and what was noted is
-//! listed.
+//! Hit judging on real recordings keeps the hits that a careful operator kept, and lists the faults
+//! that the operator noted.
 
 use std::path::Path;
 

@@ -125,7 +125,7 @@ fn the_points_that_are_proposed_show_every_mode_that_disc_points_can_show() {
         plan.steps
     );
     assert!(seen < planned, "{seen} {planned}");
-    // The first test finds what it is said to see, and no more.
+    // The first test finds its observable modes and no others.
     assert!(paired(&first) <= seen, "{} {seen}", paired(&first));
 
     let (mut hits, mut responses) = (one.clone(), one);

@@ -1,5 +1,5 @@
-//! Maximum likelihood identification of real recordings, against what those who measured them
-//! published, where the private data folder is present.
+//! Maximum likelihood identification of real recordings agrees with the published modes, where the
+//! private data folder is present.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -149,7 +149,7 @@ fn five_hits_of_a_plate_have_the_peaks_that_their_author_names() {
     assert!(found.len() <= 22, "{found:?}");
 }
 
-/// Modes that those who measured name, Hz.
+/// Published modes, Hz.
 const HIT_HZ: [f64; 6] = [348.9, 466.6, 589.8, 863.7, 1109.8, 1256.9];
 
 #[test]

@@ -1,5 +1,4 @@
-//! The HTML report: written with a run, built again from its folder, and what its data are good
-//! for.
+//! The HTML report is written with a run, built again from its folder, and its data select poles.
 
 use std::collections::BTreeSet;
 use std::path::Path;

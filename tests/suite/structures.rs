@@ -1,5 +1,5 @@
-//! Structures as masses and springs, with models whose stiffnesses are wrong and tests with noise:
-//! who belongs to whom is known.
+//! Structures of masses and springs have models of wrong stiffnesses and tests with noise; the true
+//! pairing of their modes is known.
 
 use std::f64::consts::TAU;
 

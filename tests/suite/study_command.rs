@@ -1,6 +1,6 @@
-//! `modalign study speed-accuracy`: the same numbers for any number of threads, the refined method
-//! at its bound, and the failures that are known. `modalign study order`: what the beam needs is
-//! known.
+//! `modalign study speed-accuracy` gives the same numbers for any number of threads, the refined
+//! method at its bound, and the known failures; `modalign study order` gives the known needs of the
+//! beam.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators 
                     orders = []\nsnr_db = [30.0, 55.0, 80.0]\ndraws = 4\nrepeats = 1\n";
 /// Modes of the beam in the band.
 const MODES: usize = 6;
-/// Most rms error over the bound that is wanted of the refined method, and deviations that an rms
-/// of so few errors may be above it.
+/// Largest required rms error of the refined method over the bound, and the largest distance of an
+/// rms of a few errors above it, in standard deviations.
 const MAX_ERROR_OVER_BOUND: f64 = 1.2;
 const SIGMAS: f64 = 4.0;
 

@@ -70,7 +70,7 @@ fn of_several_files_all_come_or_none() {
     }
 }
 
-/// Commands that would write over a file which they read, and what they say of it.
+/// Commands that would overwrite one of their input files, and their error messages.
 const OVER: &[(&str, &str)] = &[
     ("convert hits.uff -o ./hits.uff", "is read"),
     ("frf hits.uff -o out/../hits.uff", "is read"),

@@ -1,4 +1,4 @@
-//! `modalign theory` on built-in models, models of matrices and finished modes, as a user types it.
+//! `modalign theory` computes modes of built-in models and of matrices, and reads finished modes.
 
 use std::ffi::OsStr;
 

@@ -46,7 +46,7 @@ impl Grid {
     }
 
     /// The nodes that the halving of a level, from 1, adds: those of every cell of the level before
-    /// that has known corners on both sides. A value that is already there, of a factor of whole
+    /// that has computed corners on both sides. A value that is already there, of a factor of whole
     /// numbers, is not added again.
     pub fn halved(&self, level: u32, inside: &BTreeMap<Node, bool>) -> BTreeSet<Node> {
         let step = 1usize << (self.levels + 1 - level);
@@ -90,8 +90,8 @@ impl Grid {
         differs(at - step) && differs(at + step)
     }
 
-    /// Values on the whole finest grid, by column: known ones as they are, those between as the
-    /// mean of their neighbours in the level before. The base must be known.
+    /// Values on the whole finest grid, by column: computed ones unchanged, the others as the mean
+    /// of their neighbours in the level before. The base must be computed.
     pub fn filled(&self, known: &BTreeMap<Node, f64>) -> Field {
         let (columns, rows) = self.size();
         let mut values = vec![vec![f64::NAN; rows]; columns];
@@ -191,7 +191,8 @@ mod tests {
             (x + y - 6.1).abs() < 4.1 || (node.0 % 4, node.1 % 4) == (0, 0)
         };
         assert!(inside.keys().all(step));
-        // On the finest level both sides of the contour are known on some edge of each row near it.
+        // On the finest level some edge of each row has computed nodes on both sides of the
+        // contour.
         for j in 0..9 {
             let crossed = (0..16).any(|i| {
                 let pair = [inside.get(&(i, j)), inside.get(&(i + 1, j))];

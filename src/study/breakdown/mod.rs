@@ -1,16 +1,16 @@
-//! Where methods fail: the share of seeded draws of a small structure in which each identifies its
-//! modes to a stated error, over two factors.
+//! A breakdown map shows where methods fail: the share of seeded draws of a small structure in
+//! which each method identifies the modes to a stated error, over two factors.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
-//! | `plan` | [`BreakdownTable`]: `[breakdown]` of `study.toml` as typed; [`Plan`]: what it means |
-//! | `factor` | [`Factor`]: what a slice varies; [`Axis`]: its values |
+//! | `plan` | [`BreakdownTable`]: `[breakdown]` of `study.toml` as typed; [`Plan`]: the checked plan |
+//! | `factor` | [`Factor`]: quantity that a slice varies; [`Axis`]: its values |
 //! | `case` | [`Case`]: three modes on a line of sensors |
 //! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer()`], from the seed of a cell's coordinates |
 //! | `failure_mode` | [`StatedError`], and the [`Symptom`] of a draw that does not meet it |
 //! | `wilson` | [`wilson`]: the interval of a counted share |
 //! | `grid` | [`Grid`]: cells halved near a contour |
-//! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: what was counted |
+//! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: counted successes |
 //! | `contour` | lines and places where a share crosses 95 % |
 //! | `user_modes` | [`OwnMode`]: a user's modes in a slice, and their distance from where a method fails |
 //! | `summary` | a slice in words |

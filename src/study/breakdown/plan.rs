@@ -53,7 +53,7 @@ pub struct StatedTable {
     pub residue_percent: Option<f64>,
 }
 
-/// `[breakdown.case]` and `[breakdown.slice.case]`: what differs from the base case.
+/// `[breakdown.case]` and `[breakdown.slice.case]`: differences from the base case.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct CaseTable {
     /// Frequency of the lowest mode, Hz.
@@ -124,7 +124,7 @@ const COUNT: usize = 7;
 const HIGHEST_ORDER: usize = 40;
 
 impl BreakdownTable {
-    /// What the table means.
+    /// The checked plan of the table.
     ///
     /// # Errors
     /// [`BreakdownError::Value`] with the key, what was got and what is expected.

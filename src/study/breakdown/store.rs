@@ -77,7 +77,7 @@ pub struct Finished {
     pub outdated: Vec<String>,
 }
 
-/// Computes what is not finished of a part of a study, and keeps it.
+/// Computes the unfinished slices of a part of a study, and keeps them.
 ///
 /// # Errors
 /// [`BreakdownError`] for a case that cannot be drawn, or of the store.

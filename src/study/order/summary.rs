@@ -111,7 +111,7 @@ fn modes(test: &TestNeeds) -> Option<String> {
         false => "the noise, estimated from the fit residual as the data have no variance",
     };
     Some(format!(
-        "the data support {last}{} by BIC, {predicted}, {} leave no more over than these but for a tenth; `ml` identified {identified}{repeated}. With \
+        "the data support {last}{} by BIC, {predicted}, {} leave a residual at most a tenth larger; `ml` identified {identified}{repeated}. With \
          {by_bic} the misfit is {:.2} times {noise}{against}{undecided}.",
         count(by_bic, "root"),
         selection.by_rest(),

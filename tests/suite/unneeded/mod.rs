@@ -70,7 +70,7 @@ fn padded_trace_lines_are_read() {
     assert_right(&modes, &said);
 }
 
-/// Parts that are damaged, each with a word of what was got.
+/// Damaged parts, each with a word of the reported value.
 fn damaged_parts() -> Vec<(&'static str, String, &'static str)> {
     let good = coherence(1, |_| 0.9);
     let damaged = |from: &str, to: &str| {
