@@ -38,14 +38,18 @@ impl Tally {
         self.runs += 1;
         let Some(found) = found else {
             self.refused += 1;
-            self.observable += judge.known().iter().filter(|mode| mode.observable).count();
+            self.observable += judge
+                .detectability()
+                .iter()
+                .filter(|mode| mode.observable)
+                .count();
             return;
         };
         let verdict = judge.verdict(found);
         self.observable += verdict.observable;
         self.spurious += verdict.spurious.len();
-        for (r, known) in judge.known().iter().enumerate() {
-            let partner = verdict.partner[r].filter(|_| known.observable);
+        for (r, detectability) in judge.detectability().iter().enumerate() {
+            let partner = verdict.partner[r].filter(|_| detectability.observable);
             let Some(mode) = partner.map(|f| &found.modes[f]) else {
                 continue;
             };
@@ -57,7 +61,7 @@ impl Tally {
                 self.shape += 1.0 - mac(&truth.shape, &shape).unwrap_or(0.0);
             }
             self.add_pole(truth, mode);
-            if let Some(bound) = known.bound {
+            if let Some(bound) = detectability.bound {
                 let [frequency, damping] = errors(truth, mode);
                 self.bounded += 1;
                 self.frequency_over_bound += (frequency / bound.frequency_hz).powi(2);
@@ -200,7 +204,7 @@ mod tests {
         assert!((tally.frequency().unwrap() - 1e-3).abs() < 1e-12);
         assert!((tally.damping().unwrap() - 0.1).abs() < 1e-12);
         assert!(tally.shape().unwrap() < 1e-7);
-        let bound = judge.known()[0].bound.unwrap();
+        let bound = judge.detectability()[0].bound.unwrap();
         let over = tally.frequency_over_bound().unwrap();
         assert!((over * bound.frequency_hz - 0.03).abs() < 1e-12);
         let mut both = tally;

@@ -42,7 +42,7 @@ pub use order::{
     LowestOrder, ModeNeeds, OrderOptions, OrderTried, ParameterNeeds, SceneNeeds, SingleMode,
     TestNeeds, TheoryNeeds, answers, order,
 };
-pub use score::{Judge, Known, Verdict, bounds, components, known};
+pub use score::{DetectabilityBound, DetectionVerdict, Judge, bounds, components, detectability};
 pub use seed::cell_random;
 pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};
 pub use speed_accuracy::{

@@ -33,7 +33,7 @@ const MIN_MAC_FRACTION: f64 = 0.9;
 
 /// Detectability of a true mode under the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Known {
+pub struct DetectabilityBound {
     /// `None` for a mode far outside the band.
     pub bound: Option<Deviation>,
     /// Its peak over the noise in the best function, dB.
@@ -48,7 +48,7 @@ pub struct Known {
 }
 
 /// Detectability of every mode of a system in noise of these variances ([`System::variances`]).
-pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
+pub fn detectability(system: &System, variances: &[f64]) -> Vec<DetectabilityBound> {
     let bounds = bounds(system, variances);
     let of_mode = |(r, bound): (usize, Option<Deviation>)| {
         let mode = &system.modes[r];
@@ -58,7 +58,7 @@ pub fn known(system: &System, variances: &[f64]) -> Vec<Known> {
         let peak_db = 10.0 * peak(system, mode, variances).log10();
         let separable = bound.is_some_and(|b| b.frequency_hz < MAX_STD_OVER_SPACING * spacing_hz);
         let above = peak_db >= 10.0 * MIN_PEAK_POWER_RATIO.log10();
-        Known {
+        DetectabilityBound {
             bound,
             peak_db,
             spacing_hz,
@@ -124,7 +124,7 @@ fn expected_mac(system: &System, mode: &TrueMode, variances: &[f64]) -> f64 {
 
 /// Result of the comparison of an identification with the truth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct DetectionVerdict {
     /// Number of observable modes.
     pub observable: usize,
     /// Number of the found mode of every true one.
@@ -135,14 +135,14 @@ pub struct Verdict {
     pub spurious: Vec<usize>,
 }
 
-impl Verdict {
+impl DetectionVerdict {
     /// Whether every observable mode is found and no other.
     pub fn wholly_right(&self) -> bool {
         self.missed.is_empty() && self.spurious.is_empty()
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for DetectionVerdict {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
@@ -158,14 +158,14 @@ impl fmt::Display for Verdict {
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     system: &'a System,
-    known: Vec<Known>,
+    detectability: Vec<DetectabilityBound>,
 }
 
 impl<'a> Judge<'a> {
     /// One for a system in noise of these variances ([`System::variances`]).
     pub fn new(system: &'a System, variances: &[f64]) -> Self {
         Self {
-            known: known(system, variances),
+            detectability: detectability(system, variances),
             system,
         }
     }
@@ -176,18 +176,18 @@ impl<'a> Judge<'a> {
     }
 
     /// Detectability of every mode.
-    pub fn known(&self) -> &[Known] {
-        &self.known
+    pub fn detectability(&self) -> &[DetectabilityBound] {
+        &self.detectability
     }
 
     /// Found, missed and spurious modes.
-    pub fn verdict(&self, found: &ModalModel) -> Verdict {
-        let partner = self.court(found).partners();
+    pub fn verdict(&self, found: &ModalModel) -> DetectionVerdict {
+        let partner = self.comparison(found).partners();
         let free = |f: &usize| !partner.contains(&Some(*f));
         let spurious = (0..found.modes.len()).filter(free).collect();
-        let observable = |r: &usize| self.known[*r].observable;
-        let all = (0..self.known.len()).filter(observable);
-        Verdict {
+        let observable = |r: &usize| self.detectability[*r].observable;
+        let all = (0..self.detectability.len()).filter(observable);
+        DetectionVerdict {
             observable: all.clone().count(),
             missed: all.filter(|r| partner[*r].is_none()).collect(),
             partner,
@@ -196,18 +196,18 @@ impl<'a> Judge<'a> {
     }
 
     /// A description of every missed and every spurious mode, with the reason.
-    pub fn reasons(&self, found: &ModalModel, verdict: &Verdict) -> Vec<String> {
-        let court = self.court(found);
-        let missed = verdict.missed.iter().map(|r| court.why_missed(*r));
-        let spurious = verdict.spurious.iter().map(|f| court.why_spurious(*f));
+    pub fn reasons(&self, found: &ModalModel, verdict: &DetectionVerdict) -> Vec<String> {
+        let comparison = self.comparison(found);
+        let missed = verdict.missed.iter().map(|r| comparison.why_missed(*r));
+        let spurious = verdict.spurious.iter().map(|f| comparison.why_spurious(*f));
         missed.chain(spurious).collect()
     }
 
-    fn court<'b>(&'b self, found: &'b ModalModel) -> Court<'b> {
+    fn comparison<'b>(&'b self, found: &'b ModalModel) -> Comparison<'b> {
         let shapes = found.modes.iter();
-        Court {
+        Comparison {
             system: self.system,
-            known: &self.known,
+            detectability: &self.detectability,
             found: &found.modes,
             shapes: shapes.map(|mode| components(self.system, mode)).collect(),
         }
@@ -221,18 +221,20 @@ pub fn components(system: &System, mode: &Mode) -> Vec<Complex64> {
     shape.unwrap_or_default()
 }
 
-struct Court<'a> {
+struct Comparison<'a> {
     system: &'a System,
-    known: &'a [Known],
+    detectability: &'a [DetectabilityBound],
     found: &'a [Mode],
     shapes: Vec<Vec<Complex64>>,
 }
 
-impl Court<'_> {
+impl Comparison<'_> {
     /// How far from a true mode a found one may be, Hz.
     fn tolerance_hz(&self, r: usize) -> f64 {
         let width = self.system.modes[r].width_hz();
-        let bound = self.known[r].bound.map_or(0.0, |b| 3.0 * b.frequency_hz);
+        let bound = self.detectability[r]
+            .bound
+            .map_or(0.0, |b| 3.0 * b.frequency_hz);
         bound.min(width).max(0.25 * width)
     }
 
@@ -247,7 +249,7 @@ impl Court<'_> {
             let other = &self.system.modes[*o];
             let apart = (other.hz() - mode.hz()).abs();
             let separable = |r: usize| {
-                let bound = self.known[r].bound;
+                let bound = self.detectability[r].bound;
                 bound.is_some_and(|b| b.frequency_hz < MAX_STD_OVER_SPACING * apart)
             };
             *o == r
@@ -275,12 +277,17 @@ impl Court<'_> {
     /// Each true mode with a found one: as many observable modes as can have one, then as many of
     /// the others.
     fn partners(&self) -> Vec<Option<usize>> {
-        let count = self.known.len();
-        let offers: Vec<Vec<usize>> = (0..count).map(|r| self.offers(r)).collect();
+        let count = self.detectability.len();
+        let candidates: Vec<Vec<usize>> = (0..count).map(|r| self.candidates(r)).collect();
         let mut owner = vec![None; self.found.len()];
         for observable in [true, false] {
-            for r in (0..count).filter(|r| self.known[*r].observable == observable) {
-                claim(r, &offers, &mut owner, &mut vec![false; self.found.len()]);
+            for r in (0..count).filter(|r| self.detectability[*r].observable == observable) {
+                assign_partner(
+                    r,
+                    &candidates,
+                    &mut owner,
+                    &mut vec![false; self.found.len()],
+                );
             }
         }
         let mut partner = vec![None; count];
@@ -293,16 +300,16 @@ impl Court<'_> {
     }
 
     /// Found modes that could be a true one, nearest first.
-    fn offers(&self, r: usize) -> Vec<usize> {
+    fn candidates(&self, r: usize) -> Vec<usize> {
         let near = |f: &usize| self.distance_hz(r, *f) <= self.tolerance_hz(r);
-        let fits = |f: &usize| self.mac(r, *f) >= MIN_MAC_FRACTION * self.known[r].mac;
-        let mut offers: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
-        offers.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
-        offers
+        let fits = |f: &usize| self.mac(r, *f) >= MIN_MAC_FRACTION * self.detectability[r].mac;
+        let mut candidates: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
+        candidates.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
+        candidates
     }
 
     fn why_missed(&self, r: usize) -> String {
-        let (mode, known) = (&self.system.modes[r], &self.known[r]);
+        let (mode, detectability) = (&self.system.modes[r], &self.detectability[r]);
         let width = mode.width_hz();
         let nearest = (0..self.found.len())
             .min_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
@@ -313,15 +320,15 @@ impl Court<'_> {
                 self.mac(r, f)
             )
         });
-        let sigma = known.bound.map_or(f64::NAN, |b| b.frequency_hz);
+        let sigma = detectability.bound.map_or(f64::NAN, |b| b.frequency_hz);
         format!(
             "missed {:.3} Hz {:.2} %: {:.1} dB, {:.1} lines, neighbour {:.3} widths ({:.0} deviations), edge {:.1} widths; {nearest}",
             mode.hz(),
             100.0 * mode.pole.damping_ratio(),
-            known.peak_db,
+            detectability.peak_db,
             width / self.system.axis.step_hz,
-            known.spacing_hz / width,
-            known.spacing_hz / sigma,
+            detectability.spacing_hz / width,
+            detectability.spacing_hz / sigma,
             (mode.hz() - self.system.band.lo_hz).min(self.system.band.hi_hz - mode.hz()) / width,
         )
     }
@@ -332,19 +339,19 @@ impl Court<'_> {
         let nearest = (0..modes.len())
             .min_by(|a, b| self.distance_hz(*a, f).total_cmp(&self.distance_hz(*b, f)))
             .expect("a system has modes");
-        let (truth, known) = (&modes[nearest], &self.known[nearest]);
+        let (truth, detectability) = (&modes[nearest], &self.detectability[nearest]);
         format!(
             "spurious {:.3} Hz {:.2} %: from the mode at {:.3} Hz {:.2} % ({}, {:.1} dB) {:+.3} widths, {:.2} reaches, MAC {:.3}",
             found.frequency_hz,
             100.0 * found.damping_ratio.unwrap_or(f64::NAN),
             truth.hz(),
             100.0 * truth.pole.damping_ratio(),
-            if known.observable {
+            if detectability.observable {
                 "observable"
             } else {
                 "not observable"
             },
-            known.peak_db,
+            detectability.peak_db,
             (found.frequency_hz - truth.hz()) / truth.width_hz(),
             self.distance_hz(nearest, f) / self.tolerance_hz(nearest),
             self.mac(nearest, f),
@@ -354,12 +361,17 @@ impl Court<'_> {
 
 /// Finds a partner for a mode, others giving theirs up for another one where they can (Kuhn 1955,
 /// by augmenting paths).
-fn claim(r: usize, offers: &[Vec<usize>], owner: &mut [Option<usize>], seen: &mut [bool]) -> bool {
-    for &f in &offers[r] {
+fn assign_partner(
+    r: usize,
+    candidates: &[Vec<usize>],
+    owner: &mut [Option<usize>],
+    seen: &mut [bool],
+) -> bool {
+    for &f in &candidates[r] {
         if std::mem::replace(&mut seen[f], true) {
             continue;
         }
-        if owner[f].is_none_or(|other| claim(other, offers, owner, seen)) {
+        if owner[f].is_none_or(|other| assign_partner(other, candidates, owner, seen)) {
             owner[f] = Some(r);
             return true;
         }

@@ -4,7 +4,7 @@ use modalign::axis::{Band, FrequencyAxis};
 use modalign::correlate::principal_angles_deg;
 use modalign::modal::Pole;
 use modalign::quantity::FrfKind;
-use modalign::study::{FrfNoise, Known, System, components};
+use modalign::study::{DetectabilityBound, FrfNoise, System, components};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -142,11 +142,14 @@ fn outcome(setup: &Setup, number: u64) -> Outcome {
     let truth = [system.modes[1].shape.clone(), system.modes[2].shape.clone()];
     let angles = (near.len() == 2).then(|| principal_angles_deg(&shapes, &truth).unwrap());
     let judge = drawn.judge();
-    let known = judge.known();
-    let apart = |k: &Known| k.spacing_hz / k.bound.unwrap().frequency_hz;
+    let detectability = judge.detectability();
+    let apart = |k: &DetectabilityBound| k.spacing_hz / k.bound.unwrap().frequency_hz;
     Outcome {
-        allowed: known[1].observable && known[2].observable,
-        deviations: known[1..3].iter().map(apart).fold(f64::INFINITY, f64::min),
+        allowed: detectability[1].observable && detectability[2].observable,
+        deviations: detectability[1..3]
+            .iter()
+            .map(apart)
+            .fold(f64::INFINITY, f64::min),
         found: near.len(),
         others: model.modes.len() - near.len(),
         angle_deg: angles.map(|angles| angles.into_iter().fold(0.0, f64::max)),

@@ -2,7 +2,7 @@
 
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::modal::ModalModel;
-use modalign::study::Verdict;
+use modalign::study::DetectionVerdict;
 use rayon::prelude::*;
 
 use super::systems::{Drawn, SYSTEMS};
@@ -27,7 +27,7 @@ pub fn identified(drawn: &Drawn, draw: u64) -> ModalModel {
 }
 
 /// A system of the family with its identified modes.
-pub fn judged(number: usize) -> (Drawn, ModalModel, Verdict) {
+pub fn judged(number: usize) -> (Drawn, ModalModel, DetectionVerdict) {
     let drawn = Drawn::draw(number as u64);
     let model = identified(&drawn, 0);
     let verdict = drawn.judge().verdict(&model);
@@ -48,7 +48,7 @@ pub struct Score {
 }
 
 impl Score {
-    pub fn add(&mut self, (drawn, model, verdict): &(Drawn, ModalModel, Verdict)) {
+    pub fn add(&mut self, (drawn, model, verdict): &(Drawn, ModalModel, DetectionVerdict)) {
         self.systems += 1;
         self.right += usize::from(verdict.wholly_right());
         let system = &drawn.system;

@@ -21,7 +21,7 @@ use super::{Case, Factor};
 
 /// Random numbers of a draw, seeded by the coordinates of the cell instead of its index in a grid:
 /// a cell has the same draws however the slice was refined, split or run.
-pub fn random_of(seed: u64, values: [(Factor, f64); 2], draw: u32) -> ChaCha8Rng {
+pub fn draw_random(seed: u64, values: [(Factor, f64); 2], draw: u32) -> ChaCha8Rng {
     let [(x, at_x), (y, at_y)] = values;
     let coordinates = [
         x as u64,
@@ -51,7 +51,7 @@ impl Draw {
     ///
     /// # Errors
     /// [`SynthError`] for a case that makes no mode.
-    pub fn of_frfs(case: &Case, mut random: ChaCha8Rng) -> Result<Self, SynthError> {
+    pub fn from_frfs(case: &Case, mut random: ChaCha8Rng) -> Result<Self, SynthError> {
         let band = case.band();
         let axis = FrequencyAxis {
             start_hz: band.lo_hz,
@@ -72,7 +72,7 @@ impl Draw {
     ///
     /// # Errors
     /// [`SynthError`] for a case that cannot be recorded.
-    pub fn of_test(case: &Case, mut random: ChaCha8Rng) -> Result<Self, SynthError> {
+    pub fn from_test(case: &Case, mut random: ChaCha8Rng) -> Result<Self, SynthError> {
         let tests = tests(case, &mut random)?;
         let mut hits: Vec<Hit> = Vec::new();
         for test in &tests {
@@ -228,12 +228,12 @@ mod tests {
     use super::*;
 
     fn random(draw: u32) -> ChaCha8Rng {
-        random_of(7, [(Factor::Noise, 40.0), (Factor::Hits, 2.0)], draw)
+        draw_random(7, [(Factor::Noise, 40.0), (Factor::Hits, 2.0)], draw)
     }
 
     #[test]
     fn random_numbers_are_of_the_coordinates_and_of_the_draw() {
-        let of = |seed, values, draw| random_of(seed, values, draw).random::<u64>();
+        let of = |seed, values, draw| draw_random(seed, values, draw).random::<u64>();
         let cell = [(Factor::Noise, 40.0), (Factor::Hits, 2.0)];
         let reference = of(7, cell, 3);
         assert_eq!(of(7, cell, 3), reference);
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn noise_of_frfs_has_the_stated_level() {
         let case = Case::default().with(Factor::Noise, 20.0);
-        let draw = Draw::of_frfs(&case, random(5)).unwrap();
+        let draw = Draw::from_frfs(&case, random(5)).unwrap();
         let set = draw.set.unwrap();
         let terms = modal_terms(&draw.truth).unwrap();
         let pairs: Vec<_> = set
@@ -278,10 +278,10 @@ mod tests {
     #[test]
     fn a_hammer_test_gives_every_function() {
         let case = Case::default().with(Factor::References, 2.0);
-        let draw = Draw::of_test(&case, random(11)).unwrap();
+        let draw = Draw::from_test(&case, random(11)).unwrap();
         assert_eq!(draw.set.unwrap().len(), 8);
         let roving = Case::default().with(Factor::MassLoading, 0.5);
-        let draw = Draw::of_test(&roving, random(11)).unwrap();
+        let draw = Draw::from_test(&roving, random(11)).unwrap();
         assert_eq!(draw.set.unwrap().len(), 4);
         assert_eq!(draw.truth.modes[0].residues.len(), 4);
     }

@@ -161,7 +161,7 @@ impl BreakdownTable {
                 x,
                 y,
                 case: table.case.applied(&base, &key)?,
-                methods: of_order(&methods, [x.factor, y.factor]),
+                methods: methods_for(&methods, [x.factor, y.factor]),
                 stated,
                 draws,
                 refine,
@@ -340,7 +340,7 @@ fn default_slices() -> Vec<SliceTable> {
 }
 
 /// The methods with a model order, where a factor is the order; else all methods.
-fn of_order(methods: &[String], factors: [Factor; 2]) -> Vec<String> {
+fn methods_for(methods: &[String], factors: [Factor; 2]) -> Vec<String> {
     let has_order = |name: &&String| {
         let entry = ESTIMATORS.iter().find(|entry| entry.name == **name);
         entry.is_some_and(|entry| entry.has_order) || !factors.contains(&Factor::Order)

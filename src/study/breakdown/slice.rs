@@ -10,7 +10,7 @@ use crate::scene::Observer;
 use crate::study::Meter;
 use crate::synth::SynthError;
 
-use super::draw::{Draw, random_of};
+use super::draw::{Draw, draw_random};
 use super::failure_mode::{SYMPTOMS, symptom};
 use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
 
@@ -57,7 +57,7 @@ pub struct Count {
 }
 
 impl Count {
-    fn of(verdicts: &[Option<Symptom>]) -> Self {
+    fn from_symptoms(verdicts: &[Option<Symptom>]) -> Self {
         let mut symptoms = vec![0; SYMPTOMS.len()];
         for symptom in verdicts.iter().flatten() {
             symptoms[symptom.index()] += 1;
@@ -249,10 +249,10 @@ impl<'a> Work<'a> {
         let coordinates = [(slice.x.factor, x), (slice.y.factor, y)];
         let needs_test = slice.needs_test();
         let one = |number: u32| {
-            let random = random_of(slice.seed, coordinates, number);
+            let random = draw_random(slice.seed, coordinates, number);
             match needs_test {
-                true => Draw::of_test(&case, random),
-                false => Draw::of_frfs(&case, random),
+                true => Draw::from_test(&case, random),
+                false => Draw::from_frfs(&case, random),
             }
         };
         let draws: Result<Vec<Draw>, SynthError> =
@@ -272,7 +272,7 @@ impl<'a> Work<'a> {
         let cost = self.meter.measure(&mut || {
             let of = |draw: &Draw| verdict(draw, (name, case), stated);
             verdicts = first.par_iter().map(of).collect();
-            if Count::of(&verdicts).share() >= MIN_FIRST_SHARE {
+            if Count::from_symptoms(&verdicts).share() >= MIN_FIRST_SHARE {
                 verdicts.par_extend(rest.par_iter().map(of));
             }
         });
@@ -281,7 +281,7 @@ impl<'a> Work<'a> {
         time.cpu_s = cost
             .cpu_s
             .map(|seconds| seconds + time.cpu_s.unwrap_or(0.0));
-        Count::of(&verdicts)
+        Count::from_symptoms(&verdicts)
     }
 
     fn finish(self) -> (SliceResult, Vec<MethodTime>) {

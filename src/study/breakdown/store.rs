@@ -137,7 +137,7 @@ impl Finished {
         (observer, meter): (&dyn Observer, &dyn Meter),
     ) -> Result<(), BreakdownError> {
         let of_spec = (slice.name.as_str(), &*hash(slice));
-        let result = match self.known(of_spec, store)? {
+        let result = match self.find_reusable(of_spec, store)? {
             Some(result) => result,
             None => {
                 let run = slice.run(observer, meter);
@@ -161,7 +161,7 @@ impl Finished {
         observer: &dyn Observer,
     ) -> Result<(), BreakdownError> {
         let of_spec = (STABILITY, &*hash(&plan));
-        let result = match self.known(of_spec, store)? {
+        let result = match self.find_reusable(of_spec, store)? {
             Some(result) => result,
             None => {
                 observer.step(STABILITY, 1, 1);
@@ -175,7 +175,7 @@ impl Finished {
     }
 
     /// A slice that the store has from this spec; one from another is noted.
-    fn known<T: for<'a> Deserialize<'a>>(
+    fn find_reusable<T: for<'a> Deserialize<'a>>(
         &mut self,
         (name, spec): (&str, &str),
         store: &dyn CellStore,

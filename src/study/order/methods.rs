@@ -197,6 +197,6 @@ pub(super) fn single(
         }
     };
     let modes = judge.system().modes.iter().enumerate();
-    let observable = modes.filter(|(r, _)| judge.known()[*r].observable);
+    let observable = modes.filter(|(r, _)| judge.detectability()[*r].observable);
     observable.map(needs).collect()
 }

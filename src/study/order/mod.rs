@@ -24,7 +24,7 @@ use crate::identify::{Support, identification, support};
 use crate::modal::{InputFile, ModalModel};
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
-use super::speed_accuracy::{Refined, SpeedAccuracyOptions, chosen_tests, of_test};
+use super::speed_accuracy::{Refined, SpeedAccuracyOptions, chosen_tests, variants_of_test};
 use super::{Method, REFINED, StudyError};
 
 pub use methods::{LowestOrder, ModeNeeds, OrderTried, SingleMode};
@@ -139,7 +139,7 @@ fn test_needs(
         record_shares: Vec::new(),
         ..SpeedAccuracyOptions::default()
     };
-    let data = of_test(scene, test, &without_variants)?;
+    let data = variants_of_test(scene, test, &without_variants)?;
     let set = &data.sets[0].set;
     let refined = Method {
         name: REFINED,
@@ -188,7 +188,7 @@ fn compared(
     options: &OrderOptions,
 ) -> (Vec<LowestOrder>, Vec<ModeNeeds>, Vec<String>) {
     // Without a residue of every pair the twin, the truth of the comparison, is undefined.
-    match Refined::of(model, set, band) {
+    match Refined::from_modes(model, set, band) {
         Ok(refined) => (
             methods::lowest_orders(&refined, set, band),
             methods::single(&refined, (set, band), options),

@@ -30,7 +30,7 @@ pub(in crate::study) struct TestSets {
     pub findings: Vec<Finding>,
 }
 
-pub(in crate::study) fn of_test(
+pub(in crate::study) fn variants_of_test(
     scene: &Scene,
     test: &TestPlan,
     options: &SpeedAccuracyOptions,
@@ -109,7 +109,7 @@ fn recorded(
         let mut options = base.clone();
         options.estimate.estimator = estimator;
         let estimator = estimator.name();
-        match of_share(recording, share, &options) {
+        match estimate_from_share(recording, share, &options) {
             Ok(set) => sets.push(Variant {
                 estimator: Some(estimator),
                 set,
@@ -127,7 +127,7 @@ fn recorded(
     })
 }
 
-fn of_share(
+fn estimate_from_share(
     recording: &mut dyn Recording,
     share: f64,
     options: &HammerOptions,

@@ -27,7 +27,7 @@ use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
 use super::{Meter, Method, StudyError, System, Tally};
 
-pub(super) use data::of_test;
+pub(super) use data::variants_of_test;
 pub use front::front;
 pub use options::SpeedAccuracyOptions;
 pub use recommendations::lessons;
@@ -238,7 +238,7 @@ fn test_study(
     (options, meter, steps): (&SpeedAccuracyOptions, &dyn Meter, &Steps),
 ) -> Result<TestStudy, StudyError> {
     steps.step("FRFs", 1);
-    let mut data = of_test(scene, test, options)?;
+    let mut data = variants_of_test(scene, test, options)?;
     let refined = Refined::new(&data)?;
     steps.step("methods on its data", 2);
     let rows = test_data::rows(&data, &refined, (options, meter));

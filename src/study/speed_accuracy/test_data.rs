@@ -33,11 +33,11 @@ impl Refined {
             name: REFINED,
             order: None,
         };
-        Self::of(method.identify(set, data.band)?, set, data.band)
+        Self::from_modes(method.identify(set, data.band)?, set, data.band)
     }
 
     /// Of modes that were identified in a band.
-    pub fn of(model: ModalModel, set: &FrfSet, band: Band) -> Result<Self, StudyError> {
+    pub fn from_modes(model: ModalModel, set: &FrfSet, band: Band) -> Result<Self, StudyError> {
         let system = System::twin(&model, set, band)?;
         let variances = mean_variances(&system, set)?;
         let frequency = |mode: &Mode| Some(mode.frequency_std_hz? / mode.frequency_hz);

@@ -42,7 +42,7 @@ impl Condition {
     }
 
     /// The twin under this condition; `None` where it has too few modes.
-    fn of(
+    fn apply_to(
         self,
         twin: &System,
         options: &SpeedAccuracyOptions,
@@ -129,7 +129,7 @@ pub(super) fn study(
         limits: SpeedLimits::default(),
     };
     for (number, condition) in Condition::ALL.into_iter().enumerate() {
-        let Some(system) = condition.of(&twin, options)? else {
+        let Some(system) = condition.apply_to(&twin, options)? else {
             notes.push(format!(
                 "no twin with {}: it has fewer than {MIN_MODES_FOR_OUTSIDE} modes",
                 condition.name()
