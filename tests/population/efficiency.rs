@@ -25,7 +25,7 @@ const MAX_ERROR_OVER_BOUND: f64 = 1.2;
 /// Largest relative difference of stated and observed standard deviations.
 const MAX_RELATIVE_STD_ERROR: f64 = 0.05;
 /// Nominal coverage of 95 % intervals, and its tolerance.
-const COVERED: (f64, f64) = (0.95, 0.01);
+const COVERAGE_AND_TOLERANCE: (f64, f64) = (0.95, 0.01);
 /// Normal quantiles of 95 % and 99.9 %, two-sided.
 const QUANTILE_95: f64 = 1.959_964;
 const QUANTILE_999: f64 = 3.290_527;
@@ -240,7 +240,7 @@ impl Pooled {
             "{}",
             self.stated
         );
-        let (aim, limit) = COVERED;
+        let (aim, limit) = COVERAGE_AND_TOLERANCE;
         let spread = QUANTILE_999 * (aim * (1.0 - aim) / (2.0 * self.samples as f64)).sqrt();
         let missed = (self.covered - aim).abs();
         assert!(missed <= limit.max(spread), "{}", self.covered);

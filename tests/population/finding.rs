@@ -21,15 +21,15 @@ const MAX_CLEAR_MISSED: usize = 2;
 /// Smallest number of found modes among the observable, not separated ones. Measured: 632 of 639.
 const MIN_CROWDED_FOUND: usize = 628;
 /// Largest number of spurious modes of the close kind. Measured: 1.
-const CLOSE_SPURIOUS: usize = 3;
+const MAX_CLOSE_SPURIOUS: usize = 3;
 /// Largest number of spurious modes of the other kinds together. Measured: 12; 5 are required.
-const OTHER_SPURIOUS: usize = 15;
+const MAX_OTHER_SPURIOUS: usize = 15;
 
 /// The same from FRFs alone: separated modes not found, crowded modes found, spurious modes.
 /// Measured: 1, 626 and 9.
-const ALONE_CLEAR_LOST: usize = 2;
-const ALONE_CROWDED: usize = 622;
-const ALONE_SPURIOUS: usize = 13;
+const MAX_FRF_ONLY_CLEAR_MISSED: usize = 2;
+const MIN_FRF_ONLY_CROWDED_FOUND: usize = 622;
+const MAX_FRF_ONLY_SPURIOUS: usize = 13;
 
 #[test]
 fn nearly_every_mode_is_found_and_few_are_invented() {
@@ -37,17 +37,17 @@ fn nearly_every_mode_is_found_and_few_are_invented() {
     let (all, close) = (&tallies["all"], &tallies["close"]);
     assert!(all.clear.there >= MIN_CLEAR_FOUND, "{}", all.clear.there);
     hold_found(all, (MAX_CLEAR_MISSED, MIN_CROWDED_FOUND));
-    assert!(close.spurious <= CLOSE_SPURIOUS, "{}", close.spurious);
+    assert!(close.spurious <= MAX_CLOSE_SPURIOUS, "{}", close.spurious);
     let others = all.spurious - close.spurious;
-    assert!(others <= OTHER_SPURIOUS, "{others}");
+    assert!(others <= MAX_OTHER_SPURIOUS, "{others}");
 }
 
 #[test]
 fn frfs_without_variances_give_the_modes_as_well() {
     let tallies = tallies(judged_from_frfs_alone);
     let all = &tallies["all"];
-    hold_found(all, (ALONE_CLEAR_LOST, ALONE_CROWDED));
-    assert!(all.spurious <= ALONE_SPURIOUS, "{}", all.spurious);
+    hold_found(all, (MAX_FRF_ONLY_CLEAR_MISSED, MIN_FRF_ONLY_CROWDED_FOUND));
+    assert!(all.spurious <= MAX_FRF_ONLY_SPURIOUS, "{}", all.spurious);
 }
 
 /// The counts of every kind and of all, as they are printed.

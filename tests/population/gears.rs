@@ -29,7 +29,7 @@ const MAX_LOG_CHANGE: f64 = 0.4;
 const SNR_DB: (f64, f64) = (40.0, 60.0);
 /// Values below this fraction of the largest, or of 1 for a shape of unit modal mass, are zero by
 /// symmetry.
-const SEEN: f64 = 1e-6;
+const MIN_RELATIVE_RESPONSE: f64 = 1e-6;
 /// Each twin is a stream of this seed.
 const SEED: u64 = 90_901;
 
@@ -219,7 +219,7 @@ impl Gear {
             let new = roots
                 .last()
                 .is_none_or(|(last, _)| hz > *last * (1.0 + 1e-9));
-            if new && self.band.contains(hz) && hit.min(read) > SEEN {
+            if new && self.band.contains(hz) && hit.min(read) > MIN_RELATIVE_RESPONSE {
                 roots.push((hz, 2.0 * ratio * hz));
             }
         }
@@ -291,7 +291,7 @@ impl Gear {
             let response = largest(&|other| other.response == function.response);
             let hit = largest(&|other| other.reference == function.reference);
             let usual = response * hit / all;
-            let vanishes = powers[i] < SEEN * SEEN * usual;
+            let vanishes = powers[i] < MIN_RELATIVE_RESPONSE * MIN_RELATIVE_RESPONSE * usual;
             let reference = if vanishes { usual } else { powers[i] };
             let variance = reference * 10f64.powf(-snr_db / 10.0);
             let mut noise = || -> f64 {
@@ -395,7 +395,8 @@ impl Gear {
         let twin = self.modes(truth).model;
         let seen = |mode: &&Mode| {
             let largest = mode.shape.largest();
-            mode.frequency_hz > 0.0 && largest.is_some_and(|(_, value)| value.norm() > SEEN)
+            mode.frequency_hz > 0.0
+                && largest.is_some_and(|(_, value)| value.norm() > MIN_RELATIVE_RESPONSE)
         };
         let all: Vec<f64> = twin
             .modes

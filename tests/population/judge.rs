@@ -24,9 +24,9 @@ use modalign::synth::{HalfSine, HammerTest, LowPass, Noise};
 use num_complex::Complex64;
 
 /// Peak over noise, as a power: 10 dB.
-const OVER_NOISE: f64 = 10.0;
+const MIN_PEAK_POWER_RATIO: f64 = 10.0;
 /// Smallest separation of separated roots in half-power bandwidths.
-const SEPARATED_WIDTHS: f64 = 10.0;
+const MIN_SEPARATION_BANDWIDTHS: f64 = 10.0;
 /// Smallest MAC of a found mode.
 const MIN_MAC: f64 = 0.9;
 
@@ -148,7 +148,9 @@ fn is_separated(roots: &[Root], r: usize) -> bool {
     let this_root = &roots[r];
     let clear = |(other, root): (usize, &Root)| {
         let wider = root.width_hz.max(this_root.width_hz);
-        other == r || (root.frequency_hz - this_root.frequency_hz).abs() >= SEPARATED_WIDTHS * wider
+        other == r
+            || (root.frequency_hz - this_root.frequency_hz).abs()
+                >= MIN_SEPARATION_BANDWIDTHS * wider
     };
     this_root.modes.len() == 1 && roots.iter().enumerate().all(clear)
 }
@@ -226,7 +228,7 @@ impl Seen {
             }
         }
         let peak = |a: &Complex64| (a / lambda.re).norm_sqr();
-        let over = whitened.iter().any(|a| peak(a) >= OVER_NOISE);
+        let over = whitened.iter().any(|a| peak(a) >= MIN_PEAK_POWER_RATIO);
         over.then_some(Self { lambda, whitened })
     }
 }

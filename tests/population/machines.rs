@@ -25,7 +25,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Numbers of sensors that are drawn from.
 pub const SENSORS: [usize; 5] = [8, 20, 30, 45, 60];
 /// Frequencies of one root agree to this part.
-const SAME_ROOT: f64 = 1e-9;
+const MAX_REPEATED_ROOT_DIFFERENCE: f64 = 1e-9;
 /// Largest deviation of the logarithm of a stiffness; frequencies follow at half of it.
 const MAX_LOG_SPREAD: f64 = 0.25;
 /// Largest logarithm of the common factor of all stiffnesses; frequencies change by half of it.
@@ -35,7 +35,7 @@ const MASS_RATIO: f64 = 5.0;
 /// Mass of a small oscillator over that of its body.
 const OSCILLATOR: std::ops::Range<f64> = 0.005..0.05;
 /// Largest error of a frequency.
-const LARGEST_ERROR: f64 = 0.1;
+const MAX_FREQUENCY_ERROR: f64 = 0.1;
 /// Deviation of a measured frequency over the frequency, per noise-to-signal ratio of the shapes.
 const FREQUENCY_NOISE: f64 = 1e-3;
 
@@ -293,7 +293,7 @@ impl Machine {
         let truth = loop {
             let truth = network.modes(&network.factors(&mut random));
             let error = |j: usize| (truth.omega_squared[j] / theory.omega_squared[j]).sqrt() - 1.0;
-            if (0..wanted).all(|j| error(j).abs() <= LARGEST_ERROR) {
+            if (0..wanted).all(|j| error(j).abs() <= MAX_FREQUENCY_ERROR) {
                 break truth;
             }
         };
@@ -331,7 +331,10 @@ fn roots(modes: &SymmetricModes, count: usize) -> Vec<Vec<usize>> {
     for j in 0..count {
         let eigenvalue = modes.omega_squared[j];
         match roots.last_mut() {
-            Some(last) if eigenvalue - modes.omega_squared[last[0]] <= SAME_ROOT * eigenvalue => {
+            Some(last)
+                if eigenvalue - modes.omega_squared[last[0]]
+                    <= MAX_REPEATED_ROOT_DIFFERENCE * eigenvalue =>
+            {
                 last.push(j)
             }
             _ => roots.push(vec![j]),

@@ -17,10 +17,10 @@ use rayon::prelude::*;
 use crate::seeds;
 
 /// Largest memory of a reader over the size of the file ...
-const TIMES_SIZE: u64 = 64;
+const MAX_MEMORY_OVER_FILE_SIZE: u64 = 64;
 
 /// ... in addition to this number of bytes.
-const BASE: u64 = 4 << 20;
+const MAX_ADDITIONAL_BYTES: u64 = 4 << 20;
 
 /// Samples in a block that is read at once.
 const BLOCK: usize = 4096;
@@ -134,7 +134,7 @@ pub fn survives(reader: &Reader, files: usize) -> Outcome {
     }
     let opened = (0..files).into_par_iter().filter(|&number| {
         let bytes = damaged(&seeds[number % seeds.len()], number);
-        let most = TIMES_SIZE * bytes.len() as u64 + BASE;
+        let most = MAX_MEMORY_OVER_FILE_SIZE * bytes.len() as u64 + MAX_ADDITIONAL_BYTES;
         let end = attempt(format, &spec, bytes);
         assert!(
             !end.panicked,

@@ -41,11 +41,11 @@ fn every_member_is_recorded_and_the_same_member_gives_the_same_samples_again() {
 
 /// Residual aliasing of images above half the sampling rate, over the largest |H|: the filter is
 /// 111 dB down where they fall into the band, and the force there may be 20 dB down.
-const IMAGES: f64 = 3e-5;
+const MAX_ALIASING_ERROR: f64 = 3e-5;
 /// Largest rms error over the stated bound. The bound is exact for one mode; two that beat may hold
 /// it to 0.55 of the truth, and a slower mode that is hidden in the last quarter makes it smaller
 /// yet. Measured: 2.01.
-const HIDDEN: f64 = 3.0;
+const MAX_ERROR_OVER_BOUND: f64 = 3.0;
 
 /// Errors of the FRFs of a clean member.
 struct Clean {
@@ -70,7 +70,12 @@ fn h1_of_clean_members_is_the_truth_but_for_the_tail_that_the_record_cuts_off() 
     );
     // A lone mode attains the limit; measured: 0.994.
     assert!(line.line < 1.0, "{}: {}", line.name, line.line);
-    assert!(stated.stated < HIDDEN, "{}: {}", stated.name, stated.stated);
+    assert!(
+        stated.stated < MAX_ERROR_OVER_BOUND,
+        "{}: {}",
+        stated.name,
+        stated.stated
+    );
 }
 
 fn clean(member: &Member) -> Clean {
@@ -201,7 +206,7 @@ impl Truth {
                 .map(|pulse| (pulse.transform(s) * gain).norm());
             let force: Vec<f64> = force.collect();
             let error = (h - self.accelerance(s)).norm();
-            worst = worst.max(error / (self.tail(s, &force) + IMAGES * largest));
+            worst = worst.max(error / (self.tail(s, &force) + MAX_ALIASING_ERROR * largest));
             let weight = force[0] * force[0];
             error_power += weight * error * error;
             power += weight * h.norm_sqr();

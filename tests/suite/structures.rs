@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Frequencies of one root agree to this part.
-const SAME_ROOT: f64 = 1e-9;
+const MAX_REPEATED_ROOT_DIFFERENCE: f64 = 1e-9;
 
 /// Kinds of structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,7 +178,10 @@ fn roots(modes: &SymmetricModes) -> Vec<Vec<usize>> {
     let mut roots: Vec<Vec<usize>> = Vec::new();
     for (j, eigenvalue) in modes.omega_squared.iter().enumerate() {
         match roots.last_mut() {
-            Some(last) if eigenvalue - modes.omega_squared[last[0]] <= SAME_ROOT * eigenvalue => {
+            Some(last)
+                if eigenvalue - modes.omega_squared[last[0]]
+                    <= MAX_REPEATED_ROOT_DIFFERENCE * eigenvalue =>
+            {
                 last.push(j)
             }
             _ => roots.push(vec![j]),

@@ -85,7 +85,7 @@ impl Default for Case {
 /// Modes of the case.
 pub const MODES: usize = 3;
 /// Share of the lowest frequency that the band reaches below it and beyond the highest mode.
-const MARGIN: f64 = 0.4;
+const BAND_MARGIN_OF_LOWEST_FREQUENCY: f64 = 0.4;
 
 impl Case {
     /// The case with a factor at a value.
@@ -142,7 +142,7 @@ impl Case {
     /// Where modes are searched.
     pub fn band(&self) -> Band {
         let [first, _, last] = self.frequencies_hz();
-        let margin = MARGIN * self.lowest_hz;
+        let margin = BAND_MARGIN_OF_LOWEST_FREQUENCY * self.lowest_hz;
         Band {
             lo_hz: first - margin,
             hi_hz: last + margin,

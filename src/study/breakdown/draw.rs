@@ -126,7 +126,7 @@ fn noisy(
 /// Sampling rate over the band's upper edge: the anti-alias filter begins at 0.4 of the rate.
 const RATE_OVER_BAND: f64 = 2.56;
 /// Contact time times the band's upper edge: the force falls by 3 dB there.
-const CONTACT: f64 = 0.6;
+const CONTACT_TIMES_BAND_EDGE: f64 = 0.6;
 /// Time before the hit, s.
 const PRETRIGGER_S: f64 = 0.1;
 const PEAK_N: f64 = 100.0;
@@ -171,7 +171,7 @@ fn test(
     let band = case.band();
     let rate = RATE_OVER_BAND * band.hi_hz;
     let record_s = PRETRIGGER_S + case.record_length * case.time_constant_s();
-    let duration_s = CONTACT / band.hi_hz;
+    let duration_s = CONTACT_TIMES_BAND_EDGE / band.hi_hz;
     let mut test = HammerTest {
         truth: case.truth(shift_hz, factor)?,
         hits,

@@ -117,11 +117,11 @@ pub struct Plan {
     pub stability: Option<StabilityPlan>,
 }
 
-const DRAWS: u32 = 80;
-const REFINE: u32 = 2;
+const DEFAULT_DRAWS: u32 = 80;
+const DEFAULT_REFINE: u32 = 2;
 const MAX_REFINE: u32 = 6;
-const COUNT: usize = 7;
-const HIGHEST_ORDER: usize = 40;
+const DEFAULT_AXIS_VALUES: usize = 7;
+const DEFAULT_HIGHEST_ORDER: usize = 40;
 
 impl BreakdownTable {
     /// The checked plan of the table.
@@ -132,9 +132,9 @@ impl BreakdownTable {
         let methods = self.methods()?;
         let stated = self.stated.checked()?;
         let base = self.case.applied(&Case::default(), "breakdown.case")?;
-        let draws = self.draws.unwrap_or(DRAWS);
+        let draws = self.draws.unwrap_or(DEFAULT_DRAWS);
         check_range("breakdown.draws", f64::from(draws), (1.0, 1e6))?;
-        let refine = self.refine.unwrap_or(REFINE);
+        let refine = self.refine.unwrap_or(DEFAULT_REFINE);
         check_range(
             "breakdown.refine",
             f64::from(refine),
@@ -200,7 +200,7 @@ impl BreakdownTable {
             .stability
             .as_ref()
             .and_then(|table| table.highest_order);
-        let highest = stated.unwrap_or(HIGHEST_ORDER);
+        let highest = stated.unwrap_or(DEFAULT_HIGHEST_ORDER);
         check_range(
             "breakdown.stability.highest_order",
             highest as f64,
@@ -281,7 +281,11 @@ impl AxisTable {
             .factor
             .is_whole()
             .then(|| (self.hi - self.lo) as usize + 1);
-        let count = self.count.unwrap_or(whole.unwrap_or(COUNT).min(COUNT));
+        let count = self.count.unwrap_or(
+            whole
+                .unwrap_or(DEFAULT_AXIS_VALUES)
+                .min(DEFAULT_AXIS_VALUES),
+        );
         check_range(&format!("{key}.count"), count as f64, (2.0, 200.0))?;
         Ok(Axis {
             factor: self.factor,

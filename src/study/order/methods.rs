@@ -172,8 +172,8 @@ pub(super) fn single(
         let stds = refined.deviations(truth);
         let of = |found: &Found| {
             let mode = found.partners.get(r).copied().flatten();
-            let errors = mode.and_then(|place| {
-                let mode = &found.modes[place];
+            let errors = mode.and_then(|index| {
+                let mode = &found.modes[index];
                 let damping = mode.damping_ratio? / truth.pole.damping_ratio() - 1.0;
                 Some([mode.frequency_hz / truth.hz() - 1.0, damping])
             });

@@ -6,13 +6,13 @@ use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, Theor
 
 /// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American
 /// Statistical Association 90).
-const DECISIVE: f64 = 10.0;
+const MIN_DECISIVE_BIC_DIFFERENCE: f64 = 10.0;
 /// Largest misfit over noise at which the highest number of poles tried counts as sufficient.
 const MAX_MISFIT_OF_LAST_POLE: f64 = 2.0;
 /// Largest number of warnings that are listed.
-const NAMED: usize = 4;
+const MAX_LISTED_WARNINGS: usize = 4;
 /// Largest reduced chi-square of a fit whose standard deviations are larger than its errors.
-const SMALL: f64 = 0.25;
+const MAX_SMALL_REDUCED_CHI_SQUARE: f64 = 0.25;
 
 /// The needs of a scene in sentences: modes, orders and methods of every test, theory, parameters.
 pub fn answers(needs: &SceneNeeds) -> Vec<String> {
@@ -97,9 +97,12 @@ fn modes(test: &TestNeeds) -> Option<String> {
         true => "at least ",
         false => "",
     };
-    let undecided = by_bic != identified && selection.tried[identified].bic - taken.bic < DECISIVE;
+    let undecided = by_bic != identified
+        && selection.tried[identified].bic - taken.bic < MIN_DECISIVE_BIC_DIFFERENCE;
     let undecided = match undecided {
-        true => format!(" (BIC differs by less than {DECISIVE:.0}: not decided)"),
+        true => {
+            format!(" (BIC differs by less than {MIN_DECISIVE_BIC_DIFFERENCE:.0}: not decided)")
+        }
         false => String::new(),
     };
     let predicted = match selection.by_prediction() {
@@ -120,9 +123,13 @@ fn modes(test: &TestNeeds) -> Option<String> {
 }
 
 fn warnings(test: &TestNeeds) -> Option<String> {
-    let all = test.warnings.iter().take(NAMED).map(ToString::to_string);
+    let all = test
+        .warnings
+        .iter()
+        .take(MAX_LISTED_WARNINGS)
+        .map(ToString::to_string);
     let all: Vec<String> = all.collect();
-    let more = match test.warnings.len().saturating_sub(NAMED) {
+    let more = match test.warnings.len().saturating_sub(MAX_LISTED_WARNINGS) {
         0 => String::new(),
         more => format!("; and {more} more"),
     };
@@ -262,7 +269,7 @@ fn parameters(needs: &ParameterNeeds) -> String {
         ),
     };
     let freedom = needs.data.saturating_sub(needs.needed.len()) as f64;
-    let wide = match needs.chi_square[1] < SMALL * freedom {
+    let wide = match needs.chi_square[1] < MAX_SMALL_REDUCED_CHI_SQUARE * freedom {
         true => format!(
             " χ² far below {freedom:.0} says that the deviations which weigh the residuals are larger than the errors."
         ),
