@@ -1,4 +1,4 @@
-//! Breakdown maps as tables: every cell, every contour in words, times.
+//! Breakdown maps as tables: the counts of every cell, the contours in words, the computing times.
 
 use crate::study::breakdown::{
     Factor, Finished, MethodTime, OwnMode, OwnPoint, Reach, SYMPTOMS, SliceResult, Stability,
@@ -8,8 +8,8 @@ use crate::study::breakdown::{
 use super::json::BreakdownFile;
 use super::{Block, Cell, Column, Table};
 
-/// Every cell of every slice and method: the counted share with its interval, and how often each
-/// symptom was seen.
+/// Counts of every cell, by slice and method: detection rate with its interval, and the number of
+/// draws with each failure mode.
 pub fn breakdown_cells(slices: &[SliceResult]) -> Block {
     let heads = [
         "slice",
@@ -25,7 +25,11 @@ pub fn breakdown_cells(slices: &[SliceResult]) -> Block {
         "share_upper",
     ];
     let mut columns: Vec<Column> = heads.iter().map(|head| Column::text(*head)).collect();
-    columns.extend(SYMPTOMS.iter().map(|own| Column::number(own.name())));
+    columns.extend(
+        SYMPTOMS
+            .iter()
+            .map(|symptom| Column::number(symptom.name())),
+    );
     let rows = slices.iter().flat_map(cell_rows);
     Block::Table(Table {
         columns,
@@ -40,7 +44,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for cell in &result.cells {
         let counted = slice.methods.iter().zip(&cell.counts);
-        for (method, count) in counted.filter_map(|(name, own)| Some((name, own.as_ref()?))) {
+        for (method, count) in counted.filter_map(|(name, tally)| Some((name, tally.as_ref()?))) {
             let (lower, upper) = wilson(count.good, count.draws);
             let mut row = vec![
                 Cell::text(&slice.name),
@@ -55,25 +59,25 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
                 number(lower),
                 number(upper),
             ];
-            row.extend(count.symptoms.iter().map(|own| number(f64::from(*own))));
+            row.extend(count.symptoms.iter().map(|draws| number(f64::from(*draws))));
             rows.push(row);
         }
     }
     rows
 }
 
-/// Every slice in words, and the digits lost by order.
-pub fn breakdown_blocks(own: &BreakdownFile) -> Vec<Block> {
-    let slices = own.slices.iter();
-    let slices = slices.map(|slice| breakdown_block(slice, &own.own_modes));
+/// Contours of every slice in words, and the digits lost by order.
+pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
+    let slices = file.slices.iter();
+    let slices = slices.map(|slice| breakdown_block(slice, &file.own_modes));
     slices
-        .chain(own.stability.as_ref().map(stability_block))
+        .chain(file.stability.as_ref().map(stability_block))
         .collect()
 }
 
-/// A slice in words: where each method does, what is seen where it does not, and how far the own
-/// modes are from that.
-fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
+/// Contours of a slice in words: where each method meets the stated error, how it fails beyond, and
+/// how far the user's modes are from the contour.
+fn breakdown_block(result: &SliceResult, user_modes: &[OwnMode]) -> Block {
     let slice = &result.slice;
     let reaches: Vec<Vec<Reach>> = (0..slice.methods.len())
         .map(|method| result.reaches(method))
@@ -99,18 +103,18 @@ fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
         );
         cells.push(Cell::text(format!("{:.0} %", 100.0 * result.area(method))));
         let symptom = result.common_symptom(method);
-        cells.push(symptom.map_or(Cell::Missing, |(own, share)| {
-            Cell::text(format!("{} ({:.0} %)", own.sentence(), 100.0 * share))
+        cells.push(symptom.map_or(Cell::Missing, |(failure, share)| {
+            Cell::text(format!("{} ({:.0} %)", failure.sentence(), 100.0 * share))
         }));
         cells
     };
     let mut footnotes = vec![format!(
-        "Where {x} is as stated, the method meets the stated error in 95 % of {} draws; in brackets between which ends \
-         the 95 % interval of the share leaves that open (Wilson; ?: so few draws cannot tell). {}",
+        "Where {x} is as stated, the method meets the stated error in 95 % of {} draws; in brackets the limits of that value by \
+         the 95 % interval of the share (Wilson; ?: too few draws). {}",
         slice.draws,
         stated_text(result)
     )];
-    footnotes.extend(own_sentences(&result.points(own)));
+    footnotes.extend(own_sentences(&result.points(user_modes)));
     Block::Table(Table {
         caption: format!("Where methods fail: {}", slice.name),
         columns,
@@ -119,28 +123,31 @@ fn breakdown_block(result: &SliceResult, own: &[OwnMode]) -> Block {
     })
 }
 
-/// Modes of which a sentence is printed.
-const TOLD: usize = 6;
+/// Maximum number of modes that the footnotes describe one by one.
+const MAX_MODE_SENTENCES: usize = 6;
 
-/// The modes nearest to where a method fails, each in a sentence, and how many there are beside
-/// them.
+/// A sentence for each of the user's modes nearest to a contour, and the number of the other modes.
 fn own_sentences(points: &[OwnPoint]) -> Vec<String> {
     let (inside, outside): (Vec<&OwnPoint>, Vec<&OwnPoint>) =
         points.iter().partition(|point| point.inside());
-    let mut told: Vec<String> = inside.iter().take(TOLD).map(|own| own.sentence()).collect();
-    let more = inside.len().saturating_sub(TOLD);
-    let rest = [
-        (more, "lie no nearer to where a method fails"),
+    let mut sentences: Vec<String> = inside
+        .iter()
+        .take(MAX_MODE_SENTENCES)
+        .map(|point| point.sentence())
+        .collect();
+    let more = inside.len().saturating_sub(MAX_MODE_SENTENCES);
+    let remainders = [
+        (more, "lie farther from where a method fails"),
         (outside.len(), "lie outside this slice"),
     ];
-    for (count, what) in rest.into_iter().filter(|(count, _)| *count > 0) {
-        told.push(format!("{count} more of the own modes {what}."));
+    for (count, what) in remainders.into_iter().filter(|(count, _)| *count > 0) {
+        sentences.push(format!("{count} more of the user's modes {what}."));
     }
-    told
+    sentences
 }
 
-/// Every own mode in every slice and for every method, for programs.
-pub fn breakdown_own_modes(slices: &[SliceResult], own: &[OwnMode]) -> Block {
+/// Location of every mode of the user in every slice, and its distance to each method's contour.
+pub fn breakdown_own_modes(slices: &[SliceResult], user_modes: &[OwnMode]) -> Block {
     let heads = [
         "slice",
         "test",
@@ -154,10 +161,12 @@ pub fn breakdown_own_modes(slices: &[SliceResult], own: &[OwnMode]) -> Block {
         "distance_unit",
     ];
     let mut rows = Vec::new();
-    for (slice, point) in slices
-        .iter()
-        .flat_map(|slice| slice.points(own).into_iter().map(move |own| (slice, own)))
-    {
+    for (slice, point) in slices.iter().flat_map(|slice| {
+        slice
+            .points(user_modes)
+            .into_iter()
+            .map(move |point| (slice, point))
+    }) {
         for margin in &point.margins {
             let distance = margin.distance;
             rows.push(vec![
@@ -169,8 +178,8 @@ pub fn breakdown_own_modes(slices: &[SliceResult], own: &[OwnMode]) -> Block {
                 Cell::number(Some(point.place[1]), 4),
                 Cell::text(&margin.method),
                 Cell::text(if margin.inside { "yes" } else { "no" }),
-                Cell::number(distance.map(|own| own.value()), 4),
-                distance.map_or(Cell::Missing, |own| Cell::text(own.unit())),
+                Cell::number(distance.map(|distance| distance.value()), 4),
+                distance.map_or(Cell::Missing, |distance| Cell::text(distance.unit())),
             ]);
         }
     }
@@ -184,9 +193,9 @@ pub fn breakdown_own_modes(slices: &[SliceResult], own: &[OwnMode]) -> Block {
 fn stated_text(result: &SliceResult) -> String {
     let stated = &result.slice.stated;
     let percent = stated.frequency_percent;
-    let percent = percent.map_or(String::new(), |own| format!(" and {own} %"));
+    let percent = percent.map_or(String::new(), |limit| format!(" and {limit} %"));
     let residue = stated.residue_percent;
-    let residue = residue.map_or(String::new(), |own| format!(", residues to {own} %"));
+    let residue = residue.map_or(String::new(), |limit| format!(", residues to {limit} %"));
     format!(
         "Stated error: all modes found and no other, frequencies to {} half-power widths{percent}, damping to {} %, MAC {}{residue}.",
         stated.frequency_widths, stated.damping_percent, stated.mac
@@ -205,8 +214,8 @@ fn reach_text(reach: &Reach, result: &SliceResult) -> String {
     let Some(at) = inner(&reach.inside) else {
         return text;
     };
-    // Failing for certain lies outside of what may be inside; too few draws leave one of both ends
-    // open.
+    // The outer end bounds where the method certainly fails, the inner end where it certainly meets
+    // the stated error; with too few draws an end stays undetermined.
     let ends = [inner(&reach.not_outside), inner(&reach.known_inside)];
     let end = |value: Option<f64>| value.map_or("?".to_owned(), short);
     let rising = reach.inside.first().is_some_and(|(a, _)| *a >= at);
@@ -217,27 +226,27 @@ fn reach_text(reach: &Reach, result: &SliceResult) -> String {
     }
 }
 
-/// Draws per second of processor time, by method over all slices that were measured.
+/// Draws per second of processor time, by method over all measured slices.
 pub fn breakdown_rates(finished: &Finished) -> Option<Block> {
     let mut total: Vec<MethodTime> = Vec::new();
-    for own in finished.times.iter().flat_map(|(_, times)| times) {
-        let Some(seconds) = own.cpu_s else { continue };
-        let known = total.iter_mut().find(|all| all.method == own.method);
-        match known {
+    for time in finished.times.iter().flat_map(|(_, times)| times) {
+        let Some(seconds) = time.cpu_s else { continue };
+        let same_method = total.iter_mut().find(|all| all.method == time.method);
+        match same_method {
             Some(all) => {
-                all.draws += own.draws;
+                all.draws += time.draws;
                 all.cpu_s = all.cpu_s.map(|sum| sum + seconds);
             }
-            None => total.push(own.clone()),
+            None => total.push(time.clone()),
         }
     }
-    let row = |own: &MethodTime| {
-        let seconds = own.cpu_s.filter(|own| *own > 0.0);
-        let rate = seconds.map(|seconds| f64::from(own.draws) / seconds);
+    let row = |time: &MethodTime| {
+        let seconds = time.cpu_s.filter(|seconds| *seconds > 0.0);
+        let rate = seconds.map(|seconds| f64::from(time.draws) / seconds);
         vec![
-            Cell::text(&own.method),
-            Cell::number(Some(f64::from(own.draws)), 0),
-            Cell::number(own.cpu_s, 1),
+            Cell::text(&time.method),
+            Cell::number(Some(f64::from(time.draws)), 0),
+            Cell::number(time.cpu_s, 1),
             Cell::number(rate, 0),
         ]
     };
@@ -259,13 +268,13 @@ pub fn breakdown_rates(finished: &Finished) -> Option<Block> {
 /// Times of every slice and method.
 pub fn breakdown_times(times: &[(String, Vec<MethodTime>)]) -> Block {
     let heads = ["slice", "method", "draws", "cpu_s"];
-    let rows = times.iter().flat_map(|(slice, own)| {
-        own.iter().map(move |own| {
+    let rows = times.iter().flat_map(|(slice, slice_times)| {
+        slice_times.iter().map(move |time| {
             vec![
                 Cell::text(slice),
-                Cell::text(&own.method),
-                Cell::number(Some(f64::from(own.draws)), 0),
-                Cell::number(own.cpu_s, 3),
+                Cell::text(&time.method),
+                Cell::number(Some(f64::from(time.draws)), 0),
+                Cell::number(time.cpu_s, 3),
             ]
         })
     });
@@ -276,8 +285,8 @@ pub fn breakdown_times(times: &[(String, Vec<MethodTime>)]) -> Block {
     })
 }
 
-/// Digits lost and errors by order, for programs.
-pub fn stability_cells(own: &Stability) -> Block {
+/// Digits lost and pole errors by order, in full precision.
+pub fn stability_cells(stability: &Stability) -> Block {
     let heads = [
         "method",
         "order",
@@ -287,7 +296,7 @@ pub fn stability_cells(own: &Stability) -> Block {
         "pole_error_widths_f32_data",
         "pole_error_widths_f32_data_and_equations",
     ];
-    let rows = own.courses.iter().flat_map(|course| {
+    let rows = stability.courses.iter().flat_map(|course| {
         course.points.iter().map(move |point| {
             vec![
                 Cell::text(&course.method),
@@ -307,15 +316,17 @@ pub fn stability_cells(own: &Stability) -> Block {
     })
 }
 
-/// A pole is lost where it is off by this share of its half-power width.
-const LOST: f64 = 0.1;
+/// Maximum error of a pole that counts as kept, in half-power bandwidths.
+const MAX_POLE_ERROR_BANDWIDTHS: f64 = 0.1;
 
-/// The highest order up to which each method keeps its poles, in f64 and in f32.
-fn stability_block(own: &Stability) -> Block {
+/// The highest order up to which each method keeps all poles, in f64 and in f32.
+fn stability_block(stability: &Stability) -> Block {
     let row = |course: &crate::study::breakdown::StabilityCourse| {
         let upto = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
             let good = course.points.iter();
-            let good = good.take_while(|point| value(point).is_some_and(|own| own < LOST));
+            let good = good.take_while(|point| {
+                value(point).is_some_and(|error| error < MAX_POLE_ERROR_BANDWIDTHS)
+            });
             Cell::number(Some(good.last().map_or(0, |point| point.order) as f64), 0)
         };
         let digits = |order: usize| {
@@ -344,11 +355,11 @@ fn stability_block(own: &Stability) -> Block {
             Column::number("data in f32"),
             Column::number("data and equations in f32"),
         ],
-        rows: own.courses.iter().map(row).collect(),
+        rows: stability.courses.iter().map(row).collect(),
         footnotes: vec![
             "Data without noise of half as many modes as the order, 1 % damping, spread evenly over the band. Digits: log₁₀ of the condition number of the \
-             equations, as each method is published; modalign's own rfp never forms them, its lscf and lsce do. In f32 are rounded the data, or the data \
-             and the matrix, which is then solved in f64."
+             equations, as each method is published; modalign's rfp never forms them, its lscf and lsce do. f32: the data, or the data and the matrix, are \
+             rounded to f32; the equations are solved in f64."
                 .to_owned(),
         ],
     })
