@@ -7,50 +7,56 @@ use crate::theory::{DetailComparison, ModelRoot, SimplerModel, TimeResponse, sim
 use super::{Block, Cell, Column, Table};
 
 /// Errors of every root in every model, and the simplest within an error for each.
-pub fn details_blocks(model: &str, own: &DetailComparison, within: f64) -> Vec<Block> {
+pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -> Vec<Block> {
     let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
     let head =
         |simpler: &SimplerModel| Column::number(format!("{} coordinates (%)", simpler.coordinates));
-    columns.extend(own.models.iter().map(head));
+    columns.extend(comparison.models.iter().map(head));
     columns.push(Column::number(format!(
         "simplest within {} %",
         100.0 * within
     )));
     let row = |(i, root): (usize, &ModelRoot)| {
-        let errors = (0..own.models.len())
-            .map(|model| Cell::signed(own.error(model, i).map(|error| 100.0 * error), 4));
-        let simplest = own.simplest(i, within);
+        let errors = (0..comparison.models.len())
+            .map(|model| Cell::signed(comparison.error(model, i).map(|error| 100.0 * error), 4));
+        let simplest = comparison.simplest(i, within);
         let mut cells = vec![
             Cell::text((i + 1).to_string()),
             Cell::number(Some(root.omega_rad_s / TAU), 4),
         ];
         cells.extend(errors);
-        cells.push(simplest.map_or(Cell::Missing, |own| Cell::text(own.coordinates.to_string())));
+        cells.push(simplest.map_or(Cell::Missing, |simplest| {
+            Cell::text(simplest.coordinates.to_string())
+        }));
         cells
     };
     let errors = Block::Table(Table {
         caption: format!("Natural frequencies of simpler models of {model}"),
         columns,
-        rows: own.roots.iter().enumerate().map(row).collect(),
+        rows: comparison.roots.iter().enumerate().map(row).collect(),
         footnotes: vec![
             "Error = (simpler − whole)/whole, matched by shape. —: the model has no such root."
                 .to_owned(),
         ],
     });
-    vec![errors, models_block(model, own, within)]
+    vec![errors, models_block(model, comparison, within)]
 }
 
-fn models_block(model: &str, own: &DetailComparison, within: f64) -> Block {
-    let whole = own.models.last().map_or(1, |own| own.coordinates);
+fn models_block(model: &str, comparison: &DetailComparison, within: f64) -> Block {
+    let whole = comparison
+        .models
+        .last()
+        .map_or(1, |model| model.coordinates);
     let reach = |i: usize| {
         let held = |root: &usize| {
-            own.error(i, *root)
+            comparison
+                .error(i, *root)
                 .is_some_and(|error| error.abs() <= within)
         };
-        let all = 0..own.roots.len();
+        let all = 0..comparison.roots.len();
         all.take_while(held)
             .last()
-            .map(|root| own.roots[root].omega_rad_s / TAU)
+            .map(|root| comparison.roots[root].omega_rad_s / TAU)
     };
     let row = |(i, simpler): (usize, &SimplerModel)| {
         vec![
@@ -68,7 +74,7 @@ fn models_block(model: &str, own: &DetailComparison, within: f64) -> Block {
             Column::number("cost (%)"),
             Column::number(format!("every root within {} % up to (Hz)", 100.0 * within)),
         ],
-        rows: own.models.iter().enumerate().map(row).collect(),
+        rows: comparison.models.iter().enumerate().map(row).collect(),
         footnotes: vec![
             "Cost: third power of the coordinates, as an eigenproblem takes.".to_owned(),
         ],
@@ -77,7 +83,10 @@ fn models_block(model: &str, own: &DetailComparison, within: f64) -> Block {
 
 /// For each signal of a response the simplest detail within an error, with its evaluations.
 pub fn simplest_details_block(model: &str, response: &TimeResponse, within: f64) -> Block {
-    let signals = response.details.last().map_or(&[][..], |own| &own.signals);
+    let signals = response
+        .details
+        .last()
+        .map_or(&[][..], |detail| &detail.signals);
     let rows = signals.iter().map(|signal| {
         let found = simplest_detail(response, signal.name, within);
         let detail = found.and_then(|name| response.detail(name));
@@ -85,7 +94,9 @@ pub fn simplest_details_block(model: &str, response: &TimeResponse, within: f64)
             Cell::text(signal.name),
             Cell::text(signal.meaning),
             found.map_or(Cell::Missing, Cell::text),
-            detail.map_or(Cell::Missing, |own| Cell::text(own.coordinates.to_string())),
+            detail.map_or(Cell::Missing, |detail| {
+                Cell::text(detail.coordinates.to_string())
+            }),
         ]
     });
     Block::Table(Table {

@@ -79,8 +79,8 @@ impl Part<'_> {
         }
         let mut footnotes =
             vec!["—: no partner, or not known. MAC = |a^H b|²/(a^H a · b^H b).".to_owned()];
-        let own = |note: &&Footnote| note.test().is_none_or(|test| self.tests.contains(&test));
-        let notes = self.table.footnotes.iter().filter(own);
+        let applies = |note: &&Footnote| note.test().is_none_or(|test| self.tests.contains(&test));
+        let notes = self.table.footnotes.iter().filter(applies);
         footnotes.extend(notes.map(ToString::to_string));
         if !outside.is_empty() {
             let labels: Vec<&str> = outside.iter().map(|row| row.label.as_str()).collect();
@@ -109,13 +109,13 @@ impl Part<'_> {
 
     /// Rows of the theory's roots, and of the extra modes of these tests.
     fn rows(&self) -> impl Iterator<Item = &Row> {
-        let own = |row: &&Row| row.theory.is_some() || self.cells(row).next().is_some();
-        self.table.rows.iter().filter(own)
+        let is_shown = |row: &&Row| row.theory.is_some() || self.cells(row).next().is_some();
+        self.table.rows.iter().filter(is_shown)
     }
 
     fn cells<'r>(&'r self, row: &'r Row) -> impl Iterator<Item = &'r TestCell> {
-        let own = |cell: &&TestCell| self.tests.contains(&cell.test.as_str());
-        row.tests.iter().filter(own)
+        let of_these_tests = |cell: &&TestCell| self.tests.contains(&cell.test.as_str());
+        row.tests.iter().filter(of_these_tests)
     }
 
     fn outside_band(&self, row: &Row) -> bool {
@@ -164,8 +164,8 @@ impl Part<'_> {
                 (false, _) => (short_cells, 5),
             };
         for test in &self.tests {
-            let own = row.tests.iter().find(|cell| cell.test == *test);
-            cells.extend(own.map_or_else(|| vec![Cell::Missing; width], test_cells));
+            let cell = row.tests.iter().find(|cell| cell.test == *test);
+            cells.extend(cell.map_or_else(|| vec![Cell::Missing; width], test_cells));
         }
         cells
     }
@@ -175,8 +175,12 @@ impl Part<'_> {
         let row = |name: &str, of: fn(&TestSummary) -> [Option<f64>; 2]| {
             let mut cells = vec![Cell::text(name), Cell::Missing];
             for test in &self.tests {
-                let own = self.table.summary.iter().find(|own| own.test == *test);
-                let [hz, percent] = own.map_or([None, None], of);
+                let summary = self
+                    .table
+                    .summary
+                    .iter()
+                    .find(|summary| summary.test == *test);
+                let [hz, percent] = summary.map_or([None, None], of);
                 cells.extend([
                     Cell::Missing,
                     Cell::number(hz, 2),
@@ -202,7 +206,7 @@ impl Part<'_> {
                 for reason in &cell.reasons {
                     let known = told
                         .iter_mut()
-                        .find(|(test, own, _)| *test == cell.test && own == reason);
+                        .find(|(test, listed, _)| *test == cell.test && listed == reason);
                     match known {
                         Some((_, _, labels)) => labels.push(&row.label),
                         None => told.push((&cell.test, reason, vec![&row.label])),
@@ -226,8 +230,9 @@ fn is_set(spec: &ParameterSpec, value: f64) -> bool {
 /// what.
 pub(super) fn provenance(theory: &Theory) -> Vec<String> {
     let named = |of: &dyn Fn(&ParameterSpec, bool) -> bool| -> Vec<&str> {
-        let own = theory.parameters.iter();
-        own.filter(|(spec, value)| of(spec, is_set(spec, *value)))
+        let parameters = theory.parameters.iter();
+        parameters
+            .filter(|(spec, value)| of(spec, is_set(spec, *value)))
             .map(|(spec, _)| spec.name.as_str())
             .collect()
     };

@@ -339,7 +339,7 @@ fn label(head: &str, text: &str) -> String {
     let kind = head.lines().last().unwrap_or_default();
     let mut labels = LABELS
         .iter()
-        .filter(|(own, _)| *own == kind)
+        .filter(|(column, _)| *column == kind)
         .flat_map(|(_, labels)| labels.iter());
     let found = labels.find(|(from, _)| *from == text);
     found.map_or(text, |(_, translated)| translated).to_owned()
@@ -352,8 +352,9 @@ fn phrase(text: &str) -> String {
 
 /// The same among some phrases.
 fn best_phrase<'p>(phrases: impl Iterator<Item = &'p (&'p str, &'p str)>, text: &str) -> String {
-    let own = |phrase: &str| phrase.replace("{}", "").chars().count();
-    let fits = phrases.filter_map(|(from, to)| Some((own(from), filled(to, &names(from, text)?))));
+    let letter_count = |phrase: &str| phrase.replace("{}", "").chars().count();
+    let fits = phrases
+        .filter_map(|(from, to)| Some((letter_count(from), filled(to, &names(from, text)?))));
     let best = fits.max_by_key(|(letters, _)| *letters);
     best.map_or_else(|| text.to_owned(), |(_, translated)| translated)
 }

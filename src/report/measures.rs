@@ -20,41 +20,41 @@ const COLUMNS_WITHIN: [f64; 2] = [0.8, 1.25];
 const MAC: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";
 
 /// Every measure of one test against one theory.
-pub fn measures_blocks(test: &str, own: &Measures) -> Vec<Block> {
+pub fn measures_blocks(test: &str, measures: &Measures) -> Vec<Block> {
     let mut tables = vec![
-        mac_table(format!("MAC of {test} and theory"), &own.mac),
-        frequency_table(test, &own.frequency_mac, own.mac.dofs),
-        scale_table(test, &own.scale_factors),
-        coordinate_table(test, &own.coordinates),
-        theory_table(test, own),
+        mac_table(format!("MAC of {test} and theory"), &measures.mac),
+        frequency_table(test, &measures.frequency_mac, measures.mac.dofs),
+        scale_table(test, &measures.scale_factors),
+        coordinate_table(test, &measures.coordinates),
+        theory_table(test, measures),
     ];
-    if !own.clusters.is_empty() {
-        tables.push(cluster_table(test, &own.clusters));
+    if !measures.clusters.is_empty() {
+        tables.push(cluster_table(test, &measures.clusters));
     }
     let mut blocks: Vec<Block> = tables.into_iter().map(Block::Table).collect();
-    blocks.extend(orthogonality_blocks(test, own));
+    blocks.extend(orthogonality_blocks(test, measures));
     blocks
 }
 
 /// Orthogonality alone, where there is one.
-pub fn orthogonality_blocks(test: &str, own: &Measures) -> Vec<Block> {
-    let found = own.orthogonality.iter();
-    let tables = found.flat_map(|own| orthogonality_tables(test, own));
+pub fn orthogonality_blocks(test: &str, measures: &Measures) -> Vec<Block> {
+    let found = measures.orthogonality.iter();
+    let tables = found.flat_map(|orthogonality| orthogonality_tables(test, orthogonality));
     tables.map(Block::Table).collect()
 }
 
 /// The frame of a test fitted to that of a theory.
-pub fn alignment_block(own: &Alignment) -> Block {
+pub fn alignment_block(alignment: &Alignment) -> Block {
     let row = |i: usize| {
         let mut cells = vec![Cell::text(["x", "y", "z"][i])];
-        cells.extend(own.rotation[i].map(|value| Cell::number(Some(value), 6)));
-        cells.push(Cell::number(Some(own.shift_m[i]), 6));
+        cells.extend(alignment.rotation[i].map(|value| Cell::number(Some(value), 6)));
+        cells.push(Cell::number(Some(alignment.shift_m[i]), 6));
         cells
     };
     let mut columns = vec![Column::text("theory")];
     let heads = ["test x", "test y", "test z", "shift (m)"];
     columns.extend(heads.map(Column::number));
-    let partners = if own.known {
+    let partners = if alignment.known {
         "with the partners that were given (Umeyama 1991)"
     } else {
         "with partners that were not known: each point's nearest one, from several starts (Umeyama 1991; Besl and McKay 1992)"
@@ -62,17 +62,17 @@ pub fn alignment_block(own: &Alignment) -> Block {
     let mut footnotes = vec![
         format!(
             "x' = s R x + t of {} points, {partners}: s = {:.6}.",
-            own.points, own.scale
+            alignment.points, alignment.scale
         ),
         format!(
             "Distance after the fit: {:.3e} m rms, {:.3e} m at most.",
-            own.rms_m, own.largest_m
+            alignment.rms_m, alignment.largest_m
         ),
     ];
-    if own.known && own.as_good > 0 {
+    if alignment.known && alignment.as_good > 0 {
         footnotes.push("Points on one line within the tolerance tell no turn about it.".to_owned());
-    } else if own.as_good > 0 {
-        let others = own.as_good;
+    } else if alignment.as_good > 0 {
+        let others = alignment.as_good;
         footnotes.push(format!(
             "{others} other frames fit as well; this one turns least."
         ));
@@ -88,13 +88,13 @@ pub fn alignment_block(own: &Alignment) -> Block {
 /// Sensors that read against the theory; `None` where there are none.
 pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
     let row = |test: &str, group: &[ReversedSensor]| {
-        let own = group.first()?;
+        let sensor = group.first()?;
         Some(vec![
             Cell::text(test),
-            Cell::text(own.name(group.len())),
-            Cell::signed(Some(own.direction), 3),
-            Cell::number(Some(own.mac_before), 4),
-            Cell::number(Some(own.mac_after), 4),
+            Cell::text(sensor.name(group.len())),
+            Cell::signed(Some(sensor.direction), 3),
+            Cell::number(Some(sensor.mac_before), 4),
+            Cell::number(Some(sensor.mac_after), 4),
         ])
     };
     let rows = tests.iter().flat_map(|(test, all)| {
@@ -121,34 +121,34 @@ pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> 
 }
 
 /// A set of modes against itself, with its duplicates.
-pub fn auto_mac_blocks(name: &str, own: &AutoMac) -> Vec<Block> {
-    let mut table = mac_table(format!("AutoMAC of {name}"), &own.matrix);
+pub fn auto_mac_blocks(name: &str, auto_mac: &AutoMac) -> Vec<Block> {
+    let mut table = mac_table(format!("AutoMAC of {name}"), &auto_mac.matrix);
     let (mac, part) = (
-        own.limits.min_mac,
-        100.0 * own.limits.max_frequency_difference,
+        auto_mac.limits.min_mac,
+        100.0 * auto_mac.limits.max_frequency_difference,
     );
     let rule = format!("Duplicates: a MAC of {mac} or more within {part} % in frequency");
-    table.footnotes.push(if own.duplicates.is_empty() {
+    table.footnotes.push(if auto_mac.duplicates.is_empty() {
         format!("{rule}: none.")
     } else {
-        format!("{rule}: {}.", own.duplicates.len())
+        format!("{rule}: {}.", auto_mac.duplicates.len())
     });
     let mut blocks = vec![Block::Table(table)];
-    if !own.duplicates.is_empty() {
-        let row = |own: &crate::correlate::measures::Duplicate| {
+    if !auto_mac.duplicates.is_empty() {
+        let row = |duplicate: &crate::correlate::measures::Duplicate| {
             vec![
-                name_cell(&own.first),
-                Cell::number(Some(own.first.hz), 3),
-                name_cell(&own.second),
-                Cell::number(Some(own.second.hz), 3),
-                Cell::number(Some(own.mac), 4),
+                name_cell(&duplicate.first),
+                Cell::number(Some(duplicate.first.hz), 3),
+                name_cell(&duplicate.second),
+                Cell::number(Some(duplicate.second.hz), 3),
+                Cell::number(Some(duplicate.mac), 4),
             ]
         };
         let heads = ["mode", "f (Hz)", "mode", "f (Hz)", "MAC"];
         blocks.push(Block::Table(Table {
             caption: format!("Modes of {name} that are alike"),
             columns: heads.map(Column::number).to_vec(),
-            rows: own.duplicates.iter().map(row).collect(),
+            rows: auto_mac.duplicates.iter().map(row).collect(),
             footnotes: vec![
                 "One mode found twice, or sensors that cannot tell two apart.".to_owned(),
             ],
@@ -158,28 +158,32 @@ pub fn auto_mac_blocks(name: &str, own: &AutoMac) -> Vec<Block> {
 }
 
 /// Two sets of FRFs: by function, and over parts of the band.
-pub fn frf_correlation_blocks(first: &str, second: &str, own: &FrfCorrelation) -> Vec<Block> {
-    let row = |own: &FunctionCorrelation| {
+pub fn frf_correlation_blocks(
+    first: &str,
+    second: &str,
+    correlation: &FrfCorrelation,
+) -> Vec<Block> {
+    let row = |function: &FunctionCorrelation| {
         vec![
-            Cell::text(own.response.to_string()),
-            Cell::text(own.reference.to_string()),
-            Cell::number(own.frac, 4),
-            Cell::signed(own.level_db, 2),
+            Cell::text(function.response.to_string()),
+            Cell::text(function.reference.to_string()),
+            Cell::number(function.frac, 4),
+            Cell::signed(function.level_db, 2),
         ]
     };
-    let lines = own.lines.len();
-    let ends = own.lines.first().zip(own.lines.last());
+    let lines = correlation.lines.len();
+    let ends = correlation.lines.first().zip(correlation.lines.last());
     let band = ends.map_or_else(String::new, |(a, b)| {
         format!(" from {} to {} Hz", a.hz, b.hz)
     });
     let mut footnotes = vec![
         "FRAC = |Σ a* b|²/(Σ |a|² · Σ |b|²) over the lines (Heylen and Lammens 1996); level: rms of the second over the first.".to_owned(),
-        format!("{} functions, {lines} lines{band}, both in {}.", own.functions.len(), own.unit),
+        format!("{} functions, {lines} lines{band}, both in {}.", correlation.functions.len(), correlation.unit),
     ];
-    if own.first_alone + own.second_alone > 0 {
+    if correlation.first_alone + correlation.second_alone > 0 {
         footnotes.push(format!(
             "Functions without a partner: {} of the first, {} of the second.",
-            own.first_alone, own.second_alone
+            correlation.first_alone, correlation.second_alone
         ));
     }
     let columns = vec![
@@ -192,17 +196,17 @@ pub fn frf_correlation_blocks(first: &str, second: &str, own: &FrfCorrelation) -
         Block::Table(Table {
             caption: format!("FRFs of {first} and {second}"),
             columns,
-            rows: own.functions.iter().map(row).collect(),
+            rows: correlation.functions.iter().map(row).collect(),
             footnotes,
         }),
-        Block::Table(band_table(first, second, own)),
+        Block::Table(band_table(first, second, correlation)),
     ]
 }
 
 /// What the columns over frequency are.
 const LINE_DEFINITIONS: &str = "At each line, a and b the functions as vectors: shape = |a^H b|²/(a^H a · b^H b), blind to amplitude; amplitude = 2|a^H b|/(a^H a + b^H b), 1 for equal vectors (Zang, Grafe and Imregun 2001).";
 
-fn band_table(first: &str, second: &str, own: &FrfCorrelation) -> Table {
+fn band_table(first: &str, second: &str, correlation: &FrfCorrelation) -> Table {
     let heads = [
         "from (Hz)",
         "to (Hz)",
@@ -225,11 +229,11 @@ fn band_table(first: &str, second: &str, own: &FrfCorrelation) -> Table {
         cells.extend(values.map(|value| Cell::number(value, 4)));
         cells
     };
-    let count = own.functions.len();
+    let count = correlation.functions.len();
     Table {
         caption: format!("FRFs of {first} and {second} over frequency"),
         columns: heads.map(Column::number).to_vec(),
-        rows: own.bands.iter().map(row).collect(),
+        rows: correlation.bands.iter().map(row).collect(),
         footnotes: vec![format!(
             "{LINE_DEFINITIONS} {count} functions in each vector."
         )],
@@ -237,7 +241,7 @@ fn band_table(first: &str, second: &str, own: &FrfCorrelation) -> Table {
 }
 
 /// The criteria at every line.
-pub fn frf_lines_block(first: &str, second: &str, own: &FrfCorrelation) -> Block {
+pub fn frf_lines_block(first: &str, second: &str, correlation: &FrfCorrelation) -> Block {
     let row = |line: &LineCorrelation| {
         vec![
             Cell::number(Some(line.hz), 4),
@@ -250,7 +254,7 @@ pub fn frf_lines_block(first: &str, second: &str, own: &FrfCorrelation) -> Block
         columns: ["f (Hz)", "shape", "amplitude"]
             .map(Column::number)
             .to_vec(),
-        rows: own.lines.iter().map(row).collect(),
+        rows: correlation.lines.iter().map(row).collect(),
         footnotes: vec![LINE_DEFINITIONS.to_owned()],
     })
 }
@@ -269,10 +273,13 @@ fn name_cell(name: &ModeName) -> Cell {
 
 /// Columns of a matrix that are worth their place: those near the rows in frequency.
 fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
-    let lowest = rows.iter().map(|own| own.hz).fold(f64::INFINITY, f64::min);
-    let highest = rows.iter().map(|own| own.hz).fold(0.0, f64::max);
-    let near = |own: &ModeName| {
-        (COLUMNS_WITHIN[0] * lowest..=COLUMNS_WITHIN[1] * highest).contains(&own.hz)
+    let lowest = rows
+        .iter()
+        .map(|mode| mode.hz)
+        .fold(f64::INFINITY, f64::min);
+    let highest = rows.iter().map(|mode| mode.hz).fold(0.0, f64::max);
+    let near = |mode: &ModeName| {
+        (COLUMNS_WITHIN[0] * lowest..=COLUMNS_WITHIN[1] * highest).contains(&mode.hz)
     };
     (0..columns.len()).filter(|&j| near(&columns[j])).collect()
 }
@@ -286,11 +293,11 @@ fn matrix_table(
     let kept = columns_near(rows, columns);
     let mut heads = vec![Column::number("mode"), Column::number("f (Hz)")];
     heads.extend(kept.iter().map(|&j| {
-        let own = columns[j];
-        Column::number(format!("{}\n{:.2}", own.mode, own.hz))
+        let mode = columns[j];
+        Column::number(format!("{}\n{:.2}", mode.mode, mode.hz))
     }));
-    let row = |(own, values): (&ModeName, &Vec<Option<f64>>)| {
-        let mut cells = vec![name_cell(own), Cell::number(Some(own.hz), 2)];
+    let row = |(mode, values): (&ModeName, &Vec<Option<f64>>)| {
+        let mut cells = vec![name_cell(mode), Cell::number(Some(mode.hz), 2)];
         cells.extend(kept.iter().map(|&j| Cell::number(values[j], decimals)));
         cells
     };
@@ -305,17 +312,17 @@ fn matrix_table(
     }
 }
 
-fn mac_table(caption: String, own: &MacMatrix) -> Table {
-    let mut table = matrix_table(caption, (&own.rows, &own.columns), (&own.mac, 4));
+fn mac_table(caption: String, matrix: &MacMatrix) -> Table {
+    let mut table = matrix_table(caption, (&matrix.rows, &matrix.columns), (&matrix.mac, 4));
     table
         .footnotes
-        .insert(0, format!("{MAC}; {}.", dofs_text(own.dofs)));
+        .insert(0, format!("{MAC}; {}.", dofs_text(matrix.dofs)));
     table
 }
 
-fn theory_table(test: &str, own: &Measures) -> Table {
-    let matrix = &own.theory_auto_mac;
-    let kept = columns_near(&own.mac.rows, &matrix.rows);
+fn theory_table(test: &str, measures: &Measures) -> Table {
+    let matrix = &measures.theory_auto_mac;
+    let kept = columns_near(&measures.mac.rows, &matrix.rows);
     let rows: Vec<ModeName> = kept.iter().map(|&i| matrix.rows[i]).collect();
     let mac = kept
         .iter()
@@ -336,14 +343,14 @@ fn theory_table(test: &str, own: &Measures) -> Table {
 }
 
 fn frequency_table(test: &str, points: &[FrequencyMac], dofs: DofRange) -> Table {
-    let row = |own: &FrequencyMac| {
+    let row = |pair: &FrequencyMac| {
         vec![
-            name_cell(&own.test),
-            Cell::number(Some(own.test.hz), 2),
-            name_cell(&own.theory),
-            Cell::number(Some(own.theory.hz), 2),
-            Cell::signed(own.error_percent, 2),
-            Cell::number(Some(own.mac), 4),
+            name_cell(&pair.test),
+            Cell::number(Some(pair.test.hz), 2),
+            name_cell(&pair.theory),
+            Cell::number(Some(pair.theory.hz), 2),
+            Cell::signed(pair.error_percent, 2),
+            Cell::number(Some(pair.mac), 4),
         ]
     };
     let heads = [
@@ -354,7 +361,7 @@ fn frequency_table(test: &str, points: &[FrequencyMac], dofs: DofRange) -> Table
         "error (%)",
         "MAC",
     ];
-    let high = points.iter().filter(|own| own.mac >= LISTED_MAC);
+    let high = points.iter().filter(|pair| pair.mac >= LISTED_MAC);
     Table {
         caption: format!("MAC over both frequencies (FMAC) of {test} and theory"),
         columns: heads.map(Column::number).to_vec(),
@@ -367,13 +374,13 @@ fn frequency_table(test: &str, points: &[FrequencyMac], dofs: DofRange) -> Table
 }
 
 fn scale_table(test: &str, factors: &[ScaleFactor]) -> Table {
-    let row = |own: &ScaleFactor| {
+    let row = |factor: &ScaleFactor| {
         vec![
-            name_cell(&own.test),
-            name_cell(&own.theory),
-            Cell::text(format!("{:.4e}", own.magnitude)),
-            Cell::signed(Some(own.phase_deg), 1),
-            Cell::text(own.dofs.to_string()),
+            name_cell(&factor.test),
+            name_cell(&factor.theory),
+            Cell::text(format!("{:.4e}", factor.magnitude)),
+            Cell::signed(Some(factor.phase_deg), 1),
+            Cell::text(factor.dofs.to_string()),
         ]
     };
     let heads = ["test mode", "theory mode", "|MSF|", "phase (deg)", "DOFs"];
@@ -386,13 +393,13 @@ fn scale_table(test: &str, factors: &[ScaleFactor]) -> Table {
 }
 
 fn coordinate_table(test: &str, coordinates: &[CoordinateMac]) -> Table {
-    let row = |own: &CoordinateMac| {
+    let row = |coordinate: &CoordinateMac| {
         vec![
-            Cell::text(own.dof.to_string()),
-            Cell::number(own.comac, 4),
-            Cell::number(own.enhanced, 4),
-            Cell::signed(own.direction, 3),
-            Cell::text(own.pairs.to_string()),
+            Cell::text(coordinate.dof.to_string()),
+            Cell::number(coordinate.comac, 4),
+            Cell::number(coordinate.enhanced, 4),
+            Cell::signed(coordinate.direction, 3),
+            Cell::text(coordinate.pairs.to_string()),
         ]
     };
     let mut columns = vec![Column::text("DOF")];
@@ -410,25 +417,25 @@ fn coordinate_table(test: &str, coordinates: &[CoordinateMac]) -> Table {
 
 fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
     let numbers = |names: &[ModeName]| {
-        let all: Vec<String> = names.iter().map(|own| own.mode.to_string()).collect();
+        let all: Vec<String> = names.iter().map(|name| name.mode.to_string()).collect();
         Cell::text(all.join(" "))
     };
-    let row = |own: &ClusterMac| {
-        let angles = own.angles_deg.iter().flatten();
+    let row = |cluster: &ClusterMac| {
+        let angles = cluster.angles_deg.iter().flatten();
         let angles: Vec<String> = angles.map(|angle| format!("{angle:.1}")).collect();
         vec![
-            numbers(&own.theory),
-            Cell::number(own.theory.first().map(|own| own.hz), 2),
-            numbers(&own.test),
+            numbers(&cluster.theory),
+            Cell::number(cluster.theory.first().map(|mode| mode.hz), 2),
+            numbers(&cluster.test),
             if angles.is_empty() {
                 Cell::Missing
             } else {
                 Cell::text(angles.join(" "))
             },
-            Cell::number(own.space_mac, 4),
-            Cell::number(own.mean_mac, 4),
-            Cell::number(own.random_mac, 4),
-            Cell::text(own.dofs.to_string()),
+            Cell::number(cluster.space_mac, 4),
+            Cell::number(cluster.mean_mac, 4),
+            Cell::number(cluster.random_mac, 4),
+            Cell::text(cluster.dofs.to_string()),
         ]
     };
     let heads = [
@@ -453,8 +460,8 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
     }
 }
 
-fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
-    let how = match (own.reduction, own.reduction_modes) {
+fn orthogonality_tables(test: &str, orthogonality: &Orthogonality) -> [Table; 2] {
+    let how = match (orthogonality.reduction, orthogonality.reduction_modes) {
         (Reduction::Serep, Some(modes)) => format!(
             "by SEREP through {modes} modes of the theory, the paired ones and the lowest others (O'Callahan, Avitabile and Riemer 1989)"
         ),
@@ -463,29 +470,32 @@ fn orthogonality_tables(test: &str, own: &Orthogonality) -> [Table; 2] {
     let note = format!(
         "|a^H M b|/√(a^H M a · b^H M b), M the theory's mass matrix reduced {how} to {}.",
         dofs_text(DofRange {
-            fewest: own.dofs,
-            most: own.dofs
+            fewest: orthogonality.dofs,
+            most: orthogonality.dofs
         })
     );
     let table = |caption: String, columns: &[ModeName], values: &[Vec<Option<f64>>]| {
-        let mut table = matrix_table(caption, (&own.test, columns), (values, 4));
+        let mut table = matrix_table(caption, (&orthogonality.test, columns), (values, 4));
         table.footnotes.insert(0, note.clone());
         table
     };
     let mut cross = table(
         format!("Cross-orthogonality of {test} and theory"),
-        &own.theory,
-        &own.cross,
+        &orthogonality.theory,
+        &orthogonality.cross,
     );
-    if own.reduction == Reduction::Serep {
+    if orthogonality.reduction == Reduction::Serep {
         cross.columns.push(Column::number("outside (%)"));
-        for (row, part) in cross.rows.iter_mut().zip(&own.outside) {
+        for (row, part) in cross.rows.iter_mut().zip(&orthogonality.outside) {
             row.push(Cell::number(part.map(|part| 100.0 * part), 2));
         }
         cross.footnotes.push("Outside: |ψ − Φ Φ⁺ ψ|²/|ψ|² of the test shape ψ, Φ the modes of the reduction at the sensors; M does not see it.".to_owned());
     }
     let caption = format!("Self-orthogonality of {test}");
-    [cross, table(caption, &own.test, &own.self_test)]
+    [
+        cross,
+        table(caption, &orthogonality.test, &orthogonality.self_test),
+    ]
 }
 
 #[cfg(test)]

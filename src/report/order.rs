@@ -38,8 +38,8 @@ fn named(test: &TestNeeds) -> String {
 }
 
 fn roots_block(test: &TestNeeds) -> Block {
-    let own = &test.support;
-    let functions = match own.functions {
+    let support = &test.support;
+    let functions = match support.functions {
         1 => "1 FRF".to_owned(),
         count => format!("{count} FRFs"),
     };
@@ -50,22 +50,26 @@ fn roots_block(test: &TestNeeds) -> Block {
          the least. Misfit: mean square of what is left over, over the noise, for each degree of freedom, below 1 where lines share noise \
          of the force; * the fewest within a tenth of the least up to BIC's."
             .to_owned(),
-        match own.stretch {
-            1 => format!("{functions} of {} lines; each line left out by itself.", own.lines),
+        match support.stretch {
+            1 => format!("{functions} of {} lines; each line left out by itself.", support.lines),
             stretch => format!(
                 "{functions} of {} lines; {stretch} lines predicted at a time, as many on either side left out with them, as neighbours share noise.",
-                own.lines
+                support.lines
             ),
         },
     ];
-    if !own.noise_stated {
+    if !support.noise_stated {
         footnotes.push(
             "No variance came with the data: the noise is told from what the fit leaves over."
                 .to_owned(),
         );
     }
     footnotes.extend(test.notes.iter().map(|note| format!("Not done: {note}.")));
-    let least = [Some(own.by_bic()), own.by_prediction(), Some(own.by_rest())];
+    let least = [
+        Some(support.by_bic()),
+        support.by_prediction(),
+        Some(support.by_rest()),
+    ];
     let row = |(number, tried): (usize, &Tried)| {
         let star = |which: usize| {
             Cell::text(if least[which] == Some(number) {
@@ -89,7 +93,7 @@ fn roots_block(test: &TestNeeds) -> Block {
             star(0),
             tried
                 .predicted
-                .map_or(Cell::Missing, |own| over_noise(own.mean)),
+                .map_or(Cell::Missing, |score| over_noise(score.mean)),
             star(1),
             over_noise(tried.rest),
             star(2),
@@ -110,24 +114,28 @@ fn roots_block(test: &TestNeeds) -> Block {
             Column::number("misfit/noise"),
             Column::text(""),
         ],
-        rows: own.tried.iter().enumerate().map(row).collect(),
+        rows: support.tried.iter().enumerate().map(row).collect(),
         footnotes,
     })
 }
 
 fn orders_block(test: &TestNeeds) -> Block {
-    let row = |own: &LowestOrder| {
+    let row = |method: &LowestOrder| {
         let tried = |tried: &OrderTried| match tried.right() {
             true => format!("{}: right", tried.order),
             false => format!("{}: −{} +{}", tried.order, tried.missed, tried.spurious),
         };
-        let all: Vec<String> = own.tried.iter().map(tried).collect();
+        let all: Vec<String> = method.tried.iter().map(tried).collect();
         vec![
-            Cell::text(own.method),
-            own.lowest().map_or(Cell::Missing, count),
-            own.own.map_or(Cell::Missing, |own| count(own.order)),
-            own.own.map_or(Cell::Missing, |own| count(own.missed)),
-            own.own.map_or(Cell::Missing, |own| count(own.spurious)),
+            Cell::text(method.method),
+            method.lowest().map_or(Cell::Missing, count),
+            method.own.map_or(Cell::Missing, |tried| count(tried.order)),
+            method
+                .own
+                .map_or(Cell::Missing, |tried| count(tried.missed)),
+            method
+                .own
+                .map_or(Cell::Missing, |tried| count(tried.spurious)),
             Cell::text(all.join(", ")),
         ]
     };
@@ -154,17 +162,19 @@ fn orders_block(test: &TestNeeds) -> Block {
 
 fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
     let mut columns = vec![Column::number("f (Hz)"), Column::number("ζ (%)")];
-    for own in test.single.iter().take(1).flat_map(|mode| &mode.single) {
-        columns.push(Column::number(format!("{} Δf (%)", own.method)));
-        columns.push(Column::number(format!("{} Δζ (%)", own.method)));
+    for method in test.single.iter().take(1).flat_map(|mode| &mode.single) {
+        columns.push(Column::number(format!("{} Δf (%)", method.method)));
+        columns.push(Column::number(format!("{} Δζ (%)", method.method)));
     }
     columns.push(Column::text("enough"));
     let row = |mode: &ModeNeeds| {
-        let errors = |own: &SingleMode| {
-            let percent = own.errors.map(|errors| errors.map(|error| 100.0 * error));
+        let errors = |single: &SingleMode| {
+            let percent = single
+                .errors
+                .map(|errors| errors.map(|error| 100.0 * error));
             [
-                Cell::signed(percent.map(|own| own[0]), 4),
-                Cell::signed(percent.map(|own| own[1]), 2),
+                Cell::signed(percent.map(|errors| errors[0]), 4),
+                Cell::signed(percent.map(|errors| errors[1]), 2),
             ]
         };
         let mut cells = vec![
@@ -188,7 +198,7 @@ fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
 
 /// Every number of roots of every test, for programs.
 pub fn order_table(needs: &SceneNeeds) -> Block {
-    let yes = |own: bool| Cell::text(if own { "yes" } else { "no" });
+    let yes = |value: bool| Cell::text(if value { "yes" } else { "no" });
     let of_test = |test: &TestNeeds| {
         let row = |(number, tried): (usize, &Tried)| {
             vec![
@@ -199,8 +209,8 @@ pub fn order_table(needs: &SceneNeeds) -> Block {
                 tried.pole.map_or(Cell::Missing, |_| yes(tried.identified)),
                 tried.pole.map_or(Cell::Missing, |_| count(tried.holding)),
                 Cell::number(Some(tried.bic), 6),
-                Cell::number(tried.predicted.map(|own| own.mean), 9),
-                Cell::number(tried.predicted.map(|own| own.std), 9),
+                Cell::number(tried.predicted.map(|score| score.mean), 9),
+                Cell::number(tried.predicted.map(|score| score.std), 9),
                 Cell::number(Some(tried.rest), 9),
             ]
         };

@@ -9,10 +9,10 @@ use super::{Block, Cell, Column, Table};
 /// be hit is worth.
 pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Vec<Block> {
     match &placed.placement {
-        Ok(own) => vec![
-            steps_block(placed, own, table),
-            roots_block(placed, own, table),
-            ranking_block(placed, own),
+        Ok(placement) => vec![
+            steps_block(placed, placement, table),
+            roots_block(placed, placement, table),
+            ranking_block(placed, placement),
         ],
         Err(why) => vec![Block::Text(format!(
             "Where to hit next, {}: not known, {why}.",
@@ -25,19 +25,23 @@ pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) ->
 fn label(root: &PlannedRoot, table: Option<&ComparisonTable>) -> String {
     let numbers: Vec<usize> = root.modes.iter().map(|j| j + 1).collect();
     let rows = table.iter().flat_map(|table| &table.rows);
-    let own = |row: &&crate::correlate::Row| {
+    let is_row_of_root = |row: &&crate::correlate::Row| {
         row.theory
             .as_ref()
             .is_some_and(|theory| theory.modes == numbers)
     };
-    let row = rows.into_iter().find(own);
+    let row = rows.into_iter().find(is_row_of_root);
     row.map_or_else(|| format!("{:.1} Hz", root.hz), |row| row.label.clone())
 }
 
-fn steps_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTable>) -> Block {
+fn steps_block(
+    placed: &PlacedTest,
+    placement: &Placement,
+    table: Option<&ComparisonTable>,
+) -> Block {
     let row = |(number, step): (usize, &Step)| {
         let shown = step.shown.iter().map(|(root, modes)| {
-            let root = &own.roots[*root];
+            let root = &placement.roots[*root];
             match root.modes.len() {
                 1 => label(root, table),
                 all => format!("{modes} of {all} of {}", label(root, table)),
@@ -54,7 +58,7 @@ fn steps_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
             Cell::text(shown.collect::<Vec<_>>().join(", ")),
         ]
     };
-    let modes = |count: fn(&PlannedRoot) -> usize| own.roots.iter().map(count).sum::<usize>();
+    let modes = |count: fn(&PlannedRoot) -> usize| placement.roots.iter().map(count).sum::<usize>();
     Block::Table(Table {
         caption: format!("Where to hit or put a sensor next: {}", placed.test),
         columns: vec![
@@ -63,9 +67,9 @@ fn steps_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
             Column::text("sensor"),
             Column::text("shows beside what is seen"),
         ],
-        rows: (1..).zip(&own.steps).map(row).collect(),
+        rows: (1..).zip(&placement.steps).map(row).collect(),
         footnotes: vec![
-            if own.steps.is_empty() {
+            if placement.steps.is_empty() {
                 format!(
                     "Of {} modes of the model in the band the test's points see {}; no further point shows another.",
                     modes(|root| root.modes.len()),
@@ -101,7 +105,11 @@ fn remark(root: &PlannedRoot) -> &'static str {
     }
 }
 
-fn roots_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTable>) -> Block {
+fn roots_block(
+    placed: &PlacedTest,
+    placement: &Placement,
+    table: Option<&ComparisonTable>,
+) -> Block {
     let row = |root: &PlannedRoot| {
         let count = |modes: usize| Cell::text(modes.to_string());
         vec![
@@ -125,14 +133,14 @@ fn roots_block(placed: &PlacedTest, own: &Placement, table: Option<&ComparisonTa
             Column::number("peak over noise (dB)"),
             Column::text("remark"),
         ],
-        rows: own.roots.iter().map(row).collect(),
+        rows: placement.roots.iter().map(row).collect(),
         footnotes: vec![
             "M: multiplicity; seen: modes that the test's points see; planned: with the points above. Peak over noise: with every point there is, of the last mode that is seen, else of the next.".to_owned(),
         ],
     })
 }
 
-fn ranking_block(placed: &PlacedTest, own: &Placement) -> Block {
+fn ranking_block(placed: &PlacedTest, placement: &Placement) -> Block {
     let row = |hit: &RankedHit| {
         vec![
             Cell::text(hit.dof.to_string()),
@@ -149,7 +157,7 @@ fn ranking_block(placed: &PlacedTest, own: &Placement) -> Block {
             Column::number("driving-point residue"),
             Column::number("independence"),
         ],
-        rows: own.ranking.iter().map(row).collect(),
+        rows: placement.ranking.iter().map(row).collect(),
         footnotes: vec![
             "Modes shown: by this hit alone, with the sensors there are. Driving-point residue: mean of φ²/(2ωm) over the roots, as a part of the largest (Ewins 2000). Independence: the part of its row of the mode matrix that no other point has (Kammer 1991); none where there are no more points than that takes.".to_owned(),
         ],

@@ -53,7 +53,7 @@ fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
     let (model, published) = (row.model.as_ref(), row.published.as_ref());
     let whole = |n: usize| Cell::text(n.to_string());
     let text = |text: Option<&String>| text.map_or(Cell::Missing, Cell::text);
-    let own = model.map(|root| match in_hz {
+    let frequency = model.map(|root| match in_hz {
         true => frequency_hz(root.omega_rad_s),
         false => root.omega_rad_s,
     });
@@ -69,7 +69,7 @@ fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
     vec![
         Cell::text(label),
         model.map_or(Cell::Missing, |root| whole(root.modes.len())),
-        Cell::number(own, 6),
+        Cell::number(frequency, 6),
         published.map_or(Cell::Missing, |root| whole(root.multiplicity)),
         published.map_or(Cell::Missing, |root| Cell::text(printed(root))),
         Cell::signed(row.error_percent, 4),

@@ -43,7 +43,7 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
         let names = [detail.detail, signal.name, signal.unit].map(Cell::text);
         let cells = names.into_iter();
         cells
-            .chain(figures.map(|own| Cell::text(significant(own))))
+            .chain(figures.map(|figure| Cell::text(significant(figure))))
             .collect()
     };
     let mut footnotes = vec![format!(
@@ -69,10 +69,10 @@ fn harmonics_block(model: &str, response: &TimeResponse) -> Block {
     let mut columns = vec![Column::text("detail"), Column::text("signal")];
     columns.extend((1..=HARMONICS).map(|k| Column::number(k.to_string())));
     let row = |(detail, signal): (&DetailResponse, &ResponseSignal)| {
-        let own = signal.harmonics.iter().take(HARMONICS);
-        let own = own.map(|amplitude| Cell::text(format!("{amplitude:.4e}")));
+        let first = signal.harmonics.iter().take(HARMONICS);
+        let harmonics = first.map(|amplitude| Cell::text(format!("{amplitude:.4e}")));
         let names = [detail.detail, signal.name].map(Cell::text);
-        names.into_iter().chain(own).collect()
+        names.into_iter().chain(harmonics).collect()
     };
     let deflections = each(response).filter(|(_, signal)| signal.name.starts_with("delta"));
     Block::Table(Table {
@@ -86,9 +86,12 @@ fn harmonics_block(model: &str, response: &TimeResponse) -> Block {
 }
 
 fn details_block(model: &str, response: &TimeResponse) -> Block {
-    let last = response.details.last().map_or("", |own| own.detail);
-    let signals = response.details.last().map_or(&[][..], |own| &own.signals);
-    let compared: Vec<&str> = signals.iter().map(|own| own.name).collect();
+    let last = response.details.last().map_or("", |detail| detail.detail);
+    let signals = response
+        .details
+        .last()
+        .map_or(&[][..], |detail| &detail.signals);
+    let compared: Vec<&str> = signals.iter().map(|signal| signal.name).collect();
     let mut columns = vec![
         Column::text("detail"),
         Column::number("coordinates"),
@@ -109,7 +112,9 @@ fn details_block(model: &str, response: &TimeResponse) -> Block {
         ];
         cells.extend(compared.iter().map(|name| {
             let distance = response.difference(name, detail.detail, last);
-            distance.map_or(Cell::Missing, |own| Cell::text(significant(100.0 * own)))
+            distance.map_or(Cell::Missing, |distance| {
+                Cell::text(significant(100.0 * distance))
+            })
         }));
         cells
     };

@@ -16,8 +16,8 @@ pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
 }
 
 fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
-    let own = test.data.iter().filter(|row| row.on_front);
-    let own = own.map(|row| {
+    let on_front = test.data.iter().filter(|row| row.on_front);
+    let data = on_front.map(|row| {
         let place = (row.estimator.unwrap_or("as given"), row.step_hz);
         front_row(("data", place), (row.method, &row.tally, &row.timing))
     });
@@ -73,7 +73,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
     Block::Table(Table {
         caption: format!("{}: Pareto front of time and error", test.name),
         columns: text.into_iter().chain(heads.map(Column::number)).collect(),
-        rows: own.chain(twin).collect(),
+        rows: data.chain(twin).collect(),
         footnotes,
     })
 }
@@ -87,9 +87,9 @@ fn front_row(
         Cell::text(data),
         Cell::text(format!("{estimator}, {step_hz:.3} Hz")),
         Cell::text(method.to_string()),
-        Cell::number(timing.median_s.map(|own| 1e3 * own), 2),
-        Cell::number(timing.spread_s.map(|own| 1e3 * own), 2),
-        Cell::number(timing.peak_bytes.map(|own| own as f64 / 1_048_576.0), 2),
+        Cell::number(timing.median_s.map(|seconds| 1e3 * seconds), 2),
+        Cell::number(timing.spread_s.map(|seconds| 1e3 * seconds), 2),
+        Cell::number(timing.peak_bytes.map(|bytes| bytes as f64 / 1_048_576.0), 2),
         Cell::deviation(tally.frequency().map(|v| 100.0 * v), 6),
         percent(tally.damping(), 4),
         percent(tally.shape(), 4),
@@ -115,9 +115,9 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::number(Some(row.step_hz), 6),
                 Cell::Missing,
             ];
-            let mut own = whole_row(place, row.method, &row.tally);
-            own.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
-            own
+            let mut cells = whole_row(place, row.method, &row.tally);
+            cells.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
+            cells
         }));
         rows.extend(test.twin.iter().map(|row| {
             let place = [
@@ -127,9 +127,9 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::Missing,
                 Cell::number(Some(row.snr_db), 1),
             ];
-            let mut own = whole_row(place, row.method, &row.tally);
-            own.push(Cell::Missing);
-            own
+            let mut cells = whole_row(place, row.method, &row.tally);
+            cells.push(Cell::Missing);
+            cells
         }));
     }
     let text = ["test", "data", "estimator"].map(Column::text);
@@ -181,7 +181,7 @@ fn whole_row(place: [Cell; 5], method: Method, tally: &Tally) -> Vec<Cell> {
         tally.frequency_bound(),
         tally.damping_bound(),
     ];
-    row.extend(errors.map(|own| Cell::number(own, 9)));
+    row.extend(errors.map(|error| Cell::number(error, 9)));
     row
 }
 
@@ -204,11 +204,11 @@ pub fn times_table(study: &SpeedAccuracy) -> Block {
             rows.push(time_row(place, cost.method, (&cost.timing, cost.on_front)));
         }
         for (data, limits) in ["data", "twin"].into_iter().zip(&test.limits) {
-            let own = [
+            let references = [
                 ("one transform", limits.transform_s),
                 ("one pass", limits.pass_s),
             ];
-            rows.extend(own.map(|(what, time)| {
+            rows.extend(references.map(|(what, time)| {
                 let mut row = vec![name(), Cell::text(data), Cell::Missing, Cell::Missing];
                 row.extend([Cell::text(what), Cell::Missing, Cell::Missing]);
                 row.extend([
@@ -248,7 +248,7 @@ fn time_row(place: [Cell; 4], method: Method, (timing, on_front): (&Timing, bool
         count(timing.repeats),
         Cell::number(timing.median_s, 9),
         Cell::number(timing.spread_s, 9),
-        Cell::number(timing.peak_bytes.map(|own| own as f64), 0),
+        Cell::number(timing.peak_bytes.map(|bytes| bytes as f64), 0),
         Cell::text(if on_front { "yes" } else { "no" }),
     ]);
     row

@@ -12,21 +12,27 @@ use super::{Block, Cell, Column, Table};
 const PRINTED_CHANGES: usize = 10;
 
 /// All tables of an update.
-pub fn update_blocks(title: &str, own: &SceneUpdate) -> Vec<Block> {
+pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(title.to_owned())];
     blocks.push(Block::Text("Before".to_owned()));
-    blocks.extend(whole_comparison(&own.before, &own.theory_before));
+    blocks.extend(whole_comparison(
+        &scene_update.before,
+        &scene_update.theory_before,
+    ));
     blocks.push(Block::Text("After".to_owned()));
-    blocks.extend(whole_comparison(&own.after, &own.theory_after));
-    blocks.push(parameters(own));
-    blocks.push(combinations(&own.result));
-    blocks.push(fits(own));
-    blocks.push(Block::Text(convergence(&own.result)));
-    blocks.extend(own.explanation.iter().flat_map(explanation));
+    blocks.extend(whole_comparison(
+        &scene_update.after,
+        &scene_update.theory_after,
+    ));
+    blocks.push(parameters(scene_update));
+    blocks.push(combinations(&scene_update.result));
+    blocks.push(fits(scene_update));
+    blocks.push(Block::Text(convergence(&scene_update.result)));
+    blocks.extend(scene_update.explanation.iter().flat_map(explanation));
     blocks
 }
 
-fn parameters(own: &SceneUpdate) -> Block {
+fn parameters(scene_update: &SceneUpdate) -> Block {
     let row = |p: &crate::update::UpdatedParameter| {
         vec![
             Cell::text(&p.name),
@@ -60,30 +66,30 @@ fn parameters(own: &SceneUpdate) -> Block {
     columns.push(Column::text("verdict"));
     let mut footnotes = vec![format!(
         "Weights: the test's standard deviations, and beside them {} % of every frequency granted to the model (assumed).",
-        short(100.0 * own.options.frequency_floor)
+        short(100.0 * scene_update.options.frequency_floor)
     )];
-    footnotes.extend(shapes(own));
-    footnotes.extend(residuals(own));
-    footnotes.push(misfit(&own.result));
+    footnotes.extend(shapes(scene_update));
+    footnotes.extend(residuals(scene_update));
+    footnotes.push(misfit(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: not seen by the test even with all others known.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
         columns,
-        rows: own.result.parameters.iter().map(row).collect(),
+        rows: scene_update.result.parameters.iter().map(row).collect(),
         footnotes,
     })
 }
 
 /// What the deviations of shapes are.
-fn shapes(own: &SceneUpdate) -> Vec<String> {
-    let Some(floor) = own.options.shape_floor else {
+fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
+    let Some(floor) = scene_update.options.shape_floor else {
         return vec!["Shapes pair and follow modes, and do not count.".to_owned()];
     };
     let mut all = vec![format!(
         "Shapes count with the test's deviations, and beside them {} % of their root mean square granted to the model (assumed); complex ones are turned to where they are most real.",
         short(100.0 * floor)
     )];
-    let rows = &own.result.after.rows;
+    let rows = &scene_update.result.after.rows;
     let assumed = |row: &&FitRow| row.shape_weights == Some(ShapeWeights::Assumed);
     let labels: Vec<&str> = rows
         .iter()
@@ -98,17 +104,17 @@ fn shapes(own: &SceneUpdate) -> Vec<String> {
         };
         all.push(format!(
             "The test states no deviations of the shapes of {which}: {} % of their root mean square is assumed.",
-            short(100.0 * own.options.assumed_shape_std)
+            short(100.0 * scene_update.options.assumed_shape_std)
         ));
     }
     all
 }
 
 /// What was compared, where it was not modes.
-fn residuals(own: &SceneUpdate) -> Option<String> {
-    let floor = short(100.0 * own.options.frf_floor);
-    let count = own.result.frfs.map(|own| {
-        let (compared, given, lines) = (own.compared, own.given, own.lines);
+fn residuals(scene_update: &SceneUpdate) -> Option<String> {
+    let floor = short(100.0 * scene_update.options.frf_floor);
+    let count = scene_update.result.frfs.map(|counts| {
+        let (compared, given, lines) = (counts.compared, counts.given, counts.lines);
         format!("{compared} of {given} functions, {lines} lines in all, ")
     });
     let count = count.unwrap_or_default();
@@ -117,7 +123,7 @@ fn residuals(own: &SceneUpdate) -> Option<String> {
             "Residuals: {what} of the FRFs, {count}each divided by its deviation and {floor} % of its magnitude granted to the model (assumed), from where frequencies and shapes end. Chi-square is theirs. Damping is as identified, and is not updated. Errors that lines share, of damping and calibration, count as independent at each: where the {floor} % are more than the noise, std and intervals are too small; those of residuals = \"modes\" hold there."
         )
     };
-    match own.options.residuals {
+    match scene_update.options.residuals {
         Residuals::Modes => None,
         Residuals::ModalDynamic => Some(
             "Residuals: what the measured modes leave of the equations of motion, weighed by the deviations of frequency and shape.".to_owned(),
@@ -128,14 +134,14 @@ fn residuals(own: &SceneUpdate) -> Option<String> {
 }
 
 /// What the remaining misfit says of the deviations.
-fn misfit(own: &UpdateResult) -> String {
-    let ratio = own.reduced_chi_square();
+fn misfit(result: &UpdateResult) -> String {
+    let ratio = result.reduced_chi_square();
     let figures = format!(
         "Chi-square per degree of freedom {ratio:.3} ({:.1} degrees; noise alone reaches {:.2})",
-        own.degrees_of_freedom(),
-        own.largest_reduced_chi_square()
+        result.degrees_of_freedom(),
+        result.largest_reduced_chi_square()
     );
-    if own.fits() {
+    if result.fits() {
         return figures + ".";
     }
     format!(
@@ -144,7 +150,7 @@ fn misfit(own: &UpdateResult) -> String {
     )
 }
 
-fn combinations(own: &UpdateResult) -> Block {
+fn combinations(result: &UpdateResult) -> Block {
     let row = |c: &crate::update::Combination| {
         vec![
             Cell::text(significant(c.singular_value, 4)),
@@ -159,14 +165,14 @@ fn combinations(own: &UpdateResult) -> Block {
             Column::number("std/prior"),
             Column::text("combination"),
         ],
-        rows: own.combinations.iter().map(row).collect(),
+        rows: result.combinations.iter().map(row).collect(),
         footnotes: Vec::new(),
     })
 }
 
-fn fits(own: &SceneUpdate) -> Block {
-    let (before, after) = (&own.result.before, &own.result.after);
-    let error = error_head(own.options.pair.error_reference);
+fn fits(scene_update: &SceneUpdate) -> Block {
+    let (before, after) = (&scene_update.result.before, &scene_update.result.after);
+    let error = error_head(scene_update.options.pair.error_reference);
     let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
         vec![
             Cell::text(&b.label),
@@ -222,60 +228,60 @@ fn fits(own: &SceneUpdate) -> Block {
     })
 }
 
-fn convergence(own: &UpdateResult) -> String {
+fn convergence(result: &UpdateResult) -> String {
     let mut text = format!(
         "{} after {} iterations. {} of {} starts (seed {}) reach {}",
-        own.stop_reason.sentence(),
-        own.history.len(),
-        own.starts.reached,
-        own.starts.count,
-        own.starts.seed,
-        if own.frfs.is_some() {
+        result.stop_reason.sentence(),
+        result.history.len(),
+        result.starts.reached,
+        result.starts.count,
+        result.starts.seed,
+        if result.frfs.is_some() {
             "the optimum of the modes from which the FRFs were fitted; starts and optima are those of the modes"
         } else {
             "this optimum"
         }
     );
-    if own.starts.failed > 0 {
+    if result.starts.failed > 0 {
         text += &format!(
             "; from {} the model had no modes or no derivatives",
-            own.starts.failed
+            result.starts.failed
         );
     }
     text += ".";
-    if let Some(first) = own.starts.others.first() {
+    if let Some(first) = result.starts.others.first() {
         text += &format!(
             " Others end in {} other optima; the lowest has an objective of {:.4} ({} starts)",
-            own.starts.others.len(),
+            result.starts.others.len(),
             first.objective,
             first.count
         );
-        let best = own.history.last().filter(|_| own.frfs.is_none());
+        let best = result.history.last().filter(|_| result.frfs.is_none());
         text += &best.map_or(".".to_owned(), |step| {
             format!(", against {:.4}.", step.objective)
         });
     }
-    for (label, hz) in &own.left_out {
+    for (label, hz) in &result.left_out {
         text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");
     }
     text
 }
 
-fn explanation(own: &Explanation) -> Vec<Block> {
+fn explanation(explanation: &Explanation) -> Vec<Block> {
     let printed = |changes: &[Change]| changes.iter().take(PRINTED_CHANGES).map(row).collect();
-    let mut single: Vec<Vec<Cell>> = vec![row(&own.none)];
-    single.extend::<Vec<Vec<Cell>>>(printed(&own.single));
-    let proposed = if own.proposed.parameters.is_empty() {
+    let mut single: Vec<Vec<Cell>> = vec![row(&explanation.none)];
+    single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
+    let proposed = if explanation.proposed.parameters.is_empty() {
         "no change".to_owned()
     } else {
-        own.proposed.parameters.join(", ")
+        explanation.proposed.parameters.join(", ")
     };
-    let verdict = if own.proposed.explains() {
+    let verdict = if explanation.proposed.explains() {
         "the smallest set that brings the residual to its uncertainty"
     } else {
         "no set brings the residual to its uncertainty; this one has the smallest BIC"
     };
-    let foretold = own.foretold.iter().map(|f| {
+    let foretold = explanation.foretold.iter().map(|f| {
         vec![
             Cell::text(&f.label),
             Cell::signed(Some(f.before_percent), 3),
@@ -289,7 +295,10 @@ fn explanation(own: &Explanation) -> Vec<Block> {
     });
     vec![
         changes("One parameter changed at a time", single),
-        changes("Two parameters changed at a time", printed(&own.pairs)),
+        changes(
+            "Two parameters changed at a time",
+            printed(&explanation.pairs),
+        ),
         Block::Text(format!("Proposed: {proposed} ({verdict}).")),
         Block::Table(Table {
             caption: "Each mode left out, and foretold by the proposed set from all others"
@@ -306,21 +315,21 @@ fn explanation(own: &Explanation) -> Vec<Block> {
     ]
 }
 
-fn row(own: &Change) -> Vec<Cell> {
-    let values: Vec<String> = own.values.iter().map(|v| significant(*v, 6)).collect();
-    let name = if own.parameters.is_empty() {
+fn row(change: &Change) -> Vec<Cell> {
+    let values: Vec<String> = change.values.iter().map(|v| significant(*v, 6)).collect();
+    let name = if change.parameters.is_empty() {
         "none".to_owned()
     } else {
-        own.parameters.join(", ")
+        change.parameters.join(", ")
     };
     vec![
         Cell::text(name),
         Cell::text(values.join(", ")),
-        Cell::number(own.fit.largest_percent, 3),
-        Cell::number(own.fit.rms_percent, 3),
-        Cell::number(Some(own.fit.chi_square), 2),
-        Cell::number(Some(own.bic), 2),
-        Cell::text(if own.explains() { "yes" } else { "no" }),
+        Cell::number(change.fit.largest_percent, 3),
+        Cell::number(change.fit.rms_percent, 3),
+        Cell::number(Some(change.fit.chi_square), 2),
+        Cell::number(Some(change.bic), 2),
+        Cell::text(if change.explains() { "yes" } else { "no" }),
     ]
 }
 
