@@ -36,21 +36,30 @@ struct RootFile {
 }
 
 /// The text of a comparison with an error as a part, ending in a newline.
-pub fn details_to_json(own: &DetailComparison, within: f64) -> String {
-    let whole = own.models.last().map_or(1, |model| model.coordinates);
-    let models = own.models.iter().map(|model| ModelFile {
+pub fn details_to_json(comparison: &DetailComparison, within: f64) -> String {
+    let whole = comparison
+        .models
+        .last()
+        .map_or(1, |model| model.coordinates);
+    let models = comparison.models.iter().map(|model| ModelFile {
         name: &model.name,
         coordinates: model.coordinates,
         cost: model.cost(whole),
     });
-    let roots = own.roots.iter().enumerate().map(|(i, root)| RootFile {
-        frequency_hz: root.omega_rad_s / TAU,
-        multiplicity: root.modes.len(),
-        errors: (0..own.models.len())
-            .map(|model| own.error(model, i))
-            .collect(),
-        simplest_coordinates: own.simplest(i, within).map(|model| model.coordinates),
-    });
+    let roots = comparison
+        .roots
+        .iter()
+        .enumerate()
+        .map(|(i, root)| RootFile {
+            frequency_hz: root.omega_rad_s / TAU,
+            multiplicity: root.modes.len(),
+            errors: (0..comparison.models.len())
+                .map(|model| comparison.error(model, i))
+                .collect(),
+            simplest_coordinates: comparison
+                .simplest(i, within)
+                .map(|model| model.coordinates),
+        });
     let file = DetailsFile {
         schema: DETAILS_SCHEMA,
         within,

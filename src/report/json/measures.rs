@@ -28,8 +28,8 @@ pub(super) fn measures_value(tests: &[(String, Measures)]) -> Value {
 /// The reversed sensors of the tests that have some, as `reversed_sensors` of `comparison.json`
 /// holds them.
 pub(super) fn reversed_value(tests: &[(String, Vec<ReversedSensor>)]) -> Option<Value> {
-    let some = tests.iter().filter(|(_, own)| !own.is_empty());
-    let objects = some.map(|(name, own)| json!({ "test": name, "sensors": own }));
+    let some = tests.iter().filter(|(_, sensors)| !sensors.is_empty());
+    let objects = some.map(|(name, sensors)| json!({ "test": name, "sensors": sensors }));
     let objects: Vec<Value> = objects.collect();
     (!objects.is_empty()).then(|| objects.into())
 }

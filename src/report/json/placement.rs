@@ -13,13 +13,13 @@ pub(super) fn placements_value(placed: &[PlacedTest]) -> Option<Value> {
 
 /// Limits with what was found, as `limits` of `comparison.json` holds them.
 pub(super) fn limits_value(limits: &[LimitCheck]) -> Option<Value> {
-    let check = |own: &LimitCheck| {
+    let check = |check: &LimitCheck| {
         json!({
-            "what": own.what,
-            "value": own.value,
-            "limit": own.limit,
-            "bound": if own.upper { "upper" } else { "lower" },
-            "met": own.met(),
+            "what": check.what,
+            "value": check.value,
+            "limit": check.limit,
+            "bound": if check.upper { "upper" } else { "lower" },
+            "met": check.met(),
         })
     };
     (!limits.is_empty()).then(|| limits.iter().map(check).collect())
@@ -38,12 +38,11 @@ fn placed_test(placed: &PlacedTest) -> Value {
     value
 }
 
-fn placement(own: &Placement) -> Value {
+fn placement(placement: &Placement) -> Value {
     let step = |step: &Step| {
-        let shown = step
-            .shown
-            .iter()
-            .map(|(root, modes)| json!({ "modes": numbers(&own.roots[*root]), "shown": modes }));
+        let shown = step.shown.iter().map(
+            |(root, modes)| json!({ "modes": numbers(&placement.roots[*root]), "shown": modes }),
+        );
         json!({
             "hit": step.hit.as_ref().map(Dof::to_string),
             "sensor": step.sensor.as_ref().map(Dof::to_string),
@@ -70,9 +69,9 @@ fn placement(own: &Placement) -> Value {
         })
     };
     json!({
-        "steps": own.steps.iter().map(step).collect::<Vec<Value>>(),
-        "roots": own.roots.iter().map(root).collect::<Vec<Value>>(),
-        "ranking": own.ranking.iter().map(ranked).collect::<Vec<Value>>(),
+        "steps": placement.steps.iter().map(step).collect::<Vec<Value>>(),
+        "roots": placement.roots.iter().map(root).collect::<Vec<Value>>(),
+        "ranking": placement.ranking.iter().map(ranked).collect::<Vec<Value>>(),
     })
 }
 

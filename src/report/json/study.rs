@@ -50,58 +50,58 @@ pub fn order_to_json(needs: &SceneNeeds) -> String {
     format!("{value:#}\n")
 }
 
-fn test_needs(own: &TestNeeds) -> Value {
-    let inputs = own.inputs.iter();
+fn test_needs(test_needs: &TestNeeds) -> Value {
+    let inputs = test_needs.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));
-    let tried = |own: &OrderTried| json!({"order": own.order, "missed": own.missed, "spurious": own.spurious});
-    let order = |own: &LowestOrder| {
+    let tried = |tried: &OrderTried| json!({"order": tried.order, "missed": tried.missed, "spurious": tried.spurious});
+    let order = |method: &LowestOrder| {
         json!({
-            "method": own.method,
-            "lowest": own.lowest(),
-            "own": own.own.as_ref().map(tried),
-            "tried": own.tried.iter().map(tried).collect::<Vec<_>>(),
+            "method": method.method,
+            "lowest": method.lowest(),
+            "own": method.own.as_ref().map(tried),
+            "tried": method.tried.iter().map(tried).collect::<Vec<_>>(),
         })
     };
-    let mode = |own: &ModeNeeds| {
-        let single = own.single.iter().map(|own| {
+    let mode = |mode: &ModeNeeds| {
+        let single = mode.single.iter().map(|single| {
             json!({
-                "method": own.method,
-                "frequency_error": own.errors.map(|errors| errors[0]),
-                "damping_error": own.errors.map(|errors| errors[1]),
-                "enough": own.enough,
+                "method": single.method,
+                "frequency_error": single.errors.map(|errors| errors[0]),
+                "damping_error": single.errors.map(|errors| errors[1]),
+                "enough": single.enough,
             })
         });
         json!({
-            "frequency_hz": own.frequency_hz,
-            "damping_ratio": own.damping_ratio,
-            "simplest": own.simplest(),
+            "frequency_hz": mode.frequency_hz,
+            "damping_ratio": mode.damping_ratio,
+            "simplest": mode.simplest(),
             "single": single.collect::<Vec<_>>(),
         })
     };
     json!({
-        "name": own.name,
+        "name": test_needs.name,
         "inputs": inputs.collect::<Vec<_>>(),
-        "synthetic": own.synthetic,
-        "band_hz": [own.band.lo_hz, own.band.hi_hz],
-        "warnings": own.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "noise_stated": own.support.noise_stated,
-        "modes": own.modes,
-        "modes_without_damping": own.undamped,
-        "identified_roots": own.support.identified,
-        "roots_by_bic": own.support.by_bic(),
-        "roots_by_prediction": own.support.by_prediction(),
-        "roots_by_rest": own.support.by_rest(),
-        "functions": own.support.functions,
-        "lines": own.support.lines,
-        "stretch": own.support.stretch,
-        "orders": own.orders.iter().map(order).collect::<Vec<_>>(),
-        "single": own.single.iter().map(mode).collect::<Vec<_>>(),
-        "notes": own.notes,
+        "synthetic": test_needs.synthetic,
+        "band_hz": [test_needs.band.lo_hz, test_needs.band.hi_hz],
+        "warnings": test_needs.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "noise_stated": test_needs.support.noise_stated,
+        "modes": test_needs.modes,
+        "modes_without_damping": test_needs.undamped,
+        "identified_roots": test_needs.support.identified,
+        "roots_by_bic": test_needs.support.by_bic(),
+        "roots_by_prediction": test_needs.support.by_prediction(),
+        "roots_by_rest": test_needs.support.by_rest(),
+        "functions": test_needs.support.functions,
+        "lines": test_needs.support.lines,
+        "stretch": test_needs.support.stretch,
+        "orders": test_needs.orders.iter().map(order).collect::<Vec<_>>(),
+        "single": test_needs.single.iter().map(mode).collect::<Vec<_>>(),
+        "notes": test_needs.notes,
     })
 }
 
-fn theory_needs(own: &TheoryNeeds) -> Value {
-    match own {
+fn theory_needs(theory_needs: &TheoryNeeds) -> Value {
+    match theory_needs {
         TheoryNeeds::Coordinates {
             model,
             up_to_hz,
@@ -129,15 +129,15 @@ fn theory_needs(own: &TheoryNeeds) -> Value {
     }
 }
 
-fn parameter_needs(own: &ParameterNeeds) -> Value {
-    let [none, needed, all] = own.chi_square;
+fn parameter_needs(parameter_needs: &ParameterNeeds) -> Value {
+    let [none, needed, all] = parameter_needs.chi_square;
     json!({
-        "free": own.free,
-        "needed": own.needed,
-        "not_supported": own.not_supported,
+        "free": parameter_needs.free,
+        "needed": parameter_needs.needed,
+        "not_supported": parameter_needs.not_supported,
         "chi_square": {"none": none, "needed": needed, "all": all},
-        "residuals": own.data,
-        "explains": own.explains,
+        "residuals": parameter_needs.data,
+        "explains": parameter_needs.explains,
     })
 }
 
@@ -165,21 +165,21 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
 
 /// What is known of a test beside its rows. Deviations are rms and relative: no error against the
 /// refined solution is known better.
-fn test(own: &TestStudy) -> Value {
-    let inputs = own.inputs.iter();
+fn test(study: &TestStudy) -> Value {
+    let inputs = study.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));
     json!({
-        "name": own.name,
+        "name": study.name,
         "inputs": inputs.collect::<Vec<_>>(),
-        "functions": own.functions,
-        "lines": own.lines,
-        "refined_modes": own.refined_modes,
-        "refined_frequency_std": own.frequency_std,
-        "refined_damping_std": own.damping_std,
-        "twin_of_truth": own.twin_of_truth,
-        "twin_modes": own.twin_modes,
-        "twin_step_hz": own.twin_step_hz,
-        "notes": own.notes,
+        "functions": study.functions,
+        "lines": study.lines,
+        "refined_modes": study.refined_modes,
+        "refined_frequency_std": study.frequency_std,
+        "refined_damping_std": study.damping_std,
+        "twin_of_truth": study.twin_of_truth,
+        "twin_modes": study.twin_modes,
+        "twin_step_hz": study.twin_step_hz,
+        "notes": study.notes,
     })
 }
 
@@ -243,8 +243,8 @@ pub struct BreakdownFile {
 }
 
 /// `breakdown.json`.
-pub fn breakdown_to_json(own: &BreakdownFile) -> String {
-    serde_json::to_string(own).unwrap_or_default() + "\n"
+pub fn breakdown_to_json(file: &BreakdownFile) -> String {
+    serde_json::to_string(file).unwrap_or_default() + "\n"
 }
 
 /// Reads `breakdown.json`.
@@ -252,9 +252,9 @@ pub fn breakdown_to_json(own: &BreakdownFile) -> String {
 /// # Errors
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn breakdown_from_json(text: &str, path: &str) -> Result<BreakdownFile, IoError> {
-    let own: BreakdownFile = parsed(text, (path, BREAKDOWN_EXPECTED))?;
-    of_schema(&own.schema, BREAKDOWN_SCHEMA, (path, BREAKDOWN_EXPECTED))?;
-    Ok(own)
+    let file: BreakdownFile = parsed(text, (path, BREAKDOWN_EXPECTED))?;
+    of_schema(&file.schema, BREAKDOWN_SCHEMA, (path, BREAKDOWN_EXPECTED))?;
+    Ok(file)
 }
 
 const ORDER_EXPECTED: &str = "schema modalign-order/1";

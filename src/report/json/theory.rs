@@ -155,11 +155,11 @@ fn sensitivity<'a>(part: &'a TheoryPart<'_>, root: &'a RootSensitivity) -> Sensi
     }
 }
 
-fn quantity(own: &ModelQuantity) -> QuantityFile<'_> {
+fn quantity(quantity: &ModelQuantity) -> QuantityFile<'_> {
     QuantityFile {
-        name: own.name,
-        value: own.value,
-        unit: own.unit,
-        meaning: &own.meaning,
+        name: quantity.name,
+        value: quantity.value,
+        unit: quantity.unit,
+        meaning: &quantity.meaning,
     }
 }

@@ -262,14 +262,14 @@ pub fn update_from_json(text: &str) -> Result<UpdateFile, JsonError> {
 }
 
 /// The text of an update, ending in a newline.
-pub fn update_to_json(own: &SceneUpdate) -> String {
-    let text = serde_json::to_string_pretty(&update_file(own));
+pub fn update_to_json(scene_update: &SceneUpdate) -> String {
+    let text = serde_json::to_string_pretty(&update_file(scene_update));
     text.expect("plain data has no key that is not text") + "\n"
 }
 
 /// An update as it stands in the file.
-pub fn update_file(own: &SceneUpdate) -> UpdateFile {
-    let result = &own.result;
+pub fn update_file(scene_update: &SceneUpdate) -> UpdateFile {
+    let result = &scene_update.result;
     let left_out = result.left_out.iter();
     let left_out = left_out.map(|(label, hz)| LeftOutFile {
         label: label.clone(),
@@ -277,7 +277,7 @@ pub fn update_file(own: &SceneUpdate) -> UpdateFile {
     });
     UpdateFile {
         schema: UPDATE_SCHEMA.to_owned(),
-        residuals: own.options.residuals,
+        residuals: scene_update.options.residuals,
         parameters: result.parameters.iter().map(parameter).collect(),
         combinations: result.combinations.clone(),
         correlation: result.correlation.clone(),
@@ -292,29 +292,29 @@ pub fn update_file(own: &SceneUpdate) -> UpdateFile {
         reversed_sensors: result.reversed.clone(),
         pairing_changes: result.pairing_changes.clone(),
         history: result.history.iter().map(iteration).collect(),
-        explanation: own.explanation.as_ref().map(explanation),
-        assumed: assumed(own),
+        explanation: scene_update.explanation.as_ref().map(explanation),
+        assumed: assumed(scene_update),
     }
 }
 
-fn starts(own: &Starts) -> StartsFile {
-    let other = |own: &OtherOptimum| OtherOptimumFile {
-        objective: own.objective,
-        count: own.count,
-        values: own.values.clone(),
+fn starts(starts: &Starts) -> StartsFile {
+    let other = |optimum: &OtherOptimum| OtherOptimumFile {
+        objective: optimum.objective,
+        count: optimum.count,
+        values: optimum.values.clone(),
     };
     StartsFile {
-        count: own.count,
-        reached: own.reached,
-        failed: own.failed,
-        seed: own.seed,
-        others: own.others.iter().map(other).collect(),
+        count: starts.count,
+        reached: starts.reached,
+        failed: starts.failed,
+        seed: starts.seed,
+        others: starts.others.iter().map(other).collect(),
     }
 }
 
-fn assumed(own: &SceneUpdate) -> AssumedFile {
-    let options = &own.options;
-    let rows = own.result.after.rows.iter();
+fn assumed(scene_update: &SceneUpdate) -> AssumedFile {
+    let options = &scene_update.options;
+    let rows = scene_update.result.after.rows.iter();
     let counts = rows.filter(|row| row.shape_weights == Some(ShapeWeights::Assumed));
     let frf_floor = options.residuals.of_frfs().then_some(options.frf_floor);
     AssumedFile {
@@ -336,26 +336,26 @@ fn iteration(step: &Iteration) -> IterationFile {
     }
 }
 
-fn parameter(own: &UpdatedParameter) -> UpdatedParameterFile {
+fn parameter(parameter: &UpdatedParameter) -> UpdatedParameterFile {
     UpdatedParameterFile {
-        name: own.name.clone(),
-        unit: own.unit.clone(),
-        status: own.status,
-        initial: own.initial,
-        updated: own.updated,
-        std: own.std,
-        interval_95: own.interval_95,
-        prior_std: own.prior_std,
-        posterior_over_prior: own.posterior_over_prior,
-        lower: own.lower,
-        upper: own.upper,
-        verdict: own.verdict,
-        held: own.held,
+        name: parameter.name.clone(),
+        unit: parameter.unit.clone(),
+        status: parameter.status,
+        initial: parameter.initial,
+        updated: parameter.updated,
+        std: parameter.std,
+        interval_95: parameter.interval_95,
+        prior_std: parameter.prior_std,
+        posterior_over_prior: parameter.posterior_over_prior,
+        lower: parameter.lower,
+        upper: parameter.upper,
+        verdict: parameter.verdict,
+        held: parameter.held,
     }
 }
 
-fn fit(own: &Fit) -> FitFile {
-    let row = own.rows.iter().map(|row| FitRowFile {
+fn fit(fit: &Fit) -> FitFile {
+    let row = fit.rows.iter().map(|row| FitRowFile {
         label: row.label.clone(),
         test_hz: row.test_hz,
         test_std_hz: row.test_std_hz,
@@ -366,39 +366,39 @@ fn fit(own: &Fit) -> FitFile {
         shape_weights: row.shape_weights,
     });
     FitFile {
-        paired: own.paired(),
-        chi_square: own.chi_square,
-        data_count: own.data_count,
-        rms_percent: own.rms_percent,
-        largest_percent: own.largest_percent,
+        paired: fit.paired(),
+        chi_square: fit.chi_square,
+        data_count: fit.data_count,
+        rms_percent: fit.rms_percent,
+        largest_percent: fit.largest_percent,
         rows: row.collect(),
     }
 }
 
-fn change(own: &Change) -> ChangeFile {
+fn change(change: &Change) -> ChangeFile {
     ChangeFile {
-        parameters: own.parameters.clone(),
-        values: own.values.clone(),
-        free: own.free,
-        chi_square: own.fit.chi_square,
-        bic: own.bic,
-        rms_percent: own.fit.rms_percent,
-        largest_percent: own.fit.largest_percent,
-        explains: own.explains(),
+        parameters: change.parameters.clone(),
+        values: change.values.clone(),
+        free: change.free,
+        chi_square: change.fit.chi_square,
+        bic: change.bic,
+        rms_percent: change.fit.rms_percent,
+        largest_percent: change.fit.largest_percent,
+        explains: change.explains(),
     }
 }
 
-fn explanation(own: &Explanation) -> ExplanationFile {
-    let foretold = own.foretold.iter().map(|row| ForetoldFile {
+fn explanation(explanation: &Explanation) -> ExplanationFile {
+    let foretold = explanation.foretold.iter().map(|row| ForetoldFile {
         label: row.label.clone(),
         before_percent: row.before_percent,
         after_percent: row.after_percent,
     });
     ExplanationFile {
-        none: change(&own.none),
-        single: own.single.iter().map(change).collect(),
-        pairs: own.pairs.iter().map(change).collect(),
-        proposed: change(&own.proposed),
+        none: change(&explanation.none),
+        single: explanation.single.iter().map(change).collect(),
+        pairs: explanation.pairs.iter().map(change).collect(),
+        proposed: change(&explanation.proposed),
         foretold: foretold.collect(),
     }
 }

@@ -126,8 +126,8 @@ impl Axis {
         let step = self.step.unwrap_or_else(|| {
             let raw = (self.hi - self.lo) / count.max(1.0);
             let power = 10f64.powf(raw.log10().floor());
-            let steps = [1.0, 2.0, 5.0].map(|own| own * power);
-            let wide = steps.into_iter().find(|own| *own >= 0.999 * raw);
+            let steps = [1.0, 2.0, 5.0].map(|factor| factor * power);
+            let wide = steps.into_iter().find(|step| *step >= 0.999 * raw);
             wide.unwrap_or(10.0 * power)
         });
         let first = (self.lo / step - 1e-9).ceil() as i64;

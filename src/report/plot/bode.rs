@@ -46,7 +46,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
         .chain(curve.fit_magnitude.iter().flatten().copied());
     let (lo, hi) = range(all.filter(|value| *value > 0.0)).unwrap_or((1.0, 10.0));
     let y = Axis::log((lo / 1.4, 1.4 * hi), (bottoms[0], 28.0));
-    let label = |own: usize| if own == last { "Frequency (Hz)" } else { "" };
+    let label = |index: usize| if index == last { "Frequency (Hz)" } else { "" };
     frame(
         &mut canvas,
         (&x, &y),

@@ -8,26 +8,26 @@ use super::mac::heat;
 
 const SIDE: f64 = 330.0;
 
-pub(super) fn circle(own: &CircleFigure, test: &str) -> String {
+pub(super) fn circle(figure: &CircleFigure, test: &str) -> String {
     let mut canvas = Canvas::new(860.0, 440.0);
     let title = format!(
         "{test}, mode {}: {:.2} Hz, {}",
-        own.mode, own.hz, own.function
+        figure.mode, figure.hz, figure.function
     );
     canvas.text([75.0, 20.0], &title, (Anchor::Start, INK));
-    plane(&mut canvas, own);
-    surface(&mut canvas, own);
+    plane(&mut canvas, figure);
+    surface(&mut canvas, figure);
     canvas.finish()
 }
 
-fn plane(canvas: &mut Canvas, own: &CircleFigure) {
+fn plane(canvas: &mut Canvas, figure: &CircleFigure) {
     let with_circle = |values: &[f64], center: f64| {
-        let ends = [center - own.radius, center + own.radius];
+        let ends = [center - figure.radius, center + figure.radius];
         range(values.iter().copied().chain(ends)).unwrap_or((0.0, 1.0))
     };
     let (re, im) = (
-        with_circle(&own.re, own.center[0]),
-        with_circle(&own.im, own.center[1]),
+        with_circle(&figure.re, figure.center[0]),
+        with_circle(&figure.im, figure.center[1]),
     );
     let half = 0.54 * f64::max(re.1 - re.0, im.1 - im.0);
     let around = |(lo, hi): (f64, f64)| (0.5 * (lo + hi) - half, 0.5 * (lo + hi) + half);
@@ -40,16 +40,16 @@ fn plane(canvas: &mut Canvas, own: &CircleFigure) {
     );
     let turn = |k: usize| {
         let angle = k as f64 * std::f64::consts::TAU / 90.0;
-        let re = own.center[0] + own.radius * angle.cos();
-        let im = own.center[1] + own.radius * angle.sin();
+        let re = figure.center[0] + figure.radius * angle.cos();
+        let im = figure.center[1] + figure.radius * angle.sin();
         Some([x.place(re), y.place(im)])
     };
     let points: Vec<Option<[f64; 2]>> = (0..=90).map(turn).collect();
     canvas.curve("circle", &points, (COLORS[1], 1.3, ""));
-    for (re, im) in own.re.iter().zip(&own.im) {
+    for (re, im) in figure.re.iter().zip(&figure.im) {
         canvas.dot([x.place(*re), y.place(*im)], 2.4, (COLORS[0], "none"));
     }
-    let [re, im] = own.resonance;
+    let [re, im] = figure.resonance;
     canvas.dot([x.place(re), y.place(im)], 4.5, ("none", COLORS[2]));
     canvas.legend(
         [75.0, 430.0],
@@ -61,18 +61,18 @@ fn plane(canvas: &mut Canvas, own: &CircleFigure) {
     );
 }
 
-fn surface(canvas: &mut Canvas, own: &CircleFigure) {
+fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
     let ends = |hz: &[f64]| range(hz.iter().copied());
-    let (Some(below), Some(above)) = (ends(&own.below_hz), ends(&own.above_hz)) else {
+    let (Some(below), Some(above)) = (ends(&figure.below_hz), ends(&figure.above_hz)) else {
         return;
     };
-    let known = own.damping.iter().flatten().flatten().copied();
+    let known = figure.damping.iter().flatten().flatten().copied();
     let Some((least, most)) = range(known) else {
         return;
     };
-    let steps = [own.below_hz.len(), own.above_hz.len()].map(|count| SIDE / count as f64);
+    let steps = [figure.below_hz.len(), figure.above_hz.len()].map(|count| SIDE / count as f64);
     let (left, top) = (490.0, 40.0);
-    for (i, row) in own.damping.iter().enumerate() {
+    for (i, row) in figure.damping.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let Some(value) = value else { continue };
             let share = if most > least {

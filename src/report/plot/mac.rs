@@ -26,18 +26,21 @@ pub(super) fn heat(share: f64) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-pub(super) fn mac(own: &MacFigure, test: &str) -> String {
-    let (rows, columns) = (own.test_hz.len(), own.theory_hz.len());
+pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
+    let (rows, columns) = (figure.test_hz.len(), figure.theory_hz.len());
     let wide = (620.0 / columns.max(1) as f64).clamp(10.0, 44.0);
     let high = 22.0;
     let (left, top) = (90.0, 42.0);
     let bottom = top + high * rows as f64;
     let right = left + wide * columns as f64;
-    let title = format!("MAC of {test} and theory, {} degrees of freedom", own.dofs);
+    let title = format!(
+        "MAC of {test} and theory, {} degrees of freedom",
+        figure.dofs
+    );
     let width = (right + 70.0).max(30.0 + text_width(&title));
     let mut canvas = Canvas::new(width, (bottom + 108.0).max(top + 160.0));
     canvas.text([18.0, 18.0], &title, (Anchor::Start, INK));
-    for (i, row) in own.mac.iter().enumerate() {
+    for (i, row) in figure.mac.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let a = [left + j as f64 * wide, top + i as f64 * high];
             let b = [a[0] + wide, a[1] + high];
@@ -50,7 +53,7 @@ pub(super) fn mac(own: &MacFigure, test: &str) -> String {
             }
         }
     }
-    for [i, j] in &own.pairs {
+    for [i, j] in &figure.pairs {
         let a = [left + *j as f64 * wide + 1.0, top + *i as f64 * high + 1.0];
         canvas.rect(
             a,
@@ -58,11 +61,11 @@ pub(super) fn mac(own: &MacFigure, test: &str) -> String {
             ("none", COLORS[1]),
         );
     }
-    for (i, hz) in own.test_hz.iter().enumerate() {
+    for (i, hz) in figure.test_hz.iter().enumerate() {
         let at = [left - 6.0, top + (i as f64 + 0.5) * high + 4.0];
         canvas.text(at, &format!("{hz:.1}"), (Anchor::End, INK));
     }
-    for (j, hz) in own.theory_hz.iter().enumerate() {
+    for (j, hz) in figure.theory_hz.iter().enumerate() {
         let at = [left + (j as f64 + 0.5) * wide + 4.0, bottom + 10.0];
         canvas.turned(at, &format!("{hz:.1}"), (Anchor::End, INK), -60.0);
     }
@@ -77,7 +80,7 @@ pub(super) fn mac(own: &MacFigure, test: &str) -> String {
         (Anchor::Middle, INK),
         -90.0,
     );
-    legend(&mut canvas, [left, bottom + 98.0], own);
+    legend(&mut canvas, [left, bottom + 98.0], figure);
     scale(&mut canvas, right + 18.0, (top, top + 110.0));
     canvas.finish()
 }

@@ -33,28 +33,28 @@ struct Course<'a> {
 }
 
 fn figure(test: &TestNeeds) -> Option<String> {
-    let own = &test.support;
-    let least = own.tried.get(own.by_bic())?.bic;
+    let support = &test.support;
+    let least = support.tried.get(support.by_bic())?.bic;
     let bic = |tried: &Tried| Some(tried.bic - least + 1.0);
     let rest = |tried: &Tried| Some(tried.rest);
-    let foretold = |tried: &Tried| tried.predicted.map(|own| own.mean);
+    let foretold = |tried: &Tried| tried.predicted.map(|score| score.mean);
     let courses = [
         vec![
             Course {
                 name: "left-out lines",
                 value: &foretold,
-                least: own.by_prediction(),
+                least: support.by_prediction(),
             },
             Course {
                 name: "misfit of all lines",
                 value: &rest,
-                least: Some(own.by_rest()),
+                least: Some(support.by_rest()),
             },
         ],
         vec![Course {
             name: "BIC",
             value: &bic,
-            least: Some(own.by_bic()),
+            least: Some(support.by_bic()),
         }],
     ];
     let labels = ["Over the noise", "BIC above its least + 1"];
@@ -64,7 +64,7 @@ fn figure(test: &TestNeeds) -> Option<String> {
     canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
     let mut number = 0;
     for ((courses, label), left) in courses.iter().zip(labels).zip(LEFT) {
-        panel(&mut canvas, (own, left, label), (courses, number))?;
+        panel(&mut canvas, (support, left, label), (courses, number))?;
         number += courses.len();
     }
     let mut x = LEFT[0];

@@ -12,24 +12,24 @@ const BOTTOM: f64 = 420.0;
 /// The CMIF is shown down to this part of its peak.
 const LEAST: f64 = 1e-6;
 
-pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> String {
+pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) -> String {
     let mut canvas = Canvas::new(RIGHT + 16.0, BOTTOM + 64.0);
-    let orders = range(own.order.iter().map(|order| *order as f64)).unwrap_or((0.0, 1.0));
+    let orders = range(figure.order.iter().map(|order| *order as f64)).unwrap_or((0.0, 1.0));
     let pad = f64::max(1.0, 0.06 * (orders.1 - orders.0));
-    let x = Axis::linear((own.band_hz[0], own.band_hz[1]), (LEFT, RIGHT));
+    let x = Axis::linear((figure.band_hz[0], figure.band_hz[1]), (LEFT, RIGHT));
     let y = Axis::linear((orders.0 - pad, orders.1 + pad), (BOTTOM, TOP));
     canvas.text(
         [LEFT, 18.0],
         &format!(
             "{}: poles of {} over the CMIF",
             super::title(test),
-            own.method
+            figure.method
         ),
         (Anchor::Start, INK),
     );
     frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
     canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
-    indicator(&mut canvas, own, &x);
+    indicator(&mut canvas, figure, &x);
     for mode in &test.modes {
         let at = x.place(mode.hz);
         canvas.line([at, TOP], [at, BOTTOM], (FAINT, 0.5));
@@ -39,10 +39,10 @@ pub(super) fn stabilization(test: &TestFigures, own: &StabilizationFigure) -> St
         (2.4, (COLORS[0], "none")),
         (3.4, (COLORS[2], INK)),
     ];
-    for (k, status) in own.status.iter().enumerate() {
+    for (k, status) in figure.status.iter().enumerate() {
         let (radius, style) = styles[usize::from(*status).min(2)];
         canvas.dot(
-            [x.place(own.hz[k]), y.place(own.order[k] as f64)],
+            [x.place(figure.hz[k]), y.place(figure.order[k] as f64)],
             radius,
             style,
         );
@@ -67,8 +67,8 @@ fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
     }
 }
 
-fn indicator(canvas: &mut Canvas, own: &StabilizationFigure, x: &Axis) {
-    let all = own
+fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
+    let all = figure
         .cmif
         .values
         .iter()
@@ -78,8 +78,8 @@ fn indicator(canvas: &mut Canvas, own: &StabilizationFigure, x: &Axis) {
     let Some((lo, hi)) = range(all) else { return };
     let lo = lo.max(LEAST * hi);
     let y = Axis::log((lo, 1.3 * hi), (BOTTOM, TOP));
-    for course in &own.cmif.values {
-        let points = own.cmif.hz.iter().zip(course);
+    for course in &figure.cmif.values {
+        let points = figure.cmif.hz.iter().zip(course);
         let points: Vec<Option<[f64; 2]>> = points
             .map(|(hz, value)| Some([x.place(*hz), y.shown(value.max(lo))?]))
             .collect();

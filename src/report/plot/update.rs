@@ -14,12 +14,12 @@ const ROW: f64 = 26.0;
 
 /// The figures of an update with their names; `synthetic`: one of its tests was computed from a
 /// model.
-pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, String)> {
+pub fn update_figures_svg(file: &UpdateFile, synthetic: bool) -> Vec<(String, String)> {
     let mark = if synthetic { " (synthetic test)" } else { "" };
     let drawn = [
-        ("update-history", history(own, mark)),
-        ("update-parameters", parameters(own, mark)),
-        ("update-errors", errors(own, mark)),
+        ("update-history", history(file, mark)),
+        ("update-parameters", parameters(file, mark)),
+        ("update-errors", errors(file, mark)),
     ];
     let drawn = drawn.into_iter();
     drawn
@@ -29,8 +29,8 @@ pub fn update_figures_svg(own: &UpdateFile, synthetic: bool) -> Vec<(String, Str
 
 /// Objective and chi-square after every step, and that of the model as it stands; `None` where
 /// there is none.
-fn history(own: &UpdateFile, mark: &str) -> Option<String> {
-    let steps = &own.history;
+fn history(file: &UpdateFile, mark: &str) -> Option<String> {
+    let steps = &file.history;
     if steps.is_empty() {
         return None;
     }
@@ -38,7 +38,7 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
         .iter()
         .flat_map(|step| [step.objective, step.chi_square]);
     let (lo, hi) = range(
-        all.chain([own.before.chi_square])
+        all.chain([file.before.chi_square])
             .filter(|value| *value > 0.0),
     )?;
     let mut canvas = Canvas::new(RIGHT + 15.0, 330.0);
@@ -55,7 +55,7 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
         points.collect::<Vec<_>>()
     };
     let (objective, data) = (taken(|step| step.objective), taken(|step| step.chi_square));
-    let as_it_stands = y.shown(own.before.chi_square);
+    let as_it_stands = y.shown(file.before.chi_square);
     let across = [LEFT, RIGHT].map(|x| as_it_stands.map(|y| [x, y]));
     canvas.curve("as-it-stands", &across, (FAINT, 1.0, "2 3"));
     canvas.curve("objective", &objective, (COLORS[0], 1.6, ""));
@@ -84,8 +84,8 @@ fn history(own: &UpdateFile, mark: &str) -> Option<String> {
 
 /// Change of every parameter in deviations of what was known of it, with the deviation that is
 /// left; `None` without parameters.
-fn parameters(own: &UpdateFile, mark: &str) -> Option<String> {
-    let rows = own.parameters.iter().filter(|row| row.prior_std > 0.0);
+fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
+    let rows = file.parameters.iter().filter(|row| row.prior_std > 0.0);
     let rows: Vec<&UpdatedParameterFile> = rows.collect();
     let ends = rows.iter().flat_map(|row| {
         let place = (row.updated - row.initial) / row.prior_std;
@@ -182,8 +182,8 @@ fn short(value: f64, digits: i32) -> String {
 }
 
 /// Error of the frequency of every mode before and after; `None` where no mode has a partner.
-fn errors(own: &UpdateFile, mark: &str) -> Option<String> {
-    let rows: Vec<_> = own.before.rows.iter().zip(&own.after.rows).collect();
+fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
+    let rows: Vec<_> = file.before.rows.iter().zip(&file.after.rows).collect();
     let values = rows
         .iter()
         .flat_map(|(before, after)| [before.error_percent, after.error_percent]);
@@ -264,8 +264,8 @@ mod tests {
 
     #[test]
     fn an_update_has_its_course_its_parameters_and_its_errors() {
-        let own: UpdateFile = serde_json::from_str(UPDATE).unwrap();
-        let all = update_figures_svg(&own, true);
+        let file: UpdateFile = serde_json::from_str(UPDATE).unwrap();
+        let all = update_figures_svg(&file, true);
         let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(
             names,
@@ -278,7 +278,7 @@ mod tests {
             );
         }
         assert!(
-            update_figures_svg(&own, false)
+            update_figures_svg(&file, false)
                 .iter()
                 .all(|(_, svg)| !svg.contains("synthetic"))
         );
