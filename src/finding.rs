@@ -182,7 +182,8 @@ codes! {
     ChannelDrift: "A channel has an offset or drifts.",
         "The value is in parts of the peak. The mean before the hit is subtracted from each channel. A drift is not, and disturbs the lowest lines.";
     /// A hit whose FRF is inconsistent with the others at its point.
-    OddOneOut: "The FRF of this hit is inconsistent with the other hits at this point.",
+    #[serde(rename = "odd-one-out")]
+    InconsistentHit: "The FRF of this hit is inconsistent with the other hits at this point.",
         "The deviation from the average of the other hits is far beyond their scatter. Another point or direction was hit, or a sensor was disturbed. The hit is rejected; `--accept` uses it all the same.";
     /// The force level that starts a hit.
     TriggerLevel: "Hits were cut from a continuous recording where the force exceeds its baseline by this much.",

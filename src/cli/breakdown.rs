@@ -12,13 +12,13 @@ use crate::error::Error;
 use crate::io::write_all_whole;
 use crate::report::json::{self, BreakdownFile};
 use crate::report::{
-    Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_own_modes,
-    breakdown_rates, breakdown_svg, breakdown_times, figure_files, stability_cells, stability_svg,
+    Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_svg,
+    breakdown_times, breakdown_user_modes, figure_files, stability_cells, stability_svg,
 };
 use crate::scene::{ModesOptions, Observer, load_modes, lost_parts, read_text, run_observed};
 use crate::study::breakdown::{
-    BreakdownTable, CellStore, Finished, OwnMode, Part, Plan, SliceResult, compute, merge,
-    own_modes,
+    BreakdownTable, CellStore, Finished, Part, Plan, SliceResult, UserMode, compute, merge,
+    user_modes,
 };
 use crate::study::{StudyError, parse_study};
 
@@ -96,7 +96,7 @@ pub fn breakdown(
     }
     let MarkedModes {
         title,
-        modes: own_modes,
+        modes: user_modes,
         is_bad,
     } = spec.marked_modes(reading, output)?;
     let rates = breakdown_rates(&finished);
@@ -104,7 +104,7 @@ pub fn breakdown(
         schema: json::BREAKDOWN_SCHEMA.to_owned(),
         title,
         slices: finished.slices,
-        own_modes,
+        user_modes,
         stability: finished.stability,
     };
     if let Some(folder) = &args.output {
@@ -197,7 +197,7 @@ impl Spec {
             }
             return Ok(MarkedModes {
                 title: None,
-                modes: own_modes("", &loaded.modes, None),
+                modes: user_modes("", &loaded.modes, None),
                 is_bad: loaded.partly_bad,
             });
         }
@@ -212,7 +212,7 @@ impl Spec {
         let several = result.tests.len() > 1;
         let of_test = result.tests.iter().flat_map(|test| {
             let name = if several { test.name.as_str() } else { "" };
-            own_modes(name, &test.modes, test.frfs.first())
+            user_modes(name, &test.modes, test.frfs.first())
         });
         Ok(MarkedModes {
             title: Some(scene.title),
@@ -227,7 +227,7 @@ impl Spec {
 struct MarkedModes {
     /// Title of the scene that they come from.
     title: Option<String>,
-    modes: Vec<OwnMode>,
+    modes: Vec<UserMode>,
     /// Whether part of their files was bad.
     is_bad: bool,
 }
@@ -336,12 +336,12 @@ fn files(file: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, 
             csv(breakdown_cells(&file.slices)),
         ),
     ];
-    if !file.own_modes.is_empty() {
-        let modes = breakdown_own_modes(&file.slices, &file.own_modes);
+    if !file.user_modes.is_empty() {
+        let modes = breakdown_user_modes(&file.slices, &file.user_modes);
         files.push(("own-modes.csv".to_owned(), csv(modes)));
     }
     let figure = |slice: &SliceResult| {
-        let svg = breakdown_svg(slice, &slice.points(&file.own_modes));
+        let svg = breakdown_svg(slice, &slice.points(&file.user_modes));
         (slice.slice.name.clone(), svg)
     };
     let mut figures: Vec<(String, String)> = file.slices.iter().map(figure).collect();

@@ -108,7 +108,7 @@ fn code(rule: Rule) -> Code {
         Rule::Dead => Code::DeadChannel,
         Rule::Sign => Code::NegativeForce,
         Rule::Drift => Code::ChannelDrift,
-        Rule::InconsistentHit => Code::OddOneOut,
+        Rule::InconsistentHit => Code::InconsistentHit,
     }
 }
 

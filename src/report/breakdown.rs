@@ -1,8 +1,8 @@
 //! Breakdown maps as tables: the counts of every cell, the contours in words, the computing times.
 
 use crate::study::breakdown::{
-    Factor, Finished, MethodTime, OwnMode, OwnPoint, Reach, SYMPTOMS, SliceResult, Stability,
-    short, told, wilson,
+    FAILURE_MODES, Factor, Finished, MethodTime, SliceResult, Stability, SuccessRange, UserMode,
+    UserModePosition, segments_text, short, wilson,
 };
 
 use super::json::BreakdownFile;
@@ -26,7 +26,7 @@ pub fn breakdown_cells(slices: &[SliceResult]) -> Block {
     ];
     let mut columns: Vec<Column> = heads.iter().map(|head| Column::text(*head)).collect();
     columns.extend(
-        SYMPTOMS
+        FAILURE_MODES
             .iter()
             .map(|symptom| Column::number(symptom.name())),
     );
@@ -69,7 +69,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
 /// Contours of every slice in words, and the digits lost by order.
 pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
     let slices = file.slices.iter();
-    let slices = slices.map(|slice| breakdown_block(slice, &file.own_modes));
+    let slices = slices.map(|slice| breakdown_block(slice, &file.user_modes));
     slices
         .chain(file.stability.as_ref().map(stability_block))
         .collect()
@@ -77,9 +77,9 @@ pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
 
 /// Contours of a slice in words: where each method meets the stated error, how it fails beyond, and
 /// how far the user's modes are from the contour.
-fn breakdown_block(result: &SliceResult, user_modes: &[OwnMode]) -> Block {
+fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
     let slice = &result.slice;
-    let reaches: Vec<Vec<Reach>> = (0..slice.methods.len())
+    let reaches: Vec<Vec<SuccessRange>> = (0..slice.methods.len())
         .map(|method| result.reaches(method))
         .collect();
     let words = |factor: Factor| factor.name().replace('_', " ");
@@ -94,7 +94,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[OwnMode]) -> Block {
     }));
     columns.push(Column::number("share of the slice"));
     columns.push(Column::text("seen beyond"));
-    let row = |(method, reaches): (usize, &Vec<Reach>)| {
+    let row = |(method, reaches): (usize, &Vec<SuccessRange>)| {
         let mut cells = vec![Cell::text(&slice.methods[method])];
         cells.extend(
             reaches
@@ -127,8 +127,8 @@ fn breakdown_block(result: &SliceResult, user_modes: &[OwnMode]) -> Block {
 const MAX_MODE_SENTENCES: usize = 6;
 
 /// A sentence for each of the user's modes nearest to a contour, and the number of the other modes.
-fn own_sentences(points: &[OwnPoint]) -> Vec<String> {
-    let (inside, outside): (Vec<&OwnPoint>, Vec<&OwnPoint>) =
+fn own_sentences(points: &[UserModePosition]) -> Vec<String> {
+    let (inside, outside): (Vec<&UserModePosition>, Vec<&UserModePosition>) =
         points.iter().partition(|point| point.inside());
     let mut sentences: Vec<String> = inside
         .iter()
@@ -147,7 +147,7 @@ fn own_sentences(points: &[OwnPoint]) -> Vec<String> {
 }
 
 /// Location of every mode of the user in every slice, and its distance to each method's contour.
-pub fn breakdown_own_modes(slices: &[SliceResult], user_modes: &[OwnMode]) -> Block {
+pub fn breakdown_user_modes(slices: &[SliceResult], user_modes: &[UserMode]) -> Block {
     let heads = [
         "slice",
         "test",
@@ -203,9 +203,9 @@ fn stated_text(result: &SliceResult) -> String {
 }
 
 /// `from 2.6 (2.2 to 3.3)`: the interval where there is one inner end.
-fn reach_text(reach: &Reach, result: &SliceResult) -> String {
+fn reach_text(reach: &SuccessRange, result: &SliceResult) -> String {
     let axis = &result.slice.x;
-    let text = told(&reach.inside, axis);
+    let text = segments_text(&reach.inside, axis);
     let inner = |stretches: &[(f64, f64)]| match stretches {
         [(a, b)] if *a > axis.lo && *b >= axis.hi => Some(*a),
         [(a, b)] if *a <= axis.lo && *b < axis.hi => Some(*b),

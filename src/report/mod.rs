@@ -33,7 +33,7 @@ mod verdicts;
 
 pub use block::{Align, Block, Cell, Column, Table};
 pub use breakdown::{
-    breakdown_blocks, breakdown_cells, breakdown_own_modes, breakdown_rates, breakdown_times,
+    breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_times, breakdown_user_modes,
     stability_cells,
 };
 pub use compare::{details_blocks, simplest_details_block};

@@ -48,7 +48,7 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
     };
     let mut footnotes = vec![format!(
         "Excitation at {:.4} Hz; {} periods to settle, {} told.",
-        response.excitation_hz, response.span.settling_periods, response.span.told_periods
+        response.excitation_hz, response.span.settling_periods, response.span.recorded_periods
     )];
     let mut named: Vec<&str> = Vec::new();
     for (_, signal) in each(response) {

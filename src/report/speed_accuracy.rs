@@ -1,6 +1,6 @@
 //! Speed against accuracy as tables.
 
-use crate::study::{Method, SpeedAccuracy, Tally, TestStudy, Timing, lessons};
+use crate::study::{DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, lessons};
 
 use super::{Block, Cell, Column, Table};
 
@@ -80,7 +80,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
 
 fn front_row(
     (data, (estimator, step_hz)): (&str, (&str, f64)),
-    (method, tally, timing): (Method, &Tally, &Timing),
+    (method, tally, timing): (Method, &DetectionCounts, &Timing),
 ) -> Vec<Cell> {
     let percent = |value: Option<f64>, decimals| Cell::number(value.map(|v| 100.0 * v), decimals);
     vec![
@@ -160,7 +160,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn whole_row(place: [Cell; 5], method: Method, tally: &Tally) -> Vec<Cell> {
+fn whole_row(place: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
     let mut row: Vec<Cell> = place.into();
     row.push(Cell::text(method.name));
     row.push(Cell::number(method.order.map(|order| order as f64), 0));

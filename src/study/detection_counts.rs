@@ -8,7 +8,7 @@ use super::system::TrueMode;
 /// Counts and errors of the identifications of one system. Errors are taken over the observable
 /// modes that were found; an error is `None` where no such mode exists.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct DetectionCounts {
     /// Identifications.
     pub runs: usize,
     /// Those that the method refused.
@@ -32,7 +32,7 @@ pub struct Tally {
     damping_bound: f64,
 }
 
-impl Tally {
+impl DetectionCounts {
     /// Counts one identification; `None` for one that was refused.
     pub fn add(&mut self, judge: &Judge, found: Option<&ModalModel>) {
         self.runs += 1;
@@ -196,7 +196,7 @@ mod tests {
             modes: vec![found(30.03, [2.0, 0.0]), found(65.0, [1.0, 1.0])],
             ..ModalModel::default()
         };
-        let mut tally = Tally::default();
+        let mut tally = DetectionCounts::default();
         tally.add(&judge, Some(&model));
         // The mode at 90 Hz lies outside the band.
         assert_eq!((tally.observable, tally.found, tally.spurious), (2, 1, 1));
@@ -208,7 +208,7 @@ mod tests {
         let over = tally.frequency_over_bound().unwrap();
         assert!((over * bound.frequency_hz - 0.03).abs() < 1e-12);
         let mut both = tally;
-        let mut refused = Tally::default();
+        let mut refused = DetectionCounts::default();
         refused.add(&judge, None);
         both.join(&refused);
         assert_eq!(

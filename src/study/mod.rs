@@ -12,7 +12,7 @@
 //! | `meter` | [`Meter`]: processor time and memory, supplied by the caller |
 //! | `seed` | [`cell_random`]: random numbers from the coordinates of a cell |
 //! | `spec` | [`StudyFile`]: `study.toml` as typed |
-//! | `detection_counts` | [`Tally`]: errors of found modes, summed over identifications |
+//! | `detection_counts` | [`DetectionCounts`]: errors of found modes, summed over identifications |
 //! | `twin` | [`System::twin`]: the system of a test's modes |
 //! | `speed_accuracy` | [`speed_accuracy()`]: every method on a scene's tests and on their twins |
 //!
@@ -34,7 +34,7 @@ mod system;
 mod twin;
 
 pub use bound::{Deviation, NoisyLines, deviations};
-pub use detection_counts::Tally;
+pub use detection_counts::DetectionCounts;
 pub use error::StudyError;
 pub use meter::{Cost, Meter};
 pub use method::{Method, REFINED};

@@ -103,14 +103,14 @@ pub fn simplest_detail<'a>(
 /// Compares a model with those without the mass of its small bodies, every combination of them.
 ///
 /// # Errors
-/// Those of the model; [`TheoryError::NothingSmall`] for one that names no small bodies.
+/// Those of the model; [`TheoryError::NoSimplerModel`] for one that names no small bodies.
 pub fn compare_details(
     model: &dyn TheoreticalModel,
     values: &[f64],
 ) -> Result<DetailComparison, TheoryError> {
     let small = model.small_bodies();
     if small.is_empty() {
-        return Err(TheoryError::NothingSmall {
+        return Err(TheoryError::NoSimplerModel {
             model: model.name().to_owned(),
         });
     }
@@ -302,7 +302,7 @@ mod tests {
         // The two formulas of a cube differ in the last digit.
         assert!((loose.cost(37) / (11.0f64 / 37.0).powi(3) - 1.0).abs() < 1e-12);
         let error = compare_details(built_in("torsional-planetary").unwrap().as_ref(), &[]);
-        assert!(matches!(error, Err(TheoryError::NothingSmall { .. })));
+        assert!(matches!(error, Err(TheoryError::NoSimplerModel { .. })));
     }
 
     #[test]
@@ -311,7 +311,7 @@ mod tests {
         let values = nominal_values(model.parameters());
         let span = ResponseSpan {
             settling_periods: 20,
-            told_periods: 5,
+            recorded_periods: 5,
             step_radians: 0.6,
         };
         let response = model.nonlinear().unwrap().response(&values, span).unwrap();

@@ -415,7 +415,7 @@ pub enum TheoryError {
     #[error(
         "model `{model}`: got no simpler model to compare, expected small bodies or a response over time"
     )]
-    NothingSmall {
+    NoSimplerModel {
         /// The model.
         model: String,
     },

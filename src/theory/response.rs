@@ -19,7 +19,7 @@ pub struct ResponseSpan {
     /// Periods of the excitation before the recorded ones, for the transient to decay.
     pub settling_periods: usize,
     /// Recorded periods; at least 1.
-    pub told_periods: usize,
+    pub recorded_periods: usize,
     /// Largest step as a fraction of 1 over the highest angular frequency.
     pub step_radians: f64,
 }
@@ -28,7 +28,7 @@ impl Default for ResponseSpan {
     fn default() -> Self {
         Self {
             settling_periods: 80,
-            told_periods: 20,
+            recorded_periods: 20,
             step_radians: 0.3,
         }
     }
@@ -40,11 +40,11 @@ impl ResponseSpan {
     /// # Errors
     /// [`TheoryError::NoPeriods`].
     pub(super) fn check(&self) -> Result<(), TheoryError> {
-        if self.told_periods > 0 && self.step_radians > 0.0 {
+        if self.recorded_periods > 0 && self.step_radians > 0.0 {
             return Ok(());
         }
         Err(TheoryError::NoPeriods {
-            periods: self.told_periods,
+            periods: self.recorded_periods,
             step_radians: self.step_radians,
         })
     }

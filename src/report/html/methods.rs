@@ -9,8 +9,8 @@ use super::summary::marked;
 use super::words::word;
 use super::{Beside, escape, fragment};
 use crate::study::breakdown::{
-    Axis, Bound, Distance, Field, LEVEL, OwnMode, OwnPoint, Scale, SliceResult, Stability,
-    StabilityPoint, short,
+    Axis, Bound, Distance, Field, LEVEL, Scale, SliceResult, Stability, StabilityPoint, UserMode,
+    UserModePosition, short,
 };
 
 const SPEED: &str = "Speed against accuracy";
@@ -94,7 +94,7 @@ fn breakdown_is_of_run(own: &BreakdownFile, report: &RunReport) -> bool {
     let Some(title) = &own.title else {
         return true;
     };
-    let known = |mode: &OwnMode| {
+    let known = |mode: &UserMode| {
         let mut tests = report.figures.tests.iter();
         let of_test = |name: &str| mode.test.is_empty() || mode.test == name;
         let near = |hz: f64| (hz - mode.frequency_hz).abs() <= SAME_MODE * hz;
@@ -103,7 +103,7 @@ fn breakdown_is_of_run(own: &BreakdownFile, report: &RunReport) -> bool {
             of_test(&test.name) && mark.is_some_and(|mark| near(mark.hz))
         })
     };
-    *title == report.title && own.own_modes.iter().all(known)
+    *title == report.title && own.user_modes.iter().all(known)
 }
 
 /// What the study teaches, its figures, its tables.
@@ -195,7 +195,7 @@ fn rounded(value: f64, digits: usize) -> f64 {
 
 fn breakdown_data(own: &BreakdownFile, language: Language) -> Value {
     let slices = own.slices.iter();
-    let slices = slices.map(|slice| slice_data(slice, &own.own_modes, language));
+    let slices = slices.map(|slice| slice_data(slice, &own.user_modes, language));
     json!({
         "slices": slices.collect::<Vec<_>>(),
         "courses": own.stability.as_ref().map(courses),
@@ -204,7 +204,7 @@ fn breakdown_data(own: &BreakdownFile, language: Language) -> Value {
 
 /// Shares in percent on the finest grid, column by column, contours, and the modes inside; places
 /// are shares of the axes.
-fn slice_data(result: &SliceResult, own: &[OwnMode], language: Language) -> Value {
+fn slice_data(result: &SliceResult, own: &[UserMode], language: Language) -> Value {
     let slice = &result.slice;
     let methods = 0..slice.methods.len();
     let fields: Vec<Field> = methods.map(|m| result.field(m, Bound::Counted)).collect();
@@ -254,7 +254,7 @@ fn place([x, y]: [f64; 2]) -> [f64; 2] {
 
 /// A mode with its distance from the contour of each method, and the method that fails nearest to
 /// it.
-fn point_data(own: &OwnPoint, result: &SliceResult, language: Language) -> Value {
+fn point_data(own: &UserModePosition, result: &SliceResult, language: Language) -> Value {
     let margins = own.margins.iter().map(|margin| {
         let distance = margin.distance.map(|own| distance_text(own, language));
         json!({ "inside": margin.inside, "distance": distance })

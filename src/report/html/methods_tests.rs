@@ -11,7 +11,7 @@ use crate::report::Language;
 use crate::report::json::{BREAKDOWN_SCHEMA, BreakdownFile, REPORT_SCHEMA, RunReport};
 use crate::scene::{Figures, ModeMark, Provenance, TestFigures};
 use crate::study::breakdown::{
-    Axis, Case, Cell, Count, Factor, OwnMode, Scale, Slice, SliceResult, StatedError,
+    Axis, Case, Cell, Count, Factor, Scale, Slice, SliceResult, StatedError, UserMode,
 };
 
 /// A run with one test of one mode.
@@ -91,7 +91,7 @@ fn breakdown() -> BreakdownFile {
             },
             cells: [(0, 0), (0, 1), (1, 0), (1, 1)].map(cell).into(),
         }],
-        own_modes: vec![OwnMode {
+        user_modes: vec![UserMode {
             test: String::new(),
             number: 1,
             frequency_hz: 412.3,
@@ -183,12 +183,12 @@ fn maps_of_another_scene_or_of_other_modes_are_left_out_with_a_word() {
     };
     assert!(!with(|_| ()));
     assert!(!with(
-        |own| (own.title, own.own_modes[0].frequency_hz) = (None, 1.0)
+        |own| (own.title, own.user_modes[0].frequency_hz) = (None, 1.0)
     ));
     assert!(with(|own| own.title = Some("another".to_owned())));
-    assert!(with(|own| own.own_modes[0].frequency_hz *= 1.001));
-    assert!(with(|own| own.own_modes[0].number = 2));
-    assert!(with(|own| own.own_modes[0].test = "shaker".to_owned()));
+    assert!(with(|own| own.user_modes[0].frequency_hz *= 1.001));
+    assert!(with(|own| own.user_modes[0].number = 2));
+    assert!(with(|own| own.user_modes[0].test = "shaker".to_owned()));
 }
 
 #[test]

@@ -12,7 +12,8 @@ struct ResponseFile<'a> {
     schema: &'static str,
     excitation_hz: f64,
     settling_periods: usize,
-    told_periods: usize,
+    #[serde(rename = "told_periods")]
+    recorded_periods: usize,
     details: Vec<DetailFile<'a>>,
 }
 
@@ -72,7 +73,7 @@ pub fn response_to_json(response: &TimeResponse) -> String {
         schema: RESPONSE_SCHEMA,
         excitation_hz: response.excitation_hz,
         settling_periods: response.span.settling_periods,
-        told_periods: response.span.told_periods,
+        recorded_periods: response.span.recorded_periods,
         details: details.collect(),
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::io::IoError;
-use crate::study::breakdown::{OwnMode, SliceResult, Stability};
+use crate::study::breakdown::{SliceResult, Stability, UserMode};
 use crate::study::{
     LowestOrder, ModeNeeds, OrderTried, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds,
     TestStudy, TheoryNeeds, answers, lessons,
@@ -237,7 +237,8 @@ pub struct BreakdownFile {
     /// The slices.
     pub slices: Vec<SliceResult>,
     /// The modes that are shown in them.
-    pub own_modes: Vec<OwnMode>,
+    #[serde(rename = "own_modes")]
+    pub user_modes: Vec<UserMode>,
     /// Digits lost by order.
     pub stability: Option<Stability>,
 }

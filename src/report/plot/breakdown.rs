@@ -5,7 +5,7 @@
 //! tell them apart.
 
 use crate::study::breakdown::{
-    Bound, Field, LEVEL, OwnPoint, Scale, SliceResult, Stability, StabilityPoint,
+    Bound, Field, LEVEL, Scale, SliceResult, Stability, StabilityPoint, UserModePosition,
 };
 
 use super::axis::{Axis, frame};
@@ -23,7 +23,7 @@ const MARKS: f64 = 70.0;
 const DARKEST: f64 = 72.0;
 
 /// A slice: beyond its contour a method meets the stated error in fewer than 95 % of the draws.
-pub fn breakdown_svg(result: &SliceResult, points: &[OwnPoint]) -> String {
+pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> String {
     let slice = &result.slice;
     let mut canvas = Canvas::new(WIDTH, BOTTOM + 50.0);
     let title = format!(
@@ -46,7 +46,7 @@ pub fn breakdown_svg(result: &SliceResult, points: &[OwnPoint]) -> String {
         }
     }
     canvas.unclip();
-    own_modes(&mut canvas, points);
+    user_modes(&mut canvas, points);
     legend(&mut canvas, result, &fields);
     canvas.finish()
 }
@@ -136,11 +136,11 @@ const LABELS: usize = 6;
 
 /// Modes as black points; those that lie on one another share a label. Those nearest to where a
 /// method fails are named, as far as there is room.
-fn own_modes(canvas: &mut Canvas, points: &[OwnPoint]) {
-    let mut groups: Vec<([f64; 2], Vec<&OwnPoint>)> = Vec::new();
+fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
+    let mut groups: Vec<([f64; 2], Vec<&UserModePosition>)> = Vec::new();
     for point in points.iter().filter(|point| point.inside()) {
         let at = place(point.place);
-        let near = |own: &&mut ([f64; 2], Vec<&OwnPoint>)| {
+        let near = |own: &&mut ([f64; 2], Vec<&UserModePosition>)| {
             (own.0[0] - at[0]).hypot(own.0[1] - at[1]) < 8.0
         };
         match groups.iter_mut().find(near) {
@@ -183,7 +183,7 @@ fn own_modes(canvas: &mut Canvas, points: &[OwnPoint]) {
 
 /// `mode 4`, `modes 1, 2`, `modes 1 to 6`; under the name of the test where there are several.
 /// `None` for modes of several tests.
-fn listed(all: &[&OwnPoint]) -> Option<String> {
+fn listed(all: &[&UserModePosition]) -> Option<String> {
     let test = all[0].mode.test.as_str();
     if all.iter().any(|own| own.mode.test != test) {
         return None;

@@ -1,7 +1,7 @@
 //! Speed against accuracy: time and error of every method, and errors over their bound against
 //! noise.
 
-use crate::study::{Condition, Method, SpeedAccuracy, Tally, TestStudy};
+use crate::study::{Condition, DetectionCounts, Method, SpeedAccuracy, TestStudy};
 
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
@@ -57,7 +57,7 @@ fn number_of(method: Method) -> usize {
         .unwrap_or(0)
 }
 
-fn errors(tally: &Tally) -> [Option<f64>; 2] {
+fn errors(tally: &DetectionCounts) -> [Option<f64>; 2] {
     [tally.frequency(), tally.damping()]
 }
 
@@ -119,7 +119,7 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
         .iter()
         .filter(|own| own.condition == Condition::White);
     let bounds = bounds.filter(|own| own.snr_db.total_cmp(&snr_db).is_eq());
-    let most = |value: &dyn Fn(&Tally) -> Option<f64>| {
+    let most = |value: &dyn Fn(&DetectionCounts) -> Option<f64>| {
         bounds
             .clone()
             .filter_map(|own| value(&own.tally))
@@ -132,7 +132,10 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
         ),
         points: points.collect(),
         accuracy: (
-            [most(&Tally::frequency_bound), most(&Tally::damping_bound)],
+            [
+                most(&DetectionCounts::frequency_bound),
+                most(&DetectionCounts::damping_bound),
+            ],
             "Cramér-Rao bound",
         ),
         transform_s: test.limits[1].transform_s,
@@ -283,7 +286,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
     let levels = &study.options.snr_db;
     let has = |condition: &Condition| test.twin.iter().any(|row| row.condition == *condition);
     let conditions: Vec<Condition> = Condition::ALL.into_iter().filter(has).collect();
-    let value = |row: &Tally, quantity| match quantity {
+    let value = |row: &DetectionCounts, quantity| match quantity {
         0 => row.frequency_over_bound(),
         _ => row.damping_over_bound(),
     };

@@ -39,7 +39,7 @@ impl Default for StatedError {
 /// What is wrong with a draw; of several the first in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Symptom {
+pub enum FailureMode {
     /// The method or the estimation of FRFs ended with an error.
     NoAnswer,
     /// Two modes are identified as one.
@@ -63,53 +63,53 @@ pub enum Symptom {
 }
 
 /// All symptoms in their order.
-pub const SYMPTOMS: [Symptom; 10] = [
-    Symptom::NoAnswer,
-    Symptom::Merged,
-    Symptom::Missed,
-    Symptom::Invented,
-    Symptom::Frequency,
-    Symptom::DampingHigh,
-    Symptom::DampingLow,
-    Symptom::Shape,
-    Symptom::ResidueSmall,
-    Symptom::ResidueLarge,
+pub const FAILURE_MODES: [FailureMode; 10] = [
+    FailureMode::NoAnswer,
+    FailureMode::Merged,
+    FailureMode::Missed,
+    FailureMode::Invented,
+    FailureMode::Frequency,
+    FailureMode::DampingHigh,
+    FailureMode::DampingLow,
+    FailureMode::Shape,
+    FailureMode::ResidueSmall,
+    FailureMode::ResidueLarge,
 ];
 
-impl Symptom {
+impl FailureMode {
     /// Its name in CSV.
     pub fn name(self) -> &'static str {
         match self {
-            Symptom::NoAnswer => "no-answer",
-            Symptom::Merged => "merged",
-            Symptom::Missed => "missed",
-            Symptom::Invented => "invented",
-            Symptom::Frequency => "frequency",
-            Symptom::DampingHigh => "damping-high",
-            Symptom::DampingLow => "damping-low",
-            Symptom::Shape => "shape",
-            Symptom::ResidueSmall => "residue-small",
-            Symptom::ResidueLarge => "residue-large",
+            FailureMode::NoAnswer => "no-answer",
+            FailureMode::Merged => "merged",
+            FailureMode::Missed => "missed",
+            FailureMode::Invented => "invented",
+            FailureMode::Frequency => "frequency",
+            FailureMode::DampingHigh => "damping-high",
+            FailureMode::DampingLow => "damping-low",
+            FailureMode::Shape => "shape",
+            FailureMode::ResidueSmall => "residue-small",
+            FailureMode::ResidueLarge => "residue-large",
         }
     }
 
     /// Its description for tables and figures.
     pub fn sentence(self) -> &'static str {
         match self {
-            Symptom::NoAnswer => "no answer",
-            Symptom::Merged => "the pair identified as one mode",
-            Symptom::Missed => "a mode missed",
-            Symptom::Invented => "a mode invented",
-            Symptom::Frequency => "a frequency off",
-            Symptom::DampingHigh => "damping too high",
-            Symptom::DampingLow => "damping too low",
-            Symptom::Shape => "a shape wrong",
-            Symptom::ResidueSmall => "residues too small",
-            Symptom::ResidueLarge => "residues too large",
+            FailureMode::NoAnswer => "no answer",
+            FailureMode::Merged => "the pair identified as one mode",
+            FailureMode::Missed => "a mode missed",
+            FailureMode::Invented => "a mode invented",
+            FailureMode::Frequency => "a frequency off",
+            FailureMode::DampingHigh => "damping too high",
+            FailureMode::DampingLow => "damping too low",
+            FailureMode::Shape => "a shape wrong",
+            FailureMode::ResidueSmall => "residues too small",
+            FailureMode::ResidueLarge => "residues too large",
         }
     }
 
-    /// Its place in [`SYMPTOMS`].
+    /// Its place in [`FAILURE_MODES`].
     pub fn index(self) -> usize {
         self as usize
     }
@@ -128,13 +128,13 @@ pub fn symptom(
     (truth, responses): (&ModalModel, &[Dof]),
     found: &ModalModel,
     stated: &StatedError,
-) -> Option<Symptom> {
+) -> Option<FailureMode> {
     let partners = partners(&truth.modes, &found.modes);
     if let Some(missed) = partners.iter().position(Option::is_none) {
         return Some(missing(truth, found, &partners, missed));
     }
     if found.modes.len() > truth.modes.len() {
-        return Some(Symptom::Invented);
+        return Some(FailureMode::Invented);
     }
     let pairs = || {
         let all = truth.modes.iter().zip(&partners);
@@ -152,9 +152,9 @@ pub fn symptom(
         residue_off((expected, found_mode), &found.modes, stated)
     });
     frequency
-        .then_some(Symptom::Frequency)
+        .then_some(FailureMode::Frequency)
         .or(damping)
-        .or(shape.then_some(Symptom::Shape))
+        .or(shape.then_some(FailureMode::Shape))
         .or(residue)
 }
 
@@ -189,7 +189,7 @@ fn missing(
     found: &ModalModel,
     partners: &[Option<usize>],
     missed: usize,
-) -> Symptom {
+) -> FailureMode {
     let missed_mode = &truth.modes[missed];
     let covers = |r: usize, f: usize| {
         let (other, found) = (&truth.modes[r], &found.modes[f]);
@@ -203,8 +203,8 @@ fn missing(
     let neighbours = partners.iter().enumerate();
     let merged = neighbours.filter_map(|(r, f)| Some((r, (*f)?)));
     match merged.into_iter().any(|(r, f)| covers(r, f)) {
-        true => Symptom::Merged,
-        false => Symptom::Missed,
+        true => FailureMode::Merged,
+        false => FailureMode::Missed,
     }
 }
 
@@ -215,13 +215,13 @@ fn frequency_off(expected: &Mode, found: &Mode, stated: &StatedError) -> bool {
         || error > 0.01 * percent * expected.frequency_hz
 }
 
-fn damping_off(expected: &Mode, found: &Mode, stated: &StatedError) -> Option<Symptom> {
+fn damping_off(expected: &Mode, found: &Mode, stated: &StatedError) -> Option<FailureMode> {
     let (truth, found) = (expected.damping_ratio?, found.damping_ratio.unwrap_or(0.0));
     let error = found / truth - 1.0;
     let limit = 0.01 * stated.damping_percent;
     match error {
-        _ if error > limit => Some(Symptom::DampingHigh),
-        _ if error < -limit => Some(Symptom::DampingLow),
+        _ if error > limit => Some(FailureMode::DampingHigh),
+        _ if error < -limit => Some(FailureMode::DampingLow),
         _ => None,
     }
 }
@@ -257,7 +257,7 @@ fn residue_off(
     (expected, found): (&Mode, &Mode),
     all: &[Mode],
     stated: &StatedError,
-) -> Option<Symptom> {
+) -> Option<FailureMode> {
     let limit = 0.01 * stated.residue_percent?;
     if group(found, all).len() > 1 {
         return None;
@@ -267,8 +267,8 @@ fn residue_off(
         squares.sum::<f64>().sqrt()
     };
     match size(found) / size(expected) - 1.0 {
-        error if error > limit => Some(Symptom::ResidueLarge),
-        error if error < -limit => Some(Symptom::ResidueSmall),
+        error if error > limit => Some(FailureMode::ResidueLarge),
+        error if error < -limit => Some(FailureMode::ResidueSmall),
         _ => None,
     }
 }
@@ -282,7 +282,7 @@ mod tests {
         Case::default().truth(0.0, 1.0).unwrap().model
     }
 
-    fn symptom_of(change: impl Fn(&mut Vec<Mode>)) -> Option<Symptom> {
+    fn symptom_of(change: impl Fn(&mut Vec<Mode>)) -> Option<FailureMode> {
         let (truth, mut found) = (truth(), truth());
         change(&mut found.modes);
         let responses = Case::default().responses();
@@ -292,26 +292,26 @@ mod tests {
     #[test]
     fn each_error_of_a_mode_has_its_symptom() {
         assert_eq!(symptom_of(|_| ()), None);
-        assert_eq!(symptom_of(|m| drop(m.pop())), Some(Symptom::Missed));
+        assert_eq!(symptom_of(|m| drop(m.pop())), Some(FailureMode::Missed));
         assert_eq!(
             symptom_of(|m| m.push(m[0].clone())),
-            Some(Symptom::Invented)
+            Some(FailureMode::Invented)
         );
         assert_eq!(
             symptom_of(|m| m[1].frequency_hz += 0.3),
-            Some(Symptom::Frequency)
+            Some(FailureMode::Frequency)
         );
         let damped = |factor: f64| symptom_of(|m| m[0].damping_ratio = Some(0.01 * factor));
         assert_eq!(damped(1.09), None);
-        assert_eq!(damped(1.2), Some(Symptom::DampingHigh));
-        assert_eq!(damped(0.8), Some(Symptom::DampingLow));
+        assert_eq!(damped(1.2), Some(FailureMode::DampingHigh));
+        assert_eq!(damped(0.8), Some(FailureMode::DampingLow));
         let swapped = symptom_of(|m| m[0].shape = m[1].shape.clone());
-        assert_eq!(swapped, Some(Symptom::Shape));
+        assert_eq!(swapped, Some(FailureMode::Shape));
         let sized =
             |factor: f64| symptom_of(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
         assert_eq!(sized(0.85), None);
-        assert_eq!(sized(0.7), Some(Symptom::ResidueSmall));
-        assert_eq!(sized(1.5), Some(Symptom::ResidueLarge));
+        assert_eq!(sized(0.7), Some(FailureMode::ResidueSmall));
+        assert_eq!(sized(1.5), Some(FailureMode::ResidueLarge));
     }
 
     #[test]
@@ -322,12 +322,12 @@ mod tests {
         found.modes.remove(1);
         let responses = close.responses();
         let merged = symptom((&truth, &responses), &found, &StatedError::default());
-        assert_eq!(merged, Some(Symptom::Merged));
+        assert_eq!(merged, Some(FailureMode::Merged));
     }
 
     #[test]
     fn symptoms_are_in_the_order_of_their_index() {
-        for (index, symptom) in SYMPTOMS.iter().enumerate() {
+        for (index, symptom) in FAILURE_MODES.iter().enumerate() {
             assert_eq!(symptom.index(), index);
         }
     }

@@ -7,12 +7,12 @@
 //! | `factor` | [`Factor`]: quantity that a slice varies; [`Axis`]: its values |
 //! | `case` | [`Case`]: three modes on a line of sensors |
 //! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer()`], from the seed of a cell's coordinates |
-//! | `failure_mode` | [`StatedError`], and the [`Symptom`] of a draw that does not meet it |
+//! | `failure_mode` | [`StatedError`], and the [`FailureMode`] of a draw that does not meet it |
 //! | `wilson` | [`wilson`]: the interval of a counted share |
 //! | `grid` | [`Grid`]: cells halved near a contour |
 //! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: counted successes |
 //! | `contour` | lines and places where a share crosses 95 % |
-//! | `user_modes` | [`OwnMode`]: a user's modes in a slice, and their distance from where a method fails |
+//! | `user_modes` | [`UserMode`]: a user's modes in a slice, and their distance from where a method fails |
 //! | `summary` | a slice in words |
 //! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
 //! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
@@ -41,7 +41,7 @@ pub use case::Case;
 pub use contour::Point;
 pub use error::BreakdownError;
 pub use factor::{Axis, FACTORS, Factor, Scale};
-pub use failure_mode::{SYMPTOMS, StatedError, Symptom};
+pub use failure_mode::{FAILURE_MODES, FailureMode, StatedError};
 pub use grid::{Field, Grid, Node};
 pub use plan::{
     AxisTable, BreakdownTable, CaseTable, Plan, SliceTable, StabilityTable, StatedTable,
@@ -49,6 +49,6 @@ pub use plan::{
 pub use slice::{Bound, Cell, Count, LEVEL, MethodTime, Slice, SliceResult};
 pub use stability::{Stability, StabilityCourse, StabilityPlan, StabilityPoint};
 pub use store::{CellStore, Finished, Part, compute, merge};
-pub use summary::{Reach, short, told};
-pub use user_modes::{Distance, Margin, OwnMode, OwnPoint, own_modes};
+pub use summary::{SuccessRange, segments_text, short};
+pub use user_modes::{Distance, Margin, UserMode, UserModePosition, user_modes};
 pub use wilson::wilson;

@@ -11,8 +11,8 @@ use crate::study::Meter;
 use crate::synth::SynthError;
 
 use super::draw::{Draw, draw_random};
-use super::failure_mode::{SYMPTOMS, symptom};
-use super::{Axis, Case, Field, Grid, Node, StatedError, Symptom, wilson};
+use super::failure_mode::{FAILURE_MODES, symptom};
+use super::{Axis, Case, FailureMode, Field, Grid, Node, StatedError, wilson};
 
 /// Success rate at the contour: share of the draws in which a method meets the stated error.
 pub const LEVEL: f64 = 0.95;
@@ -52,13 +52,13 @@ pub struct Count {
     pub draws: u32,
     /// Draws in which it met the stated error.
     pub good: u32,
-    /// Draws that show each of [`SYMPTOMS`].
+    /// Draws that show each of [`FAILURE_MODES`].
     pub symptoms: Vec<u32>,
 }
 
 impl Count {
-    fn from_symptoms(verdicts: &[Option<Symptom>]) -> Self {
-        let mut symptoms = vec![0; SYMPTOMS.len()];
+    fn from_symptoms(verdicts: &[Option<FailureMode>]) -> Self {
+        let mut symptoms = vec![0; FAILURE_MODES.len()];
         for symptom in verdicts.iter().flatten() {
             symptoms[symptom.index()] += 1;
         }
@@ -267,7 +267,7 @@ impl<'a> Work<'a> {
     fn try_method(&mut self, index: usize, (case, draws): (&Case, &[Draw])) -> Count {
         let name = &self.slice.methods[index];
         let stated = &self.slice.stated;
-        let mut verdicts: Vec<Option<Symptom>> = Vec::new();
+        let mut verdicts: Vec<Option<FailureMode>> = Vec::new();
         let (first, rest) = draws.split_at(FIRST_DRAWS.min(draws.len()));
         let cost = self.meter.measure(&mut || {
             let of = |draw: &Draw| verdict(draw, (name, case), stated);
@@ -298,9 +298,13 @@ impl<'a> Work<'a> {
 }
 
 /// Failure mode of a method in a draw; `None` for a success.
-fn verdict(draw: &Draw, (method, case): (&str, &Case), stated: &StatedError) -> Option<Symptom> {
+fn verdict(
+    draw: &Draw,
+    (method, case): (&str, &Case),
+    stated: &StatedError,
+) -> Option<FailureMode> {
     let Ok(set) = &draw.set else {
-        return Some(Symptom::NoAnswer);
+        return Some(FailureMode::NoAnswer);
     };
     let mut options = IdentifyOptions {
         method: method.to_owned(),
@@ -309,7 +313,7 @@ fn verdict(draw: &Draw, (method, case): (&str, &Case), stated: &StatedError) -> 
     };
     options.estimator.max_order = case.order;
     match identify(set, &options) {
-        Err(_) => Some(Symptom::NoAnswer),
+        Err(_) => Some(FailureMode::NoAnswer),
         Ok(found) => symptom((&draw.truth, &draw.responses), &found, stated),
     }
 }
@@ -333,7 +337,7 @@ impl SliceResult {
     /// Most frequent failure mode of a method, and its share of the failed draws. Failures count
     /// just outside the contour, in cells where at least half of the draws succeed; without such
     /// cells, all failures count.
-    pub fn common_symptom(&self, method: usize) -> Option<(Symptom, f64)> {
+    pub fn common_symptom(&self, method: usize) -> Option<(FailureMode, f64)> {
         let counts = || {
             let cells = self.cells.iter();
             cells.filter_map(|cell| cell.counts[method].as_ref())
@@ -350,7 +354,7 @@ impl SliceResult {
             .max_by_key(|index| symptoms[*index])?;
         (all > 0).then(|| {
             (
-                SYMPTOMS[commonest],
+                FAILURE_MODES[commonest],
                 f64::from(symptoms[commonest]) / f64::from(all),
             )
         })
@@ -367,7 +371,7 @@ impl SliceResult {
 }
 
 fn sum<'a>(counts: impl Iterator<Item = &'a Count>) -> Vec<u32> {
-    let mut total = vec![0; SYMPTOMS.len()];
+    let mut total = vec![0; FAILURE_MODES.len()];
     for count in counts {
         for (all, count_of_symptom) in total.iter_mut().zip(&count.symptoms) {
             *all += count_of_symptom;

@@ -181,7 +181,7 @@ fn force_noise_biases_h1_whatever_the_method() {
 fn user_modes_have_positions_and_margins_in_a_slice() {
     let plan = plan(SMALL);
     let finished = run(&plan, Part::WHOLE, &Memory::default()).unwrap();
-    let mode = |noise: f64| OwnMode {
+    let mode = |noise: f64| UserMode {
         test: String::new(),
         number: 4,
         frequency_hz: 412.34,

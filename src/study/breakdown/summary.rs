@@ -5,7 +5,7 @@ use super::slice::{Bound, LEVEL, SliceResult};
 
 /// Ranges of the first axis in which a method meets the stated error, the second one fixed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reach {
+pub struct SuccessRange {
     /// Value of the second axis.
     pub held: f64,
     /// Values of the first axis between which the share is 95 % or more.
@@ -21,7 +21,7 @@ const ROWS: [f64; 3] = [0.0, 0.5, 1.0];
 
 impl SliceResult {
     /// Ranges in which a method succeeds, at both ends and in the middle of the second axis.
-    pub fn reaches(&self, method: usize) -> Vec<Reach> {
+    pub fn reaches(&self, method: usize) -> Vec<SuccessRange> {
         let (x, y) = (self.slice.x, self.slice.y);
         let fields = [Bound::Counted, Bound::Lower, Bound::Upper].map(|b| self.field(method, b));
         let reach = |share: &f64| {
@@ -29,7 +29,7 @@ impl SliceResult {
                 let segments = fields[k].stretches((true, *share), LEVEL).into_iter();
                 segments.map(|(a, b)| (x.at(a), x.at(b))).collect()
             };
-            Reach {
+            SuccessRange {
                 held: y.at(*share),
                 inside: values_of(0),
                 known_inside: values_of(1),
@@ -51,7 +51,7 @@ impl SliceResult {
 }
 
 /// Stretches of an axis in words: `all`, `none`, `from 2.6`, `to 0.03`, `2 to 5`.
-pub fn told(stretches: &[(f64, f64)], axis: &Axis) -> String {
+pub fn segments_text(stretches: &[(f64, f64)], axis: &Axis) -> String {
     let one = |(a, b): &(f64, f64)| match (at_end(*a, axis.lo), at_end(*b, axis.hi)) {
         (true, true) => "all".to_owned(),
         (false, true) => format!("from {}", short(*a)),
@@ -105,7 +105,7 @@ mod tests {
             (vec![(2.634, 10.0)], "from 2.6"),
             (vec![(0.1, 0.0312), (1.0, 5.0)], "to 0.031, 1 to 5"),
         ] {
-            assert_eq!(told(&stretches, &axis), words);
+            assert_eq!(segments_text(&stretches, &axis), words);
         }
         assert_eq!(short(43.21), "43");
         assert_eq!(short(1e-6), "1e-6");

@@ -13,7 +13,7 @@ use super::{Axis, Factor, Field, Scale};
 
 /// A mode with the values of the factors that its test determines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct OwnMode {
+pub struct UserMode {
     /// Name of its test, where there are several.
     pub test: String,
     /// Its number in the table of modes, from 1.
@@ -27,7 +27,7 @@ pub struct OwnMode {
 /// The modes of a test: damping; distance to the nearest neighbour in half-power widths; number of
 /// references; size at the best of them; and from its FRFs, where they are given, noise over the
 /// band (the median of the functions), hits, and length of the record.
-pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<OwnMode> {
+pub fn user_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<UserMode> {
     let of_set = set.map_or_else(BTreeMap::new, |set| values_of_set(set, model));
     let mode = |(index, mode): (usize, &Mode)| {
         let mut values = of_set.clone();
@@ -46,7 +46,7 @@ pub fn own_modes(test: &str, model: &ModalModel, set: Option<&FrfSet>) -> Vec<Ow
             values.extend(record.map(|record| (Factor::RecordLength, record * constant)));
         }
         values.retain(|_, value| value.is_finite());
-        OwnMode {
+        UserMode {
             test: test.to_owned(),
             number: index + 1,
             frequency_hz: mode.frequency_hz,
@@ -104,9 +104,9 @@ fn values_of_set(set: &FrfSet, model: &ModalModel) -> BTreeMap<Factor, f64> {
 
 /// A mode in a slice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OwnPoint {
+pub struct UserModePosition {
     /// The mode.
-    pub mode: OwnMode,
+    pub mode: UserMode,
     /// Its position as fractions of the axes; below 0 or above 1 outside the slice.
     pub place: [f64; 2],
     /// By method; none outside the slice.
@@ -156,7 +156,7 @@ impl Distance {
     }
 }
 
-impl OwnPoint {
+impl UserModePosition {
     /// Whether the slice reaches it.
     pub fn inside(&self) -> bool {
         self.place.iter().all(|share| (0.0..=1.0).contains(share))
@@ -199,7 +199,7 @@ impl OwnPoint {
 impl SliceResult {
     /// The modes with both factors, those nearest to a contour first. No mode lies in a slice of
     /// hammer tests over noise: the noise of its responses is not comparable with that of FRFs.
-    pub fn points(&self, modes: &[OwnMode]) -> Vec<OwnPoint> {
+    pub fn points(&self, modes: &[UserMode]) -> Vec<UserModePosition> {
         let (x, y) = (self.slice.x, self.slice.y);
         let noise = [x.factor, y.factor].contains(&Factor::Noise);
         if noise && self.slice.needs_test() {
@@ -207,9 +207,9 @@ impl SliceResult {
         }
         let methods = 0..self.slice.methods.len();
         let fields: Vec<Field> = methods.map(|m| self.field(m, Bound::Counted)).collect();
-        let point = |mode: &OwnMode| {
+        let point = |mode: &UserMode| {
             let share = |axis: &Axis| axis.share(*mode.values.get(&axis.factor)?);
-            let mut point = OwnPoint {
+            let mut point = UserModePosition {
                 place: [share(&x)?, share(&y)?],
                 mode: mode.clone(),
                 margins: Vec::new(),
@@ -219,8 +219,8 @@ impl SliceResult {
             }
             Some(point)
         };
-        let mut points: Vec<OwnPoint> = modes.iter().filter_map(point).collect();
-        let slack = |point: &OwnPoint| {
+        let mut points: Vec<UserModePosition> = modes.iter().filter_map(point).collect();
+        let slack = |point: &UserModePosition| {
             point
                 .nearest()
                 .map_or(f64::INFINITY, |(_, distance)| distance.share)
@@ -247,7 +247,7 @@ impl SliceResult {
     }
 }
 
-impl OwnMode {
+impl UserMode {
     /// `mode 4 (412.3 Hz)`, with its test where there are several.
     pub fn name(&self) -> String {
         let test = match self.test.as_str() {

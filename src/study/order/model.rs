@@ -86,7 +86,7 @@ pub(super) fn theory(
         }));
     }
     let compared = match model.compare_details() {
-        Err(SceneError::Theory(TheoryError::NothingSmall { .. })) => {
+        Err(SceneError::Theory(TheoryError::NoSimplerModel { .. })) => {
             return none(
                 "the model has no small bodies to leave without mass and no response over time",
             );

@@ -25,7 +25,7 @@ mod twins;
 use crate::modal::InputFile;
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
-use super::{Meter, Method, StudyError, System, Tally};
+use super::{DetectionCounts, Meter, Method, StudyError, System};
 
 pub(super) use data::variants_of_test;
 pub use front::front;
@@ -60,7 +60,7 @@ pub struct DataRow {
     /// itself.
     pub is_reference: bool,
     /// Errors against the refined solution.
-    pub tally: Tally,
+    pub tally: DetectionCounts,
     /// What it cost.
     pub timing: Timing,
     /// Whether it is on the [`front`] of processor time and frequency error among all rows of its
@@ -78,7 +78,7 @@ pub struct TwinRow {
     /// Method.
     pub method: Method,
     /// Errors against the truth, over all draws.
-    pub tally: Tally,
+    pub tally: DetectionCounts,
 }
 
 /// Cost of a method on the twin in white noise, at the middle level.

@@ -8,7 +8,7 @@ use crate::fourier::ForwardPlan;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
 
-use super::super::{Judge, Meter, Method, REFINED, StudyError, System, Tally, TrueMode};
+use super::super::{DetectionCounts, Judge, Meter, Method, REFINED, StudyError, System, TrueMode};
 use super::data::TestSets;
 use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
 
@@ -108,7 +108,7 @@ pub(super) fn rows(
         for method in Method::all(&orders.collect::<Vec<usize>>()) {
             let identify = || method.identify(&variant.set, data.band).ok();
             let (found, timing) = timed(identify, options.repeats, meter);
-            let mut tally = Tally::default();
+            let mut tally = DetectionCounts::default();
             tally.add(&judge, found.as_ref());
             rows.push(DataRow {
                 estimator: variant.estimator,

@@ -6,7 +6,7 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::frf::FrfSet;
 
 use super::super::{
-    FrfNoise, Judge, Meter, Method, StudyError, System, Tally, cell_random, with_noise,
+    DetectionCounts, FrfNoise, Judge, Meter, Method, StudyError, System, cell_random, with_noise,
 };
 use super::test_data::{limits, timed};
 use super::{SpeedAccuracyOptions, SpeedLimits, TwinCost, TwinRow, front};
@@ -191,7 +191,7 @@ fn mark_front(study: &mut TwinStudy, snr_db: f64) {
 }
 
 /// The counts of one identification, and the reason where it was refused.
-type Judged = (Tally, Option<String>);
+type Judged = (DetectionCounts, Option<String>);
 
 /// A twin under one condition.
 struct Cell<'a> {
@@ -232,7 +232,7 @@ impl Cell<'_> {
         let mut rows = Vec::new();
         for (level, draws_of_level) in all.chunks(draws).enumerate() {
             for (m, method) in methods.iter().enumerate() {
-                let mut tally = Tally::default();
+                let mut tally = DetectionCounts::default();
                 draws_of_level
                     .iter()
                     .for_each(|draw| tally.join(&draw[m].0));
@@ -259,7 +259,7 @@ impl Cell<'_> {
         let mut random = cell_random(self.options.seed, &coordinates);
         let set = with_noise(&self.exact, variances, (None, &mut random))?;
         let tally = |method: &Method| {
-            let mut tally = Tally::default();
+            let mut tally = DetectionCounts::default();
             let found = method.identify(&set, self.system.band);
             tally.add(judge, found.as_ref().ok());
             (tally, found.err().map(|reason| reason.to_string()))

@@ -40,7 +40,7 @@ fn changes(load_nm: f64, ratio: f64) -> [f64; 4] {
     // damped.
     let span = ResponseSpan {
         settling_periods: 100,
-        told_periods: 20,
+        recorded_periods: 20,
         step_radians: 0.6,
     };
     let model = HelicalPlanetary::new("kb-1.5e8").unwrap();
@@ -119,7 +119,7 @@ fn the_torsional_model_comes_within_a_percent_at_a_hundred_and_twelve_times_the_
     // Bearings so stiff leave vibrations that die within a period.
     let span = ResponseSpan {
         settling_periods: 10,
-        told_periods: 2,
+        recorded_periods: 2,
         step_radians: 0.6,
     };
     let model = HelicalPlanetary::new("kb-1.5e8").unwrap();

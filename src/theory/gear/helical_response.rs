@@ -29,7 +29,7 @@ pub(super) const RATIOS: [f64; 8] = [2.5e-3, 7.5e-3, 2.5e-2, 0.1, 0.375, 1.0, 3.
 /// The span for it: the differences are reported to two digits.
 const SHORT: ResponseSpan = ResponseSpan {
     settling_periods: 60,
-    told_periods: 10,
+    recorded_periods: 10,
     step_radians: 0.6,
 };
 /// Bearing stiffness of the paper's figure 5, N/m.
@@ -172,7 +172,7 @@ pub(super) fn run(
     let mut integrator = RungeKutta4::default();
     let settled = span.settling_periods * steps;
     let mut samples: Vec<Vec<f64>> = vec![Vec::new(); SIGNALS.len()];
-    for step in 0..settled + span.told_periods * steps {
+    for step in 0..settled + span.recorded_periods * steps {
         let time_s = step as f64 * step_s;
         if step >= settled {
             let now = readings(motion, time_s, &state);

@@ -339,7 +339,7 @@ fn changes_by_a_varying_angle_and_soft_bearings_are_the_reference() {
         &"figures 5 and 3",
     );
     let thinned = |signal: &ResponseSignal| {
-        let step = signal.samples.len() / (400 * ResponseSpan::default().told_periods);
+        let step = signal.samples.len() / (400 * ResponseSpan::default().recorded_periods);
         let samples: Vec<f64> = signal.samples.iter().copied().step_by(step).collect();
         ResponseSignal::new(("delta_sp1", "m", "at common instants"), samples, (400, 1))
     };
@@ -361,7 +361,7 @@ fn a_response_without_periods_is_an_error() {
     let values = nominal_values(model.parameters());
     for span in [
         ResponseSpan {
-            told_periods: 0,
+            recorded_periods: 0,
             ..ResponseSpan::default()
         },
         ResponseSpan {
@@ -376,7 +376,7 @@ fn a_response_without_periods_is_an_error() {
     }
     let span = ResponseSpan {
         settling_periods: 1,
-        told_periods: 1,
+        recorded_periods: 1,
         step_radians: 0.3,
     };
     let found = model.response(&values, span).unwrap();

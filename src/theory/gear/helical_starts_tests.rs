@@ -17,7 +17,7 @@ use crate::theory::{DetailResponse, HelicalPlanetary};
 /// The reference's runs: forty periods, recorded from the first.
 const SPAN: ResponseSpan = ResponseSpan {
     settling_periods: 0,
-    told_periods: 40,
+    recorded_periods: 40,
     step_radians: 0.3,
 };
 

@@ -231,7 +231,7 @@ fn printed_results_of_82_teeth_state_both_angles_at_rest() {
     // The text does not depend on how long the runs are.
     let span = ResponseSpan {
         settling_periods: 1,
-        told_periods: 1,
+        recorded_periods: 1,
         step_radians: 0.6,
     };
     for quantity in printed_teeth_quantities(&model, &values, span).unwrap() {
