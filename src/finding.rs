@@ -482,7 +482,14 @@ impl Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.code.sentence())?;
+        let sentence = self.code.sentence();
+        let ends = self.value.is_none() && self.limit.is_none() && self.detail.is_none();
+        // The full stop would stand before the parenthesis or the detail.
+        let sentence = match sentence.strip_suffix('.') {
+            Some(sentence) if !ends => sentence,
+            _ => sentence,
+        };
+        write!(f, "{}: {sentence}", self.place)?;
         let unit = self
             .unit
             .as_deref()

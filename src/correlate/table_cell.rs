@@ -72,7 +72,7 @@ impl<'a> TestSight<'a> {
         let alike = pair.least_direction.map(|share| {
             let percent = 100.0 * share;
             format!(
-                "the test shapes are similar: they contribute {percent:.0} % of one direction of the root, so that one mode may be there twice"
+                "the test shapes are similar: they span {percent:.0} % of one direction of the repeated root, so that one mode may be there twice"
             )
         });
         let ambiguous = doubt.is_some() || alike.is_some();

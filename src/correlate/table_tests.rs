@@ -169,7 +169,7 @@ fn one_mode_twice_at_a_repeated_root_is_no_sure_pair() {
         (Status::Ambiguous, &[2, 3][..])
     );
     assert!(
-        cell.reasons[0].contains("they hold 0 %"),
+        cell.reasons[0].contains("they span 0 %"),
         "{:?}",
         cell.reasons
     );

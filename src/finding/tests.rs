@@ -29,6 +29,13 @@ fn the_sentence_has_place_value_and_limit() {
     assert!(text.ends_with("(2.500, limit 5)"), "{text}");
     let pure = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0)).value(0.3, "1");
     assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
+    let bare = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0));
+    assert!(bare.to_string().ends_with("a damping value."), "{bare}");
+    let detailed = bare.detail("one line").to_string();
+    assert!(
+        detailed.ends_with("a damping value; one line"),
+        "{detailed}"
+    );
 }
 
 #[test]
